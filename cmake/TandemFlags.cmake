@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# House flags, for every target of this tree and for no target of a project that includes it.
+
+# Results are part of the contract between peers: no fused multiply-add that the source did not ask
+# for, whatever the machine.
+add_compile_options(-ffp-contract=off)
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+# Definitions are written Def{.mass = 2.0}; what is not named has its default.
+add_compile_options(-Wno-missing-field-initializers)
+if(TANDEM_WERROR)
+  add_compile_options(-Werror)
+endif()
+
+if(TANDEM_SANITIZE)
+  list(JOIN TANDEM_SANITIZE "," _tandem_sanitize)
+  add_compile_options(-fsanitize=${_tandem_sanitize} -fno-sanitize-recover=all
+                      -fno-omit-frame-pointer -g)
+  # Instrumented code sends this one astray, inside the standard library too.
+  add_compile_options($<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  add_link_options(-fsanitize=${_tandem_sanitize})
+  unset(_tandem_sanitize)
+endif()

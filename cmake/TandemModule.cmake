@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# One function for each kind of target. Files are listed by the caller, never globbed.
+
+function(_tandem_common target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES
+    CXX_EXTENSIONS OFF
+    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+endfunction()
+
+# tandem_module(<name> SOURCES ... [PUBLIC_LINK ...] [PRIVATE_LINK ...])
+#
+# A library of the product: target tandem_<name>, alias tandem::<name>, public headers in
+# include/tandem/<name>/. It is installed with an export set of its own, so that a consumer of one
+# module needs the dependencies of that module only.
+function(tandem_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC_LINK;PRIVATE_LINK")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "tandem_module(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  set(target tandem_${name})
+  add_library(${target} ${arg_SOURCES})
+  add_library(tandem::${name} ALIAS ${target})
+  _tandem_common(${target})
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${name}
+    POSITION_INDEPENDENT_CODE ON
+    VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  target_include_directories(${target}
+    PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>"
+           "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
+    PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}/src")
+  target_link_libraries(${target} PUBLIC ${arg_PUBLIC_LINK})
+  foreach(dependency IN LISTS arg_PRIVATE_LINK)
+    # A header-only dependency leaves nothing for a consumer's linker, so the installed package
+    # does not mention it: tandem::net is used without Asio's headers.
+    get_target_property(type ${dependency} TYPE)
+    get_target_property(libraries ${dependency} INTERFACE_LINK_LIBRARIES)
+    if(type STREQUAL "INTERFACE_LIBRARY" AND NOT libraries)
+      target_link_libraries(${target} PRIVATE "$<BUILD_INTERFACE:${dependency}>")
+    else()
+      target_link_libraries(${target} PRIVATE ${dependency})
+    endif()
+  endforeach()
+
+  install(TARGETS ${target} EXPORT tandem-${name}-targets)
+  install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+  install(EXPORT tandem-${name}-targets NAMESPACE tandem::
+          DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tandem")
+
+  if(TANDEM_BUILD_TESTS)
+    _tandem_header_check(${name})
+  endif()
+endfunction()
+
+# Compiles each public header of a module alone. It globs on purpose: a header that nobody lists is
+# checked as well.
+function(_tandem_header_check name)
+  file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}/include"
+       "${CMAKE_CURRENT_SOURCE_DIR}/include/tandem/${name}/*.h")
+  set(sources)
+  foreach(header IN LISTS headers)
+    string(MAKE_C_IDENTIFIER "${header}" unit)
+    set(source "${CMAKE_CURRENT_BINARY_DIR}/header_check/${unit}.cpp")
+    # Twice: the second line tests the include guard.
+    file(CONFIGURE OUTPUT "${source}" @ONLY CONTENT "#include \"${header}\"\n#include \"${header}\"\n")
+    list(APPEND sources "${source}")
+  endforeach()
+  if(sources)
+    add_library(tandem_${name}_headers OBJECT ${sources})
+    _tandem_common(tandem_${name}_headers)
+    target_link_libraries(tandem_${name}_headers PRIVATE tandem::${name})
+  endif()
+endfunction()
+
+# tandem_library(<name> SOURCES ... [LINK ...] [INCLUDE ...])
+#
+# A static library that several executables of this tree share; not installed. LINK and INCLUDE are
+# passed on to its users.
+function(tandem_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK;INCLUDE")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "tandem_library(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  add_library(${name} STATIC ${arg_SOURCES})
+  _tandem_common(${name})
+  target_link_libraries(${name} PUBLIC ${arg_LINK})
+  target_include_directories(${name} PUBLIC ${arg_INCLUDE})
+endfunction()
+
+# tandem_executable(<name> SOURCES ... [LINK ...])
+#
+# A demo or a benchmark, in <build>/bin.
+function(tandem_executable name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "tandem_executable(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  _tandem_common(${name})
+  target_link_libraries(${name} PRIVATE ${arg_LINK})
+endfunction()
+
+# tandem_test(<name> SOURCES ... [LINK ...])
+#
+# The tests of one module: executable <name>, or <name>_test where <name> is a module, in
+# <build>/bin. It links what it names and nothing else, so the build shows what a module needs.
+function(tandem_test name)
+  if(NOT name MATCHES "_test$")
+    set(target "${name}_test")
+  else()
+    set(target "${name}")
+  endif()
+  tandem_executable(${target} ${ARGN})
+  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
+  target_link_libraries(${target} PRIVATE tandem_test_main)
+  # One entry for the whole executable: listing its cases would run it while it is built, and a
+  # sanitizer may need a prepared environment to start.
+  add_test(NAME ${target} COMMAND ${target})
+  set_tests_properties(${target} PROPERTIES TIMEOUT 600)
+endfunction()

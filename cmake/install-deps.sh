@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
+# none is.
+#   cmake/install-deps.sh [--with-checks]     with --with-checks also what .ci/run needs
+# Without root (or sudo without a password) or without apt-get it names them and exits with 1.
+set -euo pipefail
+
+packages=(
+  build-essential cmake ninja-build
+  libeigen3-dev libccd-dev libfcl-dev libasio-dev
+  catch2
+)
+for argument in "$@"; do
+  case "$argument" in
+    --with-checks) packages+=(clang clang-format clang-tidy libclang-rt-14-dev python3 git) ;;
+    *)
+      echo "install-deps: unknown argument: $argument" >&2
+      exit 2
+      ;;
+  esac
+done
+
+missing=()
+if command -v dpkg-query >/dev/null; then
+  for package in "${packages[@]}"; do
+    status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+    [[ $status == installed ]] || missing+=("$package")
+  done
+else
+  echo "install-deps: no dpkg here, so these Debian packages (or their like) cannot be looked for:" >&2
+  echo "  ${packages[*]}" >&2
+  exit 1
+fi
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+refuse() {
+  echo "install-deps: $1. Missing packages:" >&2
+  echo "  ${missing[*]}" >&2
+  exit 1
+}
+
+command -v apt-get >/dev/null || refuse "there is no apt-get"
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+  command -v sudo >/dev/null && sudo -n true 2>/dev/null || refuse "this needs root"
+  as_root=(sudo -n)
+fi
+
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0)
+
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+install_missing() {
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >"$log" 2>&1 </dev/null
+}
+
+echo "install-deps: installing ${missing[*]}"
+# The lists of packages may be absent or old: look at them only where it does not work without.
+if ! install_missing; then
+  "${apt[@]}" update >"$log" 2>&1 </dev/null || {
+    cat "$log" >&2
+    refuse "apt-get update failed"
+  }
+  install_missing || {
+    cat "$log" >&2
+    refuse "apt-get install failed"
+  }
+fi

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "tandem/consensus/transport.h"
+#include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::consensus {
+
+/// One peer's state of a body, carried to now by a predictor.
+struct PeerEstimate {
+  PeerId peer = 0;
+  pbd::Pose pose;      ///< world
+  pbd::Twist twist;    ///< world
+  double share = 0.0;  ///< what counts now, see effective_share(); 1 or more = an owner
+};
+
+/// How the rotation average was found.
+enum class RotationMean : std::uint8_t {
+  Single,    ///< one remote state: closed form
+  Power,     ///< aligned sum and power iterations: states agree within kPowerSpread
+  Exact,     ///< eigenvectors of the 4x4 matrix
+  Heaviest,  ///< remote states too far apart to be averaged: the heaviest of them alone
+};
+
+/// Largest angle (rad) between two states, the local one included, up to which the cheap form is
+/// used: 20 degrees.
+inline constexpr double kPowerSpread = 0.3490658503988659;
+/// Largest angle (rad) between two remote states up to which they are averaged: 60 degrees.
+inline constexpr double kMeanSpread = 1.0471975511965976;
+
+struct FusionInfo {
+  int used = 0;         ///< remote states that counted
+  double weight = 0.0;  ///< their total weight against the local 1; +infinity for owners
+  double spread = 0.0;  ///< rad, largest angle between two of the states, the local included
+  RotationMean rotation = RotationMean::Single;
+};
+
+/// Fuse any number of remote states of one body into one target, [friston] Eqs. 1 and 2 with the
+/// local state at weight 1:
+///   w_i = s_i / (1 - s_i),  W = sum w_i,  share = W / (1 + W)
+///   position, linear, angular:  sum w_i x_i / W, so that x + share (target - x) is Eq. 1
+///   rotation_error:  exp(share * rotation_error) q_local = q*, the dominant eigenvector of
+///                    q_local q_local^T + sum w_i q_i q_i^T (Eq. 2)
+///   pose.orientation:  the same mean over the remote states alone, for those who show it
+/// One remote state at angle t turns the local one by atan2(W sin t, 1 + W cos t).
+/// Beyond kMeanSpread between remote states every mean is ambiguous: the orientation is then that
+/// of the heaviest one (lowest peer id among equals) with its own weight; positions are still
+/// averaged. A distant *local* state is no reason for that: the mean is well defined up to half a
+/// turn. Where Eq. 2 leaves the answer open (two equal weights half a turn apart) the local
+/// orientation stays.
+/// Owners (share 1) override all others and the local state: the result is their mean, share 1.
+///
+/// The result does not depend on the order of `estimates`, which is sorted by peer (in place).
+/// @pre peers are distinct, numbers finite, orientations unit
+/// @param[out] target  all fields but `body` and `motion`; unchanged where nothing counts
+/// @return false where there is nothing to agree on: no estimate with a share above 0
+/// Cost O(N^2) dot products for N estimates, no allocation. Errors: none.
+bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target,
+          FusionInfo* info = nullptr);
+
+}  // namespace tandem::consensus

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tandem/consensus/shared_id.h"
+#include "tandem/consensus/transport.h"
+#include "tandem/consensus/update.h"
+
+namespace tandem::consensus {
+
+struct InboxOptions {
+  double max_age = 1.0;     ///< s: updates that are older when they arrive are refused
+  double max_future = 1.0;  ///< s: updates stamped further ahead of now are refused
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
+/// Why an update was kept or not.
+enum class InboxVerdict : std::uint8_t {
+  Accepted,
+  Duplicate,    ///< same stamp as the one kept
+  Late,         ///< older than the one kept
+  Expired,      ///< older than max_age
+  Future,       ///< stamped more than max_future ahead
+  UnknownId,    ///< id not registered here
+  UnknownPeer,  ///< peer not added here
+};
+
+struct InboxCounters {
+  std::uint64_t accepted = 0;
+  std::uint64_t duplicate = 0;
+  std::uint64_t late = 0;
+  std::uint64_t expired = 0;
+  std::uint64_t future = 0;
+  std::uint64_t unknown_id = 0;
+  std::uint64_t unknown_peer = 0;
+
+  void count(InboxVerdict verdict);
+  std::uint64_t dropped() const;
+  friend bool operator==(const InboxCounters&, const InboxCounters&) = default;
+};
+
+/// The newest update of each peer for each registered body; everything else is dropped by its
+/// timestamp and counted. Memory is bounded by registered ids times added peers, whatever arrives.
+/// Of updates with distinct stamps the same one is kept in whatever order they arrive; everything
+/// is iterated by ascending id and peer.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class Inbox {
+ public:
+  struct Received {
+    PeerId peer = 0;
+    StateUpdate update;
+    SessionTime arrival = 0;  ///< ns, when it was offered
+  };
+
+  /// @throws std::invalid_argument where the options are not valid
+  explicit Inbox(const InboxOptions& options = {});
+
+  /// Start to keep updates of a body. No effect where it is registered already.
+  /// @throws std::invalid_argument for an id of zeros
+  void add_id(const SharedId& id);
+  /// Forget a body and its updates.
+  void remove_id(const SharedId& id);
+  bool contains(const SharedId& id) const;
+  std::size_t id_count() const { return bodies_.size(); }
+
+  /// Start to keep updates of a peer. No effect where it is there already.
+  /// @throws std::invalid_argument for peer 0
+  void add_peer(PeerId peer);
+  /// Forget a peer's updates, as when it leaves. Its counters stay.
+  void remove_peer(PeerId peer);
+
+  /// Look at one update from an authenticated peer. @param now  session time, ns.
+  /// No allocation but at the first update of a peer for a body.
+  InboxVerdict offer(PeerId from, const StateUpdate& update, SessionTime now);
+
+  /// What is kept of a body, by ascending peer; empty for unknown ids. Updates stay until a newer
+  /// one, prune() or a removal: mind their age. Valid until the next change.
+  std::span<const Received> newest(const SharedId& id) const;
+  /// Drop what has become older than max_age; returns how many.
+  std::size_t prune(SessionTime now);
+
+  /// All offers of all peers, unknown ones included.
+  const InboxCounters& totals() const { return totals_; }
+  /// Of one peer, also after its removal; zeros where it was never added.
+  InboxCounters counters(PeerId peer) const;
+
+ private:
+  struct Body {
+    SharedId id;
+    std::vector<Received> newest;  ///< by peer
+  };
+  struct Peer {
+    PeerId id = 0;
+    bool present = false;
+    InboxCounters counters;
+  };
+
+  Body* find_body(const SharedId& id);
+  const Body* find_body(const SharedId& id) const;
+  Peer* find_peer(PeerId id);
+  InboxVerdict judge(PeerId from, const StateUpdate& update, SessionTime now);
+  InboxVerdict store(Body& body, PeerId from, const StateUpdate& update, SessionTime now);
+
+  SessionTime max_age_ns_;
+  SessionTime max_future_ns_;
+  std::vector<Body> bodies_;  ///< by id
+  std::vector<Peer> peers_;   ///< by id
+  InboxCounters totals_;
+};
+
+}  // namespace tandem::consensus

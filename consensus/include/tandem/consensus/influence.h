@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+namespace tandem::consensus {
+
+// Influence, defined once: a *share* s (0 to 1) is the part of the gap to a remote state that is
+// closed per 1/60 s of session time, whatever the step is. Against the local weight 1 it is the
+// weight w = s / (1 - s) of [friston] Eq. 1. A share of 1 makes the sender the *owner*.
+
+/// Shares are per this many seconds; the age in the gain rule is counted in them.
+inline constexpr double kShareInterval = 1.0 / 60.0;
+
+/// Weight w = s / (1 - s) relative to the local weight 1; +infinity for s >= 1, 0 for s <= 0.
+double weight_of_share(double share);
+
+/// Share s = w / (1 + w); 1 for w = +infinity, 0 for w <= 0.
+double share_of_weight(double weight);
+
+/// Part of the gap closed by a step of `dt` s: 1 - (1 - s)^(60 dt). Two steps close what one step
+/// of their length does. 1 for s >= 1 and 0 for s <= 0, whatever dt >= 0 is.
+double share_per_step(double share, double dt);
+
+/// What a peer announces for its own bodies, and how much of an announced share counts here now.
+struct InfluenceOptions {
+  /// Announced for bodies that nobody owns. [friston] Sec. 6.3 uses 0.05 to 0.10; above about 0.2
+  /// bodies were found to be sluggish there (Sec. 7.12).
+  double baseline = 0.08;
+  /// s: the age at which a share has halved, because prediction errors grow with it.
+  double half_life = 0.5;
+  /// Lower limit of the gain rule. Above 0, so that old states still bring agreement; below what a
+  /// contact-like mode bears at the longest delays (about 0.02 at 30 frames).
+  double min_share = 0.02;
+  /// s: an older update has expired and counts nothing.
+  double max_age = 1.0;
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
+/// How much of an announced share counts for an update of age `age` (s, session time; negative
+/// counts as 0):
+///   s = min(s_policy, max(min_share, gain / (d + 2))),  s_policy = announced * 2^(-age/half_life),
+/// with d = age in 1/60 s. `gain` belongs to the predictor: 1 for linear extrapolation, larger for
+/// predictors that bear more.
+/// An announced share of 1 (or more) makes us the follower of an owner: 1 until the update expires,
+/// with neither decay nor gain rule, since a pure follower of a pure owner is always stable.
+/// Where we own the body ourselves (`self_owns`) remote states count 0.
+/// Result in [0, 1]; 0 where an input is not a number. @pre options are valid. Cost O(1).
+double effective_share(const InfluenceOptions& options, double announced, double age, double gain,
+                       bool self_owns = false);
+
+}  // namespace tandem::consensus

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "tandem/consensus/inbox.h"
+#include "tandem/consensus/influence.h"
+#include "tandem/consensus/predictor.h"
+#include "tandem/consensus/shared_id.h"
+#include "tandem/consensus/transport.h"
+#include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::consensus {
+
+enum class PredictorKind : std::uint8_t { Euler, LocalMotion };
+
+enum class Coupling : std::uint8_t {
+  OnePass,  ///< remote states are targets in the solver's pass
+  TwoStep,  ///< the paper's scheme: average first, [friston] Sec. 4.2 and 4.6, then a plain step
+};
+
+struct PeerOptions {
+  double update_hz = 60.0;  ///< states sent each second, > 0
+  InfluenceOptions influence;
+  PredictorKind predictor = PredictorKind::LocalMotion;
+  Coupling coupling = Coupling::OnePass;
+  /// s: own influence grows from 0 to full over this time after the first step, so that a newcomer
+  /// learns from the others before it is heard.
+  double authority_ramp = 1.0;
+  /// s: springs of a peer that has fallen silent are let go after this.
+  double spring_timeout = 1.0;
+  /// s: an anchor is carried on by its velocity no longer than this.
+  double max_anchor_extrapolation = 0.3;
+  /// s: time constant of the low-pass on anchor velocities.
+  double anchor_velocity_filter = 0.025;
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
+/// A body that all peers know under one id.
+struct ShareDef {
+  SharedId id;
+  pbd::BodyId body;
+  /// Whose hand moves it, where it is nobody's but theirs: that peer's states count 100 % at the
+  /// others and the others' count nothing there.
+  std::optional<PeerId> owner;
+};
+
+/// A user's spring on a shared body; simulated by every peer.
+struct GrabDef {
+  SharedId body;
+  pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
+  pbd::Vec3 anchor_w = pbd::Vec3::Zero();      ///< m, world
+  double stiffness = 500.0;                    ///< N/m
+  double damping = 20.0;                       ///< N s/m
+  double max_force = 1e6;                      ///< N
+};
+
+/// Names one of this peer's own springs.
+struct GrabId {
+  std::uint32_t spring = 0;  ///< 0 = none
+  friend bool operator==(const GrabId&, const GrabId&) = default;
+};
+
+/// Seconds and counts since the start.
+struct PeerStats {
+  double parse_s = 0.0;      ///< CPU time in decoding packets
+  double process_s = 0.0;    ///< CPU time in sorting updates in
+  double aggregate_s = 0.0;  ///< CPU time in prediction and fusion
+  std::uint64_t updates_received = 0;   ///< state updates decoded
+  std::uint64_t bodies_aggregated = 0;  ///< shared bodies times steps with at least one estimate
+  std::uint64_t packets_received = 0;
+  std::uint64_t packets_rejected = 0;   ///< not decodable; their sender was dropped
+  std::uint64_t unknown_ids = 0;
+  std::uint64_t springs_refused = 0;    ///< unknown body, or too many
+  std::uint64_t bytes_sent = 0;
+  InboxCounters inbox;
+};
+
+/// Watches what a peer does with remote states; for recorders. Called from before_step.
+class PeerObserver {
+ public:
+  virtual ~PeerObserver() = default;
+  /// A remote state was carried to `now` and applied. `age` in s, from the sender's stamp.
+  virtual void on_prediction(PeerId from, const SharedId& body, SessionTime now,
+                             const pbd::Vec3& predicted_position, double age) = 0;
+};
+
+/// One participant: shares bodies of a world with the other peers of a transport.
+///
+/// Each step:  peer.before_step(now);  solver.step(world, dt);  peer.after_step(now + dt);
+/// with session times. Two-step coupling moves bodies in before_step; one-pass coupling hands
+/// targets to the solver as the world's TargetSource.
+///
+/// Peers' bytes are untrusted: what does not decode is counted and its sender dropped with the
+/// reason; unknown ids are counted and ignored; values are bounded by the codec.
+/// @par Thread safety  Distinct objects: safe. One object: the thread that steps its world.
+class Peer final : public pbd::TargetSource {
+ public:
+  /// Both must outlive the peer. Becomes the world's target source and adds a block of tethers.
+  /// @throws std::invalid_argument where the options are not valid
+  Peer(pbd::World& world, Transport& transport, const PeerOptions& options = {});
+  ~Peer() override;
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  /// @throws std::invalid_argument for an unknown body, an invalid id, or one shared already
+  void share(const ShareDef& def);
+  /// Change who owns a shared body; nullopt = everybody. @throws as share
+  void set_owner(const SharedId& id, std::optional<PeerId> owner);
+
+  /// Hold a shared body with a spring. @throws std::invalid_argument naming field, value and rule
+  GrabId grab(const GrabDef& def);
+  /// Move the hand. `anchor_w` (m) is where it is at `now`, the start of the step to come.
+  void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
+  void release(GrabId id);
+  /// Whether any user's spring, own or remote, holds the body.
+  bool held(const SharedId& id) const;
+
+  /// Take in what has come and set this step's springs and estimates. `now`: session time of the
+  /// world before the step, ns.
+  void before_step(SessionTime now);
+  /// Remember and, when it is time, send. `now`: session time of the world after the step, ns.
+  void after_step(SessionTime now);
+  /// Tell the others that this peer goes: its springs and states end there.
+  void leave(SessionTime now);
+
+  const PeerStats& stats() const;
+  void set_observer(PeerObserver* observer);
+
+  // pbd::TargetSource
+  void collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) override;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem::consensus

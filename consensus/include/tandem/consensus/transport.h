@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tandem::consensus {
+
+/// Names one participant of a session; chosen by the application, unique, never 0.
+using PeerId = std::uint64_t;
+
+/// Session time in ns, common to all peers.
+using SessionTime = std::int64_t;
+
+enum class Delivery : std::uint8_t {
+  Newest,    ///< states: may be lost, may be dropped when a queue is full, oldest first
+  Reliable,  ///< constraints and membership: in order, resent by the transport where it can
+};
+
+/// Bytes from one peer, exactly as that peer posted them. Untrusted.
+struct Packet {
+  PeerId from = 0;
+  std::vector<std::byte> bytes;
+};
+
+/// A peer as the transport sees it.
+struct PeerStatus {
+  PeerId id = 0;
+  bool connected = false;
+  std::string reason;                   ///< why it is not connected; empty where it is
+  std::uint64_t packets_in = 0;
+  std::uint64_t packets_out = 0;
+  std::uint64_t bytes_in = 0;
+  std::uint64_t bytes_out = 0;
+  std::uint64_t dropped_queue_full = 0;  ///< states dropped because a queue was full
+  std::uint64_t rejected = 0;            ///< frames refused: too long, wrong version, not decodable
+};
+
+/// Carries bytes between peers. Faults are data (PeerStatus), never exceptions.
+/// @par Thread safety  Distinct objects: safe. One object: post, drain, drop, peers from one thread
+/// at a time; an implementation's own threads are its own business.
+class Transport {
+ public:
+  virtual ~Transport() = default;
+
+  virtual PeerId self() const = 0;
+  /// Post bytes to one peer. Never waits. False where they were dropped at once (unknown peer,
+  /// not connected, too long).
+  virtual bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) = 0;
+  /// Append everything that has come since the last call to `out`. Never waits.
+  virtual void drain(std::vector<Packet>& out) = 0;
+  /// Cut a peer off, with the reason for its status. It may come back only through a new handshake.
+  virtual void drop(PeerId peer, const std::string& reason) = 0;
+  /// All peers ever seen in this session, by ascending id.
+  virtual std::vector<PeerStatus> peers() const = 0;
+};
+
+}  // namespace tandem::consensus

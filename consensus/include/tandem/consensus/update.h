@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tandem/consensus/shared_id.h"
+#include "tandem/consensus/transport.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::consensus {
+
+/// What the sender knows of its instance at the stamp; predictors choose by it.
+struct UpdateFlags {
+  bool in_contact = false;    ///< touches or is joined to something
+  bool held = false;          ///< pulled by a user's spring
+  bool owner_driven = false;  ///< moved by hand, whatever the forces are
+  bool teleported = false;    ///< jumped since the last update: do not read the jump as motion
+
+  friend bool operator==(const UpdateFlags&, const UpdateFlags&) = default;
+};
+
+/// A peer's estimate of one shared body after its step, [friston] Table 2.
+/// On the wire: position 64-bit floats, velocities and influence 32-bit floats, orientation four
+/// 32-bit fixed-point numbers (2^-30, so turned by less than 2e-9 rad by the rounding).
+struct StateUpdate {
+  SharedId id;
+  pbd::Pose pose;          ///< of the centre of mass, world
+  pbd::Twist twist;        ///< world
+  float influence = 0.0f;  ///< share per 1/60 s of session time, 0 to 1; 1 = the sender owns it
+  SessionTime stamp = 0;   ///< ns, session time of the state
+  UpdateFlags flags;
+};
+
+enum class SpringEvent : std::uint8_t { Create = 1, Change = 2, Remove = 3 };
+
+/// A user's spring between a moving point of the world and a point of a shared body; every peer
+/// simulates it. On the wire all numbers are 64-bit floats: all peers simulate the same spring.
+struct SpringUpdate {
+  std::uint32_t spring = 0;    ///< unique per sender
+  std::uint32_t revision = 0;  ///< grows with each event of this spring
+  SpringEvent event = SpringEvent::Create;
+  SharedId body;
+  pbd::Vec3 attachment_l = pbd::Vec3::Zero();     ///< m, frame of the body
+  pbd::Vec3 anchor_w = pbd::Vec3::Zero();         ///< m, world, at the stamp
+  pbd::Vec3 anchor_velocity = pbd::Vec3::Zero();  ///< m/s, world, at the stamp
+  double stiffness = 0.0;                         ///< N/m
+  double damping = 0.0;                           ///< N s/m
+  double max_force = 0.0;                         ///< N
+  SessionTime stamp = 0;                          ///< ns, session time of the anchor
+};
+
+/// The sender is about to leave the session: its states and springs end here.
+struct Leave {
+  SessionTime stamp = 0;  ///< ns
+};
+
+/// Everything that one packet said. Reuse it: decode() keeps the capacities.
+struct DecodedPacket {
+  std::vector<StateUpdate> states;
+  std::vector<SpringUpdate> springs;
+  std::vector<Leave> leaves;
+
+  void clear();
+};
+
+enum class PacketFault : std::uint8_t {
+  None,
+  TooLong,    ///< longer than kMaxPacketBytes
+  BadLength,  ///< empty, or ends within a message
+  BadMagic,
+  BadVersion,
+  UnknownKind,
+  BadCount,  ///< no records, or more than kMaxRecords
+  BadId,     ///< id of zeros
+  BadCode,   ///< bits or codes that this version does not know
+  NotFinite,
+  OutOfRange,
+};
+
+/// Whether a packet or a record is acceptable, and if not, why.
+struct [[nodiscard]] CodecResult {
+  PacketFault fault = PacketFault::None;
+  const char* detail = "";  ///< field and rule; lives for ever
+  std::size_t offset = 0;   ///< bytes before the message or record that is at fault
+
+  bool ok() const { return fault == PacketFault::None; }
+  /// "byte 106: orientation: norm must be within 1e-3 of 1"; "" where ok.
+  std::string reason() const;
+};
+
+inline constexpr std::uint16_t kPacketMagic = 0x4354;  ///< "TC" on the wire
+inline constexpr std::uint8_t kPacketVersion = 1;
+/// Longest packet, below the default frame limit of tandem::net.
+inline constexpr std::size_t kMaxPacketBytes = 60 * 1024;
+inline constexpr std::size_t kMaxRecords = 1024;  ///< of one message
+inline constexpr std::size_t kHeaderBytes = 6;    ///< magic u16, version u8, kind u8, count u16
+inline constexpr std::size_t kStateBytes = 93;
+inline constexpr std::size_t kSpringBytes = 129;
+inline constexpr std::size_t kLeaveBytes = 8;
+/// States and springs that fit into a packet which holds nothing else.
+inline constexpr std::size_t kMaxStatesPerPacket = (kMaxPacketBytes - kHeaderBytes) / kStateBytes;
+inline constexpr std::size_t kMaxSpringsPerPacket = (kMaxPacketBytes - kHeaderBytes) / kSpringBytes;
+
+// Ranges outside of which a value is taken for a fault or an attack.
+inline constexpr double kMaxPosition = 1e7;          ///< m, norm, exclusive
+inline constexpr double kMaxLinearSpeed = 1e5;       ///< m/s, norm, exclusive, in 32 bits
+inline constexpr double kMaxAngularSpeed = 1e5;      ///< rad/s, norm, exclusive, in 32 bits
+inline constexpr double kMaxSpringParameter = 1e12;  ///< N/m, N s/m, N; exclusive
+/// ns: differences of two stamps within it do not overflow. About 146 years.
+inline constexpr SessionTime kMaxStamp = SessionTime{1} << 62;
+
+/// Whether a peer would accept this record. Exactly the test that decode() makes.
+CodecResult check(const StateUpdate& update);
+CodecResult check(const SpringUpdate& update);
+CodecResult check(const Leave& leave);
+
+/// Append a message with these records to a packet (several messages above kMaxRecords records).
+/// Records that check() refuses are left out: one broken body must not make peers refuse the
+/// packet. Mind kMaxPacketBytes. No allocation once `out` is large enough.
+/// @return records appended
+std::size_t encode(std::span<const StateUpdate> updates, std::vector<std::byte>& out);
+std::size_t encode(std::span<const SpringUpdate> updates, std::vector<std::byte>& out);
+std::size_t encode(const Leave& leave, std::vector<std::byte>& out);
+
+/// Read a whole packet, one or more messages back to back. All or nothing: with a fault `out` is
+/// empty. Orientations come out normalised. Never throws on account of the bytes; no allocation
+/// once `out` has held as many records.
+CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out);
+
+}  // namespace tandem::consensus

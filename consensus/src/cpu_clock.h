@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <ctime>
+
+namespace tandem::consensus {
+
+/// Adds the CPU time (s) that the calling thread spends in a scope to a sum.
+class CpuTimer {
+ public:
+  explicit CpuTimer(double& sum) : sum_(sum), start_(now()) {}
+  ~CpuTimer() { sum_ += now() - start_; }
+  CpuTimer(const CpuTimer&) = delete;
+  CpuTimer& operator=(const CpuTimer&) = delete;
+
+ private:
+  static double now() {
+#ifdef CLOCK_THREAD_CPUTIME_ID
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+#else
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+#endif
+  }
+
+  double& sum_;
+  double start_;
+};
+
+}  // namespace tandem::consensus

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/consensus/inbox.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace tandem::consensus {
+namespace {
+
+/// Beyond this a limit is as good as none; in ns it still fits a SessionTime with ease.
+constexpr double kLongest = 1e8;  // s, about three years
+
+void require_seconds(const char* field, double value) {
+  if (std::isfinite(value) && value >= 0.0 && value <= kLongest) return;
+  throw std::invalid_argument(std::string("InboxOptions::") + field + " = " +
+                              std::to_string(value) + ": must be 0 to 1e8 s");
+}
+
+SessionTime to_ns(double seconds) { return static_cast<SessionTime>(seconds * 1e9); }
+
+InboxOptions validated(const InboxOptions& options) {
+  options.validate();
+  return options;
+}
+
+}  // namespace
+
+void InboxOptions::validate() const {
+  require_seconds("max_age", max_age);
+  require_seconds("max_future", max_future);
+}
+
+void InboxCounters::count(InboxVerdict verdict) {
+  switch (verdict) {
+    case InboxVerdict::Accepted:
+      ++accepted;
+      break;
+    case InboxVerdict::Duplicate:
+      ++duplicate;
+      break;
+    case InboxVerdict::Late:
+      ++late;
+      break;
+    case InboxVerdict::Expired:
+      ++expired;
+      break;
+    case InboxVerdict::Future:
+      ++future;
+      break;
+    case InboxVerdict::UnknownId:
+      ++unknown_id;
+      break;
+    case InboxVerdict::UnknownPeer:
+      ++unknown_peer;
+      break;
+  }
+}
+
+std::uint64_t InboxCounters::dropped() const {
+  return duplicate + late + expired + future + unknown_id + unknown_peer;
+}
+
+Inbox::Inbox(const InboxOptions& options)
+    : max_age_ns_(to_ns(validated(options).max_age)), max_future_ns_(to_ns(options.max_future)) {}
+
+void Inbox::add_id(const SharedId& id) {
+  if (!id.valid()) throw std::invalid_argument("Inbox::add_id: id = zeros: must not be all zeros");
+  const auto at = std::lower_bound(bodies_.begin(), bodies_.end(), id,
+                                   [](const Body& b, const SharedId& i) { return b.id < i; });
+  if (at != bodies_.end() && at->id == id) return;
+  Body body;
+  body.id = id;
+  bodies_.insert(at, std::move(body));
+}
+
+void Inbox::remove_id(const SharedId& id) {
+  std::erase_if(bodies_, [&](const Body& body) { return body.id == id; });
+}
+
+bool Inbox::contains(const SharedId& id) const { return find_body(id) != nullptr; }
+
+void Inbox::add_peer(PeerId peer) {
+  if (peer == 0) throw std::invalid_argument("Inbox::add_peer: peer = 0: must not be 0");
+  auto at = std::lower_bound(peers_.begin(), peers_.end(), peer,
+                             [](const Peer& p, PeerId id) { return p.id < id; });
+  if (at == peers_.end() || at->id != peer) {
+    at = peers_.insert(at, Peer{});
+    at->id = peer;
+  }
+  at->present = true;
+}
+
+void Inbox::remove_peer(PeerId peer) {
+  Peer* const found = find_peer(peer);
+  if (found == nullptr) return;
+  found->present = false;
+  for (Body& body : bodies_) {
+    std::erase_if(body.newest, [&](const Received& r) { return r.peer == peer; });
+  }
+}
+
+InboxVerdict Inbox::offer(PeerId from, const StateUpdate& update, SessionTime now) {
+  const InboxVerdict verdict = judge(from, update, now);
+  totals_.count(verdict);
+  if (Peer* const peer = find_peer(from)) peer->counters.count(verdict);
+  return verdict;
+}
+
+InboxVerdict Inbox::judge(PeerId from, const StateUpdate& update, SessionTime now) {
+  const Peer* const peer = find_peer(from);
+  if (peer == nullptr || !peer->present) return InboxVerdict::UnknownPeer;
+  Body* const body = find_body(update.id);
+  if (body == nullptr) return InboxVerdict::UnknownId;
+  // Sums on the side of the trusted clock: a stamp at the end of the range must not overflow.
+  if (update.stamp > now + max_future_ns_) return InboxVerdict::Future;
+  if (update.stamp < now - max_age_ns_) return InboxVerdict::Expired;
+  return store(*body, from, update, now);
+}
+
+InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, SessionTime now) {
+  const auto at = std::lower_bound(body.newest.begin(), body.newest.end(), from,
+                                   [](const Received& r, PeerId peer) { return r.peer < peer; });
+  if (at == body.newest.end() || at->peer != from) {
+    body.newest.insert(at, Received{from, update, now});
+    return InboxVerdict::Accepted;
+  }
+  if (update.stamp == at->update.stamp) return InboxVerdict::Duplicate;
+  if (update.stamp < at->update.stamp) return InboxVerdict::Late;
+  at->update = update;
+  at->arrival = now;
+  return InboxVerdict::Accepted;
+}
+
+std::span<const Inbox::Received> Inbox::newest(const SharedId& id) const {
+  const Body* const body = find_body(id);
+  if (body == nullptr) return {};
+  return body->newest;
+}
+
+std::size_t Inbox::prune(SessionTime now) {
+  std::size_t dropped = 0;
+  for (Body& body : bodies_) {
+    dropped += std::erase_if(body.newest,
+                             [&](const Received& r) { return r.update.stamp < now - max_age_ns_; });
+  }
+  return dropped;
+}
+
+InboxCounters Inbox::counters(PeerId peer) const {
+  for (const Peer& p : peers_) {
+    if (p.id == peer) return p.counters;
+  }
+  return {};
+}
+
+const Inbox::Body* Inbox::find_body(const SharedId& id) const {
+  const auto at = std::lower_bound(bodies_.begin(), bodies_.end(), id,
+                                   [](const Body& b, const SharedId& i) { return b.id < i; });
+  return at != bodies_.end() && at->id == id ? &*at : nullptr;
+}
+
+Inbox::Body* Inbox::find_body(const SharedId& id) {
+  return const_cast<Body*>(static_cast<const Inbox*>(this)->find_body(id));
+}
+
+Inbox::Peer* Inbox::find_peer(PeerId id) {
+  const auto at = std::lower_bound(peers_.begin(), peers_.end(), id,
+                                   [](const Peer& p, PeerId peer) { return p.id < peer; });
+  return at != peers_.end() && at->id == id ? &*at : nullptr;
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/consensus/influence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace tandem::consensus {
+namespace {
+
+void require(bool holds, const char* field, double value, const char* rule) {
+  if (holds) return;
+  throw std::invalid_argument(std::string("InfluenceOptions::") + field + " = " +
+                              std::to_string(value) + ": " + rule);
+}
+
+}  // namespace
+
+double weight_of_share(double share) {
+  if (!(share > 0.0)) return 0.0;
+  if (share >= 1.0) return std::numeric_limits<double>::infinity();
+  return share / (1.0 - share);
+}
+
+double share_of_weight(double weight) {
+  if (!(weight > 0.0)) return 0.0;
+  if (std::isinf(weight)) return 1.0;
+  return weight / (1.0 + weight);
+}
+
+double share_per_step(double share, double dt) {
+  if (!(share > 0.0)) return 0.0;
+  if (share >= 1.0) return 1.0;
+  // expm1 and log1p keep small shares exact to rounding, where 1 - pow(1 - s, n) loses digits.
+  return -std::expm1(dt / kShareInterval * std::log1p(-share));
+}
+
+void InfluenceOptions::validate() const {
+  require(baseline >= 0.0 && baseline <= 1.0, "baseline", baseline, "must be 0 to 1");
+  require(std::isfinite(half_life) && half_life > 0.0, "half_life", half_life,
+          "must be finite and above 0 s");
+  require(min_share >= 0.0 && min_share <= 1.0, "min_share", min_share, "must be 0 to 1");
+  require(std::isfinite(max_age) && max_age > 0.0, "max_age", max_age,
+          "must be finite and above 0 s");
+}
+
+double effective_share(const InfluenceOptions& options, double announced, double age, double gain,
+                       bool self_owns) {
+  if (self_owns || !(announced > 0.0) || !(age <= options.max_age)) return 0.0;
+  if (announced >= 1.0) return 1.0;
+  const double known_age = std::max(age, 0.0);
+  const double policy = announced * std::exp2(-known_age / options.half_life);
+  const double stable = gain / (known_age / kShareInterval + 2.0);
+  // max(min_share, stable) in this order: a gain that is not a number counts as none.
+  return std::min(policy, std::max(options.min_share, stable));
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "springs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace tandem::consensus {
+namespace {
+
+constexpr double kNs = 1e-9;
+
+/// ns: a removed spring is remembered this long against late messages.
+constexpr SessionTime kTombstone = 5'000'000'000;
+
+}  // namespace
+
+Springs::Springs(pbd::World& world, const PeerOptions& options)
+    : world_(world), options_(options), tethers_(world.add_block<pbd::Tethers>()) {}
+
+GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
+  const pbd::ConstraintId tether = tethers_.add(world_, {.body = body,
+                                                         .anchor_l = def.attachment_l,
+                                                         .anchor_w = def.anchor_w,
+                                                         .stiffness = def.stiffness,
+                                                         .damping = def.damping,
+                                                         .max_force = def.max_force});
+  own_.push_back({.spring = next_, .revision = 1, .def = def, .tether = tether});
+  return {next_++};
+}
+
+Springs::Own& Springs::find(GrabId id) {
+  const auto it = std::lower_bound(own_.begin(), own_.end(), id.spring,
+                                   [](const Own& o, std::uint32_t s) { return o.spring < s; });
+  if (it == own_.end() || it->spring != id.spring) {
+    throw std::invalid_argument("Peer: grab = " + std::to_string(id.spring) +
+                                " breaks the rule: one of this peer's springs, not released yet");
+  }
+  return *it;
+}
+
+void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
+  Own& own = find(id);
+  pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
+  if (own.moved != 0 && now > own.moved) {
+    const double dt = kNs * static_cast<double>(now - own.moved);
+    const pbd::Vec3 measured = (anchor_w - own.def.anchor_w) / dt;
+    const double blend = 1.0 - std::exp(-dt / options_.anchor_velocity_filter);
+    own.velocity += blend * (measured - own.velocity);
+  }
+  own.def.anchor_w = anchor_w;
+  own.moved = now;
+}
+
+void Springs::release(GrabId id, SessionTime now) {
+  Own& own = find(id);
+  ++own.revision;
+  if (own.announced) pending_.push_back(message_of(own, SpringEvent::Remove, now));
+  if (tethers_.contains(own.tether)) tethers_.remove(own.tether);
+  own_.erase(own_.begin() + (&own - own_.data()));
+}
+
+SpringUpdate Springs::message_of(const Own& own, SpringEvent event, SessionTime now) {
+  return {.spring = own.spring,
+          .revision = own.revision,
+          .event = event,
+          .body = own.def.body,
+          .attachment_l = own.def.attachment_l,
+          .anchor_w = own.def.anchor_w,
+          .anchor_velocity = own.velocity,
+          .stiffness = own.def.stiffness,
+          .damping = own.def.damping,
+          .max_force = own.def.max_force,
+          .stamp = own.moved != 0 ? own.moved : now};
+}
+
+pbd::Tether::Def Springs::tether_of(const SpringUpdate& update, pbd::BodyId body) const {
+  return {.body = body,
+          .anchor_l = update.attachment_l,
+          .anchor_w = update.anchor_w,
+          .anchor_velocity = update.anchor_velocity,
+          .stiffness = update.stiffness,
+          .damping = update.damping,
+          .max_force = update.max_force};
+}
+
+void Springs::let_go(Remote& remote) {
+  if (remote.live && tethers_.contains(remote.tether)) tethers_.remove(remote.tether);
+  remote.live = false;
+}
+
+bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now) {
+  const auto key = std::pair(from, update.spring);
+  auto it = std::lower_bound(
+      remote_.begin(), remote_.end(), key,
+      [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
+  const bool known = it != remote_.end() && it->peer == from && it->last.spring == update.spring;
+  if (known) {
+    // A newcomer under an old peer's id counts its springs from the start again: what is long
+    // removed may then live once more, everything else must not go back.
+    if (update.revision < it->last.revision) return true;
+    if (update.stamp <= it->last.stamp && update.revision == it->last.revision) return true;
+    if (!it->live && update.revision == it->last.revision) return true;
+  } else {
+    const auto mine = std::count_if(remote_.begin(), remote_.end(),
+                                    [&](const Remote& r) { return r.peer == from; });
+    if (static_cast<std::size_t>(mine) >= kMaxPerPeer) return false;
+    if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return true;
+    it = remote_.insert(it, {.peer = from});
+  }
+  const bool moved_body = known && it->live && it->last.body != update.body;
+  if (moved_body || update.event == SpringEvent::Remove) let_go(*it);
+  it->last = update;
+  it->heard = now;
+  if (update.event == SpringEvent::Remove) return true;
+  const pbd::Tether::Def def = tether_of(update, body);
+  if (def.stiffness <= 0.0 || def.max_force <= 0.0) {
+    let_go(*it);
+    return false;
+  }
+  if (it->live) {
+    tethers_.set(world_, it->tether, def);
+  } else {
+    it->tether = tethers_.add(world_, def);
+    it->live = true;
+  }
+  return true;
+}
+
+void Springs::drop_peer(PeerId from) {
+  for (Remote& remote : remote_) {
+    if (remote.peer == from) let_go(remote);
+  }
+  std::erase_if(remote_, [&](const Remote& r) { return r.peer == from; });
+}
+
+void Springs::prepare(SessionTime now) {
+  const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
+  for (Remote& remote : remote_) {
+    if (remote.live && now - remote.heard > timeout) let_go(remote);
+    if (!remote.live || !tethers_.contains(remote.tether)) continue;
+    const double age = kNs * static_cast<double>(now - remote.last.stamp);
+    const double reach = std::clamp(age, -0.05, options_.max_anchor_extrapolation);
+    pbd::Tether::Def def = tethers_.def(remote.tether);
+    def.anchor_w = remote.last.anchor_w + reach * remote.last.anchor_velocity;
+    // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
+    def.anchor_velocity = age < options_.max_anchor_extrapolation ? remote.last.anchor_velocity
+                                                                  : pbd::Vec3(pbd::Vec3::Zero());
+    tethers_.set(world_, remote.tether, def);
+  }
+  std::erase_if(remote_,
+                [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
+  for (Own& own : own_) {
+    if (!tethers_.contains(own.tether)) continue;
+    pbd::Tether::Def def = tethers_.def(own.tether);
+    def.anchor_w = own.def.anchor_w;
+    def.anchor_velocity = own.velocity;
+    tethers_.set(world_, own.tether, def);
+  }
+}
+
+void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
+                       std::vector<SpringUpdate>& events) {
+  events.insert(events.end(), pending_.begin(), pending_.end());
+  pending_.clear();
+  for (Own& own : own_) {
+    if (!own.announced) {
+      events.push_back(message_of(own, SpringEvent::Create, now));
+      own.announced = true;
+    } else {
+      states.push_back(message_of(own, SpringEvent::Change, now));
+    }
+  }
+}
+
+bool Springs::holds(pbd::BodyId body) const {
+  const auto pulls = [&](pbd::ConstraintId tether) {
+    return tethers_.contains(tether) && tethers_.def(tether).body == body;
+  };
+  return std::any_of(own_.begin(), own_.end(), [&](const Own& o) { return pulls(o.tether); }) ||
+         std::any_of(remote_.begin(), remote_.end(),
+                     [&](const Remote& r) { return r.live && pulls(r.tether); });
+}
+
+}  // namespace tandem::consensus

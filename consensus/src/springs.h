@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tandem/consensus/peer.h"
+#include "tandem/consensus/update.h"
+#include "tandem/pbd/tether.h"
+
+namespace tandem::consensus {
+
+/// All users' springs on one peer's world: its own, which it announces, and the others', which it
+/// carries on from their last message. Each is a tether of the world.
+class Springs {
+ public:
+  /// One peer can keep no more than this alive here; further ones are refused.
+  static constexpr std::size_t kMaxPerPeer = 256;
+
+  Springs(pbd::World& world, const PeerOptions& options);
+
+  GrabId grab(const GrabDef& def, pbd::BodyId body);
+  void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
+  void release(GrabId id, SessionTime now);
+
+  /// Apply another peer's message. `body` is the local instance of update.body.
+  /// @return false where it was refused
+  bool receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
+  /// Let go what a peer holds.
+  void drop_peer(PeerId from);
+  /// Let go what has not been heard of for too long, and set all anchors for a step from `now` on.
+  void prepare(SessionTime now);
+
+  /// Own springs as they are at `now`, and events not announced yet (which are then taken as such).
+  void announce(SessionTime now, std::vector<SpringUpdate>& states,
+                std::vector<SpringUpdate>& events);
+
+  bool holds(pbd::BodyId body) const;
+
+ private:
+  struct Own {
+    std::uint32_t spring = 0;
+    std::uint32_t revision = 0;
+    GrabDef def;
+    pbd::ConstraintId tether = {};
+    SessionTime moved = 0;  ///< ns, of the anchor; 0 = never
+    pbd::Vec3 velocity = pbd::Vec3::Zero();
+    bool announced = false;
+  };
+  struct Remote {
+    PeerId peer = 0;
+    SpringUpdate last = {};
+    SessionTime heard = 0;
+    pbd::ConstraintId tether = {};
+    bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
+  };
+
+  Own& find(GrabId id);
+  void let_go(Remote& remote);
+  pbd::Tether::Def tether_of(const SpringUpdate& update, pbd::BodyId body) const;
+  static SpringUpdate message_of(const Own& own, SpringEvent event, SessionTime now);
+
+  pbd::World& world_;
+  const PeerOptions& options_;
+  pbd::Tethers& tethers_;
+  std::vector<Own> own_;        ///< by spring
+  std::vector<Remote> remote_;  ///< by (peer, spring)
+  std::vector<SpringUpdate> pending_;  ///< removals to announce
+  std::uint32_t next_ = 1;
+};
+
+}  // namespace tandem::consensus

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::pbd {
+
+/// Names one body of one world. A removed body's slot is used again under a new generation, so a
+/// stale id is an error and never another body.
+struct BodyId {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  std::uint32_t index = kNone;
+  std::uint32_t generation = 0;
+
+  bool valid() const { return index != kNone; }
+  friend auto operator<=>(const BodyId&, const BodyId&) = default;
+};
+
+enum class BodyType : std::uint8_t {
+  Static,     ///< never moves, infinite mass
+  Kinematic,  ///< moves with the twist it was given, infinite mass
+  Dynamic,    ///< moves under forces and constraints
+};
+
+/// How a body starts. Mass and inertia are read for dynamic bodies only.
+struct BodyDef {
+  BodyType type = BodyType::Dynamic;
+  Pose pose;                             ///< of the centre of mass
+  Twist twist;                           ///< ignored for static bodies
+  double mass = 1.0;                     ///< kg, > 0
+  Mat3 inertia = Mat3::Identity() * 0.4; ///< kg m^2, about the centre of mass, body frame
+  double gravity_scale = 1.0;            ///< multiplies the world's gravity for this body
+};
+
+/// What a body is between two steps.
+struct BodyState {
+  Pose pose;
+  Twist twist;
+};
+
+/// What a body is made of; changes only through World.
+struct BodyProps {
+  BodyType type = BodyType::Static;
+  double mass = 0.0;                      ///< kg; 0 unless dynamic
+  double inverse_mass = 0.0;              ///< 1/kg; 0 unless dynamic
+  Mat3 inertia_l = Mat3::Zero();          ///< kg m^2, body frame
+  Mat3 inverse_inertia_l = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
+  double gravity_scale = 1.0;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "tandem/pbd/body.h"
+
+namespace tandem::pbd {
+
+class BodySet;
+class ByteReader;
+class ByteWriter;
+
+/// A body as the pass sees it: everything a row reads and writes, in one place in memory.
+/// Lifetime: one step. Poses are current; `v` and `w` are the predicted velocities until
+/// derive_velocities, the corrected ones after it.
+struct SolverBody {
+  Vec3 x = Vec3::Zero();           ///< m
+  Quat q = Quat::Identity();       ///< local to world
+  Vec3 v = Vec3::Zero();           ///< m/s
+  Vec3 w = Vec3::Zero();           ///< rad/s, world
+  Vec3 dx = Vec3::Zero();          ///< m, sum of this substep's corrections
+  Vec3 dtheta = Vec3::Zero();      ///< rad, world, sum of this substep's corrections
+  double inv_mass = 0.0;           ///< 1/kg, 0 = immovable
+  Mat3 inv_inertia_w = Mat3::Zero();  ///< 1/(kg m^2), world, at the predicted orientation
+  bool total = false;              ///< takes part in the total channel in this step
+};
+
+/// Rows are projected block by block, in this order: the last writer wins, so non-penetration comes
+/// last. Values in between are free for kinds of your own.
+enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
+
+/// What a block is told about the substep.
+struct SubstepContext {
+  std::span<SolverBody> bodies;
+  double h = 0.0;        ///< s, length of the substep
+  int substep = 0;       ///< index within the step
+  bool reverse = false;  ///< sweep the rows backwards (alternates between substeps)
+  Vec3 gravity = Vec3::Zero();  ///< m/s^2
+};
+
+/// What a block tells about itself after a step.
+struct BlockReport {
+  std::string_view name;
+  int rows = 0;
+  double residual = 0.0;      ///< m, largest violation of a rigid row at the end of the step
+  double total_residual = 0.0;  ///< m, largest part of it that agreement left behind
+};
+
+/// Joins bodies into islands.
+class LinkVisitor {
+ public:
+  virtual ~LinkVisitor() = default;
+  virtual void link(std::uint32_t body_a, std::uint32_t body_b) = 0;
+};
+
+/// All constraints of one kind in a world: the only thing that the solver knows of them. Each verb
+/// runs over all rows of the block. Only `project` must be given.
+///
+/// Two channels share one Jacobian (docs/ARCHITECTURE.md): *Real* carries momentum; *Total* moves
+/// bodies on towards their targets and never enters velocity. In Total a row keeps the violation
+/// that it had in Real, no more and no less, so that a vanishing target leaves no trace.
+class ConstraintBlock {
+ public:
+  virtual ~ConstraintBlock() = default;
+
+  virtual std::string_view name() const = 0;
+  virtual int order() const = 0;
+  virtual bool empty() const = 0;
+
+  /// Once per step, poses as they are before the first substep.
+  virtual void begin_step(const SubstepContext&) {}
+  /// Before integration: old velocities are still there; multipliers are reset here.
+  virtual void begin_substep(const SubstepContext&) {}
+  /// After integration: apply carried multipliers.
+  virtual void warm_start(const SubstepContext&) {}
+  /// Real channel: move poses until the rows hold, once over all rows. Returns the largest move of
+  /// an anchor that a row asked for, m: 0 where all rows held already.
+  virtual double project(const SubstepContext&) = 0;
+  /// One sweep over velocities. Returns the largest change of a row's velocity, m/s.
+  virtual double solve_velocity(const SubstepContext&) { return 0.0; }
+  /// Velocity work that is done once, after the iterations have converged.
+  virtual void finish_velocity(const SubstepContext&) {}
+  /// Total channel: remember the violation in Real, before bodies are moved to their targets.
+  virtual void begin_total(const SubstepContext&) {}
+  virtual void project_total(const SubstepContext&) {}
+  /// Total channel: remember what was left over, so that Real does not turn it into velocity.
+  virtual void end_total(const SubstepContext&) {}
+  /// Position-only repair after the last substep, once over all rows.
+  virtual void clean_up(const SubstepContext&) {}
+  virtual void end_step(const SubstepContext&) {}
+
+  virtual void links(LinkVisitor&) const {}
+  /// A body is about to leave the world: drop the rows that name it.
+  virtual void remove_body(BodyId) {}
+  virtual BlockReport report() const = 0;
+  virtual void save(ByteWriter& out) const = 0;
+  virtual void load(ByteReader& in) = 0;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::pbd {
+
+/// Keeps two points at a distance, rigidly or as a spring with damping.
+/// C = |p_b - p_a| - rest_length [m];  n = (p_b - p_a) / |p_b - p_a|, dC/dx_b = n,
+/// dC/dtheta_b = r_b x n, mirrored for a. Rigid limit (compliance 0): a rod. Infinitely soft: none.
+/// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs: gradients
+/// are those of the substep's start (see BallJoint).
+class DistanceJoint {
+ public:
+  static constexpr std::string_view kName = "distance_joint";
+  static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
+
+  struct Def {
+    BodyId a;                        ///< the invalid id stands for the world
+    BodyId b;
+    Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of a (world frame where a is the world)
+    Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of b
+    double rest_length = 0.0;        ///< m, >= 0
+    double compliance = 0.0;         ///< m/N, >= 0; 0 = rigid; 1 / stiffness
+    double damping = 0.0;            ///< N s/m, >= 0; without effect on a rigid joint
+  };
+
+  // CONFIGURATION PROPERTIES FOLLOW
+  static void check(const World& world, const Def& def);
+  explicit DistanceJoint(const Def& def) : def_(def) {}
+  const Def& def() const { return def_; }
+  Def& def() { return def_; }
+  BodyId body_a() const { return def_.a; }
+  BodyId body_b() const { return def_.b; }
+
+  // RUN TIME PROPERTIES FOLLOW
+  void begin_substep(const SubstepContext& ctx);
+  double project(const SubstepContext& ctx);
+  void begin_total(const SubstepContext& ctx);
+  void project_total(const SubstepContext& ctx);
+  void end_total(const SubstepContext& ctx);
+  void end_step(const SubstepContext& ctx);
+  double residual() const { return residual_; }
+  double total_residual() const { return std::abs(gap_); }
+  /// Force (N) along the joint in the last substep, positive = pushes the points apart.
+  double force() const { return force_; }
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in);
+
+ private:
+  struct Arms {
+    SolverBody* a;
+    SolverBody* b;
+    Vec3 r_a, r_b, n;
+    double length;
+  };
+  Arms arms(const SubstepContext& ctx, SolverBody& ground) const;
+
+  Def def_;
+  double lambda_ = 0.0;    ///< N s^2
+  double c_start_ = 0.0;   ///< m, C at the start of the substep
+  Vec3 r_a_ = Vec3::Zero();  ///< m, world, lever arms and direction at the start of the substep
+  Vec3 r_b_ = Vec3::Zero();
+  Vec3 n_ = Vec3::Zero();
+  double gap_ = 0.0;       ///< m, the part of C that agreement left behind
+  double bound_ = 0.0;     ///< m, where the total channel holds C
+  double force_ = 0.0;
+  double residual_ = 0.0;
+};
+
+using DistanceJoints = TypedBlock<DistanceJoint>;
+
+}  // namespace tandem::pbd

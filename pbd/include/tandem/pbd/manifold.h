@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tandem/pbd/body.h"
+
+namespace tandem::pbd {
+
+class ByteReader;
+class ByteWriter;
+class World;
+
+/// One point of a manifold. The anchors are fixed in the two bodies; the gap along the manifold's
+/// normal is measured between them, less the manifold's two radii.
+struct ManifoldPoint {
+  Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of body a
+  Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of body b
+  std::uint32_t feature = 0;       ///< same value = same pair of features as in the last step
+};
+
+/// Contact of one pair of convex parts: what a detector hands to the solver, once per step.
+/// gap_i = normal . (p_b,i - p_a,i) - radius_a - radius_b  [m], negative where they overlap.
+/// A round part (sphere, capsule) gives its centre or axis point as anchor and its radius here, so
+/// that the gap does not change when it rolls.
+struct Manifold {
+  static constexpr int kMaxPoints = 4;
+
+  /// Names the pair, the same in every step; rows are solved in ascending order of keys.
+  std::uint64_t key = 0;
+  std::uint32_t body_a = BodyId::kNone;  ///< index into the world's bodies
+  std::uint32_t body_b = BodyId::kNone;
+  Vec3 normal = Vec3::UnitZ();  ///< world, unit, from a to b
+  double radius_a = 0.0;        ///< m
+  double radius_b = 0.0;        ///< m
+  double friction = 0.5;        ///< Coulomb coefficient, >= 0
+  double restitution = 0.0;     ///< 0 to 1
+  int count = 0;                ///< points in use
+  std::array<ManifoldPoint, kMaxPoints> points;
+};
+
+/// Anything that finds contacts. pbd knows no shapes; `collision` implements this.
+class ContactSource {
+ public:
+  virtual ~ContactSource() = default;
+
+  /// Append the manifolds of this step to `out`, which keeps its capacity from step to step.
+  /// Called once per step, before the first substep, with the poses as they are then.
+  /// @param dt  length of the step to come, s: contacts that may close within it are wanted too.
+  virtual void collect(const World& world, double dt, std::vector<Manifold>& out) = 0;
+
+  /// A body is about to leave the world.
+  virtual void remove_body(BodyId body) = 0;
+
+  /// What the next collect() depends on besides the bodies' poses (caches included), for snapshots.
+  virtual void save(ByteWriter& out) const = 0;
+  virtual void load(ByteReader& in) = 0;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cmath>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::pbd {
+
+/// Rotation by the rotation vector r (rad, axis times angle).
+inline Quat exp_map(const Vec3& r) {
+  const double angle2 = r.squaredNorm();
+  double real = 0.0;
+  double scale = 0.0;  // sin(angle / 2) / angle
+  if (angle2 < 1e-6) {
+    // Taylor series; the next terms are below 1e-22.
+    scale = 0.5 - angle2 * (1.0 / 48.0 - angle2 / 3840.0);
+    real = 1.0 - angle2 * (1.0 / 8.0 - angle2 / 384.0);
+  } else {
+    const double angle = std::sqrt(angle2);
+    scale = std::sin(0.5 * angle) / angle;
+    real = std::cos(0.5 * angle);
+  }
+  return Quat(real, r.x() * scale, r.y() * scale, r.z() * scale);
+}
+
+/// Rotation vector (rad) of q along the shorter arc: |result| <= pi.
+inline Vec3 log_map(const Quat& q) {
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  const Vec3 v = sign * q.vec();
+  const double sine = v.norm();
+  if (sine < 1e-10) return 2.0 * v;
+  return v * (2.0 * std::atan2(sine, sign * q.w()) / sine);
+}
+
+/// q turned by the world-frame rotation vector `r`, kept at unit length.
+inline Quat rotated(const Quat& q, const Vec3& r) {
+  Quat turned = exp_map(r) * q;
+  turned.normalize();
+  return turned;
+}
+
+/// World-frame rotation vector that turns `from` into `to` along the shorter arc.
+inline Vec3 rotation_between(const Quat& from, const Quat& to) {
+  return log_map(to * from.conjugate());
+}
+
+/// Cross-product matrix: skew(a) b = a x b.
+inline Mat3 skew(const Vec3& a) {
+  Mat3 m;
+  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return m;
+}
+
+/// Tensor given in the local frame of q, expressed in the world.
+inline Mat3 tensor_to_world(const Quat& q, const Mat3& tensor_l) {
+  const Mat3 r = q.toRotationMatrix();
+  return r * tensor_l * r.transpose();
+}
+
+/// Two unit vectors that complete the unit vector n to a right-handed frame (n, t1, t2). The choice
+/// depends on n alone, and smoothly except where n points along -z.
+/// Source: [duff2017] Listing 3.
+inline void tangent_frame(const Vec3& n, Vec3& t1, Vec3& t2) {
+  const double sign = std::copysign(1.0, n.z());
+  const double a = -1.0 / (sign + n.z());
+  const double b = n.x() * n.y() * a;
+  t1 = Vec3(1.0 + sign * n.x() * n.x() * a, sign * b, -sign * n.x());
+  t2 = Vec3(b, sign + n.y() * n.y() * a, -n.y());
+}
+
+/// Angular velocity after a torque-free step, body frame: implicit midpoint rule on Euler's
+/// equations, I (w1 - w0) = -h wm x (I wm) with wm = (w0 + w1) / 2. It keeps the rotational energy
+/// and |I w| for every h where Newton's iteration converges; three iterations do for |w| h < 1.
+/// @param inertia_l  kg m^2, body frame     @param w0_l  rad/s, body frame     @param h  s
+inline Vec3 torque_free_step(const Mat3& inertia_l, const Vec3& w0_l, double h) {
+  Vec3 w1 = w0_l;
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    const Vec3 wm = 0.5 * (w0_l + w1);
+    const Vec3 lm = inertia_l * wm;
+    const Vec3 residual = inertia_l * (w1 - w0_l) + h * wm.cross(lm);
+    const Mat3 jacobian = inertia_l + 0.5 * h * (skew(wm) * inertia_l - skew(lm));
+    w1 -= jacobian.inverse() * residual;
+  }
+  return w1;
+}
+
+}  // namespace tandem::pbd

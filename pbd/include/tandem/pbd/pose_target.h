@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/body.h"
+
+namespace tandem::pbd {
+
+class ByteReader;
+class ByteWriter;
+class World;
+
+/// How a target moves while the step runs.
+enum class TargetMotion : std::uint8_t {
+  /// With its own twist, and with every acceleration that the local body feels (gravity, contact,
+  /// joints): right where the remote body is simulated too and feels the same.
+  WithBody,
+  /// With its own twist alone: right where somebody moves the remote body by hand.
+  Inertial,
+};
+
+/// A remote estimate of one body, already fused over all peers: a row of the pass.
+/// Free body: x* = x + share (x_target - x), the weighted average of [friston] Eq. 1 with the local
+/// weight 1 and the remote weight share / (1 - share).
+struct PoseTarget {
+  BodyId body;
+  Pose pose;           ///< at the start of the step to come, world
+  Twist twist;         ///< world
+  double share = 0.0;  ///< of the gap closed per 1/60 s, 0 to 1; 1 = the remote owns the body
+  TargetMotion motion = TargetMotion::WithBody;
+  /// Rotation vector (rad, world) from the local orientation to the target's, used in place of
+  /// `pose.orientation` where `use_rotation_error` is set: a fused rotation whose share-fraction is
+  /// the exact average may lie beyond half a turn.
+  Vec3 rotation_error = Vec3::Zero();
+  bool use_rotation_error = false;
+};
+
+/// What agreement did to one body in the last step.
+struct Correction {
+  Vec3 translation = Vec3::Zero();  ///< m, world: sum of the displacement channel
+  Vec3 rotation = Vec3::Zero();     ///< rad, world, rotation vector
+  Twist twist;                      ///< velocity agreement
+};
+
+/// Anything that knows where remote peers see the bodies; `consensus` implements this.
+class TargetSource {
+ public:
+  virtual ~TargetSource() = default;
+
+  /// Append the targets of the step to come; at most one per body.
+  virtual void collect(const World& world, double dt, std::vector<PoseTarget>& out) = 0;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "tandem/pbd/body.h"
+#include "tandem/pbd/constraint.h"
+
+namespace tandem::pbd {
+
+/// The stages of a step, in order; the middle ones run once for each substep.
+enum class Stage : int { Detect, Begin, Integrate, Project, Velocity, Total, CleanUp, End };
+inline constexpr int kStageCount = 8;
+inline constexpr std::array<std::string_view, kStageCount> kStageNames{
+    "detect", "begin", "integrate", "project", "velocity", "total", "clean_up", "end"};
+
+enum class StepStatus : std::uint8_t {
+  Ok,
+  NonFinite,  ///< a body left the finite numbers; it was put back to where the step began, at rest
+};
+
+/// What agreement did to the energy of the world in one step, J.
+struct ConsensusEnergy {
+  double displacement = 0.0;        ///< kinetic, carried by the displacement channel; must be 0
+  double velocity_agreement = 0.0;  ///< change of kinetic energy by blending velocities
+  double potential = 0.0;           ///< change of gravitational energy by displacement
+  double leak = 0.0;                ///< kinetic energy that braking of blocked bodies removed, <= 0
+};
+
+/// What one step did. A reference that is valid until the solver's next step.
+struct StepReport {
+  StepStatus status = StepStatus::Ok;
+  BodyId first_bad_body;  ///< valid where status is NonFinite
+  int substeps = 0;
+  int bodies = 0;
+  int targets = 0;
+  int velocity_iterations = 0;               ///< over all substeps
+  std::array<double, kStageCount> stage_s{};  ///< wall time of each stage, s
+  std::vector<BlockReport> blocks;           ///< rows and residuals, in solve order
+  ConsensusEnergy energy;
+
+  double total_s() const {
+    double sum = 0.0;
+    for (const double s : stage_s) sum += s;
+    return sum;
+  }
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/report.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::pbd {
+
+/// When the total channel runs.
+enum class ConsensusForm : std::uint8_t {
+  Substep,  ///< after each substep, with the share split over them
+  Step,     ///< once, after the last substep, with the whole share
+};
+
+/// How a step is solved. The defaults suit every scene we know of.
+struct SolverOptions {
+  /// Substeps for each step, 1 to 1000. The error of joints and contacts falls with its square:
+  /// 4 do for short stacks, 20 for chains with 100 times heavier ends.
+  int substeps = 10;
+  /// Sweeps of the pass in each substep, 1 to 1000. More substeps are nearly always better.
+  int position_iterations = 1;
+  /// Within each of them, joints and springs are swept until no row asks for more than the
+  /// tolerance (m), but this often at most: their energy is kept only where they converge.
+  int joint_iterations = 20;
+  double joint_tolerance = 1e-6;
+  /// Sweeps over contact velocities in each substep, at most.
+  int velocity_iterations = 20;
+  /// m/s: they stop when no row changes by more.
+  double velocity_tolerance = 1e-7;
+  /// Sweeps of the total channel in each substep (form Substep) or step (form Step).
+  int total_iterations = 2;
+  int total_iterations_per_step = 12;
+  /// Position-only sweeps after the last substep, at most; they touch only what is left to repair.
+  int clean_up_iterations = 8;
+  ConsensusForm form = ConsensusForm::Substep;
+  /// Share of blocked displacement that brakes a body held off its target, 0 to 1; 0 switches off.
+  double leak = 0.25;
+  ContactOptions contact;
+  /// Read the clock around each stage.
+  bool measure_stages = true;
+
+  /// Whether all fields are within their rules; if not, `error` names field, value and rule.
+  bool validate(std::string* error = nullptr) const;
+};
+
+/// Advances worlds. It holds scratch memory only: all state is in the world, so that one solver may
+/// step many worlds and a restored world goes on as before.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class Solver {
+ public:
+  /// @throws std::invalid_argument where the options do not validate
+  explicit Solver(const SolverOptions& options = {});
+  ~Solver();
+  Solver(Solver&&) noexcept;
+  Solver& operator=(Solver&&) noexcept;
+
+  const SolverOptions& options() const;
+
+  /// Advance the world by dt. Never throws; allocates only where the world has grown.
+  /// @param dt  s, finite and > 0; anything else leaves the world as it is and reports no substep
+  const StepReport& step(World& world, double dt) noexcept;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem::pbd

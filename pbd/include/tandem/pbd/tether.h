@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::pbd {
+
+/// A user's spring: pulls a point of a body towards a moving point of the world, with damping and
+/// a limit on its force. Three of them at different points hold a body like a loose hand.
+/// C = p - anchor(t) [m, three rows];  force = -stiffness C - damping dC/dt, cut at max_force.
+/// Source: [macklin2016] Eq. 26 as a 3x3 block. It takes no part in the total channel: a loose
+/// spring does not hold a body against its target, and its stretch is felt in Real at once.
+class Tether {
+ public:
+  static constexpr std::string_view kName = "tether";
+  static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
+
+  struct Def {
+    BodyId body;
+    Vec3 anchor_l = Vec3::Zero();         ///< m, frame of the body
+    Vec3 anchor_w = Vec3::Zero();         ///< m, world, at the start of the next step
+    Vec3 anchor_velocity = Vec3::Zero();  ///< m/s, world
+    double stiffness = 500.0;             ///< N/m, > 0
+    double damping = 20.0;                ///< N s/m, >= 0
+    double max_force = 1e9;               ///< N, > 0
+  };
+
+  // CONFIGURATION PROPERTIES FOLLOW
+  static void check(const World& world, const Def& def);
+  explicit Tether(const Def& def) : def_(def) {}
+  const Def& def() const { return def_; }
+  Def& def() { return def_; }
+  BodyId body_a() const { return {}; }
+  BodyId body_b() const { return def_.body; }
+
+  // RUN TIME PROPERTIES FOLLOW
+  void begin_substep(const SubstepContext& ctx);
+  double project(const SubstepContext& ctx);
+  double residual() const { return 0.0; }
+  double total_residual() const { return 0.0; }
+  /// Force (N, world) on the body in the last substep.
+  const Vec3& force() const { return force_; }
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in);
+
+ private:
+  Def def_;
+  Vec3 lambda_ = Vec3::Zero();   ///< N s^2
+  Vec3 c_start_ = Vec3::Zero();  ///< m
+  Vec3 r_ = Vec3::Zero();        ///< m, world, lever arm at the start of the substep
+  Vec3 force_ = Vec3::Zero();
+};
+
+using Tethers = TypedBlock<Tether>;
+
+}  // namespace tandem::pbd

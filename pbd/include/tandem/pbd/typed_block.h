@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <compare>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tandem/pbd/bytes.h"
+#include "tandem/pbd/constraint.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::pbd {
+
+/// Names one row of one TypedBlock; stale ids are refused.
+struct ConstraintId {
+  std::uint32_t index = BodyId::kNone;
+  std::uint32_t generation = 0;
+  friend auto operator<=>(const ConstraintId&, const ConstraintId&) = default;
+};
+
+/// All constraints of the kind C, in one array, swept in the order of their slots.
+///
+/// C is a plain class that names the verbs it needs, out of those of ConstraintBlock, for one row:
+///   static constexpr std::string_view kName;  static constexpr int kOrder;
+///   struct Def; static void check(const World&, const Def&) (throws); explicit C(const Def&);
+///   BodyId body_a() const, body_b() const (the invalid id stands for the world);
+///   double residual() const; double total_residual() const;
+///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
+///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted, begin_substep, solve_velocity,
+///   begin_total, project_total, end_total, end_step.
+template <class C>
+class TypedBlock final : public ConstraintBlock {
+ public:
+  using Def = typename C::Def;
+
+  /// @throws std::invalid_argument naming the field, its value and the rule
+  ConstraintId add(const World& world, const Def& def) {
+    C::check(world, def);
+    if (!free_.empty()) {
+      const std::uint32_t index = free_.back();
+      free_.pop_back();
+      rows_[index] = C(def);
+      alive_[index] = 1;
+      ++count_;
+      return {index, generations_[index]};
+    }
+    rows_.emplace_back(def);
+    alive_.push_back(1);
+    generations_.push_back(0);
+    free_.reserve(rows_.size());
+    ++count_;
+    return {static_cast<std::uint32_t>(rows_.size() - 1), 0};
+  }
+
+  bool contains(ConstraintId id) const {
+    return id.index < rows_.size() && alive_[id.index] != 0 &&
+           generations_[id.index] == id.generation;
+  }
+  void remove(ConstraintId id) { erase(checked(id)); }
+  const C& at(ConstraintId id) const { return rows_[checked(id)]; }
+  const Def& def(ConstraintId id) const { return rows_[checked(id)].def(); }
+  /// Change parameters; carried state stays. The bodies may not change.
+  void set(const World& world, ConstraintId id, const Def& def) {
+    const std::uint32_t index = checked(id);
+    C::check(world, def);
+    rows_[index].def() = def;
+  }
+  int size() const { return count_; }
+
+  std::string_view name() const override { return C::kName; }
+  int order() const override { return C::kOrder; }
+  bool empty() const override { return count_ == 0; }
+
+  void begin_substep(const SubstepContext& ctx) override {
+    if constexpr (requires(C& c) { c.begin_substep(ctx); }) {
+      sweep(false, [&](C& c) { c.begin_substep(ctx); });
+    }
+  }
+  double project(const SubstepContext& ctx) override {
+    double largest = 0.0;
+    sweep(ctx.reverse, [&](C& c) { largest = std::max(largest, c.project(ctx)); });
+    return largest;
+  }
+  double solve_velocity(const SubstepContext& ctx) override {
+    double change = 0.0;
+    if constexpr (requires(C& c) { c.solve_velocity(ctx); }) {
+      sweep(ctx.reverse, [&](C& c) { change = std::max(change, c.solve_velocity(ctx)); });
+    }
+    return change;
+  }
+  void begin_total(const SubstepContext& ctx) override {
+    if constexpr (requires(C& c) { c.begin_total(ctx); }) {
+      sweep_total(ctx, [&](C& c) { c.begin_total(ctx); });
+    }
+  }
+  void project_total(const SubstepContext& ctx) override {
+    if constexpr (requires(C& c) { c.project_total(ctx); }) {
+      sweep_total(ctx, [&](C& c) { c.project_total(ctx); });
+    }
+  }
+  void end_total(const SubstepContext& ctx) override {
+    if constexpr (requires(C& c) { c.end_total(ctx); }) {
+      sweep_total(ctx, [&](C& c) { c.end_total(ctx); });
+    }
+  }
+  void clean_up(const SubstepContext& ctx) override { project_total(ctx); }
+  void end_step(const SubstepContext& ctx) override {
+    if constexpr (requires(C& c) { c.end_step(ctx); }) {
+      sweep(false, [&](C& c) { c.end_step(ctx); });
+    }
+  }
+
+  void links(LinkVisitor& visitor) const override {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (alive_[i] == 0) continue;
+      const BodyId a = rows_[i].body_a();
+      const BodyId b = rows_[i].body_b();
+      if (a.valid() && b.valid()) visitor.link(a.index, b.index);
+    }
+  }
+  void remove_body(BodyId body) override {
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      if (alive_[i] != 0 && (rows_[i].body_a() == body || rows_[i].body_b() == body)) erase(i);
+    }
+  }
+  BlockReport report() const override {
+    BlockReport report{.name = C::kName, .rows = count_};
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (alive_[i] == 0) continue;
+      report.residual = std::max(report.residual, rows_[i].residual());
+      report.total_residual = std::max(report.total_residual, rows_[i].total_residual());
+    }
+    return report;
+  }
+  void save(ByteWriter& out) const override {
+    out.u32(static_cast<std::uint32_t>(rows_.size()));
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      out.u8(alive_[i]);
+      out.u32(generations_[i]);
+      rows_[i].save(out);
+    }
+    out.u32(static_cast<std::uint32_t>(free_.size()));
+    for (const std::uint32_t index : free_) out.u32(index);
+  }
+  void load(ByteReader& in) override {
+    const std::uint32_t size = in.u32();
+    rows_.clear();
+    alive_.clear();
+    generations_.clear();
+    free_.clear();
+    count_ = 0;
+    for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
+      alive_.push_back(in.u8());
+      generations_.push_back(in.u32());
+      rows_.emplace_back(Def{});
+      rows_.back().load(in);
+      count_ += alive_.back();
+    }
+    const std::uint32_t free_count = in.u32();
+    free_.reserve(rows_.size());
+    for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) free_.push_back(in.u32());
+  }
+
+ private:
+  template <class Visit>
+  void sweep(bool reverse, Visit&& visit) {
+    const std::size_t n = rows_.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = reverse ? n - 1 - k : k;
+      if (alive_[i] != 0) visit(rows_[i]);
+    }
+  }
+  template <class Visit>
+  void sweep_total(const SubstepContext& ctx, Visit&& visit) {
+    sweep(ctx.reverse, [&](C& c) {
+      const bool total = (c.body_a().valid() && ctx.bodies[c.body_a().index].total) ||
+                         (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
+      if (total) visit(c);
+    });
+  }
+  std::uint32_t checked(ConstraintId id) const {
+    if (!contains(id)) {
+      throw std::invalid_argument(std::string(C::kName) + ": id " + std::to_string(id.index) +
+                                  " (generation " + std::to_string(id.generation) +
+                                  ") names no constraint of this block");
+    }
+    return id.index;
+  }
+  void erase(std::uint32_t index) {
+    alive_[index] = 0;
+    ++generations_[index];
+    free_.push_back(index);
+    --count_;
+  }
+
+  std::vector<C> rows_;
+  std::vector<std::uint8_t> alive_;
+  std::vector<std::uint32_t> generations_;
+  std::vector<std::uint32_t> free_;
+  int count_ = 0;
+};
+
+namespace detail {
+/// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
+void require(bool ok, std::string_view kind, std::string_view field, double value,
+             std::string_view rule);
+/// The same for a vector field: all components finite.
+void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
+/// Throws unless the body exists.
+void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field);
+}  // namespace detail
+
+}  // namespace tandem::pbd

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tandem/pbd/body.h"
+#include "tandem/pbd/constraint.h"
+#include "tandem/pbd/manifold.h"
+#include "tandem/pbd/pose_target.h"
+
+namespace tandem::pbd {
+
+class ContactBlock;
+
+struct WorldDef {
+  Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
+};
+
+/// Bodies, the blocks of constraints between them, and where contacts and targets come from.
+/// Everything that a step depends on is in here (Solver keeps scratch only).
+///
+/// Errors: all mutators throw std::invalid_argument naming field, value and rule, and leave the
+/// world as it was. Ids of removed bodies are refused the same way.
+/// @par Thread safety  Distinct worlds: safe. One world: one thread at a time.
+class World {
+ public:
+  explicit World(const WorldDef& def = {});
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  BodyId add_body(const BodyDef& def);
+  /// Removes the body and every constraint row that names it.
+  void remove_body(BodyId id);
+  bool contains(BodyId id) const;
+  /// The id of the body in slot `index`, or an invalid id where the slot is empty.
+  BodyId body_at(std::uint32_t index) const;
+  /// Slots in use or free; indices are below this.
+  std::uint32_t slot_count() const;
+  std::size_t body_count() const;
+
+  const BodyState& state(BodyId id) const;
+  const Pose& pose(BodyId id) const { return state(id).pose; }
+  const Twist& twist(BodyId id) const { return state(id).twist; }
+  const BodyProps& props(BodyId id) const;
+  void set_pose(BodyId id, const Pose& pose);
+  void set_twist(BodyId id, const Twist& twist);
+  /// By slot, without the generation check, for loops over all bodies.
+  std::span<const BodyState> states() const { return states_; }
+  std::span<const BodyProps> all_props() const { return props_; }
+
+  /// Add a block of constraints: `auto& balls = world.add_block<BallJoints>();`. References stay
+  /// valid as long as the world lives (moves included).
+  template <class Block, class... Args>
+  Block& add_block(Args&&... args) {
+    auto block = std::make_unique<Block>(std::forward<Args>(args)...);
+    Block& reference = *block;
+    insert_block(std::move(block));
+    return reference;
+  }
+  /// In the order in which they are solved.
+  std::span<const std::unique_ptr<ConstraintBlock>> blocks() const { return blocks_; }
+
+  /// Contacts from `source` are solved from the next step on. The caller keeps it alive.
+  void set_contact_source(ContactSource* source);
+  ContactSource* contact_source() const { return contact_source_; }
+  /// The contacts of the last step; null before the first contact source.
+  const ContactBlock* contacts() const { return contacts_; }
+  /// Targets from `source` are solved from the next step on. The caller keeps it alive.
+  void set_target_source(TargetSource* source) { target_source_ = source; }
+  TargetSource* target_source() const { return target_source_; }
+
+  /// What agreement did to a body in the last step; zeros where nothing was shared.
+  Correction correction(BodyId id) const;
+  /// Whether the body felt a contact in the last step.
+  bool in_contact(BodyId id) const;
+
+  const Vec3& gravity() const { return gravity_; }
+  void set_gravity(const Vec3& gravity);
+  /// s, sum of all steps.
+  double time() const { return time_; }
+
+  /// Kinetic energy (J) of all dynamic bodies.
+  double kinetic_energy() const;
+  /// Kinetic plus gravitational energy (J), zero height at the origin.
+  double mechanical_energy() const;
+
+  /// Everything that the next step depends on, as bytes: bodies, blocks with their carried
+  /// multipliers, the contact source's caches. restore() wants a world built the same way (same
+  /// blocks in the same order, same kind of source) and throws std::invalid_argument otherwise,
+  /// leaving this world unchanged where the bytes are not a snapshot at all.
+  std::vector<std::byte> snapshot() const;
+  void restore(std::span<const std::byte> bytes);
+  /// 64-bit hash over all poses and twists: equal bits, equal hash.
+  std::uint64_t hash() const;
+
+ private:
+  friend class Solver;
+
+  void insert_block(std::unique_ptr<ConstraintBlock> block);
+  std::uint32_t checked_index(BodyId id, const char* what) const;
+
+  Vec3 gravity_;
+  double time_ = 0.0;
+  double last_h_ = 0.0;  ///< s, substep of the last step: unit of the carried multipliers
+  std::vector<BodyState> states_;
+  std::vector<BodyProps> props_;
+  std::vector<std::uint32_t> generations_;
+  std::vector<std::uint8_t> alive_;
+  std::vector<std::uint32_t> free_;
+  std::vector<Correction> corrections_;    ///< empty where no target was ever solved
+  std::vector<std::uint8_t> in_contact_;   ///< by slot, from the last step
+  std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
+  ContactBlock* contacts_ = nullptr;  ///< one of blocks_
+  ContactSource* contact_source_ = nullptr;
+  TargetSource* target_source_ = nullptr;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,476 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tandem/pbd/bytes.h"
+#include "tandem/pbd/corrections.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// Sweeps of the inner solve of one manifold; it stops earlier where it has converged.
+constexpr int kInnerSweeps = 12;
+/// Relative change below which it has.
+constexpr double kInnerTolerance = 1e-6;
+
+/// m/s: relative velocity of a point without contact, high enough that the solve leaves it out.
+constexpr double kNotTouching = 1e30;
+
+/// m: where a feature id is new, a point this close to an old one still takes over its multiplier.
+constexpr double kAnchorMatch = 0.02;
+
+/// Solve  0 <= z + dz  _|_  e + A dz >= 0  for up to four unknowns by projected Gauss-Seidel.
+/// On return `z` and `e` are the new values and `dz` their sum of changes. Returns the largest
+/// change of e in the first sweep.
+double solve_normals(const ContactRow& row, std::array<double, 4>& z, std::array<double, 4>& e,
+                     std::array<double, 4>& dz) {
+  const int n = row.manifold.count;
+  double first = 0.0;
+  for (int sweep = 0; sweep < kInnerSweeps; ++sweep) {
+    double largest = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double diagonal = row.mobility[i][i];
+      if (diagonal <= 0.0) continue;
+      const double change = std::max(-z[i], -e[i] / diagonal);
+      if (change == 0.0) continue;
+      z[i] += change;
+      dz[i] += change;
+      for (int j = 0; j < n; ++j) e[j] += row.mobility[i][j] * change;
+      largest = std::max(largest, std::abs(change) * diagonal);
+    }
+    if (sweep == 0) first = largest;
+    if (n == 1 || largest <= kInnerTolerance * first) break;
+  }
+  return first;
+}
+
+struct Pair {
+  SolverBody& a;
+  SolverBody& b;
+};
+
+Pair bodies_of(const ContactRow& row, const SubstepContext& ctx) {
+  return {ctx.bodies[row.manifold.body_a], ctx.bodies[row.manifold.body_b]};
+}
+
+/// Gap of point i as the bodies stand now.
+double gap_of(const ContactRow& row, const Pair& pair, int i) {
+  const Manifold& m = row.manifold;
+  const Vec3 p_a = pair.a.x + pair.a.q * m.points[i].anchor_a_l;
+  const Vec3 p_b = pair.b.x + pair.b.q * m.points[i].anchor_b_l;
+  return m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
+}
+
+/// Lever arms to the common point half-way between the two surfaces: with one point for both bodies
+/// a pair of opposite impulses keeps angular momentum, whatever slid since detection.
+void set_arms(ContactRow& row, const Pair& pair) {
+  const Manifold& m = row.manifold;
+  for (int i = 0; i < m.count; ++i) {
+    const Vec3 p_a =
+        pair.a.x + pair.a.q * m.points[i].anchor_a_l + m.radius_a * m.normal;
+    const Vec3 p_b =
+        pair.b.x + pair.b.q * m.points[i].anchor_b_l - m.radius_b * m.normal;
+    const Vec3 p = 0.5 * (p_a + p_b);
+    row.arm_a[i] = p - pair.a.x;
+    row.arm_b[i] = p - pair.b.x;
+  }
+}
+
+void set_mobility(ContactRow& row, const Pair& pair) {
+  const Manifold& m = row.manifold;
+  std::array<Vec3, 4> rn_a, rn_b, response_a, response_b;
+  for (int i = 0; i < m.count; ++i) {
+    rn_a[i] = row.arm_a[i].cross(m.normal);
+    rn_b[i] = row.arm_b[i].cross(m.normal);
+    response_a[i] = pair.a.inv_inertia_w * rn_a[i];
+    response_b[i] = pair.b.inv_inertia_w * rn_b[i];
+  }
+  const double linear = pair.a.inv_mass + pair.b.inv_mass;
+  for (int i = 0; i < m.count; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const double value = linear + rn_a[i].dot(response_a[j]) + rn_b[i].dot(response_b[j]);
+      row.mobility[i][j] = value;
+      row.mobility[j][i] = value;
+    }
+  }
+}
+
+/// Apply the multipliers `dz` along the normals as one correction for each body.
+void apply_normals(const ContactRow& row, const Pair& pair, const std::array<double, 4>& dz) {
+  const Vec3& n = row.manifold.normal;
+  double sum = 0.0;
+  Vec3 arm_a = Vec3::Zero();
+  Vec3 arm_b = Vec3::Zero();
+  for (int i = 0; i < row.manifold.count; ++i) {
+    sum += dz[i];
+    arm_a += dz[i] * row.arm_a[i];
+    arm_b += dz[i] * row.arm_b[i];
+  }
+  apply_correction(pair.a, -sum * n, -arm_a.cross(n));
+  apply_correction(pair.b, sum * n, arm_b.cross(n));
+}
+
+/// Position friction at the centre of pressure: undo this substep's sliding and twisting, within
+/// the cone that the normals allow.
+void solve_friction(ContactRow& row, const Pair& pair, double h) {
+  const Manifold& m = row.manifold;
+  double load = 0.0;
+  Vec3 arm_a = Vec3::Zero();
+  Vec3 arm_b = Vec3::Zero();
+  for (int i = 0; i < m.count; ++i) {
+    load += row.lambda[i];
+    arm_a += row.lambda[i] * row.arm_a[i];
+    arm_b += row.lambda[i] * row.arm_b[i];
+  }
+  if (load <= 0.0) {
+    row.friction.setZero();
+    row.twist = 0.0;
+    return;
+  }
+  arm_a /= load;
+  arm_b /= load;
+
+  if (m.count > 1) {  // twist about the normal, bounded by the spread of the load
+    double limit = 0.0;
+    for (int i = 0; i < m.count; ++i) {
+      const Vec3 lever = row.arm_a[i] - arm_a;
+      limit += row.lambda[i] * (lever - lever.dot(m.normal) * m.normal).norm();
+    }
+    limit *= m.friction;
+    const double w = m.normal.dot((pair.a.inv_inertia_w + pair.b.inv_inertia_w) * m.normal);
+    if (w > 0.0 && limit > 0.0) {
+      const double slip =
+          m.normal.dot(h * (pair.b.w - pair.a.w) + pair.b.dtheta - pair.a.dtheta);
+      const double before = row.twist;
+      row.twist = std::clamp(before - slip / w, -limit, limit);
+      const Vec3 moment = (row.twist - before) * m.normal;
+      apply_correction(pair.a, Vec3::Zero(), -moment);
+      apply_correction(pair.b, Vec3::Zero(), moment);
+    }
+  }
+
+  const Vec3 slip =
+      point_displacement(pair.b, arm_b, h) - point_displacement(pair.a, arm_a, h);
+  const std::array<Vec3, 2> t{row.tangent_1, row.tangent_2};
+  Eigen::Matrix2d k;
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const Vec3 ra = arm_a.cross(t[i]);
+      const Vec3 rb = arm_b.cross(t[i]);
+      k(i, j) = (i == j ? pair.a.inv_mass + pair.b.inv_mass : 0.0) +
+                ra.dot(pair.a.inv_inertia_w * arm_a.cross(t[j])) +
+                rb.dot(pair.b.inv_inertia_w * arm_b.cross(t[j]));
+    }
+  }
+  const Eigen::Vector2d before = row.friction;
+  row.friction -= k.inverse() * Eigen::Vector2d(slip.dot(t[0]), slip.dot(t[1]));
+  const double limit = m.friction * load;
+  const double norm = row.friction.norm();
+  if (norm > limit) row.friction *= limit / norm;
+  const Eigen::Vector2d change = row.friction - before;
+  apply_pair(pair.a, pair.b, change[0] * t[0] + change[1] * t[1], arm_a, arm_b);
+}
+
+template <class Rows, class Visit>
+void sweep(Rows& rows, bool reverse, Visit&& visit) {
+  const std::size_t n = rows.size();
+  for (std::size_t k = 0; k < n; ++k) visit(rows[reverse ? n - 1 - k : k]);
+}
+
+bool in_total(const ContactRow& row, const SubstepContext& ctx) {
+  return ctx.bodies[row.manifold.body_a].total || ctx.bodies[row.manifold.body_b].total;
+}
+
+/// Carry multipliers from the old row of the same pair to the new one.
+void carry(const ContactRow& old, ContactRow& row, double scale) {
+  std::array<bool, 4> taken{};
+  std::array<bool, 4> done{};
+  const auto take = [&](int i, int j) {
+    row.lambda[i] = old.lambda[j] * scale;
+    row.gap[i] = old.gap[j];
+    taken[j] = true;
+    done[i] = true;
+  };
+  for (int i = 0; i < row.manifold.count; ++i) {
+    for (int j = 0; j < old.manifold.count; ++j) {
+      if (!taken[j] && row.manifold.points[i].feature == old.manifold.points[j].feature) {
+        take(i, j);
+        break;
+      }
+    }
+  }
+  for (int i = 0; i < row.manifold.count; ++i) {
+    if (done[i]) continue;
+    int best = -1;
+    double nearest = kAnchorMatch * kAnchorMatch;
+    for (int j = 0; j < old.manifold.count; ++j) {
+      const double d2 =
+          (row.manifold.points[i].anchor_b_l - old.manifold.points[j].anchor_b_l).squaredNorm();
+      if (!taken[j] && d2 < nearest) {
+        nearest = d2;
+        best = j;
+      }
+    }
+    if (best >= 0) take(i, best);
+  }
+}
+
+}  // namespace
+
+void ContactBlock::configure(const ContactOptions& options, double gravity_norm) {
+  options_ = options;
+  bounce_acceleration_ = options.restitution_threshold * gravity_norm;
+}
+
+void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds, double h_ratio) {
+  const auto by_key = [](const Manifold& l, const Manifold& r) { return l.key < r.key; };
+  if (!std::is_sorted(manifolds.begin(), manifolds.end(), by_key)) {
+    std::sort(manifolds.begin(), manifolds.end(), by_key);
+  }
+  std::swap(rows_, previous_);
+  rows_.clear();
+  const double scale = h_ratio * h_ratio;
+  std::size_t j = 0;
+  for (const Manifold& manifold : manifolds) {
+    ContactRow& row = rows_.emplace_back();
+    row.manifold = manifold;
+    tangent_frame(manifold.normal, row.tangent_1, row.tangent_2);
+    while (j < previous_.size() && previous_[j].manifold.key < manifold.key) ++j;
+    if (j < previous_.size() && previous_[j].manifold.key == manifold.key) {
+      carry(previous_[j], row, scale);
+    }
+  }
+}
+
+void ContactBlock::begin_substep(const SubstepContext& ctx) {
+  for (ContactRow& row : rows_) {
+    const Pair pair = bodies_of(row, ctx);
+    const Manifold& m = row.manifold;
+    set_arms(row, pair);
+    for (int i = 0; i < m.count; ++i) {
+      row.overlap[i] = std::max(0.0, row.gap[i] - gap_of(row, pair, i));
+      row.speed[i] = m.normal.dot(point_velocity(pair.b, row.arm_b[i]) -
+                                  point_velocity(pair.a, row.arm_a[i]));
+      row.impulse[i] = 0.0;
+    }
+    row.friction.setZero();
+    row.twist = 0.0;
+  }
+}
+
+void ContactBlock::warm_start(const SubstepContext& ctx) {
+  for (ContactRow& row : rows_) {
+    const Pair pair = bodies_of(row, ctx);
+    set_arms(row, pair);
+    set_mobility(row, pair);
+    bool any = false;
+    for (int i = 0; i < row.manifold.count; ++i) {
+      if (row.lambda[i] > 0.0 && gap_of(row, pair, i) >= options_.warm_start_gap) {
+        row.lambda[i] = 0.0;
+      }
+      any = any || row.lambda[i] > 0.0;
+    }
+    if (any) apply_normals(row, pair, row.lambda);
+  }
+}
+
+double ContactBlock::project(const SubstepContext& ctx) {
+  double largest = 0.0;
+  const double push = options_.push_speed * ctx.h;
+  sweep(rows_, ctx.reverse, [&](ContactRow& row) {
+    const Pair pair = bodies_of(row, ctx);
+    std::array<double, 4> e{};
+    bool active = false;
+    for (int i = 0; i < row.manifold.count; ++i) {
+      // Overlap that was there before the substep is let out slowly; what this substep's motion
+      // added is undone at once.
+      e[i] = gap_of(row, pair, i) - row.gap[i] + std::max(0.0, row.overlap[i] - push);
+      active = active || e[i] < 0.0 || row.lambda[i] > 0.0;
+    }
+    if (!active) return;
+    std::array<double, 4> dz{};
+    largest = std::max(largest, solve_normals(row, row.lambda, e, dz));
+    apply_normals(row, pair, dz);
+    if (row.manifold.friction > 0.0) solve_friction(row, pair, ctx.h);
+  });
+  return largest;
+}
+
+double ContactBlock::solve_velocity(const SubstepContext& ctx) {
+  double change = 0.0;
+  sweep(rows_, ctx.reverse, [&](ContactRow& row) {
+    const Manifold& m = row.manifold;
+    const Pair pair = bodies_of(row, ctx);
+    std::array<double, 4> e{};
+    std::array<double, 4> z{};
+    bool active = false;
+    for (int i = 0; i < m.count; ++i) {
+      z[i] = row.lambda[i] / ctx.h + row.impulse[i];
+      active = active || row.lambda[i] > 0.0;
+      const bool bounces = -row.speed[i] > bounce_acceleration_ * ctx.h;
+      const double target = bounces ? std::max(-m.restitution * row.speed[i], 0.0) : 0.0;
+      e[i] = m.normal.dot(point_velocity(pair.b, row.arm_b[i]) -
+                          point_velocity(pair.a, row.arm_a[i])) -
+             target;
+      if (row.lambda[i] <= 0.0) e[i] = kNotTouching;
+    }
+    if (!active) return;
+    std::array<double, 4> dz{};
+    change = std::max(change, solve_normals(row, z, e, dz));
+    double sum = 0.0;
+    Vec3 arm_a = Vec3::Zero();
+    Vec3 arm_b = Vec3::Zero();
+    for (int i = 0; i < m.count; ++i) {
+      row.impulse[i] += dz[i];
+      sum += dz[i];
+      arm_a += dz[i] * row.arm_a[i];
+      arm_b += dz[i] * row.arm_b[i];
+    }
+    const Vec3 p = sum * m.normal;
+    pair.a.v -= pair.a.inv_mass * p;
+    pair.a.w -= pair.a.inv_inertia_w * arm_a.cross(m.normal);
+    pair.b.v += pair.b.inv_mass * p;
+    pair.b.w += pair.b.inv_inertia_w * arm_b.cross(m.normal);
+  });
+  return change;
+}
+
+void ContactBlock::begin_total(const SubstepContext& ctx) {
+  for (ContactRow& row : rows_) {
+    if (!in_total(row, ctx)) continue;
+    const Pair pair = bodies_of(row, ctx);
+    set_arms(row, pair);
+    set_mobility(row, pair);
+    for (int i = 0; i < row.manifold.count; ++i) {
+      row.bound[i] = std::min(0.0, gap_of(row, pair, i) - row.gap[i]);
+      row.total[i] = 0.0;
+    }
+  }
+}
+
+void ContactBlock::project_total(const SubstepContext& ctx) {
+  sweep(rows_, ctx.reverse, [&](ContactRow& row) {
+    if (!in_total(row, ctx)) return;
+    const Pair pair = bodies_of(row, ctx);
+    std::array<double, 4> e{};
+    bool active = false;
+    for (int i = 0; i < row.manifold.count; ++i) {
+      e[i] = gap_of(row, pair, i) - row.bound[i];
+      active = active || e[i] < 0.0 || row.total[i] > 0.0;
+    }
+    if (!active) return;
+    std::array<double, 4> dz{};
+    solve_normals(row, row.total, e, dz);
+    apply_normals(row, pair, dz);
+  });
+}
+
+void ContactBlock::end_total(const SubstepContext& ctx) {
+  for (ContactRow& row : rows_) {
+    if (!in_total(row, ctx)) continue;
+    const Pair pair = bodies_of(row, ctx);
+    for (int i = 0; i < row.manifold.count; ++i) {
+      row.gap[i] = std::min(0.0, gap_of(row, pair, i) - row.bound[i]);
+    }
+  }
+}
+
+void ContactBlock::clean_up(const SubstepContext& ctx) {
+  const double push = options_.push_speed * ctx.h;
+  sweep(rows_, ctx.reverse, [&](ContactRow& row) {
+    const Pair pair = bodies_of(row, ctx);
+    const bool total = in_total(row, ctx);
+    std::array<double, 4> e{};
+    std::array<double, 4> unused{};
+    bool active = false;
+    for (int i = 0; i < row.manifold.count; ++i) {
+      const double allowed = std::max(options_.clean_up_slop, row.overlap[i] - push);
+      const double goal = total ? std::max(row.bound[i], -allowed) : -allowed;
+      e[i] = gap_of(row, pair, i) - goal;
+      active = active || e[i] < 0.0;
+    }
+    if (!active) return;
+    set_arms(row, pair);
+    set_mobility(row, pair);
+    std::array<double, 4> dz{};
+    solve_normals(row, unused, e, dz);
+    apply_normals(row, pair, dz);
+  });
+}
+
+void ContactBlock::end_step(const SubstepContext& ctx) {
+  residual_ = 0.0;
+  total_residual_ = 0.0;
+  for (ContactRow& row : rows_) {
+    const Pair pair = bodies_of(row, ctx);
+    for (int i = 0; i < row.manifold.count; ++i) {
+      residual_ = std::max(residual_, -gap_of(row, pair, i));
+      total_residual_ = std::max(total_residual_, -row.gap[i]);
+    }
+  }
+}
+
+void ContactBlock::links(LinkVisitor& visitor) const {
+  for (const ContactRow& row : rows_) visitor.link(row.manifold.body_a, row.manifold.body_b);
+}
+
+void ContactBlock::remove_body(BodyId body) {
+  std::erase_if(rows_, [&](const ContactRow& row) {
+    return row.manifold.body_a == body.index || row.manifold.body_b == body.index;
+  });
+}
+
+BlockReport ContactBlock::report() const {
+  return {.name = name(),
+          .rows = static_cast<int>(rows_.size()),
+          .residual = residual_,
+          .total_residual = total_residual_};
+}
+
+void ContactBlock::save(ByteWriter& out) const {
+  out.u32(static_cast<std::uint32_t>(rows_.size()));
+  for (const ContactRow& row : rows_) {
+    const Manifold& m = row.manifold;
+    out.u64(m.key);
+    out.u32(m.body_a);
+    out.u32(m.body_b);
+    out.vec3(m.normal);
+    for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution}) out.f64(value);
+    out.u8(static_cast<std::uint8_t>(m.count));
+    for (int i = 0; i < m.count; ++i) {
+      out.vec3(m.points[i].anchor_a_l);
+      out.vec3(m.points[i].anchor_b_l);
+      out.u32(m.points[i].feature);
+      out.f64(row.lambda[i]);
+      out.f64(row.gap[i]);
+    }
+  }
+}
+
+void ContactBlock::load(ByteReader& in) {
+  rows_.clear();
+  const std::uint32_t size = in.u32();
+  for (std::uint32_t k = 0; k < size && !in.failed(); ++k) {
+    ContactRow& row = rows_.emplace_back();
+    Manifold& m = row.manifold;
+    m.key = in.u64();
+    m.body_a = in.u32();
+    m.body_b = in.u32();
+    m.normal = in.vec3();
+    for (double* value : {&m.radius_a, &m.radius_b, &m.friction, &m.restitution}) *value = in.f64();
+    m.count = std::min<int>(in.u8(), Manifold::kMaxPoints);
+    for (int i = 0; i < m.count; ++i) {
+      m.points[i].anchor_a_l = in.vec3();
+      m.points[i].anchor_b_l = in.vec3();
+      m.points[i].feature = in.u32();
+      row.lambda[i] = in.f64();
+      row.gap[i] = in.f64();
+    }
+  }
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/distance_joint.h"
+
+#include "tandem/pbd/corrections.h"
+
+namespace tandem::pbd {
+
+void DistanceJoint::check(const World& world, const Def& def) {
+  if (def.a.valid()) detail::require_body(world, def.a, kName, "a");
+  detail::require_body(world, def.b, kName, "b");
+  detail::require(def.a != def.b, kName, "b", def.b.index, "must differ from a");
+  detail::require_finite(def.anchor_a_l, kName, "anchor_a_l");
+  detail::require_finite(def.anchor_b_l, kName, "anchor_b_l");
+  detail::require(def.rest_length >= 0.0 && std::isfinite(def.rest_length), kName, "rest_length",
+                  def.rest_length, "finite and >= 0");
+  detail::require(def.compliance >= 0.0 && std::isfinite(def.compliance), kName, "compliance",
+                  def.compliance, "finite and >= 0");
+  detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
+                  "finite and >= 0");
+}
+
+DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& ground) const {
+  Arms arms;
+  arms.a = def_.a.valid() ? &ctx.bodies[def_.a.index] : &ground;
+  arms.b = &ctx.bodies[def_.b.index];
+  arms.r_a = arms.a->q * def_.anchor_a_l;
+  arms.r_b = arms.b->q * def_.anchor_b_l;
+  const Vec3 d = (arms.b->x + arms.r_b) - (arms.a->x + arms.r_a);
+  arms.length = d.norm();
+  // Coinciding points have no direction: the row waits until they part.
+  arms.n = arms.length > kMinLength ? Vec3(d / arms.length) : Vec3(Vec3::Zero());
+  return arms;
+}
+
+void DistanceJoint::begin_substep(const SubstepContext& ctx) {
+  SolverBody ground;
+  const Arms arm = arms(ctx, ground);
+  c_start_ = arm.length - def_.rest_length;
+  r_a_ = arm.r_a;
+  r_b_ = arm.r_b;
+  n_ = arm.n;
+  lambda_ = 0.0;
+}
+
+double DistanceJoint::project(const SubstepContext& ctx) {
+  SolverBody ground;
+  const Arms arm = arms(ctx, ground);
+  const double c = arm.length - def_.rest_length;
+  // Points that have swung past each other within the substep have lost the old direction.
+  if (n_.dot(arm.n) < 0.5) n_ = arm.n;
+  const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
+  const double dlambda =
+      row_multiplier(c - gap_, lambda_, w, RowSoftness::of(def_.compliance, def_.damping, ctx.h),
+                     c - c_start_);
+  lambda_ += dlambda;
+  force_ = lambda_ / (ctx.h * ctx.h);
+  apply_pair(*arm.a, *arm.b, dlambda * n_, r_a_, r_b_);
+  return std::abs(dlambda) * w;
+}
+
+void DistanceJoint::begin_total(const SubstepContext& ctx) {
+  SolverBody ground;
+  bound_ = arms(ctx, ground).length - def_.rest_length - gap_;
+  lambda_ = 0.0;
+}
+
+void DistanceJoint::project_total(const SubstepContext& ctx) {
+  SolverBody ground;
+  const Arms arm = arms(ctx, ground);
+  const double c = arm.length - def_.rest_length - bound_;
+  const double w = inverse_mass(*arm.a, arm.r_a, arm.n) + inverse_mass(*arm.b, arm.r_b, arm.n);
+  const double dlambda =
+      row_multiplier(c, lambda_, w, RowSoftness::of(def_.compliance, 0.0, ctx.h), 0.0);
+  lambda_ += dlambda;
+  apply_pair(*arm.a, *arm.b, dlambda * arm.n, arm.r_a, arm.r_b);
+}
+
+void DistanceJoint::end_total(const SubstepContext& ctx) {
+  if (def_.compliance > 0.0) return;  // a soft row keeps no debt: its stretch is a force
+  SolverBody ground;
+  gap_ = arms(ctx, ground).length - def_.rest_length - bound_;
+}
+
+void DistanceJoint::end_step(const SubstepContext& ctx) {
+  SolverBody ground;
+  residual_ =
+      def_.compliance > 0.0 ? 0.0 : std::abs(arms(ctx, ground).length - def_.rest_length);
+}
+
+void DistanceJoint::save(ByteWriter& out) const {
+  for (const BodyId id : {def_.a, def_.b}) {
+    out.u32(id.index);
+    out.u32(id.generation);
+  }
+  out.vec3(def_.anchor_a_l);
+  out.vec3(def_.anchor_b_l);
+  out.f64(def_.rest_length);
+  out.f64(def_.compliance);
+  out.f64(def_.damping);
+  out.f64(gap_);
+  out.f64(force_);
+}
+
+void DistanceJoint::load(ByteReader& in) {
+  for (BodyId* id : {&def_.a, &def_.b}) {
+    id->index = in.u32();
+    id->generation = in.u32();
+  }
+  def_.anchor_a_l = in.vec3();
+  def_.anchor_b_l = in.vec3();
+  def_.rest_length = in.f64();
+  def_.compliance = in.f64();
+  def_.damping = in.f64();
+  gap_ = in.f64();
+  force_ = in.f64();
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <cmath>
+#include <string>
+
+#include "tandem/pbd/solver.h"
+
+namespace tandem::pbd {
+namespace {
+
+bool in_range(double value, double low, double high, const char* field, std::string* error) {
+  if (std::isfinite(value) && value >= low && value <= high) return true;
+  if (error != nullptr) {
+    *error = std::string("SolverOptions: ") + field + " = " + std::to_string(value) +
+             " breaks the rule: from " + std::to_string(low) + " to " + std::to_string(high);
+  }
+  return false;
+}
+
+}  // namespace
+
+bool SolverOptions::validate(std::string* error) const {
+  return in_range(substeps, 1, 1000, "substeps", error) &&
+         in_range(position_iterations, 1, 1000, "position_iterations", error) &&
+         in_range(joint_iterations, 1, 1000, "joint_iterations", error) &&
+         in_range(joint_tolerance, 0.0, 1.0, "joint_tolerance", error) &&
+         in_range(velocity_iterations, 0, 1000, "velocity_iterations", error) &&
+         in_range(velocity_tolerance, 0.0, 1.0, "velocity_tolerance", error) &&
+         in_range(total_iterations, 0, 1000, "total_iterations", error) &&
+         in_range(total_iterations_per_step, 0, 10000, "total_iterations_per_step", error) &&
+         in_range(clean_up_iterations, 0, 1000, "clean_up_iterations", error) &&
+         in_range(leak, 0.0, 1.0, "leak", error) &&
+         in_range(contact.push_speed, 0.0, 1e6, "contact.push_speed", error) &&
+         in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&
+         in_range(contact.clean_up_slop, 0.0, 1.0, "contact.clean_up_slop", error) &&
+         in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold", error);
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "targets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/pbd/math.h"
+
+namespace tandem::pbd {
+namespace {
+
+double kinetic_energy(const SolverBody& body, const BodyProps& props, const Vec3& v,
+                      const Vec3& w) {
+  const Vec3 w_l = body.q.conjugate() * w;
+  return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia_l * w_l));
+}
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t i) {
+  while (parents[i] != i) {
+    parents[i] = parents[parents[i]];
+    i = parents[i];
+  }
+  return i;
+}
+
+/// Joins bodies that can move; what stands still separates islands.
+class Joiner final : public LinkVisitor {
+ public:
+  Joiner(std::vector<std::uint32_t>& parents, std::span<const SolverBody> bodies)
+      : parents_(parents), bodies_(bodies) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (bodies_[a].inv_mass == 0.0 || bodies_[b].inv_mass == 0.0) return;
+    const std::uint32_t ra = root_of(parents_, a);
+    const std::uint32_t rb = root_of(parents_, b);
+    if (ra != rb) parents_[std::max(ra, rb)] = std::min(ra, rb);
+  }
+
+ private:
+  std::vector<std::uint32_t>& parents_;
+  std::span<const SolverBody> bodies_;
+};
+
+}  // namespace
+
+void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
+                         std::span<const BodyState> states, double dt, int parts) {
+  rows_.clear();
+  saved_.clear();
+  for (const PoseTarget& target : targets) {
+    const SolverBody& body = bodies[target.body.index];
+    if (body.inv_mass == 0.0 || !(target.share > 0.0)) continue;
+    Row& row = rows_.emplace_back();
+    row.body = target.body.index;
+    row.motion = target.motion;
+    // [Influence] A share is defined for 1/60 s of session time, whatever the step.
+    row.share = 1.0 - std::pow(1.0 - std::min(target.share, 1.0), 60.0 * dt / parts);
+    row.pose = target.pose;
+    row.twist = target.twist;
+    const BodyState& state = states[row.body];
+    row.e_x = target.pose.position - state.pose.position;
+    row.e_q = target.use_rotation_error
+                  ? target.rotation_error
+                  : rotation_between(state.pose.orientation, target.pose.orientation);
+    row.e_v = target.twist.linear - state.twist.linear;
+    row.e_w = target.twist.angular - state.twist.angular;
+  }
+}
+
+void Targets::mark_islands(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                           std::span<SolverBody> bodies) {
+  const auto count = static_cast<std::uint32_t>(bodies.size());
+  parents_.resize(count);
+  row_of_.assign(count, BodyId::kNone);
+  for (std::uint32_t i = 0; i < count; ++i) parents_[i] = i;
+  Joiner joiner(parents_, bodies);
+  for (const auto& block : blocks) block->links(joiner);
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    row_of_[rows_[k].body] = static_cast<std::uint32_t>(k);
+    bodies[root_of(parents_, rows_[k].body)].total = true;
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (bodies[i].inv_mass == 0.0) continue;
+    bodies[i].total = bodies[root_of(parents_, i)].total;
+    if (bodies[i].total) saved_.emplace_back().body = i;
+  }
+}
+
+void Targets::advance(double h, double elapsed) {
+  for (Row& row : rows_) {
+    row.elapsed = elapsed;
+    row.e_x += h * row.e_v;
+    row.e_q += h * row.e_w;
+  }
+}
+
+void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
+                               std::span<Correction> corrections, ConsensusEnergy& energy) {
+  for (Row& row : rows_) {
+    SolverBody& body = bodies[row.body];
+    if (row.motion == TargetMotion::Inertial) {
+      row.e_v = row.twist.linear - body.v;
+      row.e_w = row.twist.angular - body.w;
+    }
+    const double before = kinetic_energy(body, props[row.body], body.v, body.w);
+    const Vec3 dv = row.share * row.e_v;
+    const Vec3 dw = row.share * row.e_w;
+    body.v += dv;
+    body.w += dw;
+    row.e_v -= dv;
+    row.e_w -= dw;
+    corrections[row.body].twist.linear += dv;
+    corrections[row.body].twist.angular += dw;
+    energy.velocity_agreement +=
+        kinetic_energy(body, props[row.body], body.v, body.w) - before;
+  }
+}
+
+void Targets::begin_total(std::span<SolverBody> bodies) {
+  for (Saved& saved : saved_) {
+    SolverBody& body = bodies[saved.body];
+    saved.x = body.x;
+    saved.q = body.q;
+    saved.v = body.v;
+    saved.w = body.w;
+    saved.inv_mass = body.inv_mass;
+    saved.inv_inertia_w = body.inv_inertia_w;
+    if (row_of_[saved.body] == BodyId::kNone) continue;
+    // A body that remote peers know well is (1 + W) times heavier here: 1 / (1 + W) = 1 - share.
+    const double scale = 1.0 - rows_[row_of_[saved.body]].share;
+    body.inv_mass *= scale;
+    body.inv_inertia_w *= scale;
+  }
+}
+
+void Targets::move_bodies(std::span<SolverBody> bodies) {
+  for (Row& row : rows_) {
+    SolverBody& body = bodies[row.body];
+    if (row.motion == TargetMotion::Inertial) {
+      row.e_x = row.pose.position + row.elapsed * row.twist.linear - body.x;
+      row.e_q = rotation_between(
+          body.q, rotated(row.pose.orientation, row.elapsed * row.twist.angular));
+    }
+    row.wanted_x = row.share * row.e_x;
+    body.x += row.wanted_x;
+    body.q = rotated(body.q, row.share * row.e_q);
+  }
+}
+
+void Targets::end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
+                        std::span<Correction> corrections, const Vec3& gravity,
+                        ConsensusEnergy& energy) {
+  for (const Saved& saved : saved_) {
+    SolverBody& body = bodies[saved.body];
+    body.inv_mass = saved.inv_mass;
+    body.inv_inertia_w = saved.inv_inertia_w;
+    const Vec3 moved = body.x - saved.x;
+    const Vec3 turned = rotation_between(saved.q, body.q);
+    corrections[saved.body].translation += moved;
+    corrections[saved.body].rotation += turned;
+    energy.potential -=
+        props[saved.body].mass * props[saved.body].gravity_scale * gravity.dot(moved);
+    energy.displacement +=
+        kinetic_energy(body, props[saved.body], body.v, body.w) -
+        kinetic_energy(body, props[saved.body], saved.v,
+                       body.q * (saved.q.conjugate() * saved.w));
+    if (row_of_[saved.body] == BodyId::kNone) continue;
+    Row& row = rows_[row_of_[saved.body]];
+    row.e_x -= moved;
+    row.e_q -= turned;
+    row.blocked += moved - row.wanted_x;
+  }
+}
+
+void Targets::leak(double fraction, double dt, std::span<SolverBody> bodies,
+                   std::span<const BodyProps> props, ConsensusEnergy& energy) {
+  for (const Row& row : rows_) {
+    SolverBody& body = bodies[row.body];
+    const double length = row.blocked.norm();
+    if (length < 1e-9) continue;
+    const Vec3 direction = row.blocked / length;
+    const double speed = body.v.dot(direction);
+    if (speed >= 0.0) continue;
+    const double before = kinetic_energy(body, props[row.body], body.v, body.w);
+    body.v += std::min(-speed, fraction * length / dt) * direction;
+    energy.leak += kinetic_energy(body, props[row.body], body.v, body.w) - before;
+  }
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/constraint.h"
+#include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/report.h"
+#include "tandem/pbd/solver.h"
+
+namespace tandem::pbd {
+
+/// The pose targets of one step and the channel that serves them. Runs only where there are any.
+///
+/// A target is kept as what is still missing: e = target - body, for pose and twist. In a substep e
+/// first grows by h (target velocity - body velocity), a share of it is then closed, and what rows
+/// blocked stays in e. Substep shares compose exactly: 1 - (1 - s_n)^n = s.
+class Targets {
+ public:
+  /// Take over this step's targets; forget bodies that cannot move. @param share_exponent  60 dt / n
+  void begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
+                  std::span<const BodyState> states, double dt, int parts);
+  bool empty() const { return rows_.empty(); }
+  int size() const { return static_cast<int>(rows_.size()); }
+
+  /// Mark every body that is joined or in touch with a targeted one as part of the total channel.
+  void mark_islands(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                    std::span<SolverBody> bodies);
+
+  /// Where the targets have moved to by the end of this substep. Call before agree_velocities.
+  void advance(double h, double elapsed);
+  /// v += s_n (v_target - v), likewise w. Adds the change of kinetic energy to `energy`.
+  void agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
+                        std::span<Correction> corrections, ConsensusEnergy& energy);
+
+  /// Scale masses, move bodies to their targets, let the rows have their say, measure.
+  void begin_total(std::span<SolverBody> bodies);
+  void move_bodies(std::span<SolverBody> bodies);
+  void end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
+                 std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
+
+  /// Brake bodies along the part of their displacement that rows have blocked in this step.
+  void leak(double fraction, double dt, std::span<SolverBody> bodies,
+            std::span<const BodyProps> props, ConsensusEnergy& energy);
+
+ private:
+  struct Row {
+    std::uint32_t body = 0;
+    TargetMotion motion = TargetMotion::WithBody;
+    double share = 0.0;        ///< for each part of the step
+    Pose pose;                 ///< Inertial: where the target is at the start of the step
+    Twist twist;
+    Vec3 e_x = Vec3::Zero();   ///< m, still missing
+    Vec3 e_q = Vec3::Zero();   ///< rad, rotation vector, world
+    Vec3 e_v = Vec3::Zero();   ///< m/s
+    Vec3 e_w = Vec3::Zero();   ///< rad/s
+    Vec3 wanted_x = Vec3::Zero();   ///< m, the move asked of the pass in this part
+    Vec3 blocked = Vec3::Zero();    ///< m, sum of what rows changed of it, this step
+    double elapsed = 0.0;           ///< s since the start of the step
+  };
+  struct Saved {
+    std::uint32_t body = 0;
+    Vec3 x;
+    Quat q;
+    Vec3 v, w;
+    double inv_mass = 0.0;
+    Mat3 inv_inertia_w;
+  };
+
+  std::vector<Row> rows_;
+  std::vector<Saved> saved_;              ///< all bodies of the total channel
+  std::vector<std::uint32_t> parents_;    ///< union-find
+  std::vector<std::uint32_t> row_of_;     ///< by body; kNone without
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/tether.h"
+
+#include "tandem/pbd/corrections.h"
+
+namespace tandem::pbd {
+
+void Tether::check(const World& world, const Def& def) {
+  detail::require_body(world, def.body, kName, "body");
+  detail::require_finite(def.anchor_l, kName, "anchor_l");
+  detail::require_finite(def.anchor_w, kName, "anchor_w");
+  detail::require_finite(def.anchor_velocity, kName, "anchor_velocity");
+  detail::require(def.stiffness > 0.0 && std::isfinite(def.stiffness), kName, "stiffness",
+                  def.stiffness, "finite and > 0");
+  detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
+                  "finite and >= 0");
+  detail::require(def.max_force > 0.0, kName, "max_force", def.max_force, "> 0");
+}
+
+void Tether::begin_substep(const SubstepContext& ctx) {
+  const SolverBody& body = ctx.bodies[def_.body.index];
+  r_ = body.q * def_.anchor_l;
+  c_start_ = body.x + r_ - def_.anchor_w;
+  // Each substep moves the anchor on, so that a step of any length sees it move evenly and a tether
+  // that nobody updates coasts.
+  def_.anchor_w += ctx.h * def_.anchor_velocity;
+  lambda_.setZero();
+}
+
+double Tether::project(const SubstepContext& ctx) {
+  SolverBody& body = ctx.bodies[def_.body.index];
+  SolverBody ground;
+  const Vec3 c = body.x + body.q * def_.anchor_l - def_.anchor_w;
+  const Mat3 k = point_inverse_mass(ground, body, Vec3::Zero(), r_);
+  const Vec3 dlambda =
+      point_multiplier(c, lambda_, k, RowSoftness::of(1.0 / def_.stiffness, def_.damping, ctx.h),
+                       c - c_start_);
+  const Vec3 before = lambda_;
+  lambda_ += dlambda;
+  const double limit = def_.max_force * ctx.h * ctx.h;
+  const double norm = lambda_.norm();
+  if (norm > limit) lambda_ *= limit / norm;
+  force_ = lambda_ / (ctx.h * ctx.h);
+  const Vec3 p = lambda_ - before;
+  apply_correction(body, p, r_.cross(p));
+  return (k * p).norm();
+}
+
+void Tether::save(ByteWriter& out) const {
+  out.u32(def_.body.index);
+  out.u32(def_.body.generation);
+  out.vec3(def_.anchor_l);
+  out.vec3(def_.anchor_w);
+  out.vec3(def_.anchor_velocity);
+  out.f64(def_.stiffness);
+  out.f64(def_.damping);
+  out.f64(def_.max_force);
+  out.vec3(force_);
+}
+
+void Tether::load(ByteReader& in) {
+  def_.body.index = in.u32();
+  def_.body.generation = in.u32();
+  def_.anchor_l = in.vec3();
+  def_.anchor_w = in.vec3();
+  def_.anchor_velocity = in.vec3();
+  def_.stiffness = in.f64();
+  def_.damping = in.f64();
+  def_.max_force = in.f64();
+  force_ = in.vec3();
+}
+
+}  // namespace tandem::pbd
