@@ -23,23 +23,25 @@ constexpr double kNotTouching = 1e30;
 /// m: where a feature id is new, a point this close to an old one still takes over its multiplier.
 constexpr double kAnchorMatch = 0.02;
 
-/// Solve  0 <= z + dz  _|_  e + A dz >= 0  for up to four unknowns by projected Gauss-Seidel.
-/// On return `z` and `e` are the new values and `dz` their sum of changes. Returns the largest
-/// change of e in the first sweep.
-double solve_normals(const ContactRow& row, std::array<double, 4>& z, std::array<double, 4>& e,
-                     std::array<double, 4>& dz) {
+/// Solve  0 <= z  _|_  e + B (z - z_0) + S z >= 0  for up to four unknowns by projected
+/// Gauss-Seidel, B the mobility, S = softness diag(B) and z_0 the values on entry. On return `z`
+/// holds the new values and `dz` their changes. Returns the largest change of e in the first sweep.
+double solve_normals(const ContactRow& row, double softness, std::array<double, 4>& z,
+                     std::array<double, 4>& e, std::array<double, 4>& dz) {
   const int n = row.manifold.count;
   double first = 0.0;
+  for (int i = 0; i < n; ++i) e[i] += softness * row.mobility[i][i] * z[i];
   for (int sweep = 0; sweep < kInnerSweeps; ++sweep) {
     double largest = 0.0;
     for (int i = 0; i < n; ++i) {
-      const double diagonal = row.mobility[i][i];
+      const double diagonal = (1.0 + softness) * row.mobility[i][i];
       if (diagonal <= 0.0) continue;
       const double change = std::max(-z[i], -e[i] / diagonal);
       if (change == 0.0) continue;
       z[i] += change;
       dz[i] += change;
       for (int j = 0; j < n; ++j) e[j] += row.mobility[i][j] * change;
+      e[i] += softness * row.mobility[i][i] * change;
       largest = std::max(largest, std::abs(change) * diagonal);
     }
     if (sweep == 0) first = largest;
@@ -114,9 +116,9 @@ void apply_normals(const ContactRow& row, const Pair& pair, const std::array<dou
   apply_correction(pair.b, sum * n, arm_b.cross(n));
 }
 
-/// Position friction at the centre of pressure: undo this substep's sliding and twisting, within
-/// the cone that the normals allow.
-void solve_friction(ContactRow& row, const Pair& pair, double h) {
+/// Friction acts at the centre of pressure of the normals. Where that is, and how easily the bodies
+/// slide and twist there, is found once for each substep.
+void set_friction_point(ContactRow& row, const Pair& pair) {
   const Manifold& m = row.manifold;
   double load = 0.0;
   Vec3 arm_a = Vec3::Zero();
@@ -126,53 +128,91 @@ void solve_friction(ContactRow& row, const Pair& pair, double h) {
     arm_a += row.lambda[i] * row.arm_a[i];
     arm_b += row.lambda[i] * row.arm_b[i];
   }
-  if (load <= 0.0) {
-    row.friction.setZero();
-    row.twist = 0.0;
-    return;
-  }
-  arm_a /= load;
-  arm_b /= load;
+  row.grips = load > 0.0;
+  if (!row.grips) return;
+  row.centre_a = arm_a / load;
+  row.centre_b = arm_b / load;
 
-  if (m.count > 1) {  // twist about the normal, bounded by the spread of the load
-    double limit = 0.0;
-    for (int i = 0; i < m.count; ++i) {
-      const Vec3 lever = row.arm_a[i] - arm_a;
-      limit += row.lambda[i] * (lever - lever.dot(m.normal) * m.normal).norm();
-    }
-    limit *= m.friction;
-    const double w = m.normal.dot((pair.a.inv_inertia_w + pair.b.inv_inertia_w) * m.normal);
-    if (w > 0.0 && limit > 0.0) {
-      const double slip =
-          m.normal.dot(h * (pair.b.w - pair.a.w) + pair.b.dtheta - pair.a.dtheta);
-      const double before = row.twist;
-      row.twist = std::clamp(before - slip / w, -limit, limit);
-      const Vec3 moment = (row.twist - before) * m.normal;
-      apply_correction(pair.a, Vec3::Zero(), -moment);
-      apply_correction(pair.b, Vec3::Zero(), moment);
-    }
-  }
-
-  const Vec3 slip =
-      point_displacement(pair.b, arm_b, h) - point_displacement(pair.a, arm_a, h);
   const std::array<Vec3, 2> t{row.tangent_1, row.tangent_2};
   Eigen::Matrix2d k;
   for (int i = 0; i < 2; ++i) {
+    const Vec3 response_a = pair.a.inv_inertia_w * row.centre_a.cross(t[i]);
+    const Vec3 response_b = pair.b.inv_inertia_w * row.centre_b.cross(t[i]);
     for (int j = 0; j < 2; ++j) {
-      const Vec3 ra = arm_a.cross(t[i]);
-      const Vec3 rb = arm_b.cross(t[i]);
       k(i, j) = (i == j ? pair.a.inv_mass + pair.b.inv_mass : 0.0) +
-                ra.dot(pair.a.inv_inertia_w * arm_a.cross(t[j])) +
-                rb.dot(pair.b.inv_inertia_w * arm_b.cross(t[j]));
+                row.centre_a.cross(t[j]).dot(response_a) +
+                row.centre_b.cross(t[j]).dot(response_b);
     }
   }
+  row.slide_mass = k.inverse();
+  const double w = m.normal.dot((pair.a.inv_inertia_w + pair.b.inv_inertia_w) * m.normal);
+  row.twist_mass = m.count > 1 && w > 0.0 ? 1.0 / w : 0.0;
+}
+
+/// How far friction reaches for the load that the normals carry (N s^2 or N s).
+struct FrictionLimit {
+  double slide = 0.0;
+  double twist = 0.0;  ///< the load's spread about its centre turns it into a moment
+};
+
+FrictionLimit friction_limit(const ContactRow& row, double h) {
+  FrictionLimit limit;
+  for (int i = 0; i < row.manifold.count; ++i) {
+    const double load = std::max(0.0, row.lambda[i] + h * row.impulse[i]);
+    const Vec3 lever = row.arm_a[i] - row.centre_a;
+    limit.slide += load;
+    limit.twist += load * (lever - lever.dot(row.manifold.normal) * row.manifold.normal).norm();
+  }
+  limit.slide *= row.manifold.friction;
+  limit.twist *= row.manifold.friction;
+  return limit;
+}
+
+/// Multipliers that undo a slip (m) and a twist (rad) within the cone. Both passes of a substep
+/// share one budget: `row.friction` and `row.twist` hold what has been used of it.
+struct FrictionChange {
+  Vec3 slide = Vec3::Zero();   ///< N s^2, world
+  Vec3 moment = Vec3::Zero();  ///< N m s^2, world
+};
+
+FrictionChange undo_slip(ContactRow& row, double h, const Vec3& slip, double turn) {
+  const FrictionLimit limit = friction_limit(row, h);
   const Eigen::Vector2d before = row.friction;
-  row.friction -= k.inverse() * Eigen::Vector2d(slip.dot(t[0]), slip.dot(t[1]));
-  const double limit = m.friction * load;
+  row.friction -=
+      row.slide_mass * Eigen::Vector2d(slip.dot(row.tangent_1), slip.dot(row.tangent_2));
   const double norm = row.friction.norm();
-  if (norm > limit) row.friction *= limit / norm;
+  if (norm > limit.slide) row.friction *= limit.slide / norm;
   const Eigen::Vector2d change = row.friction - before;
-  apply_pair(pair.a, pair.b, change[0] * t[0] + change[1] * t[1], arm_a, arm_b);
+  const double twist = row.twist;
+  row.twist = std::clamp(twist - row.twist_mass * turn, -limit.twist, limit.twist);
+  return {change[0] * row.tangent_1 + change[1] * row.tangent_2,
+          (row.twist - twist) * row.manifold.normal};
+}
+
+/// Undo what this substep has slid so far.
+void solve_position_friction(ContactRow& row, const Pair& pair, double h) {
+  set_friction_point(row, pair);
+  if (!row.grips) return;
+  const Vec3 slip = point_displacement(pair.b, row.centre_b, h) -
+                    point_displacement(pair.a, row.centre_a, h);
+  const double turn =
+      row.manifold.normal.dot(h * (pair.b.w - pair.a.w) + pair.b.dtheta - pair.a.dtheta);
+  const FrictionChange f = undo_slip(row, h, slip, turn);
+  apply_correction(pair.a, -f.slide, -row.centre_a.cross(f.slide) - f.moment);
+  apply_correction(pair.b, f.slide, row.centre_b.cross(f.slide) + f.moment);
+}
+
+/// Stop the sliding that the velocity pass itself has brought about.
+void solve_velocity_friction(ContactRow& row, const Pair& pair, double h) {
+  if (!row.grips) return;
+  const Vec3 slip =
+      h * (point_velocity(pair.b, row.centre_b) - point_velocity(pair.a, row.centre_a));
+  const double turn = h * row.manifold.normal.dot(pair.b.w - pair.a.w);
+  const FrictionChange f = undo_slip(row, h, slip, turn);
+  const double rate = 1.0 / h;
+  apply_velocity_pair(pair.a, pair.b, rate * f.slide, row.centre_a, row.centre_b);
+  pair.a.w -= rate * (pair.a.inv_inertia_w * f.moment);
+  pair.b.w += rate * (pair.b.inv_inertia_w * f.moment);
 }
 
 template <class Rows, class Visit>
@@ -259,6 +299,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     }
     row.friction.setZero();
     row.twist = 0.0;
+    row.grips = false;
   }
 }
 
@@ -293,9 +334,9 @@ double ContactBlock::project(const SubstepContext& ctx) {
     }
     if (!active) return;
     std::array<double, 4> dz{};
-    largest = std::max(largest, solve_normals(row, row.lambda, e, dz));
+    largest = std::max(largest, solve_normals(row, options_.softness, row.lambda, e, dz));
     apply_normals(row, pair, dz);
-    if (row.manifold.friction > 0.0) solve_friction(row, pair, ctx.h);
+    if (row.manifold.friction > 0.0) solve_position_friction(row, pair, ctx.h);
   });
   return largest;
 }
@@ -320,7 +361,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
     }
     if (!active) return;
     std::array<double, 4> dz{};
-    change = std::max(change, solve_normals(row, z, e, dz));
+    change = std::max(change, solve_normals(row, 0.0, z, e, dz));
     double sum = 0.0;
     Vec3 arm_a = Vec3::Zero();
     Vec3 arm_b = Vec3::Zero();
@@ -335,6 +376,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
     pair.a.w -= pair.a.inv_inertia_w * arm_a.cross(m.normal);
     pair.b.v += pair.b.inv_mass * p;
     pair.b.w += pair.b.inv_inertia_w * arm_b.cross(m.normal);
+    if (m.friction > 0.0) solve_velocity_friction(row, pair, ctx.h);
   });
   return change;
 }
@@ -364,7 +406,7 @@ void ContactBlock::project_total(const SubstepContext& ctx) {
     }
     if (!active) return;
     std::array<double, 4> dz{};
-    solve_normals(row, row.total, e, dz);
+    solve_normals(row, 0.0, row.total, e, dz);
     apply_normals(row, pair, dz);
   });
 }
@@ -397,7 +439,7 @@ void ContactBlock::clean_up(const SubstepContext& ctx) {
     set_arms(row, pair);
     set_mobility(row, pair);
     std::array<double, 4> dz{};
-    solve_normals(row, unused, e, dz);
+    solve_normals(row, 0.0, unused, e, dz);
     apply_normals(row, pair, dz);
   });
 }

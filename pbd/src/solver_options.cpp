@@ -32,6 +32,7 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(leak, 0.0, 1.0, "leak", error) &&
          in_range(contact.push_speed, 0.0, 1e6, "contact.push_speed", error) &&
          in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&
+         in_range(contact.softness, 0.0, 10.0, "contact.softness", error) &&
          in_range(contact.clean_up_slop, 0.0, 1.0, "contact.clean_up_slop", error) &&
          in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold", error);
 }

@@ -40,10 +40,10 @@ void check_def(const BodyDef& def) {
   if (def.type != BodyType::Dynamic) return;
   detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
                   "finite and > 0");
+  detail::require(def.inertia.allFinite(), kKind, "inertia", def.inertia.sum(), "finite");
   const double asymmetry = (def.inertia - def.inertia.transpose()).cwiseAbs().maxCoeff();
   const double size = def.inertia.cwiseAbs().maxCoeff();
-  detail::require(def.inertia.allFinite() && asymmetry <= 1e-9 * size, kKind, "inertia", asymmetry,
-                  "finite and symmetric");
+  detail::require(asymmetry <= 1e-9 * size, kKind, "inertia", asymmetry, "symmetric");
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(def.inertia, Eigen::EigenvaluesOnly);
   const Vec3 moments = eigen.eigenvalues();  // ascending
   detail::require(moments[0] > 0.0, kKind, "inertia", moments[0], "positive definite");
@@ -62,6 +62,16 @@ BodyProps make_props(const BodyDef& def) {
     props.inverse_inertia_l = props.inertia_l.inverse();
   }
   return props;
+}
+
+/// Which kinds of constraints a world holds, in order: a snapshot fits no other.
+std::uint64_t kinds_of(std::span<const std::unique_ptr<ConstraintBlock>> blocks) {
+  std::uint64_t hash = hash_bytes({});
+  for (const auto& block : blocks) {
+    const std::string_view name = block->name();
+    hash = hash_bytes(std::as_bytes(std::span(name.data(), name.size())), hash);
+  }
+  return hash;
 }
 
 }  // namespace
@@ -216,6 +226,7 @@ std::vector<std::byte> World::snapshot() const {
   out.u32(kSnapshotMagic);
   out.u32(kSnapshotVersion);
   out.u32(static_cast<std::uint32_t>(blocks_.size()));
+  out.u64(kinds_of(blocks_));
   out.u8(contact_source_ != nullptr ? 1 : 0);
   out.vec3(gravity_);
   out.f64(time_);
@@ -240,18 +251,25 @@ std::vector<std::byte> World::snapshot() const {
   for (const std::uint32_t index : free_) out.u32(index);
   for (const auto& block : blocks_) block->save(out);
   if (contact_source_ != nullptr) contact_source_->save(out);
+  out.u64(hash_bytes(bytes));
   return bytes;
 }
 
 void World::restore(std::span<const std::byte> bytes) {
-  ByteReader in(bytes);
   const auto refuse = [](const char* rule) {
     throw std::invalid_argument(std::string("World::restore: bytes break the rule: ") + rule);
   };
+  // The check value comes first: nothing is written before all bytes are known to be good.
+  constexpr std::size_t kCheckBytes = 8;
+  if (bytes.size() < kCheckBytes) refuse("whole");
+  const auto content = bytes.first(bytes.size() - kCheckBytes);
+  if (ByteReader(bytes.last(kCheckBytes)).u64() != hash_bytes(content)) refuse("whole");
+  ByteReader in(content);
   if (in.u32() != kSnapshotMagic || in.u32() != kSnapshotVersion) {
     refuse("a snapshot of this version");
   }
-  if (in.u32() != blocks_.size() || (in.u8() != 0) != (contact_source_ != nullptr)) {
+  if (in.u32() != blocks_.size() || in.u64() != kinds_of(blocks_) ||
+      (in.u8() != 0) != (contact_source_ != nullptr)) {
     refuse("taken from a world with the same blocks and contact source");
   }
   gravity_ = in.vec3();
@@ -288,7 +306,7 @@ void World::restore(std::span<const std::byte> bytes) {
   for (std::uint32_t i = 0; i < free_count; ++i) free_.push_back(in.u32());
   for (const auto& block : blocks_) block->load(in);
   if (contact_source_ != nullptr) contact_source_->load(in);
-  if (in.failed()) refuse("whole");
+  if (in.failed() || in.remaining() != 0) refuse("whole");
 }
 
 std::uint64_t World::hash() const {
