@@ -69,20 +69,18 @@ Vec4 times(const Mat4& m, const Vec4& v) {
   return {dot(m[0], v), dot(m[1], v), dot(m[2], v), dot(m[3], v)};
 }
 
-/// Dominant eigenvector by power iteration from `start`. Converges by a factor of at least 100 per
-/// iteration where all states lie within kPowerSpread.
-Vec4 dominant_by_power(const Mat4& m, const Vec4& start) {
-  constexpr int kIterations = 10;
-  constexpr double kConverged = 1e-28;  // square of the change
-  Vec4 u = normalized(start);
+/// Dominant eigenvector by power iteration from the aligned sum of states within kPowerSpread: each
+/// iteration divides the error, below 1e-3 at the start, by at least 100. A fixed number of them
+/// costs less than looking whether they are still needed.
+Vec4 dominant_by_power(const Mat4& m, Vec4 u) {
+  constexpr int kIterations = 5;
+  // The dominant eigenvalue is nearly the trace, so that nothing has to be normalised on the way.
+  const double scale = 1.0 / (m[0][0] + m[1][1] + m[2][2] + m[3][3]);
   for (int i = 0; i < kIterations; ++i) {
-    const Vec4 next = normalized(times(m, u));
-    double change = 0.0;
-    for (std::size_t k = 0; k < 4; ++k) change += (next[k] - u[k]) * (next[k] - u[k]);
-    u = next;
-    if (change < kConverged) break;
+    u = times(m, u);
+    for (double& component : u) component *= scale;
   }
-  return u;
+  return normalized(u);
 }
 
 /// One Jacobi rotation: makes a[p][q] zero and turns the eigenvectors (columns of v) along.
@@ -108,6 +106,8 @@ void jacobi_rotate(Mat4& a, Mat4& v, std::size_t p, std::size_t q) {
     v[k][p] = c * vp - s * vq;
     v[k][q] = s * vp + c * vq;
   }
+  a[p][q] = 0.0;  // up to rounding it was
+  a[q][p] = 0.0;
 }
 
 /// Dominant eigenvector of a symmetric positive semidefinite matrix by cyclic Jacobi rotations, on
@@ -126,7 +126,8 @@ Vec4 dominant_exact(Mat4 a, bool& open) {
         if (a[p][q] != 0.0) jacobi_rotate(a, v, p, q);
       }
     }
-    if (off <= std::numeric_limits<double>::epsilon() * 1e-4 * scale) break;
+    // Converges quadratically: what was below this is below rounding after the sweep.
+    if (off <= 1e-9 * scale) break;
   }
   std::size_t best = 0;
   for (std::size_t k = 1; k < 4; ++k) {
@@ -159,94 +160,87 @@ struct MeanRotation {
   Quat remote = Quat::Identity();  ///< mean of the remote states alone
 };
 
-/// Estimates that count: weight(i) is 0 for the others. Owners count 1 each, and nobody else does.
-class Weights {
- public:
-  Weights(std::span<const PeerEstimate> estimates) : estimates_(estimates) {
-    for (const PeerEstimate& e : estimates_) owned_ = owned_ || e.share >= 1.0;
-    for (std::size_t i = 0; i < estimates_.size(); ++i) {
-      const double w = (*this)[i];
-      if (!(w > 0.0)) continue;
-      total_ += w;
-      ++used_;
-      if (used_ == 1 || w > (*this)[heaviest_]) heaviest_ = i;
-    }
-  }
-
-  double operator[](std::size_t i) const {
-    if (owned_) return estimates_[i].share >= 1.0 ? 1.0 : 0.0;
-    return weight_of_share(estimates_[i].share);
-  }
-  double total() const { return total_; }
-  int used() const { return used_; }
-  bool owned() const { return owned_; }
-  std::size_t heaviest() const { return heaviest_; }
-  /// Of the local state, on the same scale.
-  double local() const { return owned_ ? 0.0 : 1.0; }
-
- private:
-  std::span<const PeerEstimate> estimates_;
-  double total_ = 0.0;
-  int used_ = 0;
-  bool owned_ = false;
-  std::size_t heaviest_ = 0;
+/// Who counts and how much: fills PeerEstimate::weight. Owners count 1 each, and nobody else does.
+struct Tally {
+  double total = 0.0;
+  int used = 0;
+  bool owned = false;
+  std::size_t heaviest = 0;
 };
 
-/// Largest angles between states that count.
-struct Spread {
-  double remote = 0.0;  ///< rad, between remote states
-  double all = 0.0;     ///< rad, the local state included
-};
-
-Spread spread_of(const Quat& local, std::span<const PeerEstimate> estimates,
-                 const Weights& weights) {
-  double remote = 1.0;  // smallest cosines of half the angles
-  double all = 1.0;
+Tally weigh(std::span<PeerEstimate> estimates) {
+  Tally tally;
+  for (const PeerEstimate& e : estimates) tally.owned = tally.owned || e.share >= 1.0;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
-    if (!(weights[i] > 0.0)) continue;
+    PeerEstimate& e = estimates[i];
+    e.weight = weight_of_share(e.share);
+    if (tally.owned) e.weight = e.share >= 1.0 ? 1.0 : 0.0;
+    if (!(e.weight > 0.0)) continue;
+    tally.total += e.weight;
+    ++tally.used;
+    if (tally.used == 1 || e.weight > estimates[tally.heaviest].weight) tally.heaviest = i;
+  }
+  return tally;
+}
+
+/// Smallest cosines of half the angle between two states that count.
+struct Spread {
+  double remote = 1.0;  ///< between remote states
+  double all = 1.0;     ///< the local state included
+};
+
+Spread spread_of(const Quat& local, std::span<const PeerEstimate> estimates) {
+  Spread spread;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (!(estimates[i].weight > 0.0)) continue;
     const Quat& q = estimates[i].pose.orientation;
-    all = std::min(all, std::abs(dot(local, q)));
+    spread.all = std::min(spread.all, std::abs(dot(local, q)));
     for (std::size_t j = 0; j < i; ++j) {
-      if (!(weights[j] > 0.0)) continue;
-      remote = std::min(remote, std::abs(dot(q, estimates[j].pose.orientation)));
+      if (!(estimates[j].weight > 0.0)) continue;
+      spread.remote = std::min(spread.remote, std::abs(dot(q, estimates[j].pose.orientation)));
     }
   }
-  return {2.0 * std::acos(remote), 2.0 * std::acos(std::min(all, remote))};
+  spread.all = std::min(spread.all, spread.remote);
+  return spread;
 }
+
+constexpr double kPowerCosine = 0.984807753012208;  // of half of kPowerSpread
+constexpr double kMeanCosine = 0.8660254037844386;  // of half of kMeanSpread
 
 /// The average over two or more remote states close enough to be averaged.
 MeanRotation mean_of_many(const Quat& local, std::span<const PeerEstimate> estimates,
-                          const Weights& weights, bool cheap) {
-  Mat4 remote{};
+                          const Tally& tally, const Spread& spread) {
+  const Vec4 reference = relative_to(local, estimates[tally.heaviest].pose.orientation);
+  Mat4 m{};
   Vec4 sum{};
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const double w = weights[i];
-    if (!(w > 0.0)) continue;
-    const Vec4 r = relative_to(local, estimates[i].pose.orientation);
-    add_outer(remote, r, w);
-    for (std::size_t k = 0; k < 4; ++k) sum[k] += w * r[k];
+  for (const PeerEstimate& e : estimates) {
+    if (!(e.weight > 0.0)) continue;
+    const Vec4 r = relative_to(local, e.pose.orientation);
+    add_outer(m, r, e.weight);
+    const double aligned = dot(r, reference) < 0.0 ? -e.weight : e.weight;
+    for (std::size_t k = 0; k < 4; ++k) sum[k] += aligned * r[k];
   }
-  Mat4 all = remote;
-  add_outer(all, kIdentity, weights.local());
-
   bool open = false;
-  const Vec4 u_remote = cheap ? dominant_by_power(remote, sum) : dominant_exact(remote, open);
+  const Vec4 remote =
+      spread.remote >= kPowerCosine ? dominant_by_power(m, sum) : dominant_exact(m, open);
   MeanRotation mean;
-  mean.remote = from_relative(local, u_remote);
-  if (weights.owned()) {
-    mean.correction = log_rotation(u_remote);
+  mean.remote = from_relative(local, remote);
+  if (tally.owned) {
+    mean.correction = log_rotation(remote);
     return mean;
   }
-  sum[0] += weights.local();
-  const Vec4 u_all = cheap ? dominant_by_power(all, sum) : dominant_exact(all, open);
-  if (!open) mean.correction = log_rotation(u_all);
+  m[0][0] += 1.0;  // the local state, (1, 0, 0, 0) with weight 1
+  sum[0] += 1.0;
+  const Vec4 all = spread.all >= kPowerCosine ? dominant_by_power(m, sum) : dominant_exact(m, open);
+  if (!open) mean.correction = log_rotation(all);
   return mean;
 }
 
-RotationMean choose(const Weights& weights, const Spread& spread) {
-  if (weights.used() == 1) return RotationMean::Single;
-  if (spread.remote > kMeanSpread) return RotationMean::Heaviest;
-  return spread.all > kPowerSpread ? RotationMean::Exact : RotationMean::Power;
+RotationMean choose(const Tally& tally, const Spread& spread) {
+  if (tally.used == 1) return RotationMean::Single;
+  if (spread.remote < kMeanCosine) return RotationMean::Heaviest;
+  const double relevant = tally.owned ? spread.remote : spread.all;
+  return relevant < kPowerCosine ? RotationMean::Exact : RotationMean::Power;
 }
 
 }  // namespace
@@ -257,41 +251,40 @@ bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTa
   if (!std::is_sorted(estimates.begin(), estimates.end(), by_peer)) {
     std::sort(estimates.begin(), estimates.end(), by_peer);
   }
-  const Weights weights(estimates);
-  if (weights.used() == 0) return false;
+  const Tally tally = weigh(estimates);
+  if (tally.used == 0) return false;
 
-  target.share = weights.owned() ? 1.0 : share_of_weight(weights.total());
+  target.share = tally.owned ? 1.0 : share_of_weight(tally.total);
   target.pose.position = Vec3::Zero();
   target.twist = {};
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const PeerEstimate& e = estimates[i];
-    const double part = weights[i] / weights.total();
-    if (!(part > 0.0)) continue;
+  for (const PeerEstimate& e : estimates) {
+    if (!(e.weight > 0.0)) continue;
+    const double part = e.weight / tally.total;
     target.pose.position += part * e.pose.position;
     target.twist.linear += part * e.twist.linear;
     target.twist.angular += part * e.twist.angular;
   }
 
-  const Quat& q_local = local.orientation;
-  const Spread spread = spread_of(q_local, estimates, weights);
-  const RotationMean how = choose(weights, spread);
+  constexpr double kOwner = std::numeric_limits<double>::infinity();
+  const Spread spread = spread_of(local.orientation, estimates);
+  const RotationMean how = choose(tally, spread);
   MeanRotation mean;
   if (how == RotationMean::Single || how == RotationMean::Heaviest) {
-    mean.remote = estimates[weights.heaviest()].pose.orientation;
-    const double weight =
-        weights.owned() ? std::numeric_limits<double>::infinity() : weights[weights.heaviest()];
-    mean.correction = mean_with_single(relative_to(q_local, mean.remote), weight);
+    const PeerEstimate& heaviest = estimates[tally.heaviest];
+    mean.remote = heaviest.pose.orientation;
+    mean.correction = mean_with_single(relative_to(local.orientation, mean.remote),
+                                       tally.owned ? kOwner : heaviest.weight);
   } else {
-    mean = mean_of_many(q_local, estimates, weights, how == RotationMean::Power);
+    mean = mean_of_many(local.orientation, estimates, tally, spread);
   }
   target.pose.orientation = mean.remote;
   target.rotation_error = mean.correction / target.share;
   target.use_rotation_error = true;
 
   if (info != nullptr) {
-    info->used = weights.used();
-    info->weight = weights.owned() ? std::numeric_limits<double>::infinity() : weights.total();
-    info->spread = spread.all;
+    info->used = tally.used;
+    info->weight = tally.owned ? kOwner : tally.total;
+    info->spread = 2.0 * std::acos(spread.all);
     info->rotation = how;
   }
   return true;

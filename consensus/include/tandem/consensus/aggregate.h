@@ -14,9 +14,10 @@ namespace tandem::consensus {
 /// One peer's state of a body, carried to now by a predictor.
 struct PeerEstimate {
   PeerId peer = 0;
-  pbd::Pose pose;      ///< world
-  pbd::Twist twist;    ///< world
-  double share = 0.0;  ///< what counts now, see effective_share(); 1 or more = an owner
+  pbd::Pose pose;       ///< world
+  pbd::Twist twist;     ///< world
+  double share = 0.0;   ///< what counts now, see effective_share(); 1 or more = an owner
+  double weight = 0.0;  ///< set by fuse(): against the local 1, or 1 per owner where there is one
 };
 
 /// How the rotation average was found.
@@ -55,7 +56,8 @@ struct FusionInfo {
 /// orientation stays.
 /// Owners (share 1) override all others and the local state: the result is their mean, share 1.
 ///
-/// The result does not depend on the order of `estimates`, which is sorted by peer (in place).
+/// The result does not depend on the order of `estimates`, which is sorted by peer (in place) and
+/// whose weights are filled in.
 /// @pre peers are distinct, numbers finite, orientations unit
 /// @param[out] target  all fields but `body` and `motion`; unchanged where nothing counts
 /// @return false where there is nothing to agree on: no estimate with a share above 0

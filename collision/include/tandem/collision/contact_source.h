@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tandem/collision/shape.h"
+#include "tandem/pbd/manifold.h"
+
+namespace tandem::collision {
+
+/// Names one collider of one scene; stale ids are errors.
+struct ColliderId {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  std::uint32_t index = kNone;
+  std::uint32_t generation = 0;
+
+  bool valid() const { return index != kNone; }
+  friend auto operator<=>(const ColliderId&, const ColliderId&) = default;
+};
+
+/// A shape on a body. A body may have any number of colliders; they do not touch each other.
+struct ColliderDef {
+  pbd::BodyId body;
+  Shape shape;
+  pbd::Pose local;           ///< of the shape in the body's frame
+  double friction = 0.5;     ///< Coulomb, >= 0; a pair has sqrt(a b)
+  double restitution = 0.0;  ///< 0 to 1; a pair has the larger one
+  /// Two colliders touch where each one's category is in the other one's mask.
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;
+};
+
+/// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
+struct CollisionOptions {
+  /// m: gaps below this (plus what the motion of the step may close) are reported. For small
+  /// shapes it is capped at `speculative_size_share` of the smaller one's least extent.
+  double speculative_margin = 0.02;
+  double speculative_size_share = 0.25;  ///< > 0, at most 1
+  /// m: how far a collider may wander before the broad phase looks at it again.
+  double aabb_margin = 0.05;
+  /// A pair keeps its contacts (normal and anchors; only gaps change) until its parts have moved
+  /// against each other by this much, m; capped at `recycle_size_share` of the least extent. The
+  /// normal turns with the body that owns the reference face, else with the body that does not
+  /// move, else with the second one. 0 switches recycling off.
+  double recycle_distance = 0.005;
+  double recycle_size_share = 0.02;  ///< 0 to 0.1
+  double recycle_angle = 0.035;      ///< rad, 0 to 0.2
+
+  /// Whether all fields are within their rules; if not, `error` names field, value and rule.
+  bool validate(std::string* error = nullptr) const;
+};
+
+/// What the last collect() did.
+struct CollisionStats {
+  std::size_t colliders = 0;
+  std::size_t pairs = 0;      ///< whose fat boxes overlap
+  std::size_t queries = 0;    ///< asked of the narrow phase (one for each candidate triangle)
+  std::size_t recycled = 0;   ///< pairs that needed none
+  std::size_t manifolds = 0;
+  std::size_t points = 0;
+};
+
+/// Finds the contacts between the shapes of a world's bodies.
+///
+/// Broad phase: a tree of fat boxes, changed only for colliders that left theirs. Narrow phase:
+/// one query of the collision library for each new contact gives direction and depth; the manifold
+/// is then clipped from the features that face each other. Pairs that hardly moved are not asked
+/// again. Manifolds come ordered by key: (lower collider, higher collider, cluster of a mesh);
+/// body_a is the lower collider's body. Two meshes, and two half-spaces, do not touch each other.
+///
+/// Limits: 2^26 colliders. Not moved by collect(): nothing here depends on addresses, so equal
+/// scenes give equal bytes.
+/// @par Thread safety  Distinct scenes: safe. One scene: one thread at a time.
+class CollisionScene : public pbd::ContactSource {
+ public:
+  /// @throws std::invalid_argument where the options do not validate
+  explicit CollisionScene(const CollisionOptions& options = {});
+  ~CollisionScene() override;
+  CollisionScene(CollisionScene&&) noexcept;
+  CollisionScene& operator=(CollisionScene&&) noexcept;
+
+  /// @throws std::invalid_argument  naming field, value and rule; the scene is then unchanged
+  ColliderId add(const pbd::World& world, const ColliderDef& def);
+  /// @throws std::invalid_argument where the id names no collider
+  void remove(ColliderId id);
+  bool contains(ColliderId id) const;
+  /// @throws std::invalid_argument where the id names no collider
+  const ColliderDef& collider(ColliderId id) const;
+  /// The collider in slot `index`, or an invalid id; indices are below slot_count().
+  ColliderId collider_at(std::uint32_t index) const;
+  std::uint32_t slot_count() const;
+
+  const CollisionOptions& options() const;
+  /// Of the last collect().
+  const CollisionStats& stats() const;
+
+  void collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out) override;
+  /// Removes the body's colliders.
+  void remove_body(pbd::BodyId body) override;
+  void save(pbd::ByteWriter& out) const override;
+  /// Wants a scene with the same colliders; other bytes leave `in` failed and the caches empty.
+  void load(pbd::ByteReader& in) override;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem::collision

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "tandem/collision/triangle_mesh.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::collision {
+
+// Shapes are plain values in their own frame; a collider places them on a body.
+
+/// Ball about the origin.
+struct Sphere {
+  double radius = 0.5;  ///< m, > 0
+};
+
+/// Box about the origin, edges along the axes.
+struct Box {
+  pbd::Vec3 half_extents = pbd::Vec3::Constant(0.5);  ///< m, each > 0
+};
+
+/// All points within `radius` of the segment from (0, 0, -half_height) to (0, 0, half_height).
+struct Capsule {
+  double radius = 0.25;      ///< m, > 0
+  double half_height = 0.5;  ///< m, > 0; half the length of the segment, caps not included
+};
+
+/// Everything behind a plane: a point x is inside where normal . x <= offset.
+struct HalfSpace {
+  pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the solid
+  double offset = 0.0;                    ///< m
+};
+
+using Mesh = std::shared_ptr<const TriangleMesh>;
+
+using Shape = std::variant<Sphere, Capsule, Box, HalfSpace, Mesh>;
+
+/// Whether the shape is within the rules above; if not, `error` names field, value and rule.
+bool validate(const Shape& shape, std::string* error = nullptr);
+
+/// What a body made of the shape weighs.
+struct MassProperties {
+  double mass = 0.0;                         ///< kg
+  pbd::Vec3 com = pbd::Vec3::Zero();         ///< m, centre of mass in the shape's frame
+  pbd::Mat3 inertia_l = pbd::Mat3::Zero();   ///< kg m^2, about `com`, axes of the shape's frame
+};
+
+/// @param density  kg/m^3, > 0
+/// @throws std::invalid_argument  where the shape does not validate, the density is not positive,
+///   or the shape has no finite volume (half-space, mesh with a border or turned inside out)
+MassProperties mass_properties(const Shape& shape, double density);
+
+}  // namespace tandem::collision

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::collision {
+
+/// Axis-aligned box.
+struct Aabb {
+  pbd::Vec3 min = pbd::Vec3::Zero();  ///< m
+  pbd::Vec3 max = pbd::Vec3::Zero();  ///< m
+
+  bool overlaps(const Aabb& other) const {
+    return (min.array() <= other.max.array()).all() && (other.min.array() <= max.array()).all();
+  }
+  bool contains(const Aabb& other) const {
+    return (min.array() <= other.min.array()).all() && (other.max.array() <= max.array()).all();
+  }
+  Aabb merged(const Aabb& other) const {
+    return {min.cwiseMin(other.min), max.cwiseMax(other.max)};
+  }
+  Aabb expanded(double margin) const {
+    return {min - pbd::Vec3::Constant(margin), max + pbd::Vec3::Constant(margin)};
+  }
+  double half_area() const {
+    const pbd::Vec3 d = max - min;
+    return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+  }
+};
+
+/// A surface of triangles, solid behind it: the front of a triangle is the side from which its
+/// corners run counter-clockwise, and only fronts make contacts. Need not be closed. Corners at
+/// equal positions count as one, so that neighbours are known whatever the indexing.
+/// Immutable once made, and shared: many colliders may use one mesh.
+/// @par Thread safety  Safe, all methods are const.
+class TriangleMesh {
+ public:
+  using Triangle = std::array<std::uint32_t, 3>;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  /// Checks and prepares: welds equal corners, finds the neighbours, builds the search tree.
+  /// @param vertices  m, in the mesh frame     @param triangles  indices into `vertices`
+  /// @throws std::invalid_argument  naming the vertex or triangle: a coordinate that is not
+  ///   finite, an index out of range, a triangle without area, no triangle at all, or an edge
+  ///   with more than one triangle on the same side
+  static std::shared_ptr<const TriangleMesh> make(std::span<const pbd::Vec3> vertices,
+                                                  std::span<const Triangle> triangles);
+
+  /// Welded corners; triangles index into these.
+  std::span<const pbd::Vec3> vertices() const { return vertices_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+  /// Unit normal of the front.
+  const pbd::Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
+  /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border.
+  std::uint32_t neighbour(std::uint32_t triangle, int k) const { return neighbours_[triangle][k]; }
+  /// Number of edge k, the same from both sides.
+  std::uint32_t edge_id(std::uint32_t triangle, int k) const { return edge_ids_[triangle][k]; }
+  /// Corners that share an edge with corner `vertex`.
+  std::span<const std::uint32_t> ring(std::uint32_t vertex) const {
+    return std::span(ring_).subspan(ring_start_[vertex],
+                                    ring_start_[vertex + 1] - ring_start_[vertex]);
+  }
+  /// No border: it has an inside, a volume and so a mass.
+  bool closed() const { return closed_; }
+  const Aabb& bounds() const { return bounds_; }
+
+  /// Append to `out`, ascending, the triangles whose bounds meet `box` (mesh frame).
+  void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
+
+ private:
+  struct Node {
+    Aabb box;
+    std::uint32_t begin = 0;  ///< leaf: first of `count` entries of order_; else the left child
+    std::uint32_t count = 0;  ///< 0 for an inner node; its children are begin and begin + 1
+  };
+
+  TriangleMesh() = default;
+  void weld(std::span<const pbd::Vec3> vertices, std::span<const Triangle> triangles);
+  void find_neighbours();
+  void build_tree();
+
+  std::vector<pbd::Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<pbd::Vec3> normals_;
+  std::vector<Triangle> neighbours_;
+  std::vector<Triangle> edge_ids_;
+  std::vector<std::uint32_t> ring_;
+  std::vector<std::uint32_t> ring_start_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
+  Aabb bounds_;
+  bool closed_ = false;
+};
+
+}  // namespace tandem::collision

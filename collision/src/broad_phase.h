@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "aabb_tree.h"
+#include "collider.h"
+
+namespace tandem::collision {
+
+/// Two colliders whose fat boxes overlap, by index, low < high.
+struct ColliderPair {
+  std::uint32_t low = 0;
+  std::uint32_t high = 0;
+  std::uint32_t cache = 0;  ///< slot in the scene's caches; says nothing about order
+  bool fresh = true;        ///< new in this step: the slot holds somebody else's old data
+
+  friend bool operator<(const ColliderPair& l, const ColliderPair& r) {
+    return l.low != r.low ? l.low < r.low : l.high < r.high;
+  }
+};
+
+/// Keeps the list of pairs, sorted. Does no work for colliders that stay within their fat boxes.
+class BroadPhase {
+ public:
+  explicit BroadPhase(double margin) : margin_(margin) {}
+
+  void add(std::uint32_t index, const Collider& collider);
+  void remove(std::uint32_t index, const Collider& collider);
+
+  /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
+  void update(const std::vector<Collider>& colliders, double dt);
+
+  std::vector<ColliderPair>& pairs() { return pairs_; }
+  const std::vector<ColliderPair>& pairs() const { return pairs_; }
+  /// Slots in use or free; a pair's `cache` is below this.
+  std::uint32_t cache_slots() const { return cache_slots_; }
+  const Aabb& fat_box(std::uint32_t index) const { return proxies_[index].fat; }
+  bool placed(std::uint32_t index) const { return proxies_[index].leaf != AabbTree::kNone; }
+
+  /// For load(): forget all boxes and pairs, put boxes and pairs (ascending) back one by one.
+  void reset();
+  void place(std::uint32_t index, const Aabb& fat);
+  void remember_plane(std::uint32_t index, const Aabb& plane) { proxies_[index].fat = plane; }
+  ColliderPair& append_pair(std::uint32_t low, std::uint32_t high);
+
+ private:
+  struct Proxy {
+    std::uint32_t leaf = AabbTree::kNone;
+    Aabb fat;  ///< of a half-space: what its reach depended on in the last step
+  };
+
+  bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
+  bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
+                   double dt) const;
+  bool refit(std::uint32_t index, const Collider& collider);
+  void find(const std::vector<Collider>& colliders, double dt);
+  void merge_found();
+  std::uint32_t take_slot();
+
+  double margin_;
+  AabbTree tree_;
+  std::vector<Proxy> proxies_;
+  std::vector<std::uint32_t> half_spaces_;  ///< ascending
+  std::vector<ColliderPair> pairs_;
+  std::vector<ColliderPair> found_;
+  std::vector<ColliderPair> merged_;
+  std::vector<std::uint32_t> moved_;
+  std::vector<std::uint32_t> free_slots_;
+  std::vector<std::uint32_t> stack_;
+  std::uint32_t cache_slots_ = 0;
+};
+
+}  // namespace tandem::collision

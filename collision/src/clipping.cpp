@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "clipping.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::collision {
+namespace {
+
+/// m: a corner this far outside a side plane still counts as inside, so that aligned boxes keep
+/// their corners and with them their features.
+constexpr double kClipSlop = 1e-6;
+/// Sine below which two edges run alongside each other.
+constexpr double kParallel = 0.05;
+/// A later candidate must beat an earlier one by this factor.
+constexpr double kBias = 0.95;
+
+/// Corner of the polygon while it is being clipped. `edge` names the edge to the next corner:
+/// >= 0 an edge of the incident face, else ~k for side k of the reference face.
+struct Corner {
+  Vec3 p = Vec3::Zero();
+  std::uint32_t feature = 0;
+  int edge = 0;
+};
+
+struct Ids {
+  const CoreFace& reference;
+  const CoreFace& incident;
+  bool reference_is_a;
+
+  /// Feature where side k of the reference cuts the polygon edge `edge`.
+  std::uint32_t at(int edge, int k) const {
+    if (edge >= 0) {
+      const std::uint32_t r = reference.edge_ids[k];
+      const std::uint32_t i = incident.edge_ids[edge];
+      return reference_is_a ? crossing_feature(r, i) : crossing_feature(i, r);
+    }
+    // Two neighbouring sides of the reference meet in a corner of it.
+    const int other = ~edge;
+    const int corner = (k + 1) % reference.count == other ? other : k;
+    return corner_feature(!reference_is_a, reference.corner_ids[corner]);
+  }
+};
+
+/// Unit normal, out of the prism, of its side over edge k. The axis may point either way.
+Vec3 side_normal(const CoreFace& reference, const Vec3& axis, int k) {
+  const Vec3& from = reference.corners[k];
+  const Vec3 out = (reference.corners[(k + 1) % reference.count] - from).cross(axis).normalized();
+  const Vec3& opposite = reference.corners[(k + 2) % reference.count];
+  return out.dot(opposite - from) > 0.0 ? -out : out;
+}
+
+ClippedFace clip_segment(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
+                         const Ids& ids) {
+  double t0 = 0.0;
+  double t1 = 1.0;
+  std::uint32_t f0 = corner_feature(ids.reference_is_a, incident.corner_ids[0]);
+  std::uint32_t f1 = corner_feature(ids.reference_is_a, incident.corner_ids[1]);
+  const Vec3 d = incident.corners[1] - incident.corners[0];
+  for (int k = 0; k < reference.count; ++k) {
+    const Vec3& from = reference.corners[k];
+    const Vec3 out = side_normal(reference, axis, k);
+    const double at0 = out.dot(incident.corners[0] - from);
+    const double slope = out.dot(d);
+    const double at1 = at0 + slope;
+    if (at0 > kClipSlop && at1 > kClipSlop) return {};
+    if (at0 > kClipSlop) {
+      const double t = -at0 / slope;
+      if (t > t0) {
+        t0 = t;
+        f0 = ids.at(0, k);
+      }
+    } else if (at1 > kClipSlop) {
+      const double t = -at0 / slope;
+      if (t < t1) {
+        t1 = t;
+        f1 = ids.at(0, k);
+      }
+    }
+  }
+  if (t0 > t1) return {};
+  ClippedFace out;
+  out.corners[out.count++] = {incident.corners[0] + t0 * d, f0};
+  if ((t1 - t0) * d.norm() > kClipSlop) {
+    out.corners[out.count++] = {incident.corners[0] + t1 * d, f1};
+  }
+  return out;
+}
+
+}  // namespace
+
+ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
+                      bool reference_is_a) {
+  const Ids ids{reference, incident, reference_is_a};
+  if (incident.count == 2) return clip_segment(reference, axis, incident, ids);
+  // Sutherland-Hodgman; a convex n-gon gains at most one corner for each side: 4 + 4.
+  std::array<Corner, 12> polygon;
+  std::array<Corner, 12> next;
+  int count = incident.count;
+  for (int i = 0; i < count; ++i) {
+    polygon[i] = {incident.corners[i], corner_feature(reference_is_a, incident.corner_ids[i]), i};
+  }
+  for (int k = 0; k < reference.count && count > 0; ++k) {
+    const Vec3& from = reference.corners[k];
+    const Vec3 out = side_normal(reference, axis, k);
+    std::array<double, 12> distance;
+    for (int i = 0; i < count; ++i) distance[i] = out.dot(polygon[i].p - from);
+    int made = 0;
+    const auto push = [&](const Corner& corner) {
+      if (made < static_cast<int>(next.size())) next[made++] = corner;
+    };
+    for (int i = 0; i < count; ++i) {
+      const int j = (i + 1) % count;
+      const bool in_i = distance[i] <= kClipSlop;
+      const bool in_j = distance[j] <= kClipSlop;
+      if (in_i) push(polygon[i]);
+      if (in_i != in_j) {
+        // Both ends may lie outside the exact plane, one within the slop: stay on the edge.
+        const double t =
+            std::clamp(distance[i] / (distance[i] - distance[j]), 0.0, 1.0);
+        const Corner cut{polygon[i].p + t * (polygon[j].p - polygon[i].p),
+                         ids.at(polygon[i].edge, k), in_i ? ~k : polygon[i].edge};
+        // A corner within the slop is not doubled by the cut next to it.
+        const Vec3& kept = in_i ? polygon[i].p : polygon[j].p;
+        if ((cut.p - kept).squaredNorm() > kClipSlop * kClipSlop) {
+          push(cut);
+        } else if (in_i && made > 0) {
+          next[made - 1].edge = ~k;
+        }
+      }
+    }
+    std::swap(polygon, next);
+    count = made;
+  }
+  ClippedFace result;
+  result.count = count;
+  for (int i = 0; i < count; ++i) result.corners[i] = {polygon[i].p, polygon[i].feature};
+  return result;
+}
+
+int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double radii,
+                std::array<RawPoint, 2>& out) {
+  const Vec3 u = a.to - a.from;
+  const Vec3 v = b.to - b.from;
+  const Vec3 w = a.from - b.from;
+  const double uu = u.squaredNorm();
+  const double vv = v.squaredNorm();
+  const double uv = u.dot(v);
+  const double uw = u.dot(w);
+  const double vw = v.dot(w);
+  const double sine2_uuvv = uu * vv - uv * uv;
+  const auto put = [&](int i, double s, double t, std::uint32_t feature) {
+    RawPoint& point = out[i];
+    point.on_a = a.from + s * u;
+    point.on_b = b.from + t * v;
+    point.gap = normal.dot(point.on_b - point.on_a) - radii;
+    point.feature = feature;
+  };
+  const auto corner_a = [&](double s) { return corner_feature(false, s < 0.5 ? a.from_id : a.to_id); };
+  const auto corner_b = [&](double t) { return corner_feature(true, t < 0.5 ? b.from_id : b.to_id); };
+
+  if (uu > 0.0 && vv > 0.0 && sine2_uuvv <= kParallel * kParallel * uu * vv) {
+    // Where on a (as a share of its length) the ends of b lie.
+    const double s_from = -uw / uu;
+    const double s_to = s_from + uv / uu;
+    const double low = std::max(0.0, std::min(s_from, s_to));
+    const double high = std::min(1.0, std::max(s_from, s_to));
+    if ((high - low) * std::sqrt(uu) > kClipSlop) {
+      const std::array<double, 2> ends{low, high};
+      for (int i = 0; i < 2; ++i) {
+        const double s = ends[i];
+        const double t = std::clamp((s - s_from) / (s_to - s_from), 0.0, 1.0);
+        put(i, s, t, s <= 0.0 || s >= 1.0 ? corner_a(s) : corner_b(t));
+      }
+      return 2;
+    }
+  }
+  // Nearest points of two segments. Source: [ericson2005] Sec. 5.1.9.
+  double s = 0.0;
+  double t = 0.0;
+  if (vv <= 0.0) {
+    s = uu > 0.0 ? std::clamp(-uw / uu, 0.0, 1.0) : 0.0;
+  } else {
+    if (uu > 0.0 && sine2_uuvv > 1e-14 * uu * vv) {
+      s = std::clamp((uv * vw - uw * vv) / sine2_uuvv, 0.0, 1.0);
+    }
+    t = (uv * s + vw) / vv;
+    if (t < 0.0 || t > 1.0) {
+      t = std::clamp(t, 0.0, 1.0);
+      s = uu > 0.0 ? std::clamp((t * uv - uw) / uu, 0.0, 1.0) : 0.0;
+    }
+  }
+  const bool a_end = s <= 0.0 || s >= 1.0;
+  const bool b_end = t <= 0.0 || t >= 1.0;
+  put(0, s, t, a_end ? corner_a(s) : b_end ? corner_b(t) : crossing_feature(a.id, b.id));
+  return 1;
+}
+
+int reduce(RawPoint* points, int count, const Vec3& normal, double slop,
+           const std::uint32_t* kept, int kept_count) {
+  if (count <= 4) return count;
+  const auto preferred = [&](const RawPoint& p) {
+    return std::find(kept, kept + kept_count, p.feature) != kept + kept_count;
+  };
+  // Points that were chosen last time first, then by feature: earlier ones win near-ties.
+  std::sort(points, points + count, [&](const RawPoint& l, const RawPoint& r) {
+    const bool pl = preferred(l);
+    const bool pr = preferred(r);
+    if (pl != pr) return pl;
+    return l.feature != r.feature ? l.feature < r.feature : l.gap < r.gap;
+  });
+  double deepest = points[0].gap;
+  Vec3 middle = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    deepest = std::min(deepest, points[i].gap);
+    middle += points[i].on_b;
+  }
+  middle /= count;
+  /// Move the point with the best score to place `at`.
+  const auto take = [&](int at, auto&& score) {
+    int best = -1;
+    double best_score = 0.0;
+    for (int i = at; i < count; ++i) {
+      const double value = score(points[i]);
+      if (value > 0.0 && (best < 0 || kBias * value > best_score)) {
+        best = i;
+        best_score = value;
+      }
+    }
+    if (best < 0) return false;
+    std::rotate(points + at, points + best, points + best + 1);
+    return true;
+  };
+  const auto flat = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
+  // Among the deepest ones the outermost: the support is as wide as it can be.
+  if (!take(0, [&](const RawPoint& p) {
+        return p.gap <= deepest + slop ? 1e-30 + flat(p.on_b - middle).squaredNorm() : 0.0;
+      })) {
+    return 4;
+  }
+  const Vec3 p0 = points[0].on_b;
+  if (!take(1, [&](const RawPoint& p) { return flat(p.on_b - p0).squaredNorm(); })) return 1;
+  const Vec3 p1 = points[1].on_b;
+  const auto area = [&](const Vec3& p) { return normal.dot((p1 - p0).cross(p - p0)); };
+  if (!take(2, [&](const RawPoint& p) { return std::abs(area(p.on_b)); })) return 2;
+  const Vec3 p2 = points[2].on_b;
+  // Largest gain outside the triangle.
+  const double turn = area(p2) > 0.0 ? 1.0 : -1.0;
+  const auto outside = [&](const Vec3& from, const Vec3& to, const Vec3& p) {
+    return -turn * normal.dot((to - from).cross(p - from));
+  };
+  const bool fourth = take(3, [&](const RawPoint& p) {
+    return std::max({outside(p0, p1, p.on_b), outside(p1, p2, p.on_b), outside(p2, p0, p.on_b)});
+  });
+  return fourth ? 4 : 3;
+}
+
+}  // namespace tandem::collision

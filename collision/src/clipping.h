@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "convex_core.h"
+
+namespace tandem::collision {
+
+/// A contact point before it is put into the frames of the bodies. Anchors lie on the cores.
+struct RawPoint {
+  Vec3 on_a = Vec3::Zero();
+  Vec3 on_b = Vec3::Zero();
+  double gap = 0.0;  ///< m, between the surfaces (radii taken off)
+  std::uint32_t feature = 0;
+};
+
+/// The body in whose frame a manifold's normal is constant, where one owns a reference face.
+enum class FaceOwner : std::uint8_t { None, A, B };
+
+struct RawManifold {
+  static constexpr int kMaxPoints = 12;
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
+  FaceOwner owner = FaceOwner::None;
+  std::uint32_t cluster = 0;  ///< of a mesh: tells its manifolds apart
+  int count = 0;
+  std::array<RawPoint, kMaxPoints> points;
+
+  void add(const RawPoint& point) {
+    if (count < kMaxPoints) points[count++] = point;
+  }
+};
+
+/// A corner of a clipped face.
+struct ClippedCorner {
+  Vec3 position = Vec3::Zero();
+  std::uint32_t feature = 0;
+};
+
+struct ClippedFace {
+  int count = 0;
+  std::array<ClippedCorner, 12> corners;
+};
+
+/// What of `incident` lies within the prism over the reference face, `axis` being the prism's
+/// direction. `reference_is_a` tells whose ids are whose.
+ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
+                      bool reference_is_a);
+
+/// The points of two edges between which a contact along `normal` acts: two where the edges run
+/// alongside each other, else the nearest two points of them.
+/// @param radii  sum of the radii, m     @return number of points
+int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double radii,
+                std::array<RawPoint, 2>& out);
+
+/// Choose at most four of the points, in place: the deepest, then those that span the largest
+/// area. Earlier points win over later ones that are hardly better, and those that `kept` names
+/// (the features chosen last time) over all others, so that the choice does not flicker.
+/// @param slop  m: depths that differ by less count as equal
+int reduce(RawPoint* points, int count, const Vec3& normal, double slop,
+           const std::uint32_t* kept, int kept_count);
+
+}  // namespace tandem::collision

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "collider.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::collision {
+namespace {
+
+/// m, stands for no bound: far above every size that validates, far below trouble with squares.
+constexpr double kHuge = 1e9;
+
+struct Sizes {
+  double size;
+  double reach;  // from the shape's origin
+  int rank;
+};
+
+Sizes sizes_of(const Shape& shape) {
+  if (const auto* s = std::get_if<Sphere>(&shape)) return {2.0 * s->radius, s->radius, 0};
+  if (const auto* c = std::get_if<Capsule>(&shape)) {
+    return {2.0 * c->radius, c->radius + c->half_height, 1};
+  }
+  if (const auto* b = std::get_if<Box>(&shape)) {
+    return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), 2};
+  }
+  if (const auto* m = std::get_if<Mesh>(&shape)) {
+    const Aabb& bounds = (*m)->bounds();
+    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), 3};
+  }
+  return {kHuge, kHuge, 4};
+}
+
+Aabb bounds_of(const Collider& c) {
+  Vec3 centre = c.position;
+  Vec3 extent = Vec3::Zero();
+  if (const auto* s = std::get_if<Sphere>(&c.def.shape)) {
+    extent = Vec3::Constant(s->radius);
+  } else if (const auto* k = std::get_if<Capsule>(&c.def.shape)) {
+    extent = Vec3::Constant(k->radius) + k->half_height * c.rotation.col(2).cwiseAbs();
+  } else if (const auto* b = std::get_if<Box>(&c.def.shape)) {
+    extent = c.rotation.cwiseAbs() * b->half_extents;
+  } else if (const auto* m = std::get_if<Mesh>(&c.def.shape)) {
+    const Aabb& bounds = (*m)->bounds();
+    centre += c.rotation * (0.5 * (bounds.min + bounds.max));
+    extent = c.rotation.cwiseAbs() * (0.5 * (bounds.max - bounds.min));
+  }
+  return {centre - extent, centre + extent};
+}
+
+}  // namespace
+
+double Collider::motion(double dt) const {
+  // A half-space reaches everywhere: its turning is accounted for pair by pair.
+  const double turning = is_half_space() ? 0.0 : twist.angular.norm() * reach;
+  return (twist.linear.norm() + turning) * dt;
+}
+
+ConvexCore Collider::core(const Vec3& origin) const {
+  ConvexCore core;
+  core.centre = position - origin;
+  core.axes = rotation;
+  core.size = size;
+  if (const auto* s = std::get_if<Sphere>(&def.shape)) {
+    core.kind = CoreKind::Point;
+    core.radius = s->radius;
+  } else if (const auto* c = std::get_if<Capsule>(&def.shape)) {
+    core.kind = CoreKind::Segment;
+    core.radius = c->radius;
+    core.half = Vec3(0.0, 0.0, c->half_height);
+  } else {
+    core.kind = CoreKind::Box;
+    core.half = std::get<Box>(def.shape).half_extents;
+  }
+  return core;
+}
+
+Collider make_collider(const ColliderDef& def, const CollisionOptions& options) {
+  Collider c;
+  c.def = def;
+  c.def.local.orientation.normalize();
+  if (auto* plane = std::get_if<HalfSpace>(&c.def.shape)) plane->normal.normalize();
+  c.alive = true;
+  const Sizes sizes = sizes_of(def.shape);
+  c.rank = sizes.rank;
+  c.size = sizes.size;
+  c.reach = sizes.reach + def.local.position.norm();
+  c.speculative =
+      std::min(options.speculative_margin, options.speculative_size_share * c.size);
+  c.recycle = std::min(options.recycle_distance, options.recycle_size_share * c.size);
+  c.local_rotation = c.def.local.orientation.toRotationMatrix();
+  return c;
+}
+
+void update_collider(Collider& c, const pbd::World& world, double dt) {
+  const pbd::BodyState& state = world.states()[c.def.body.index];
+  c.dynamic = world.all_props()[c.def.body.index].type == pbd::BodyType::Dynamic;
+  c.body = state.pose;
+  c.twist = state.twist;
+  c.rotation = state.pose.orientation.toRotationMatrix() * c.local_rotation;
+  c.position = state.pose.to_world(c.def.local.position);
+  const double motion = c.motion(dt);
+  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(motion);
+  if (c.finite && !c.is_half_space()) {
+    c.needed = bounds_of(c).expanded(c.speculative + c.recycle + motion);
+  }
+}
+
+}  // namespace tandem::collision

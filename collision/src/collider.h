@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "convex_core.h"
+#include "tandem/collision/contact_source.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::collision {
+
+/// A collider and what follows from it once (first part) and in each step (second part).
+struct Collider {
+  ColliderDef def;
+  std::uint32_t generation = 0;
+  bool alive = false;
+
+  int rank = 0;             ///< order of kinds within a pair: sphere, capsule, box, mesh, half-space
+  double size = 0.0;        ///< m, least extent; huge for half-spaces and meshes
+  double reach = 0.0;       ///< m, farthest point from the body's origin; huge for half-spaces
+  double speculative = 0.0; ///< m
+  double recycle = 0.0;     ///< m
+  Mat3 local_rotation = Mat3::Identity();
+
+  bool finite = true;       ///< pose and twist are numbers
+  bool dynamic = false;
+  pbd::Pose body;           ///< pose of the body
+  pbd::Twist twist;         ///< of the body
+  Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
+  Vec3 position = Vec3::Zero();      ///< m, of the shape
+  Aabb needed;              ///< bounds, plus all that a contact may need in this step
+
+  bool is_half_space() const { return std::holds_alternative<HalfSpace>(def.shape); }
+  bool is_mesh() const { return std::holds_alternative<Mesh>(def.shape); }
+  bool is_convex() const { return rank < 3; }
+
+  /// m that any point of it moves at most within dt.
+  double motion(double dt) const;
+  Vec3 plane_normal() const { return rotation * std::get<HalfSpace>(def.shape).normal; }
+  double plane_offset() const {
+    return std::get<HalfSpace>(def.shape).offset + plane_normal().dot(position);
+  }
+  /// Convex shapes only; positions relative to `origin`, so that no digits are lost far out.
+  ConvexCore core(const Vec3& origin) const;
+};
+
+/// @pre def and options are valid
+Collider make_collider(const ColliderDef& def, const CollisionOptions& options);
+
+/// Read the body's state and bring the second part up to date.
+void update_collider(Collider& collider, const pbd::World& world, double dt);
+
+}  // namespace tandem::collision

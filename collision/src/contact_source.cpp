@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/collision/contact_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "broad_phase.h"
+#include "cache_io.h"
+#include "collider.h"
+#include "pair_query.h"
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::collision {
+namespace {
+
+using pbd::Vec3;
+
+[[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
+  std::ostringstream text;
+  text << "ColliderDef: " << field << " = " << value << " breaks the rule: " << rule;
+  throw std::invalid_argument(text.str());
+}
+
+void check(const pbd::World& world, const ColliderDef& def) {
+  if (!world.contains(def.body)) {
+    refuse("body", static_cast<double>(def.body.index), "a body of this world");
+  }
+  std::string error;
+  if (!validate(def.shape, &error)) throw std::invalid_argument("ColliderDef: shape: " + error);
+  for (int i = 0; i < 3; ++i) {
+    const double value = def.local.position[i];
+    if (!std::isfinite(value)) refuse("local.position", value, "finite");
+  }
+  const double norm = def.local.orientation.norm();
+  if (!(std::abs(norm - 1.0) < 1e-3)) {
+    refuse("local.orientation", norm, "a quaternion of unit norm (within 1e-3)");
+  }
+  if (!(def.friction >= 0.0) || !std::isfinite(def.friction)) {
+    refuse("friction", def.friction, "finite and >= 0");
+  }
+  if (!(def.restitution >= 0.0 && def.restitution <= 1.0)) {
+    refuse("restitution", def.restitution, "0 to 1");
+  }
+}
+
+}  // namespace
+
+bool CollisionOptions::validate(std::string* error) const {
+  const auto in = [&](const char* field, double value, double low, double high) {
+    if (value >= low && value <= high) return true;
+    if (error != nullptr) {
+      std::ostringstream text;
+      text << "CollisionOptions." << field << " = " << value << " breaks the rule: " << low
+           << " to " << high;
+      *error = text.str();
+    }
+    return false;
+  };
+  return in("speculative_margin", speculative_margin, 0.0, 10.0) &&
+         in("speculative_size_share", speculative_size_share, 1e-6, 1.0) &&
+         in("aabb_margin", aabb_margin, 1e-6, 100.0) &&
+         in("recycle_distance", recycle_distance, 0.0, 1.0) &&
+         in("recycle_size_share", recycle_size_share, 0.0, 0.1) &&
+         in("recycle_angle", recycle_angle, 0.0, 0.2);
+}
+
+class CollisionScene::Impl {
+ public:
+  explicit Impl(const CollisionOptions& options)
+      : options_(options), broad_(options.aabb_margin) {}
+
+  ColliderId add(const pbd::World& world, const ColliderDef& def);
+  void remove(ColliderId id);
+  bool contains(ColliderId id) const {
+    return id.index < colliders_.size() && colliders_[id.index].alive &&
+           colliders_[id.index].generation == id.generation;
+  }
+  const Collider& checked(ColliderId id, const char* what) const;
+  void collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out);
+  void remove_body(pbd::BodyId body);
+  void save(pbd::ByteWriter& out) const;
+  bool load(pbd::ByteReader& in);
+  void forget();
+
+  const CollisionOptions& options() const { return options_; }
+  const CollisionStats& stats() const { return stats_; }
+  const std::vector<Collider>& colliders() const { return colliders_; }
+
+ private:
+  CollisionOptions options_;
+  CollisionStats stats_;
+  std::vector<Collider> colliders_;
+  std::vector<std::uint32_t> free_;
+  BroadPhase broad_;
+  std::vector<PairCache> caches_;  ///< by slot
+  QueryScratch scratch_;
+};
+
+ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef& def) {
+  check(world, def);
+  std::uint32_t index = 0;
+  if (free_.empty()) {
+    index = static_cast<std::uint32_t>(colliders_.size());
+    if (index >= (1u << kIndexBits)) refuse("count", index, "fewer than 2^26 colliders");
+    colliders_.emplace_back();
+    free_.reserve(colliders_.capacity());
+  } else {
+    index = free_.back();
+    free_.pop_back();
+  }
+  const std::uint32_t generation = colliders_[index].generation;
+  colliders_[index] = make_collider(def, options_);
+  colliders_[index].generation = generation;
+  broad_.add(index, colliders_[index]);
+  return {index, generation};
+}
+
+const Collider& CollisionScene::Impl::checked(ColliderId id, const char* what) const {
+  if (contains(id)) return colliders_[id.index];
+  throw std::invalid_argument(std::string("CollisionScene::") + what + ": id = collider " +
+                              std::to_string(id.index) + " (generation " +
+                              std::to_string(id.generation) +
+                              ") breaks the rule: names a collider of this scene");
+}
+
+void CollisionScene::Impl::remove(ColliderId id) {
+  checked(id, "remove");
+  Collider& collider = colliders_[id.index];
+  broad_.remove(id.index, collider);
+  const std::uint32_t generation = collider.generation + 1;
+  collider = {};
+  collider.generation = generation;
+  free_.push_back(id.index);
+}
+
+void CollisionScene::Impl::remove_body(pbd::BodyId body) {
+  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
+    if (colliders_[i].alive && colliders_[i].def.body == body) {
+      remove({i, colliders_[i].generation});
+    }
+  }
+}
+
+void CollisionScene::Impl::collect(const pbd::World& world, double dt,
+                                   std::vector<pbd::Manifold>& out) {
+  stats_ = {};
+  const std::size_t first = out.size();
+  for (Collider& collider : colliders_) {
+    if (!collider.alive) continue;
+    update_collider(collider, world, dt);
+    ++stats_.colliders;
+  }
+  broad_.update(colliders_, dt);
+  if (caches_.size() < broad_.cache_slots()) caches_.resize(broad_.cache_slots());
+  for (ColliderPair& entry : broad_.pairs()) {
+    PairCache& cache = caches_[entry.cache];
+    if (std::exchange(entry.fresh, false)) {
+      cache.valid = false;
+      cache.patches.clear();
+    }
+    const Collider& low = colliders_[entry.low];
+    const Collider& high = colliders_[entry.high];
+    const QueryPair pair = order_pair(low, high);
+    const PairReach reach = reach_of(pair, dt);
+    if (can_recycle(pair, reach, cache, options_.recycle_angle)) {
+      ++stats_.recycled;
+    } else {
+      stats_.queries += query_pair(pair, reach, cache, scratch_);
+    }
+    const std::uint64_t key =
+        (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
+        (static_cast<std::uint64_t>(entry.high) << kClusterBits);
+    emit(pair, reach, cache, key, out);
+  }
+  stats_.pairs = broad_.pairs().size();
+  stats_.manifolds = out.size() - first;
+  for (std::size_t i = first; i < out.size(); ++i) {
+    stats_.points += static_cast<std::size_t>(out[i].count);
+  }
+}
+
+void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
+  out.u32(kCacheMagic);
+  out.u32(static_cast<std::uint32_t>(colliders_.size()));
+  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
+    const Collider& collider = colliders_[i];
+    out.u8(collider.alive ? 1 : 0);
+    if (!collider.alive) continue;
+    out.u32(collider.def.body.index);
+    out.u8(static_cast<std::uint8_t>(collider.rank));
+    out.u8(broad_.placed(i) ? 1 : 0);
+    out.vec3(broad_.fat_box(i).min);
+    out.vec3(broad_.fat_box(i).max);
+  }
+  out.u32(static_cast<std::uint32_t>(broad_.pairs().size()));
+  for (const ColliderPair& pair : broad_.pairs()) {
+    out.u32(pair.low);
+    out.u32(pair.high);
+    save_cache(out, caches_[pair.cache]);
+  }
+}
+
+bool CollisionScene::Impl::load(pbd::ByteReader& in) {
+  if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
+  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
+    const Collider& collider = colliders_[i];
+    if ((in.u8() != 0) != collider.alive) return false;
+    if (!collider.alive) continue;
+    if (in.u32() != collider.def.body.index || in.u8() != collider.rank) return false;
+    const bool placed = in.u8() != 0;
+    const Aabb fat{in.vec3(), in.vec3()};
+    const bool sound = fat.min.allFinite() && fat.max.allFinite();
+    if (in.failed() || !sound || (placed && collider.is_half_space())) return false;
+    if (placed) {
+      broad_.place(i, fat);
+    } else {
+      broad_.remember_plane(i, fat);
+    }
+  }
+  const std::uint32_t count = in.u32();
+  for (std::uint32_t k = 0; k < count && !in.failed(); ++k) {
+    const std::uint32_t low = in.u32();
+    const std::uint32_t high = in.u32();
+    if (low >= high || high >= colliders_.size() || !colliders_[low].alive ||
+        !colliders_[high].alive) {
+      return false;
+    }
+    if (!broad_.pairs().empty() && !(broad_.pairs().back() < ColliderPair{low, high, 0, false})) {
+      return false;
+    }
+    const ColliderPair& pair = broad_.append_pair(low, high);
+    if (caches_.size() <= pair.cache) caches_.resize(pair.cache + 1);
+    if (!load_cache(in, caches_[pair.cache])) return false;
+  }
+  return !in.failed();
+}
+
+void CollisionScene::Impl::forget() { broad_.reset(); }
+
+CollisionScene::CollisionScene(const CollisionOptions& options) {
+  std::string error;
+  if (!options.validate(&error)) throw std::invalid_argument(error);
+  impl_ = std::make_unique<Impl>(options);
+}
+CollisionScene::~CollisionScene() = default;
+CollisionScene::CollisionScene(CollisionScene&&) noexcept = default;
+CollisionScene& CollisionScene::operator=(CollisionScene&&) noexcept = default;
+
+ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) {
+  return impl_->add(world, def);
+}
+void CollisionScene::remove(ColliderId id) { impl_->remove(id); }
+bool CollisionScene::contains(ColliderId id) const { return impl_->contains(id); }
+const ColliderDef& CollisionScene::collider(ColliderId id) const {
+  return impl_->checked(id, "collider").def;
+}
+ColliderId CollisionScene::collider_at(std::uint32_t index) const {
+  if (index >= impl_->colliders().size() || !impl_->colliders()[index].alive) return {};
+  return {index, impl_->colliders()[index].generation};
+}
+std::uint32_t CollisionScene::slot_count() const {
+  return static_cast<std::uint32_t>(impl_->colliders().size());
+}
+const CollisionOptions& CollisionScene::options() const { return impl_->options(); }
+const CollisionStats& CollisionScene::stats() const { return impl_->stats(); }
+void CollisionScene::collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out) {
+  impl_->collect(world, dt, out);
+}
+void CollisionScene::remove_body(pbd::BodyId body) { impl_->remove_body(body); }
+void CollisionScene::save(pbd::ByteWriter& out) const { impl_->save(out); }
+void CollisionScene::load(pbd::ByteReader& in) {
+  impl_->forget();
+  if (impl_->load(in)) return;
+  impl_->forget();
+  // More than there is: the reader keeps the failure for its owner.
+  if (!in.failed()) in.bytes(in.remaining() + 1);
+}
+
+}  // namespace tandem::collision

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::collision {
+
+using pbd::Mat3;
+using pbd::Vec3;
+
+/// Convex body that a round shape is a `radius` around: sphere = point, capsule = segment; boxes
+/// and triangles have no radius. The order is the order in which a pair is put before a query.
+enum class CoreKind : std::uint8_t { Point, Segment, Box, Triangle };
+
+struct ConvexCore {
+  CoreKind kind = CoreKind::Point;
+  Vec3 centre = Vec3::Zero();    ///< m; a triangle's first corner is corners[0]
+  Mat3 axes = Mat3::Identity();  ///< columns: local axes; a segment lies along the third
+  Vec3 half = Vec3::Zero();      ///< m, half extents along the axes; (0, 0, h) for a segment
+  double radius = 0.0;           ///< m
+  double size = 0.0;             ///< m, least extent of the whole shape
+  std::array<Vec3, 3> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< of a triangle
+  Vec3 front = Vec3::UnitZ();                    ///< unit normal of a triangle
+  std::array<std::uint32_t, 3> corner_ids{};     ///< of a triangle, in its mesh
+  std::array<std::uint32_t, 3> edge_ids{};
+
+  /// Largest `direction . x` over the core (without the radius).
+  double reach(const Vec3& direction) const;
+  /// A point of the core where it is reached.
+  Vec3 support(const Vec3& direction) const;
+};
+
+/// Face with its corners counter-clockwise seen from outside; a segment is a face of two corners.
+struct CoreFace {
+  int count = 0;
+  std::array<Vec3, 4> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  std::array<std::uint32_t, 4> corner_ids{};
+  std::array<std::uint32_t, 4> edge_ids{};  ///< edge i runs from corner i to corner i + 1
+};
+
+struct CoreEdge {
+  Vec3 from = Vec3::Zero();
+  Vec3 to = Vec3::Zero();
+  std::uint32_t id = 0;
+  std::uint32_t from_id = 0;
+  std::uint32_t to_id = 0;
+};
+
+/// The face whose outward normal is nearest to `direction` (a segment: itself). Not for points.
+CoreFace face_towards(const ConvexCore& core, const Vec3& direction);
+/// The edge that lies furthest along `direction`, of several the one most across it; a point gives
+/// an edge without length.
+CoreEdge edge_towards(const ConvexCore& core, const Vec3& direction);
+
+/// Gap between the cores along the unit direction n from a to b, m; negative where they overlap.
+inline double separation(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
+  return -b.reach(-n) - a.reach(n);
+}
+
+// Feature ids: which features of the two cores a contact point comes from, the same whichever of
+// them served as the reference.
+inline std::uint32_t corner_feature(bool of_b, std::uint32_t id) {
+  return (of_b ? 0x40000000u : 0u) | (id & 0x3fffffffu);
+}
+inline std::uint32_t crossing_feature(std::uint32_t edge_a, std::uint32_t edge_b) {
+  return 0x80000000u | ((edge_b * 16u + edge_a) & 0x7fffffffu);
+}
+
+}  // namespace tandem::collision

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "convex_manifold.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::collision {
+namespace {
+
+/// A face is taken where its separation is within this share of the depth ...
+constexpr double kFaceShare = 0.05;
+/// ... or within this share of the smaller part's size of the best. Bodies without radius only:
+/// round ones touch at one point, whose direction is exact.
+constexpr double kFaceSize = 5e-4;
+constexpr double kRoundTolerance = 1e-9;  // m
+/// Cosine above which the library's direction is a face normal and not merely near to one.
+constexpr double kSameDirection = 1.0 - 1e-9;
+/// Sine below which two edges have no common normal.
+constexpr double kMinCross = 1e-4;
+
+struct Candidates {
+  const ConvexCore& a;
+  const ConvexCore& b;
+  ContactAxis best_face;
+  ContactAxis best_other;
+  bool has_face = false;
+  bool has_other = false;
+
+  void face(const Vec3& n, FaceOwner owner, double bias) {
+    const double s = separation(a, b, n);
+    if (has_face && s <= best_face.separation + bias) return;
+    best_face = {n, s, owner};
+    has_face = true;
+  }
+  void other(const Vec3& n, double bias) {
+    const double s = separation(a, b, n);
+    if (has_other && s <= best_other.separation + bias) return;
+    best_other = {n, s, FaceOwner::None};
+    has_other = true;
+  }
+  /// Both signs of each face normal of a box: with deep overlap the centres do not tell.
+  void faces_of(const ConvexCore& core, FaceOwner owner, double bias) {
+    for (int i = 0; i < 3; ++i) {
+      // Towards b first, which then wins a tie.
+      const Vec3 n = core.axes.col(i);
+      const double sign = n.dot(b.centre - a.centre) < 0.0 ? -1.0 : 1.0;
+      face(sign * n, owner, bias);
+      face(-sign * n, owner, bias);
+    }
+  }
+  void cross(const Vec3& u, const Vec3& v, double bias) {
+    const Vec3 n = u.cross(v);
+    const double length = n.norm();
+    if (!(length > kMinCross * u.norm() * v.norm())) return;
+    other(n / length, bias);
+    other(-n / length, bias);
+  }
+};
+
+std::array<Vec3, 3> edge_directions(const ConvexCore& core) {
+  if (core.kind == CoreKind::Triangle) {
+    return {Vec3(core.corners[1] - core.corners[0]), Vec3(core.corners[2] - core.corners[1]),
+            Vec3(core.corners[0] - core.corners[2])};
+  }
+  if (core.kind == CoreKind::Segment) {
+    return {Vec3(core.axes.col(2)), Vec3::Zero(), Vec3::Zero()};
+  }
+  return {Vec3(core.axes.col(0)), Vec3(core.axes.col(1)), Vec3(core.axes.col(2))};
+}
+
+/// Whether two points that are `lateral` apart across the normal and `gap` apart along it will
+/// face each other when they meet, given the motion of the step.
+bool will_meet(const Vec3& lateral, double gap, const Vec3& normal, const Reach& reach,
+               double size) {
+  const double tolerance = std::max(1e-6, 0.01 * size);
+  if (gap <= 0.0 || lateral.squaredNorm() <= tolerance * tolerance) return true;
+  const double closing = -normal.dot(reach.sweep);
+  if (closing <= gap) return false;
+  const Vec3 motion = reach.sweep + closing * normal;  // across the normal
+  return (lateral + (gap / closing) * motion).squaredNorm() <= tolerance * tolerance;
+}
+
+/// Contact at the features that lie furthest along the normal, no face among them.
+void edge_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
+                  const Reach& reach, RawManifold& out) {
+  const double radii = a.radius + b.radius;
+  const Vec3& n = axis.normal;
+  std::array<RawPoint, 2> points;
+  const int count =
+      edge_points(edge_towards(a, n), edge_towards(b, -n), n, radii, points);
+  const double size = std::min(a.size, b.size);
+  const double true_gap = axis.separation - radii;
+  // The edges chosen may not be those that touch (a corner has several): then the furthest points.
+  if (count == 1 && points[0].gap > true_gap + 0.01 * size) {
+    points[0].on_b = b.support(-n);
+    points[0].on_a = points[0].on_b - axis.separation * n;
+    points[0].gap = true_gap;
+  }
+  for (int i = 0; i < count; ++i) {
+    if (points[i].gap >= reach.margin) continue;
+    if (radii <= 0.0 && count == 1) {
+      const Vec3 apart = points[i].on_b - points[i].on_a;
+      if (!will_meet(apart - n.dot(apart) * n, points[i].gap, n, reach, size)) continue;
+    }
+    out.add(points[i]);
+  }
+}
+
+}  // namespace
+
+ContactAxis front_axis(const ConvexCore& a, const ConvexCore& b) {
+  const Vec3 n = -b.front;
+  return {n, separation(a, b, n), FaceOwner::B};
+}
+
+ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction) {
+  const bool known = direction.status == Direction::Status::Found;
+  const Vec3& n = direction.normal;
+  const bool round = a.radius + b.radius > 0.0;
+  const double tie = kRoundTolerance;
+  Candidates c{a, b, {}, {}};
+  if (a.kind == CoreKind::Box) c.faces_of(a, FaceOwner::A, tie);
+  if (b.kind == CoreKind::Box) c.faces_of(b, FaceOwner::B, tie);
+  if (b.kind == CoreKind::Triangle) c.face(-b.front, FaceOwner::B, tie);
+  if (known) {
+    c.other(n, 0.0);
+    if (a.kind != CoreKind::Point && (a.kind != CoreKind::Box || b.kind != CoreKind::Box)) {
+      const CoreEdge edge_a = edge_towards(a, n);
+      const CoreEdge edge_b = edge_towards(b, -n);
+      c.cross(edge_a.to - edge_a.from, edge_b.to - edge_b.from, -kRoundTolerance);
+    }
+  } else if (a.kind != CoreKind::Point) {
+    for (const Vec3& u : edge_directions(a)) {
+      for (const Vec3& v : edge_directions(b)) c.cross(u, v, tie);
+    }
+  }
+  if (!c.has_face) {
+    if (c.has_other) return c.best_other;
+    // Two points or segments in one place: any direction across them.
+    const Vec3 across = a.kind == CoreKind::Segment   ? Vec3(a.axes.col(0))
+                        : b.kind == CoreKind::Segment ? Vec3(b.axes.col(0))
+                                                      : Vec3::UnitZ();
+    return {across, separation(a, b, across), FaceOwner::None};
+  }
+  if (!c.has_other) return c.best_face;
+  const double best = std::max(c.best_face.separation, c.best_other.separation);
+  const double tolerance =
+      round ? kRoundTolerance
+            : kFaceShare * std::max(0.0, -best) + kFaceSize * std::min(a.size, b.size);
+  // Where the library names a face itself, its choice among near-equal faces stands.
+  if (known && !round) {
+    ContactAxis named = c.best_face;
+    double alignment = kSameDirection;
+    const auto compare = [&](const ConvexCore& core, FaceOwner owner) {
+      if (core.kind != CoreKind::Box) return;
+      for (int i = 0; i < 3; ++i) {
+        const double cosine = n.dot(core.axes.col(i));
+        if (std::abs(cosine) <= alignment) continue;
+        alignment = std::abs(cosine);
+        const Vec3 face = (cosine < 0.0 ? -1.0 : 1.0) * core.axes.col(i);
+        named = {face, separation(a, b, face), owner};
+      }
+    };
+    compare(a, FaceOwner::A);
+    compare(b, FaceOwner::B);
+    if (named.separation >= c.best_face.separation - tolerance) c.best_face = named;
+  }
+  return c.best_face.separation >= best - tolerance ? c.best_face : c.best_other;
+}
+
+RawManifold build_manifold(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
+                           const Reach& reach) {
+  RawManifold out;
+  out.normal = axis.normal;
+  out.owner = axis.owner;
+  const Vec3& n = axis.normal;
+  const double radii = a.radius + b.radius;
+  if (axis.separation - radii >= reach.margin) return out;
+  if (a.kind == CoreKind::Point) {
+    const Vec3 on_b = b.kind == CoreKind::Point ? b.centre : a.centre + axis.separation * n;
+    out.add({a.centre, on_b, axis.separation - radii, 0});
+    return out;
+  }
+  if (axis.owner != FaceOwner::None) {
+    const bool of_a = axis.owner == FaceOwner::A;
+    const CoreFace reference = of_a ? face_towards(a, n) : face_towards(b, -n);
+    const CoreFace incident = of_a ? face_towards(b, -n) : face_towards(a, n);
+    const double plane = of_a ? a.reach(n) : -b.reach(-n);
+    const ClippedFace clipped = clip_face(reference, n, incident, of_a);
+    for (int i = 0; i < clipped.count; ++i) {
+      const Vec3& p = clipped.corners[i].position;
+      const double along = n.dot(p) - plane;  // positive from a to b
+      const Vec3 opposite = p - along * n;
+      const double gap = (of_a ? along : -along) - radii;
+      if (gap >= reach.margin) continue;
+      out.add({of_a ? opposite : p, of_a ? p : opposite, gap, clipped.corners[i].feature});
+    }
+    if (out.count > 0) return out;
+  }
+  edge_contact(a, b, axis, reach, out);
+  return out;
+}
+
+RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double offset,
+                                double margin) {
+  RawManifold out;
+  out.normal = -normal;
+  out.owner = FaceOwner::B;
+  const auto add = [&](const Vec3& p, std::uint32_t feature) {
+    const double height = normal.dot(p) - offset;
+    if (height - a.radius >= margin) return;
+    out.add({p, p - height * normal, height - a.radius, feature});
+  };
+  if (a.kind == CoreKind::Box) {
+    // The four lowest corners; on a face these are the face's, on an edge the other two are far.
+    std::array<RawPoint, 8> corners;
+    for (std::uint32_t bits = 0; bits < 8; ++bits) {
+      Vec3 p = a.centre;
+      for (int i = 0; i < 3; ++i) {
+        p += ((bits >> i & 1u) != 0 ? a.half[i] : -a.half[i]) * a.axes.col(i);
+      }
+      corners[bits] = {p, p, normal.dot(p), corner_feature(false, bits)};
+    }
+    std::sort(corners.begin(), corners.end(), [](const RawPoint& l, const RawPoint& r) {
+      return l.gap != r.gap ? l.gap < r.gap : l.feature < r.feature;
+    });
+    std::sort(corners.begin(), corners.begin() + 4, [](const RawPoint& l, const RawPoint& r) {
+      return l.feature < r.feature;
+    });
+    for (int i = 0; i < 4; ++i) add(corners[i].on_a, corners[i].feature);
+  } else if (a.kind == CoreKind::Segment) {
+    const CoreEdge edge = edge_towards(a, -normal);
+    add(edge.from, corner_feature(false, edge.from_id));
+    add(edge.to, corner_feature(false, edge.to_id));
+  } else {
+    add(a.centre, 0);
+  }
+  return out;
+}
+
+}  // namespace tandem::collision

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "convex_core.h"
+
+namespace tandem::collision {
+
+/// The collision library's answer for two convex shapes.
+struct Direction {
+  enum class Status : std::uint8_t {
+    Apart,    ///< further apart than asked
+    Found,    ///< `normal` is set
+    Unknown,  ///< near or overlapping, but the library failed to find a direction
+  };
+  Status status = Status::Apart;
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b: the way to push b out
+};
+
+/// In which direction b lies from a. The only place that knows the library's sign conventions.
+/// @pre a.kind <= b.kind (the tests ask for every pair in both orders, one level up)
+/// @param margin  m, >= 0: surfaces further apart than this count as apart; a gap that is found
+///   may still be larger by a small factor where boxes are inflated
+/// Allocates (the library does). Does not throw.
+Direction query_direction(const ConvexCore& a, const ConvexCore& b, double margin) noexcept;
+
+/// Whether the shape comes within `margin` of the half-space normal . x <= offset.
+bool near_half_space(const ConvexCore& a, const Vec3& normal, double offset,
+                     double margin) noexcept;
+
+}  // namespace tandem::collision

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "mesh_manifold.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::collision {
+namespace {
+
+/// Cosine above which two normals belong to one manifold.
+constexpr double kSameCluster = 0.99;
+/// Cosine above which a cluster carries on one of the last step.
+constexpr double kSameAsBefore = 0.9;
+/// Cosine above which a normal is the front's and noise.
+constexpr double kIsFront = 1.0 - 1e-6;
+/// Sine by which a normal may leave a Voronoi region.
+constexpr double kRegionSlop = 1e-4;
+/// A front is preferred within this share of the depth, and of the shape's size.
+constexpr double kFrontShare = 0.05;
+constexpr double kFrontSize = 1e-3;
+/// A front deeper than this is not the way out: the triangle faces elsewhere.
+constexpr double kMaxReprojection = 4.0;
+constexpr double kMaxReprojectionSize = 0.05;
+
+ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPose& pose) {
+  ConvexCore core;
+  core.kind = CoreKind::Triangle;
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t v = mesh.triangles()[t][k];
+    core.corners[k] = pose.rotation * mesh.vertices()[v] + pose.translation;
+    core.corner_ids[k] = v;
+    core.edge_ids[k] = mesh.edge_id(t, k);
+  }
+  core.centre = (core.corners[0] + core.corners[1] + core.corners[2]) / 3.0;
+  core.front = pose.rotation * mesh.normal(t);
+  core.size = 1e9;  // the convex shape's size decides
+  return core;
+}
+
+bool was_touched(std::span<const ContactPatch> previous, const Vec3& front_l) {
+  return std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& patch) {
+    return patch.count > 0 && -patch.normal_l.dot(front_l) > kSameAsBefore;
+  });
+}
+
+/// Whether the prism over the triangle holds the point.
+bool over_triangle(const ConvexCore& t, const Vec3& p) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 edge = t.corners[(k + 1) % 3] - t.corners[k];
+    const Vec3 inwards = t.front.cross(edge);
+    if (inwards.dot(p - t.corners[k]) < -1e-6 * inwards.norm()) return false;
+  }
+  return true;
+}
+
+/// Contact across the front: what of the shape lies over the triangle, and nothing beside it.
+RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach& reach) {
+  const ContactAxis axis = front_axis(a, t);
+  if (a.kind == CoreKind::Point) {
+    if (!over_triangle(t, a.centre)) return {};
+    return build_manifold(a, t, axis, reach);
+  }
+  RawManifold out;
+  out.normal = axis.normal;
+  out.owner = axis.owner;
+  const CoreFace reference = face_towards(t, t.front);
+  const ClippedFace clipped =
+      clip_face(reference, t.front, face_towards(a, axis.normal), false);
+  for (int i = 0; i < clipped.count; ++i) {
+    const Vec3& p = clipped.corners[i].position;
+    const double height = t.front.dot(p - t.corners[0]);
+    const double gap = height - a.radius;
+    if (gap < reach.margin) out.add({p, p - height * t.front, gap, clipped.corners[i].feature});
+  }
+  return out;
+}
+
+RawManifold triangle_manifold(const ConvexCore& a, const TriangleMesh& mesh, std::uint32_t index,
+                              const ConvexCore& t, const MeshPose& pose, const Reach& reach,
+                              const Direction& direction) {
+  // The middle is behind the plane, so the nearest way out would be the wrong one.
+  if (t.front.dot(a.centre - t.corners[0]) < 0.0) return front_manifold(a, t, reach);
+  const ContactAxis front = front_axis(a, t);
+  const ContactAxis axis = choose_axis(a, t, direction);
+  const double cosine = -axis.normal.dot(t.front);
+  const double depth = std::max(0.0, -axis.separation);
+  const double tolerance =
+      a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
+  const bool is_front = cosine > kIsFront;
+  const bool allowed =
+      is_front || (cosine > kRegionSlop &&
+                   normal_allowed(mesh, index, -(pose.rotation.transpose() * axis.normal)));
+  if (is_front || front.separation >= axis.separation - tolerance) {
+    RawManifold flat = front_manifold(a, t, reach);
+    if (flat.count > 0 || is_front) return flat;
+  }
+  if (allowed) return build_manifold(a, t, axis, reach);
+  if (-front.separation <= kMaxReprojection * depth + kMaxReprojectionSize * a.size) {
+    return front_manifold(a, t, reach);
+  }
+  return {};
+}
+
+/// The patch of the last step that the cluster carries on, or null.
+const ContactPatch* match(const Vec3& normal_l, std::span<const ContactPatch> previous,
+                          const std::vector<RawManifold>& taken) {
+  const ContactPatch* best = nullptr;
+  double cosine = kSameAsBefore;
+  for (const ContactPatch& patch : previous) {
+    const double value = patch.normal_l.dot(normal_l);
+    const bool used = std::any_of(taken.begin(), taken.end(), [&](const RawManifold& m) {
+      return m.cluster == patch.cluster;
+    });
+    if (!used && value > cosine) {
+      cosine = value;
+      best = &patch;
+    }
+  }
+  return best;
+}
+
+std::uint32_t free_number(std::span<const ContactPatch> previous,
+                          const std::vector<RawManifold>& taken) {
+  for (std::uint32_t number = 0;; ++number) {
+    const bool used =
+        std::any_of(previous.begin(), previous.end(),
+                    [&](const ContactPatch& p) { return p.cluster == number; }) ||
+        std::any_of(taken.begin(), taken.end(),
+                    [&](const RawManifold& m) { return m.cluster == number; });
+    if (!used) return number;
+  }
+}
+
+/// Equal features are one point: the deepest of them stays.
+void merge_equal(std::vector<RawPoint>& points) {
+  std::sort(points.begin(), points.end(), [](const RawPoint& l, const RawPoint& r) {
+    return l.feature != r.feature ? l.feature < r.feature : l.gap < r.gap;
+  });
+  points.erase(std::unique(points.begin(), points.end(),
+                           [](const RawPoint& l, const RawPoint& r) {
+                             return l.feature == r.feature;
+                           }),
+               points.end());
+}
+
+/// Points on a segment: its two ends, and the deepest where that lies between and below them.
+void reduce_segment(std::vector<RawPoint>& points, const Vec3& direction, double slop) {
+  if (points.size() <= 2) return;
+  const auto along = [&](const RawPoint& p) { return direction.dot(p.on_a); };
+  std::sort(points.begin(), points.end(), [&](const RawPoint& l, const RawPoint& r) {
+    return along(l) != along(r) ? along(l) < along(r) : l.feature < r.feature;
+  });
+  const auto deepest =
+      std::min_element(points.begin(), points.end(),
+                       [](const RawPoint& l, const RawPoint& r) { return l.gap < r.gap; });
+  std::array<RawPoint, 3> kept{points.front(), points.back(), *deepest};
+  const bool between = kept[2].gap < std::min(kept[0].gap, kept[1].gap) - slop;
+  points.assign(kept.begin(), kept.begin() + (between ? 3 : 2));
+}
+
+void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double size,
+                    const ContactPatch* before) {
+  merge_equal(points);
+  std::array<std::uint32_t, 4> kept{};
+  const int kept_count = before != nullptr ? before->count : 0;
+  for (int i = 0; i < kept_count; ++i) kept[i] = before->points[i].feature;
+  const int count = reduce(points.data(), static_cast<int>(points.size()), manifold.normal,
+                           1e-3 * size, kept.data(), kept_count);
+  for (int i = 0; i < count; ++i) manifold.add(points[i]);
+}
+
+}  // namespace
+
+bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n) {
+  const TriangleMesh::Triangle& corners = mesh.triangles()[triangle];
+  const auto corner = [&](int k) -> const Vec3& { return mesh.vertices()[corners[k % 3]]; };
+  if (n.dot(mesh.normal(triangle)) > 1.0 - 1e-7) return true;
+  int foremost = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (n.dot(corner(k)) > n.dot(corner(foremost))) foremost = k;
+  }
+  for (const int k : {foremost, (foremost + 2) % 3}) {  // the two edges at that corner
+    const Vec3 edge = (corner(k + 1) - corner(k)).normalized();
+    if (std::abs(n.dot(edge)) > kRegionSlop) continue;
+    const std::uint32_t other = mesh.neighbour(triangle, k);
+    if (other == TriangleMesh::kNone) return true;
+    // In the neighbour's plane, from the edge into it; there the edge runs the other way.
+    return n.dot(edge.cross(mesh.normal(other))) <= kRegionSlop;
+  }
+  const std::uint32_t v = corners[foremost];
+  for (const std::uint32_t w : mesh.ring(v)) {
+    const Vec3 along = mesh.vertices()[w] - mesh.vertices()[v];
+    if (n.dot(along) > kRegionSlop * along.norm()) return false;
+  }
+  return true;
+}
+
+std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+                         const Reach& reach, std::span<const ContactPatch> previous,
+                         MeshScratch& scratch, std::vector<RawManifold>& out) {
+  out.clear();
+  scratch.triangles.clear();
+  scratch.points.clear();
+  // Bounds of the shape in the mesh frame.
+  const Mat3 to_mesh = pose.rotation.transpose();
+  const Vec3 centre_l = to_mesh * (a.centre - pose.translation);
+  Vec3 extent = Vec3::Constant(a.radius + reach.margin);
+  for (int i = 0; i < 3; ++i) extent += a.half[i] * (to_mesh * a.axes.col(i)).cwiseAbs();
+  mesh.query({centre_l - extent, centre_l + extent}, scratch.triangles);
+
+  std::size_t queries = 0;
+  for (const std::uint32_t index : scratch.triangles) {
+    const ConvexCore t = triangle_core(mesh, index, pose);
+    if (front_axis(a, t).separation - a.radius >= reach.margin) continue;
+    // Behind the plane there is no contact, except for a shape that was pushed through just now.
+    const double height = t.front.dot(a.centre - t.corners[0]);
+    if (height < 0.0 && (height < -a.size || !was_touched(previous, mesh.normal(index)))) continue;
+    ++queries;
+    const Direction direction = query_direction(a, t, reach.margin);
+    if (direction.status == Direction::Status::Apart) continue;
+    const RawManifold found = triangle_manifold(a, mesh, index, t, pose, reach, direction);
+    const Vec3 normal_l = to_mesh * found.normal;
+    const bool known = std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& p) {
+      return p.normal_l.dot(normal_l) > kIsFront;
+    });
+    const double start = known ? 1e-3 * a.size : 0.0;
+    for (int i = 0; i < found.count; ++i) {
+      scratch.points.push_back(
+          {found.points[i], found.normal, found.points[i].gap - start, index, -1});
+    }
+  }
+
+  std::sort(scratch.points.begin(), scratch.points.end(),
+            [](const MeshPoint& l, const MeshPoint& r) {
+              if (l.rank != r.rank) return l.rank < r.rank;
+              if (l.triangle != r.triangle) return l.triangle < r.triangle;
+              return l.point.feature < r.point.feature;
+            });
+  for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
+    if (scratch.points[seed].cluster >= 0) continue;
+    const Vec3 n = scratch.points[seed].normal;
+    scratch.cluster.clear();
+    for (std::size_t i = seed; i < scratch.points.size(); ++i) {
+      MeshPoint& candidate = scratch.points[i];
+      if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameCluster) continue;
+      candidate.cluster = static_cast<int>(out.size());
+      // Measured along the common normal the gap stays what it was along the point's own.
+      candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + a.radius) * n;
+      scratch.cluster.push_back(candidate.point);
+    }
+    RawManifold manifold;
+    manifold.normal = n;
+    manifold.owner = FaceOwner::B;
+    const ContactPatch* before = match(to_mesh * n, previous, out);
+    manifold.cluster = before != nullptr ? before->cluster : free_number(previous, out);
+    if (a.kind == CoreKind::Segment) {
+      merge_equal(scratch.cluster);
+      reduce_segment(scratch.cluster, a.axes.col(2), 1e-3 * a.size);
+    }
+    finish_cluster(scratch.cluster, manifold, a.size, before);
+    out.push_back(manifold);
+  }
+  return queries;
+}
+
+RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, const Vec3& normal,
+                            double offset, double margin, std::span<const ContactPatch> previous,
+                            MeshScratch& scratch) {
+  scratch.cluster.clear();
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
+    const Vec3 p = pose.rotation * mesh.vertices()[v] + pose.translation;
+    const double height = normal.dot(p) - offset;
+    if (height >= margin) continue;
+    scratch.cluster.push_back({p, p - height * normal, height, corner_feature(false, v)});
+  }
+  RawManifold out;
+  out.normal = -normal;
+  out.owner = FaceOwner::B;
+  const double size = (mesh.bounds().max - mesh.bounds().min).minCoeff();
+  finish_cluster(scratch.cluster, out, size, previous.empty() ? nullptr : &previous[0]);
+  return out;
+}
+
+}  // namespace tandem::collision

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "contact_patch.h"
+#include "convex_manifold.h"
+#include "tandem/collision/triangle_mesh.h"
+
+namespace tandem::collision {
+
+/// A contact point with one triangle, before points of like normals are put together.
+struct MeshPoint {
+  RawPoint point;
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from the convex shape to the mesh
+  double rank = 0.0;            ///< m; the gap, with a head start for normals of the last step
+  std::uint32_t triangle = 0;
+  int cluster = -1;
+};
+
+/// Memory kept from call to call.
+struct MeshScratch {
+  std::vector<std::uint32_t> triangles;
+  std::vector<MeshPoint> points;
+  std::vector<RawPoint> cluster;
+};
+
+/// Where a mesh stands in the frame of the query.
+struct MeshPose {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 translation = Vec3::Zero();
+};
+
+/// Contacts of a convex shape with a mesh: one manifold for each cluster of like normals.
+/// Only fronts touch. Normals that point out of the Voronoi region of the triangle's feature they
+/// touch (internal edges) give way to the triangle's own normal or are dropped.
+/// @param previous  the pair's last patches, normals in the mesh frame: clusters keep their
+///   numbers and points by them
+/// @return number of library queries
+std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+                         const Reach& reach, std::span<const ContactPatch> previous,
+                         MeshScratch& scratch, std::vector<RawManifold>& out);
+
+/// Contacts of a mesh (as a) with the half-space normal . x <= offset.
+RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, const Vec3& normal,
+                            double offset, double margin, std::span<const ContactPatch> previous,
+                            MeshScratch& scratch);
+
+/// Whether a contact whose normal leaves the front of a triangle in direction n (mesh frame) can
+/// come from the triangle's foremost feature: false where a neighbour lies nearer.
+bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n);
+
+}  // namespace tandem::collision

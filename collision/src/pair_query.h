@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "collider.h"
+#include "contact_patch.h"
+#include "mesh_manifold.h"
+#include "tandem/pbd/manifold.h"
+
+namespace tandem::collision {
+
+/// Two colliders in the order of the query: kinds ascending, then by body, then by index, so that
+/// the result does not depend on the order in which they were added.
+struct QueryPair {
+  const Collider* a = nullptr;
+  const Collider* b = nullptr;
+  bool swapped = false;  ///< a is the one with the higher index
+};
+
+QueryPair order_pair(const Collider& low, const Collider& high);
+
+/// How near the pair has to be looked at in this step.
+struct PairReach {
+  double margin = 0.0;   ///< m, gaps below this matter whatever their direction
+  double recycle = 0.0;  ///< m, motion that keeps the last contacts; 0 = never
+  double speculative = 0.0;  ///< m
+  double turning = 0.0;      ///< m, what rotation may close
+  Vec3 sweep = Vec3::Zero();  ///< m, motion of b's origin against a's
+};
+
+PairReach reach_of(const QueryPair& pair, double dt);
+
+/// Whether the last contacts still hold.
+bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
+                 double max_angle);
+
+/// Memory of the narrow phase, kept from pair to pair.
+struct QueryScratch {
+  MeshScratch mesh;
+  std::vector<RawManifold> raw;
+};
+
+/// Ask the narrow phase and renew the cache. The cache's old patches, where valid, give ids.
+/// @return number of library queries
+std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
+                       QueryScratch& scratch);
+
+/// Append the cache's manifolds as they stand now; points too far away are left out.
+/// @param key_base  key of cluster 0
+void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
+          std::uint64_t key_base, std::vector<pbd::Manifold>& out);
+
+/// Clusters of one pair, and so the bits that keys keep for them.
+inline constexpr int kClusterBits = 12;
+inline constexpr int kIndexBits = 26;
+
+}  // namespace tandem::collision

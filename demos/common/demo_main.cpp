@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/demo_main.h"
+
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/options.h"
+#include "common/process_runner.h"
+#include "common/report.h"
+#include "common/virtual_runner.h"
+
+namespace tandem::demos {
+
+namespace {
+
+std::vector<std::string> body_names(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const SceneBody& body : scenario.build({}).bodies) names.push_back(body.name);
+  return names;
+}
+
+int run(const Scenario& scenario, const DemoOptions& options) {
+  RunResult result =
+      options.over_network() ? run_process(scenario, options) : run_virtual(scenario, options);
+  return publish(
+      make_report(scenario.name(), options, std::move(result), body_names(scenario)));
+}
+
+}  // namespace
+
+int demo_main(int argc, char** argv, const Scenario& scenario) {
+  const std::vector<std::string_view> arguments(argv + 1, argv + argc);
+  try {
+    const DemoOptions options = parse_options(arguments);
+    if (options.help) {
+      std::fputs(usage(scenario.name()).c_str(), stdout);
+      return 0;
+    }
+    return run(scenario, options);
+  } catch (const UsageError& error) {
+    std::fprintf(stderr, "%s: %s\n", scenario.name().c_str(), error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", scenario.name().c_str(), error.what());
+    return 1;
+  }
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <vector>
+
+#include "scenes/scene.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::demos {
+
+/// How deep two sharp boxes overlap (m): the least translation along one of the 15 axes of the
+/// separating-axis theorem that parts them; 0 where they do not overlap. Independent of the
+/// engine's own contacts.
+double box_overlap(const pbd::Pose& a, const pbd::Vec3& half_a, const pbd::Pose& b,
+                   const pbd::Vec3& half_b);
+
+/// How deep the lowest corner of a box is below the ground, z = 0 (m); 0 where it is above.
+double ground_overlap(const pbd::Pose& pose, const pbd::Vec3& half);
+
+/// Append the depth of every pair of boxes, and of every box and the ground, that overlap.
+void append_penetrations(const Scene& scene, std::vector<double>& out);
+
+}  // namespace tandem::demos

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/options.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace tandem::demos {
+
+namespace {
+
+[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view rule) {
+  throw UsageError(std::string(option) + " = " + std::string(value) + " breaks: " +
+                   std::string(rule));
+}
+
+template <class Number>
+Number number(std::string_view option, std::string_view text, Number low, Number high,
+              std::string_view rule) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  // Written so that NaN is refused as well.
+  const bool good = error == std::errc{} && end == text.data() + text.size() && value >= low &&
+                    value <= high;
+  if (!good) refuse(option, text, rule);
+  return value;
+}
+
+/// Goes through the arguments; knows which of them were named.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::string_view> arguments) : arguments_(arguments) {}
+
+  /// The next option's name, empty at the end.
+  std::string_view next() {
+    if (at_ == arguments_.size()) return {};
+    std::string_view argument = arguments_[at_++];
+    inline_value_.reset();
+    if (!argument.starts_with("--")) refuse("argument", argument, "options begin with --");
+    if (const std::size_t equals = argument.find('='); equals != std::string_view::npos) {
+      inline_value_ = argument.substr(equals + 1);
+      argument = argument.substr(0, equals);
+    }
+    return argument;
+  }
+  std::string_view value(std::string_view option) {
+    if (inline_value_) return *std::exchange(inline_value_, std::nullopt);
+    if (at_ == arguments_.size()) refuse(option, "", "needs a value");
+    return arguments_[at_++];
+  }
+  /// After an option without a value.
+  void finish(std::string_view option) const {
+    if (inline_value_) refuse(option, *inline_value_, "takes no value");
+  }
+
+ private:
+  std::span<const std::string_view> arguments_;
+  std::size_t at_ = 0;
+  std::optional<std::string_view> inline_value_;
+};
+
+consensus::PredictorKind predictor(std::string_view text) {
+  if (text == "euler") return consensus::PredictorKind::Euler;
+  if (text == "local-motion") return consensus::PredictorKind::LocalMotion;
+  refuse("--predictor", text, "euler or local-motion");
+}
+
+consensus::Coupling coupling(std::string_view text) {
+  if (text == "one-pass") return consensus::Coupling::OnePass;
+  if (text == "two-step") return consensus::Coupling::TwoStep;
+  refuse("--solver", text, "one-pass or two-step");
+}
+
+std::string address(std::string_view text) {
+  constexpr std::string_view kRule = "HOST:PORT, port 1 to 65535";
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) refuse("--connect", text, kRule);
+  const std::string_view port = text.substr(colon + 1);
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), value);
+  if (error != std::errc{} || end != port.data() + port.size() || value < 1 || value > 65535) {
+    refuse("--connect", text, kRule);
+  }
+  return std::string(text);
+}
+
+std::string text_value(std::string_view option, std::string_view value) {
+  if (value.empty()) refuse(option, value, "must not be empty");
+  return std::string(value);
+}
+
+bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
+  constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
+  if (name == "--peers") {
+    o.peers = number(name, in.value(name), 1, 64, "an integer from 1 to 64");
+  } else if (name == "--seconds") {
+    o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");
+  } else if (name == "--seed") {
+    o.seed = number(name, in.value(name), std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
+  } else if (name == "--influence") {
+    o.influence = number(name, in.value(name), 0.0, 0.99, "a number from 0 to 0.99");
+  } else if (name == "--predictor") {
+    o.predictor = predictor(in.value(name));
+  } else if (name == "--solver") {
+    o.solver = coupling(in.value(name));
+  } else if (name == "--update-hz") {
+    o.update_hz = number(name, in.value(name), 0.1, 1000.0, "a number from 0.1 to 1000");
+  } else if (name == "--uneven") {
+    in.finish(name);
+    o.uneven = true;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool read_link(std::string_view name, Reader& in, DemoOptions& o) {
+  constexpr std::string_view kChance = "a number from 0 to 0.99";
+  if (name == "--profile") {
+    o.profile = number(name, in.value(name), 1, 5, "an integer from 1 to 5");
+  } else if (name == "--loss") {
+    o.loss = number(name, in.value(name), 0.0, 0.99, kChance);
+  } else if (name == "--duplicate") {
+    o.duplicate = number(name, in.value(name), 0.0, 0.99, kChance);
+  } else if (name == "--reorder") {
+    o.reorder = number(name, in.value(name), 0.0, 0.99, kChance);
+  } else if (name == "--bandwidth") {
+    o.bandwidth = number(name, in.value(name), 0.0, 1e12, "bit/s, a number from 0 to 1e12");
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool read_process(std::string_view name, Reader& in, DemoOptions& o) {
+  if (name == "--listen") {
+    o.listen = number(name, in.value(name), std::uint16_t{0}, std::uint16_t{65535},
+                      "a port from 0 (any) to 65535");
+  } else if (name == "--connect") {
+    o.connect.push_back(address(in.value(name)));
+  } else if (name == "--peer-id") {
+    o.peer_id = number(name, in.value(name), std::uint64_t{1}, std::uint64_t{1} << 62,
+                       "an integer >= 1, unique in the session");
+  } else if (name == "--wait") {
+    o.wait = number(name, in.value(name), 0.0, 86400.0, "a number from 0 to 86400");
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool read_output(std::string_view name, Reader& in, DemoOptions& o) {
+  if (name == "--json") {
+    o.json = text_value(name, in.value(name));
+  } else if (name == "--csv") {
+    o.csv = text_value(name, in.value(name));
+  } else if (name == "--quiet") {
+    in.finish(name);
+    o.quiet = true;
+  } else if (name == "--help") {
+    in.finish(name);
+    o.help = true;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+consensus::PeerOptions DemoOptions::peer_options() const {
+  consensus::PeerOptions result;
+  result.update_hz = update_hz;
+  result.influence.baseline = influence;
+  result.predictor = predictor;
+  result.coupling = solver;
+  return result;
+}
+
+consensus::LinkOptions DemoOptions::link_options() const {
+  consensus::LinkOptions result = consensus::network_profile(profile);
+  result.loss = loss;
+  result.duplicate = duplicate;
+  result.reorder = reorder;
+  result.bandwidth = bandwidth;
+  return result;
+}
+
+DemoOptions parse_options(std::span<const std::string_view> arguments) {
+  DemoOptions options;
+  Reader in(arguments);
+  std::string_view virtual_only;  // an option that has no meaning over a real network
+  std::string_view network_only;
+  for (std::string_view name = in.next(); !name.empty(); name = in.next()) {
+    if (read_link(name, in, options) || (name == "--peers" && read_session(name, in, options))) {
+      virtual_only = name;
+    } else if (read_process(name, in, options)) {
+      if (name == "--peer-id" || name == "--wait") network_only = name;
+    } else if (!read_session(name, in, options) && !read_output(name, in, options)) {
+      refuse("option", name, "must be one of those that --help lists");
+    }
+  }
+  if (options.over_network() && !virtual_only.empty()) {
+    refuse(virtual_only, "given", "has no meaning with --listen or --connect");
+  }
+  if (!options.over_network() && !network_only.empty()) {
+    refuse(network_only, "given", "needs --listen or --connect");
+  }
+  // Who waits is user A, who calls is user B.
+  if (options.over_network() && options.peer_id == 0) {
+    options.peer_id = options.connect.empty() ? 1 : 2;
+  }
+  return options;
+}
+
+std::string usage(std::string_view program) {
+  return "usage: " + std::string(program) + R"( [options]
+All peers in one process, in virtual time (the default):
+  --peers N          peers, 1 to 64 (2)
+  --profile 1..5     link: 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
+  --loss P --duplicate P --reorder P   chances for each state on the link (0)
+  --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
+One peer for each process, in wall time over TCP:
+  --listen PORT      accept peers here; 0 takes a free port
+  --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
+  --peer-id N        unique in the session (1 with --listen alone, else 2)
+  --wait S           give up where nobody has come after S seconds (0 = never)
+Session:
+  --seconds S        length (20)
+  --seed N           of everything that is drawn (1)
+  --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
+  --predictor euler|local-motion   (local-motion)
+  --solver one-pass|two-step       (one-pass)
+  --update-hz F      states sent each second (60)
+  --uneven           every second peer makes 72 steps each second, the others 60
+Output:
+  --json FILE        write the result as one JSON object; - is standard output
+  --csv DIR          write tables of all samples and of all bodies
+  --quiet            no table and no progress bar
+  --help             this text
+)";
+}
+
+std::string_view to_string(consensus::PredictorKind kind) {
+  return kind == consensus::PredictorKind::Euler ? "euler" : "local-motion";
+}
+
+std::string_view to_string(consensus::Coupling coupling) {
+  return coupling == consensus::Coupling::OnePass ? "one-pass" : "two-step";
+}
+
+}  // namespace tandem::demos

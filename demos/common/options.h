@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_link.h"
+
+namespace tandem::demos {
+
+/// What all demos understand on their command line.
+struct DemoOptions {
+  int peers = 2;
+  double seconds = 20.0;   ///< s, of session time
+  std::uint64_t seed = 1;  ///< of noise, orders, step phases, users and links
+  double influence = 0.08;  ///< baseline share per 1/60 s; 0 = no agreement
+  consensus::PredictorKind predictor = consensus::PredictorKind::LocalMotion;
+  consensus::Coupling solver = consensus::Coupling::OnePass;
+  double update_hz = 60.0;
+  int profile = 3;      ///< of the virtual link, [friston] Table 3
+  bool uneven = false;  ///< every second peer makes 72 steps each second, the others 60
+  double loss = 0.0;       ///< of the virtual link: chance that a state is lost
+  double duplicate = 0.0;  ///< chance that it comes twice
+  double reorder = 0.0;    ///< chance that it is overtaken
+  double bandwidth = 0.0;  ///< bit/s in each direction; 0 = unlimited
+
+  std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
+  std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
+  std::uint64_t peer_id = 0;            ///< of this process
+  double wait = 0.0;  ///< s, how long to wait for the first other process; 0 = for ever
+
+  std::string json;  ///< file for the result, "-" = standard output, "" = none
+  std::string csv;   ///< folder for tables, "" = none
+  bool quiet = false;
+  bool help = false;
+
+  bool over_network() const { return listen.has_value() || !connect.empty(); }
+  /// Steps each second of the peer of that number, from 0.
+  double step_hz(std::size_t peer) const { return uneven && peer % 2 == 1 ? 72.0 : 60.0; }
+  consensus::PeerOptions peer_options() const;
+  consensus::LinkOptions link_options() const;
+};
+
+/// A command line that cannot be understood; what() names option, value and rule.
+class UsageError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Reads the arguments after the program's name; "--name value" and "--name=value" are the same.
+/// @throws UsageError
+DemoOptions parse_options(std::span<const std::string_view> arguments);
+
+/// The text for --help.
+std::string usage(std::string_view program);
+
+std::string_view to_string(consensus::PredictorKind kind);
+std::string_view to_string(consensus::Coupling coupling);
+
+}  // namespace tandem::demos

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/participant.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "common/geometry.h"
+#include "scenes/random.h"
+
+namespace tandem::demos {
+
+namespace {
+
+constexpr std::uint64_t kLookEvery = 5;  // steps between two looks at penetration and faults
+
+double seconds_of(consensus::SessionTime ns) { return static_cast<double>(ns) * 1e-9; }
+
+}  // namespace
+
+SceneOptions scene_options(const DemoOptions& options, std::size_t number) {
+  SceneOptions result;
+  result.order_seed = derived_seed(options.seed, 1000 + number);
+  result.noise_seed = derived_seed(options.seed, 2000 + number);
+  return result;
+}
+
+UserOptions user_options(const DemoOptions& options, std::size_t user,
+                         consensus::SessionTime epoch) {
+  UserOptions result;
+  result.seed = derived_seed(options.seed, 3000 + user);
+  result.epoch = epoch;
+  result.seconds = options.seconds;
+  return result;
+}
+
+Participant::Participant(const Scenario& scenario, const DemoOptions& options,
+                         consensus::PeerId id, std::size_t number, consensus::Transport& transport)
+    : scenario_(scenario),
+      scene_(scenario.build(scene_options(options, number))),
+      peer_(*scene_.world, transport, options.peer_options()) {
+  peer_.set_observer(this);
+  record_.id = id;
+  record_.step_hz = options.step_hz(number);
+  record_.tracks.resize(scene_.bodies.size());
+  for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
+    const SceneBody& body = scene_.bodies[i];
+    peer_.share({.id = body.id, .body = body.body, .owner = std::nullopt});
+    index_.emplace_back(body.id, i);
+  }
+  std::sort(index_.begin(), index_.end());
+}
+
+void Participant::add_user(std::size_t user, const UserOptions& options) {
+  users_.push_back(scenario_.make_user(user, scene_, peer_, options));
+}
+
+void Participant::begin(consensus::SessionTime now) {
+  if (!started_) {
+    started_ = true;
+    epoch_ = now;
+    record_bodies(now);
+  }
+  for (const auto& user : users_) user->update(now);
+  peer_.before_step(now);
+  if (!has_exchanged() && peer_.stats().updates_received > 0) record_.first_exchange = now;
+}
+
+void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point before = Clock::now();
+  const pbd::StepReport& report = solver_.step(*scene_.world, seconds_of(end - now));
+  const std::chrono::duration<double> elapsed = Clock::now() - before;
+  record_.step_s.push_back(elapsed.count());
+  record_.energy.displacement += report.energy.displacement;
+  record_.energy.velocity_agreement += report.energy.velocity_agreement;
+  record_.energy.potential += report.energy.potential;
+  record_.energy.leak += report.energy.leak;
+  record_.seconds += seconds_of(end - now);
+  record_bodies(end);
+  watch(end, report);
+  ++steps_;
+}
+
+void Participant::finish(consensus::SessionTime now) { peer_.after_step(now); }
+
+const PeerRecord& Participant::record() {
+  const consensus::PeerStats& stats = peer_.stats();
+  record_.parse_s = stats.parse_s;
+  record_.process_s = stats.process_s;
+  record_.aggregate_s = stats.aggregate_s;
+  record_.updates_received = stats.updates_received;
+  record_.bodies_aggregated = stats.bodies_aggregated;
+  record_.bytes_sent = stats.bytes_sent;
+  record_.hash = scene_.world->hash();
+  return record_;
+}
+
+void Participant::on_prediction(consensus::PeerId from, const consensus::SharedId& body,
+                                consensus::SessionTime now, const pbd::Vec3& predicted_position,
+                                double age) {
+  const auto found = std::lower_bound(
+      index_.begin(), index_.end(), body,
+      [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
+  if (found == index_.end() || found->first != body) return;
+  record_.predictions.push_back({from, found->second, now, age, predicted_position});
+}
+
+void Participant::record_bodies(consensus::SessionTime now) {
+  if (wait_for_exchange_ && !has_exchanged()) return;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    const pbd::BodyState& state = scene_.world->state(scene_.bodies[i].body);
+    TrackSample sample;
+    sample.time = now;
+    sample.position = state.pose.position;
+    sample.orientation = state.pose.orientation;
+    sample.speed = state.twist.linear.norm();
+    for (const auto& user : users_) sample.users += user->holding() == i ? 1 : 0;
+    record_.tracks[i].push(sample);
+  }
+}
+
+void Participant::watch(consensus::SessionTime now, const pbd::StepReport& report) {
+  if (report.status != pbd::StepStatus::Ok) set_fault(now, "a body left the finite numbers");
+  for (const SceneBody& body : scene_.bodies) {
+    const pbd::BodyState& state = scene_.world->state(body.body);
+    if (!(state.pose.position.norm() < kMaxDistance)) {
+      set_fault(now, body.name + " is too far away");
+    } else if (state.pose.position.z() < 0.0) {
+      set_fault(now, body.name + " fell through the ground");
+    } else if (!(state.twist.linear.norm() < kMaxSpeed)) {
+      set_fault(now, body.name + " is too fast");
+    }
+  }
+  if (steps_ % kLookEvery != 0) return;
+  if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);
+  append_penetrations(scene_, record_.penetration_m);
+}
+
+void Participant::set_fault(consensus::SessionTime now, const std::string& text) {
+  if (!record_.fault.empty()) return;
+  char when[64];
+  std::snprintf(when, sizeof(when), "peer %llu, %.2f s: ",
+                static_cast<unsigned long long>(record_.id), seconds_of(now - epoch_));
+  record_.fault = when + text;
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/process_runner.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "common/participant.h"
+#include "common/progress.h"
+#include "common/remote_view.h"
+#include "common/rendezvous.h"
+#include "tandem/net/clock.h"
+#include "tandem/net/session.h"
+#include "tandem/net/tcp.h"
+
+namespace tandem::demos {
+
+namespace {
+
+using consensus::SessionTime;
+
+/// Noise, order and step rate go by peer id, as in the virtual run.
+std::size_t number_of(const DemoOptions& options) {
+  return static_cast<std::size_t>(options.peer_id - 1);
+}
+
+net::TcpOptions tcp_options(const Scenario& scenario, const DemoOptions& options) {
+  net::TcpOptions result;
+  result.self = options.peer_id;
+  result.scene_hash = scene_hash(scenario.build({}));
+  result.listen_port = options.listen;
+  for (const std::string& address : options.connect) {
+    result.connect.push_back(net::parse_host_port(address));
+  }
+  return result;
+}
+
+net::PhysicsClockOptions clock_options(double step_hz) {
+  net::PhysicsClockOptions result;
+  result.nominal_step = std::llround(1e9 / step_hz);
+  return result;
+}
+
+/// A run over a network, from joining to leaving.
+class Session {
+ public:
+  Session(const Scenario& scenario, const DemoOptions& options)
+      : scenario_(scenario),
+        options_(options),
+        transport_(tcp_options(scenario, options)),
+        view_(scenario.build({})),
+        rendezvous_(transport_, view_),
+        participant_(scenario, options, options.peer_id, number_of(options), rendezvous_),
+        start_(clock_.now()),
+        physics_(clock_options(participant_.step_hz()), start_),
+        progress_(options.quiet) {
+    participant_.record_from_exchange();
+    if (!options.quiet && options.listen) {
+      std::fprintf(stderr, "peer %llu listens on port %u\n",
+                   static_cast<unsigned long long>(options.peer_id), transport_.local_port());
+    }
+  }
+
+  RunResult run() {
+    while (!stop_.requested() && !over()) {
+      begin(physics_.physics_time());
+      stop_.wait(std::chrono::nanoseconds(physics_.next_due() - clock_.now()));
+      advance();
+    }
+    // One state more from where we stand would be heard after the farewell.
+    participant_.leave(physics_.physics_time());
+    return result();
+  }
+
+ private:
+  bool over() const {
+    if (!rendezvous_.epoch()) return false;
+    return physics_.physics_time() >= *rendezvous_.epoch() + std::llround(options_.seconds * 1e9);
+  }
+
+  /// Take in what has come, so that the step that follows in one step's time knows it.
+  void begin(SessionTime now) {
+    rendezvous_.update(now);
+    if (rendezvous_.epoch() && !scripted_) {
+      scripted_ = true;
+      const std::size_t user = number_of(options_);
+      if (user < scenario_.user_count()) {
+        participant_.add_user(user, user_options(options_, user, *rendezvous_.epoch()));
+      }
+    }
+    participant_.begin(now);
+    show(now);
+  }
+
+  /// All steps that are due. The first one has begun already, unless time was jumped over.
+  void advance() {
+    const net::ClockTick tick = physics_.advance(clock_.now());
+    SessionTime time = physics_.physics_time();
+    for (const SessionTime step : tick.steps) time -= step;
+    bool begun = tick.skipped == 0;
+    for (const SessionTime step : tick.steps) {
+      if (!begun) participant_.begin(time);
+      begun = false;
+      participant_.step(time, time + step);
+      participant_.finish(time + step);
+      time += step;
+    }
+  }
+
+  void show(SessionTime now) {
+    if (!rendezvous_.epoch()) {
+      const double waited = net::seconds(now - start_);
+      if (options_.wait > 0.0 && waited > options_.wait && !rendezvous_.connected()) {
+        throw std::runtime_error("no peer has come within " + std::to_string(options_.wait) +
+                                 " s" + last_reason());
+      }
+      progress_.show(0.0, "waiting for a peer");
+      return;
+    }
+    const double passed = net::seconds(now - *rendezvous_.epoch());
+    progress_.show(passed / options_.seconds,
+                   rendezvous_.connected() ? "connected" : "no peer connected");
+  }
+
+  std::string last_reason() const {
+    std::string text;
+    for (const net::DialStatus& dial : transport_.dials()) {
+      if (!dial.reason.empty()) text += "; " + net::to_string(dial.address) + ": " + dial.reason;
+    }
+    const net::StrangerStatus strangers = transport_.strangers();
+    if (!strangers.last_reason.empty()) text += "; refused: " + strangers.last_reason;
+    return text;
+  }
+
+  RunResult result() {
+    RunResult run;
+    run.peers.push_back(participant_.record());
+    for (PeerRecord& remote : view_.records()) run.peers.push_back(std::move(remote));
+    run.seconds = net::seconds(physics_.physics_time() - start_);
+    run.wall_s = net::seconds(clock_.now() - start_);
+    return run;
+  }
+
+  const Scenario& scenario_;
+  const DemoOptions& options_;
+  net::StopSignal stop_;
+  net::SessionClock clock_;
+  net::TcpTransport transport_;
+  RemoteView view_;
+  Rendezvous rendezvous_;
+  Participant participant_;
+  SessionTime start_;
+  net::PhysicsClock physics_;
+  Progress progress_;
+  bool scripted_ = false;
+};
+
+}  // namespace
+
+RunResult run_process(const Scenario& scenario, const DemoOptions& options) {
+  Session session(scenario, options);
+  return session.run();
+}
+
+}  // namespace tandem::demos

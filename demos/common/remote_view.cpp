@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/remote_view.h"
+
+namespace tandem::demos {
+
+RemoteView::RemoteView(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) index_[scene.bodies[i].id] = i;
+}
+
+bool RemoteView::body_index(const consensus::SharedId& id, std::size_t& index) const {
+  const auto found = index_.find(id);
+  if (found == index_.end()) return false;
+  index = found->second;
+  return true;
+}
+
+void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet) {
+  if (!consensus::decode(packet, decoded_).ok()) return;
+  Remote& remote = remotes_[from];
+  remote.tracks.resize(index_.size());
+  std::size_t body = 0;
+  for (const consensus::SpringUpdate& spring : decoded_.springs) {
+    if (spring.event == consensus::SpringEvent::Remove) {
+      remote.springs.erase(spring.spring);
+    } else if (body_index(spring.body, body)) {
+      remote.springs[spring.spring] = body;
+    }
+  }
+  if (!decoded_.leaves.empty()) remote.springs.clear();
+  for (const consensus::StateUpdate& state : decoded_.states) {
+    if (!body_index(state.id, body)) continue;
+    TrackSample sample;
+    sample.time = state.stamp;
+    sample.position = state.pose.position;
+    sample.orientation = state.pose.orientation;
+    sample.speed = state.twist.linear.norm();
+    // One user sits at each process, however many springs the hand has.
+    for (const auto& [spring, held] : remote.springs) sample.users |= held == body ? 1 : 0;
+    remote.tracks[body].push(sample);
+  }
+}
+
+void RemoteView::forget_hands(consensus::PeerId peer) {
+  const auto found = remotes_.find(peer);
+  if (found != remotes_.end()) found->second.springs.clear();
+}
+
+std::vector<PeerRecord> RemoteView::records() const {
+  std::vector<PeerRecord> records;
+  for (const auto& [id, remote] : remotes_) {
+    PeerRecord record;
+    record.id = id;
+    record.local = false;
+    record.tracks = remote.tracks;
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+}  // namespace tandem::demos

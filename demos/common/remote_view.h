@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "common/track.h"
+#include "scenes/scene.h"
+#include "tandem/consensus/update.h"
+
+namespace tandem::demos {
+
+/// What a process can know of its peers' worlds: the states that they send, at their own stamps,
+/// and which bodies their users hold. A peer that is never heard has no record.
+class RemoteView {
+ public:
+  explicit RemoteView(const Scene& scene);
+
+  /// Look at a packet. What does not decode is passed over: refusing it is the session's business.
+  void look(consensus::PeerId from, std::span<const std::byte> packet);
+  /// The peer's process is gone: its users hold nothing more.
+  void forget_hands(consensus::PeerId peer);
+  /// By ascending id.
+  std::vector<PeerRecord> records() const;
+
+ private:
+  struct Remote {
+    std::vector<Track> tracks;
+    std::map<std::uint32_t, std::size_t> springs;  ///< spring to body
+  };
+  bool body_index(const consensus::SharedId& id, std::size_t& index) const;
+
+  std::map<consensus::SharedId, std::size_t> index_;
+  std::map<consensus::PeerId, Remote> remotes_;
+  consensus::DecodedPacket decoded_;
+};
+
+}  // namespace tandem::demos

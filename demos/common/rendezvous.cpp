@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/rendezvous.h"
+
+#include <algorithm>
+
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::demos {
+
+namespace {
+
+constexpr std::uint32_t kMagic = 0x4f4d4454;  // "TDMO" on the wire; no packet of a session
+constexpr std::size_t kBytes = 12;            // magic u32, epoch i64
+
+}  // namespace
+
+void Rendezvous::update(consensus::SessionTime now) {
+  now_ = now;
+  const std::vector<consensus::PeerStatus> peers = inner_.peers();
+  const bool speak = now >= next_word_;
+  if (speak) next_word_ = now + kInterval;
+  connected_ = false;
+  bool all_heard = true;
+  bool lowest = true;
+  for (const consensus::PeerStatus& peer : peers) {
+    if (!peer.connected) {
+      heard_.erase(peer.id);
+      view_.forget_hands(peer.id);
+      continue;
+    }
+    connected_ = true;
+    if (speak) say(peer.id);
+    all_heard = all_heard && heard_.contains(peer.id);
+    lowest = lowest && inner_.self() < peer.id;
+  }
+  if (epoch_) return;
+  for (const auto& [peer, epoch] : heard_) {
+    if (epoch != 0) epoch_ = epoch_ ? std::min(*epoch_, epoch) : epoch;
+  }
+  if (!epoch_ && connected_ && all_heard && lowest) {
+    epoch_ = now + kLead;
+    next_word_ = now;  // tell it at once, in the next round
+  }
+}
+
+void Rendezvous::drain(std::vector<consensus::Packet>& out) {
+  const std::size_t first = out.size();
+  inner_.drain(out);
+  const auto new_packets = out.begin() + static_cast<std::ptrdiff_t>(first);
+  out.erase(std::remove_if(new_packets, out.end(),
+                           [this](const consensus::Packet& packet) { return hear(packet); }),
+            out.end());
+  for (std::size_t i = first; i < out.size(); ++i) view_.look(out[i].from, out[i].bytes);
+}
+
+bool Rendezvous::hear(const consensus::Packet& packet) {
+  if (packet.bytes.size() != kBytes) return false;
+  pbd::ByteReader in(packet.bytes);
+  if (in.u32() != kMagic) return false;
+  const consensus::SessionTime epoch = in.i64();
+  // An epoch of another day is nobody's script.
+  const bool plausible =
+      epoch == 0 || (epoch > now_ - kMaxDistance && epoch < now_ + kMaxDistance);
+  if (plausible) heard_[packet.from] = epoch;
+  return true;
+}
+
+void Rendezvous::say(consensus::PeerId to) {
+  std::vector<std::byte> bytes;
+  pbd::ByteWriter out(bytes);
+  out.u32(kMagic);
+  out.i64(epoch_.value_or(0));
+  inner_.post(to, bytes, consensus::Delivery::Newest);
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/metrics.h"
+#include "common/options.h"
+#include "common/virtual_runner.h"
+
+namespace tandem::demos {
+
+/// A run and what it comes to, as it is told.
+struct Report {
+  std::string scenario;
+  DemoOptions options;
+  RunResult run;
+  Metrics metrics;
+  std::vector<std::string> body_names;
+  std::string fault;  ///< the first fault of any peer; empty where the run was stable
+
+  bool stable() const { return fault.empty(); }
+};
+
+/// Evaluates the run.
+Report make_report(std::string scenario, const DemoOptions& options, RunResult run,
+                   std::vector<std::string> body_names);
+
+/// For people: aligned, in mm and degrees.
+std::string report_table(const Report& report);
+/// For programs: one JSON object; what is not known is null.
+std::string report_json(const Report& report);
+
+/// Writes divergence.csv (every sample) and bodies.csv (a line for each body) into `folder`, which
+/// is made where it is missing. @throws std::runtime_error saying what cannot be written
+void write_csv(const Report& report, const std::string& folder);
+
+/// Writes and prints what the options ask for. Returns the exit code: 0, or 1 for a run with a
+/// fault. @throws std::runtime_error saying what cannot be written
+int publish(const Report& report);
+
+}  // namespace tandem::demos

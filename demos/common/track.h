@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tandem/consensus/transport.h"
+#include "tandem/pbd/report.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::demos {
+
+/// One body at one peer at one time.
+struct TrackSample {
+  consensus::SessionTime time = 0;  ///< ns
+  pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, of the centre
+  pbd::Quat orientation = pbd::Quat::Identity();
+  double speed = 0.0;  ///< m/s, of the centre
+  int users = 0;       ///< how many of this peer's own users hold the body
+};
+
+/// The way of one body at one peer.
+class Track {
+ public:
+  /// Later than the last sample; others are ignored.
+  void push(const TrackSample& sample);
+  bool empty() const { return samples_.empty(); }
+  const std::vector<TrackSample>& samples() const { return samples_; }
+
+  /// The state at `time`: position and speed interpolated linearly, orientation on the sphere,
+  /// users as at the sample before. Nothing before the first sample, after the last one, and
+  /// between two that are more than `max_gap` (ns) apart.
+  std::optional<TrackSample> at(consensus::SessionTime time,
+                                consensus::SessionTime max_gap = INT64_MAX) const;
+
+ private:
+  std::vector<TrackSample> samples_;
+};
+
+/// A remote state as it was carried to now and applied.
+struct PredictionSample {
+  consensus::PeerId from = 0;
+  std::uint32_t body = 0;  ///< index into the scene's bodies
+  consensus::SessionTime time = 0;  ///< ns, the now it was carried to
+  double age = 0.0;                 ///< s, from the sender's stamp to now
+  pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, predicted
+};
+
+/// Everything that was seen of one peer. A peer in another process has tracks only.
+struct PeerRecord {
+  consensus::PeerId id = 0;
+  double step_hz = 0.0;
+  bool local = true;          ///< false: known by its updates alone
+  std::vector<Track> tracks;  ///< one for each body of the scene
+  std::vector<PredictionSample> predictions;
+  std::vector<double> step_s;         ///< wall time of each step of the solver
+  std::vector<double> penetration_m;  ///< of each overlapping pair in each frame looked at
+  pbd::ConsensusEnergy energy;        ///< sum of all steps
+  consensus::SessionTime first_exchange = INT64_MAX;  ///< ns, the first update has come
+  double parse_s = 0.0, process_s = 0.0, aggregate_s = 0.0;  ///< CPU time
+  std::uint64_t updates_received = 0;
+  std::uint64_t bodies_aggregated = 0;
+  std::uint64_t bytes_sent = 0;
+  double seconds = 0.0;    ///< s, session time that was simulated
+  std::uint64_t hash = 0;  ///< of the world at the end
+  std::string fault;       ///< the first thing that must never be; empty where nothing was
+};
+
+}  // namespace tandem::demos

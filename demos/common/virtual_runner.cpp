@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/virtual_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <tuple>
+
+#include "common/participant.h"
+#include "common/progress.h"
+#include "scenes/random.h"
+#include "tandem/consensus/virtual_link.h"
+
+namespace tandem::demos {
+
+namespace {
+
+using consensus::SessionTime;
+
+constexpr SessionTime kStart = 1'000'000'000;  // ns: no stamp is 0 or negative
+
+/// One peer and the times of its steps.
+class Actor {
+ public:
+  Actor(const Scenario& scenario, const DemoOptions& options, std::size_t number,
+        consensus::Transport& transport)
+      : participant_(std::make_unique<Participant>(scenario, options, number + 1, number,
+                                                   transport)),
+        first_(kStart + phase(options, number)) {}
+
+  /// Time and kind of the next event; ends (0) come before beginnings (1).
+  std::tuple<SessionTime, int> next() const {
+    return inside_ ? std::tuple{step_time(step_ + 1), 0} : std::tuple{step_time(step_), 1};
+  }
+  void act() {
+    const SessionTime from = step_time(step_);
+    const SessionTime to = step_time(step_ + 1);
+    if (inside_) {
+      participant_->finish(to);
+      ++step_;
+    } else {
+      participant_->begin(from);
+      participant_->step(from, to);
+    }
+    inside_ = !inside_;
+  }
+  Participant& participant() { return *participant_; }
+
+ private:
+  /// Peers' steps do not fall together: the first peer's begin at 0, the others' somewhere later.
+  SessionTime phase(const DemoOptions& options, std::size_t number) const {
+    if (number == 0) return 0;
+    Random random(derived_seed(options.seed, 4000 + number));
+    return std::llround(random.uniform(0.0, 1e9 / participant_->step_hz()));
+  }
+  SessionTime step_time(std::int64_t step) const {
+    return first_ + std::llround(static_cast<double>(step) * 1e9 / participant_->step_hz());
+  }
+
+  std::unique_ptr<Participant> participant_;
+  SessionTime first_;
+  std::int64_t step_ = 0;
+  bool inside_ = false;  ///< the step is computed and waits for its end to come
+};
+
+std::string session_note(double seconds) {
+  char note[32];
+  std::snprintf(note, sizeof(note), "%.1f s", seconds);
+  return note;
+}
+
+}  // namespace
+
+RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
+  const auto wall_start = std::chrono::steady_clock::now();
+  consensus::VirtualNetwork network(options.link_options(), derived_seed(options.seed, 5000),
+                                    kStart);
+  const auto count = static_cast<std::size_t>(options.peers);
+  // All join before the first of them looks around.
+  for (std::size_t i = 0; i < count; ++i) network.transport(i + 1);
+  std::vector<Actor> actors;
+  actors.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    actors.emplace_back(scenario, options, i, network.transport(i + 1));
+  }
+  for (std::size_t user = 0; user < scenario.user_count(); ++user) {
+    actors[std::min(user, count - 1)].participant().add_user(user,
+                                                             user_options(options, user, kStart));
+  }
+
+  Progress progress(options.quiet);
+  const SessionTime end = kStart + std::llround(options.seconds * 1e9);
+  while (true) {
+    std::size_t first = 0;
+    for (std::size_t i = 1; i < count; ++i) {
+      if (actors[i].next() < actors[first].next()) first = i;
+    }
+    const SessionTime now = std::get<0>(actors[first].next());
+    if (now > end) break;
+    network.advance_to(now);
+    actors[first].act();
+    const double passed = static_cast<double>(now - kStart) * 1e-9;
+    progress.show(passed / options.seconds, session_note(passed));
+  }
+
+  RunResult result;
+  for (Actor& actor : actors) result.peers.push_back(actor.participant().record());
+  result.seconds = options.seconds;
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start;
+  result.wall_s = wall.count();
+  return result;
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <vector>
+
+#include "common/options.h"
+#include "common/track.h"
+#include "scenes/scenario.h"
+
+namespace tandem::demos {
+
+/// What a runner hands over.
+struct RunResult {
+  std::vector<PeerRecord> peers;  ///< this process's own first
+  double seconds = 0.0;           ///< s, session time that passed
+  double wall_s = 0.0;            ///< s, that it took
+};
+
+/// All peers in this process, in virtual time over a virtual link. Events are ordered by time, then
+/// ends of steps before beginnings, then peer: same options, same result, bit for bit.
+/// @throws std::invalid_argument where scenario or link refuse the options
+RunResult run_virtual(const Scenario& scenario, const DemoOptions& options);
+
+}  // namespace tandem::demos

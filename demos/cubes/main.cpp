@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+
+// Two users at two peers throw stacked cubes over and carry them on their plate together.
+
+#include "common/demo_main.h"
+#include "scenes/cubes.h"
+
+int main(int argc, char** argv) {
+  const tandem::demos::CubesScenario scenario;
+  return tandem::demos::demo_main(argc, argv, scenario);
+}

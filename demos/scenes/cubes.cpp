@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "scenes/cubes.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "scenes/cubes_users.h"
+#include "tandem/pbd/math.h"
+
+namespace tandem::demos {
+
+namespace {
+
+void require(bool ok, const char* field, double value, const char* rule) {
+  if (ok) return;
+  throw std::invalid_argument(std::string("CubesOptions: ") + field + " = " +
+                              std::to_string(value) + " breaks: " + rule);
+}
+
+bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+
+}  // namespace
+
+void CubesOptions::validate() const {
+  require(stacks >= 2 && stacks <= 100, "stacks", stacks, "2 to 100");
+  require(height >= 2 && height <= 100, "height", height, "2 to 100");
+  require(positive(edge), "edge", edge, "finite and > 0 m");
+  require(positive(cube_mass), "cube_mass", cube_mass, "finite and > 0 kg");
+  require(positive(plate_mass), "plate_mass", plate_mass, "finite and > 0 kg");
+  for (int axis = 0; axis < 3; ++axis) {
+    require(positive(plate[axis]), "plate", plate[axis], "each edge finite and > 0 m");
+  }
+  require(plate.x() >= 2.0 * edge * stacks, "plate", plate.x(), "two edges of cubes for each stack");
+  require(std::isfinite(friction) && friction >= 0.0, "friction", friction, "finite and >= 0");
+}
+
+CubesScenario::CubesScenario(const CubesOptions& options) : options_(options) {
+  options_.validate();
+}
+
+Scene CubesScenario::build(const SceneOptions& options) const {
+  const CubesOptions& o = options_;
+  const pbd::Vec3 cube = pbd::Vec3::Constant(o.edge);
+  SceneBuilder builder;
+  builder.box("plate", o.plate, o.plate_mass, pbd::Vec3(0.0, 0.0, 0.5 * o.plate.z()));
+  const double spacing = o.plate.x() / o.stacks;
+  for (int stack = 0; stack < o.stacks; ++stack) {
+    const double x = spacing * (stack + 0.5) - 0.5 * o.plate.x();
+    for (int level = 0; level < o.height; ++level) {
+      const double z = o.plate.z() + o.edge * (level + 0.5);
+      builder.box("cube/" + std::to_string(stack) + "/" + std::to_string(level), cube, o.cube_mass,
+                  pbd::Vec3(x, 0.0, z));
+    }
+  }
+  // Away from where the plate, its rubble and the hands will be.
+  const pbd::Vec3 pillar(0.5 * o.plate.x() + 5.0 * o.edge, -0.5 * o.plate.y(), 0.0);
+  for (int level = 0; level < o.height; ++level) {
+    builder.box("pillar/" + std::to_string(level), cube, o.cube_mass,
+                pillar + pbd::Vec3(0.0, 0.0, o.edge * (level + 0.5)));
+  }
+  return builder.build(options, o.friction);
+}
+
+std::unique_ptr<User> CubesScenario::make_user(std::size_t user, const Scene& scene,
+                                               consensus::Peer& peer,
+                                               const UserOptions& options) const {
+  if (user >= user_count()) {
+    throw std::invalid_argument("CubesScenario: user = " + std::to_string(user) +
+                                " breaks: 0 or 1");
+  }
+  return std::make_unique<ScriptedUser>(scene, peer, options,
+                                        cubes_tasks(user, options_, scene, options));
+}
+
+std::string CubesScenario::fault(const Scene& scene) const {
+  constexpr double kMaxShift = 5e-3;
+  constexpr double kMaxTilt = 0.035;
+  for (const SceneBody& body : scene.bodies) {
+    if (!body.name.starts_with("pillar/")) continue;
+    const pbd::Pose& pose = scene.pose(body);
+    const double shift = (pose.position - body.start).norm();
+    const double tilt = std::acos(std::min(1.0, (pose.orientation * pbd::Vec3::UnitZ()).z()));
+    if (!(shift <= kMaxShift) || !(tilt <= kMaxTilt)) {
+      return body.name + " of the undisturbed stack has moved by " + std::to_string(shift) +
+             " m and tilted by " + std::to_string(tilt) + " rad";
+    }
+  }
+  return {};
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "scenes/hand.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/random.h"
+
+namespace tandem::demos {
+
+double min_jerk(double s) {
+  s = std::clamp(s, 0.0, 1.0);
+  return s * s * s * (10.0 + s * (6.0 * s - 15.0));
+}
+
+HandPath::HandPath(double time, const pbd::Vec3& position) { knots_.push_back({time, position}); }
+
+HandPath& HandPath::wait(double duration) { return move_by(pbd::Vec3::Zero(), duration); }
+
+HandPath& HandPath::move_by(const pbd::Vec3& offset, double duration) {
+  return move_to(knots_.back().position + offset, duration);
+}
+
+HandPath& HandPath::move_to(const pbd::Vec3& position, double duration) {
+  knots_.push_back({knots_.back().time + duration, position});
+  return *this;
+}
+
+pbd::Vec3 HandPath::at(double time) const {
+  const auto next = std::upper_bound(knots_.begin(), knots_.end(), time,
+                                     [](double t, const Knot& knot) { return t < knot.time; });
+  if (next == knots_.begin()) return knots_.front().position;
+  const Knot& from = *(next - 1);
+  if (next == knots_.end()) return from.position;
+  const double s = (time - from.time) / (next->time - from.time);
+  return from.position + min_jerk(s) * (next->position - from.position);
+}
+
+Tremor::Tremor(std::uint64_t seed, double rms)
+    // Each sine carries amplitude^2 / 2 of the mean square.
+    : amplitude_(rms * std::sqrt(2.0 / static_cast<double>(kSines))) {
+  Random random(seed);
+  const double width = (kMaxHz - kMinHz) / static_cast<double>(kSines);
+  for (auto& axis : sines_) {
+    for (std::size_t i = 0; i < kSines; ++i) {
+      // A band for each sine keeps frequencies apart, so that the mean square is what it should be.
+      const double low = kMinHz + width * static_cast<double>(i);
+      axis[i].frequency = 2.0 * std::numbers::pi * random.uniform(low, low + width);
+      axis[i].phase = random.uniform(0.0, 2.0 * std::numbers::pi);
+    }
+  }
+}
+
+pbd::Vec3 Tremor::at(double time) const {
+  pbd::Vec3 offset = pbd::Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const Sine& sine : sines_[static_cast<std::size_t>(axis)]) {
+      offset[axis] += amplitude_ * std::sin(sine.frequency * time + sine.phase);
+    }
+  }
+  return offset;
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::demos {
+
+/// Minimum-jerk progress 10 s^3 - 15 s^4 + 6 s^5 from 0 to 1, held beyond both ends. Velocity and
+/// acceleration are 0 at the ends; the peak velocity is 1.875 times the mean.
+double min_jerk(double s);
+
+/// A hand's way: at rest in each knot, on minimum-jerk curves between them.
+class HandPath {
+ public:
+  /// The hand starts at rest at `position` (m, world), at `time` (s).
+  HandPath(double time, const pbd::Vec3& position);
+  /// Stay for `duration` s.
+  HandPath& wait(double duration);
+  /// Move by `offset` (m) within `duration` s, > 0.
+  HandPath& move_by(const pbd::Vec3& offset, double duration);
+  HandPath& move_to(const pbd::Vec3& position, double duration);
+
+  pbd::Vec3 at(double time) const;
+  double end_time() const { return knots_.back().time; }
+
+ private:
+  struct Knot {
+    double time;  ///< s
+    pbd::Vec3 position;
+  };
+  std::vector<Knot> knots_;
+};
+
+/// Physiological tremor: sines between 8 and 12 Hz on each axis, a pure function of time.
+class Tremor {
+ public:
+  static constexpr double kMinHz = 8.0;
+  static constexpr double kMaxHz = 12.0;
+  static constexpr std::size_t kSines = 4;  ///< on each axis
+
+  /// @param rms  m, of each coordinate
+  Tremor(std::uint64_t seed, double rms);
+  /// Offset of the hand (m) at `time` (s); no coordinate is ever above bound().
+  pbd::Vec3 at(double time) const;
+  double bound() const { return amplitude_ * static_cast<double>(kSines); }
+
+ private:
+  struct Sine {
+    double frequency;  ///< rad/s
+    double phase;      ///< rad
+  };
+  double amplitude_;  ///< m, of each sine
+  std::array<std::array<Sine, kSines>, 3> sines_;
+};
+
+}  // namespace tandem::demos

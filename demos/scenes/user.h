@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "scenes/hand.h"
+#include "scenes/scene.h"
+#include "tandem/consensus/peer.h"
+
+namespace tandem::demos {
+
+/// Somebody who acts on one peer's world and sees nothing else.
+class User {
+ public:
+  virtual ~User() = default;
+  /// Look at the world and move the hand; before each step. `now`: session time, ns.
+  virtual void update(consensus::SessionTime now) = 0;
+  /// The body in hand, as an index into Scene::bodies.
+  virtual std::optional<std::size_t> holding() const = 0;
+};
+
+struct UserOptions {
+  std::uint64_t seed = 1;             ///< of tremor and of small differences in timing
+  consensus::SessionTime epoch = 0;   ///< ns, session time at which the script begins
+  double seconds = 20.0;              ///< s, when the session ends
+  double tremor = 3e-4;               ///< m, rms of each coordinate
+};
+
+/// Three equal springs between a hand and a body.
+struct GripSpec {
+  double stiffness = 100.0;  ///< N/m, each spring
+  double damping = 5.0;      ///< N s/m, each
+  double max_force = 15.0;   ///< N, each
+  pbd::Vec3 spread = pbd::Vec3(0.04, 0.04, 0.0);  ///< m, half axes of the triangle of attachments
+
+  /// A loose grip: `load` (kg) sags by 1 cm, moves with a damping ratio of 0.7, and the hand is
+  /// four times as strong as it must be. Spread as given, a negative half axis mirrors it.
+  static GripSpec for_load(double load, const pbd::Vec3& spread);
+};
+
+/// A hand that holds one body by three springs ("loose springs" of [friston] Sec. 5.2). The anchors
+/// are fixed in the hand, the attachments in the body; they meet when the grip closes.
+class Grip {
+ public:
+  /// Both must outlive the grip.
+  Grip(const Scene& scene, consensus::Peer& peer) : scene_(scene), peer_(peer) {}
+
+  /// Hold the body of that index around the hand. @pre the grip is open
+  void close(std::size_t body, const pbd::Pose& hand, const GripSpec& spec);
+  /// Where the hand is at `now`, the start of the step to come. @pre the grip is closed
+  void move(const pbd::Pose& hand, consensus::SessionTime now);
+  void open();
+  bool closed() const { return body_.has_value(); }
+  std::optional<std::size_t> body() const { return body_; }
+  /// m, mean distance of attachments from their anchors, as this world shows it.
+  double stretch(const pbd::Pose& hand) const;
+
+ private:
+  static constexpr std::size_t kSprings = 3;
+
+  const Scene& scene_;
+  consensus::Peer& peer_;
+  std::optional<std::size_t> body_;
+  std::array<consensus::GrabId, kSprings> springs_{};
+  std::array<pbd::Vec3, kSprings> anchors_l_;      ///< m, frame of the hand
+  std::array<pbd::Vec3, kSprings> attachments_l_;  ///< m, frame of the body
+};
+
+/// What a scripted user decides when it is time for a task, from the world as it then is.
+struct HandPlan {
+  std::size_t body = 0;  ///< index into Scene::bodies
+  GripSpec grip;
+  HandPath path;  ///< m, world; times in s since the task's start
+};
+
+struct HandTask {
+  double start = 0.0;  ///< s since the epoch
+  /// Nothing to do here: an empty result.
+  std::function<std::optional<HandPlan>()> plan;
+};
+
+/// Does its tasks one after the other: grabs, follows the path, lets go. It skips a task that it
+/// comes to too late (as after a restart) and lets go of what does not follow its hand.
+class ScriptedUser final : public User {
+ public:
+  static constexpr double kPatience = 0.5;    ///< s: later than this a task is skipped
+  static constexpr double kMaxStretch = 0.4;  ///< m: let go beyond
+
+  ScriptedUser(const Scene& scene, consensus::Peer& peer, const UserOptions& options,
+               std::vector<HandTask> tasks);
+  void update(consensus::SessionTime now) override;
+  std::optional<std::size_t> holding() const override { return grip_.body(); }
+
+ private:
+  void start_task(double time);
+  void follow(double time, consensus::SessionTime now);
+
+  UserOptions options_;
+  std::vector<HandTask> tasks_;
+  std::size_t next_ = 0;
+  double task_start_ = 0.0;
+  std::optional<HandPlan> plan_;
+  Grip grip_;
+  Tremor tremor_;
+};
+
+}  // namespace tandem::demos

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "tandem/consensus/transport.h"
+
+namespace tandem::net {
+
+using consensus::SessionTime;
+
+/// Nanoseconds to seconds, for a solver that takes seconds.
+constexpr double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+/// The time all peers share, read from the system clock: ns since 1970, UTC. Processes on one host
+/// agree exactly; hosts agree as well as NTP or PTP disciplines them (an error of dt displaces a
+/// body of speed v by v*dt, so 1 ms is 5 mm at 5 m/s).
+///
+/// The reading never goes back: while the source is behind the last reading (the system clock was
+/// set back) that reading is held, and held() says how far behind the source is. A disciplined
+/// clock is slewed, not set, and does not get there.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class SessionClock {
+ public:
+  using Source = std::function<SessionTime()>;
+
+  SessionClock();
+  /// Read `source` in place of the system clock. Throws std::invalid_argument if it is empty.
+  explicit SessionClock(Source source);
+
+  SessionTime now();
+  /// How far the source was behind the reading at the last now(), ns, >= 0; 0 in normal running.
+  std::int64_t held() const { return held_; }
+
+ private:
+  Source source_;
+  SessionTime last_ = INT64_MIN;
+  std::int64_t held_ = 0;
+};
+
+/// All times in ns.
+struct PhysicsClockOptions {
+  std::int64_t min_step = 8'000'000;       ///< shortest step, > 0
+  std::int64_t max_step = 32'000'000;      ///< longest step, >= min_step
+  std::int64_t nominal_step = 16'666'666;  ///< step when on time, in [min_step, max_step]
+  int max_steps_per_call = 8;              ///< in [1, PhysicsClock::kMaxSteps]
+  /// A lag (either way) above this is skipped, not simulated; >= max_steps_per_call * max_step.
+  std::int64_t stall_limit = 1'000'000'000;
+
+  /// Throws std::invalid_argument naming the field, its value and the rule it breaks.
+  void validate() const;
+};
+
+/// What PhysicsClock::advance asks for.
+struct ClockTick {
+  std::span<const std::int64_t> steps;  ///< step lengths, ns, in order; valid until the next call
+  std::int64_t skipped = 0;             ///< ns of shared time jumped over before the steps
+  std::int64_t lag = 0;                 ///< shared time minus physics time after the steps, ns
+};
+
+/// Paces the physics so that physics time, the sum of all steps, stays just behind the shared time
+/// and never drifts from it. Source: [friston] Sec. 4.5 (steps between 8 and 32 ms, as many as fit
+/// before physics time would pass the shared time). Pure: it reads no clock and never waits.
+///
+/// Policy, with lag = shared time - physics time at the call:
+/// - lag < min_step: no step. On time: one step of nominal_step; what is left below nominal_step
+///   but not below min_step is stepped at its own length. So after a call 0 <= lag < min_step.
+/// - late: several steps, longer than nominal where max_steps_per_call of those would not do, up
+///   to max_step. What is still missing then is left to the next calls.
+/// - lag > stall_limit (debugger, sleeping laptop): the excess over one nominal step is jumped
+///   over and reported in `skipped`; bodies do not move meanwhile, but their time is right again.
+/// - shared time behind physics time: no step until it has caught up; by more than stall_limit:
+///   physics time is set back and `skipped` is negative.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class PhysicsClock {
+ public:
+  static constexpr int kMaxSteps = 32;
+
+  /// Physics time starts at `start`. Throws std::invalid_argument (PhysicsClockOptions::validate).
+  PhysicsClock(const PhysicsClockOptions& options, SessionTime start);
+
+  /// The steps to do now, at shared time `now`. Physics time has advanced by them on return.
+  ClockTick advance(SessionTime now);
+
+  /// Start plus all steps plus all skips so far: the time to stamp a state with.
+  SessionTime physics_time() const { return time_; }
+  /// Sum of all skips so far, ns.
+  std::int64_t total_skipped() const { return total_skipped_; }
+  /// Earliest shared time at which advance() returns a step on time: for a loop that sleeps.
+  SessionTime next_due() const { return time_ + options_.nominal_step; }
+
+ private:
+  PhysicsClockOptions options_;
+  SessionTime time_;
+  std::int64_t total_skipped_ = 0;
+  std::array<std::int64_t, kMaxSteps> steps_{};
+};
+
+}  // namespace tandem::net

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/net/clock.h"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "require.h"
+
+namespace tandem::net {
+
+SessionClock::SessionClock()
+    : SessionClock([] {
+        using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
+        return SessionTime{
+            duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count()};
+      }) {}
+
+SessionClock::SessionClock(Source source) : source_(std::move(source)) {
+  if (!source_) {
+    throw std::invalid_argument("SessionClock: source is empty, must be callable");
+  }
+}
+
+SessionTime SessionClock::now() {
+  const SessionTime reading = source_();
+  held_ = reading < last_ ? last_ - reading : 0;
+  last_ = std::max(last_, reading);
+  return last_;
+}
+
+void PhysicsClockOptions::validate() const {
+  const auto check = [](bool ok, const char* field, std::int64_t value, const char* rule) {
+    require(ok, "PhysicsClockOptions", field, value, rule);
+  };
+  constexpr std::int64_t kDay = 86'400'000'000'000;  // keeps every sum below far from overflow
+  check(min_step > 0, "min_step", min_step, "> 0 ns");
+  check(max_step <= kDay, "max_step", max_step, "at most a day");
+  check(max_step >= min_step, "max_step", max_step, ">= min_step");
+  check(nominal_step >= min_step && nominal_step <= max_step, "nominal_step", nominal_step,
+        "in [min_step, max_step]");
+  check(max_steps_per_call >= 1 && max_steps_per_call <= PhysicsClock::kMaxSteps,
+        "max_steps_per_call", max_steps_per_call, "in [1, PhysicsClock::kMaxSteps]");
+  check(stall_limit >= max_steps_per_call * max_step && stall_limit <= 365 * kDay, "stall_limit",
+        stall_limit, "in [max_steps_per_call * max_step, a year]");
+}
+
+PhysicsClock::PhysicsClock(const PhysicsClockOptions& options, SessionTime start)
+    : options_(options), time_(start) {
+  options_.validate();
+}
+
+ClockTick PhysicsClock::advance(SessionTime now) {
+  ClockTick tick;
+  std::int64_t lag = now - time_;
+  if (lag > options_.stall_limit || lag < -options_.stall_limit) {
+    tick.skipped = lag - options_.nominal_step;
+    time_ += tick.skipped;
+    total_skipped_ += tick.skipped;
+    lag = options_.nominal_step;
+  }
+  // Longer steps only where nominal ones, as many as allowed, would not catch up.
+  const std::int64_t usual =
+      std::clamp(lag / options_.max_steps_per_call, options_.nominal_step, options_.max_step);
+  std::size_t count = 0;
+  while (lag >= options_.min_step &&
+         count < static_cast<std::size_t>(options_.max_steps_per_call)) {
+    const std::int64_t step = std::min(lag, usual);
+    steps_[count++] = step;
+    time_ += step;
+    lag -= step;
+  }
+  tick.steps = std::span(steps_.data(), count);
+  tick.lag = lag;
+  return tick;
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "peer_table.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tandem::net {
+
+using consensus::Delivery;
+
+// ---- application's thread ----
+
+PeerTable::PostResult PeerTable::post(PeerId to, std::span<const std::byte> bytes,
+                                      Delivery delivery) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find(to);
+  if (record == nullptr || record->link == 0 || bytes.size() > record->max_payload) return {};
+
+  // Frames that are written but not acknowledged take memory as well.
+  const std::size_t needed = queue_cost(bytes.size()) + record->unacked.cost();
+  const std::size_t room = options_.send_queue_bytes - std::min(needed, options_.send_queue_bytes);
+  record->status.dropped_queue_full += record->send.shed_states(room);
+  if (record->send.cost() > room || needed > options_.send_queue_bytes) {
+    ++record->status.dropped_queue_full;
+    if (delivery == Delivery::Newest) return {};
+    const std::uint64_t link = record->link;
+    disconnect(*record, "send queue full of reliable frames, peer does not keep up");
+    return {.cut_link = link};
+  }
+  record->send.push({.delivery = delivery,
+                     .sequence = delivery == Delivery::Reliable ? ++record->last_sequence : 0,
+                     .bytes = {bytes.begin(), bytes.end()}});
+  return {.accepted = true, .wake = !std::exchange(record->wake_posted, true)};
+}
+
+void PeerTable::drain(std::vector<consensus::Packet>& out) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [id, record] : records_) {
+    while (!record.inbox.empty()) out.push_back({.from = id, .bytes = record.inbox.pop().bytes});
+  }
+}
+
+std::uint64_t PeerTable::drop(PeerId peer, const std::string& reason, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find(peer);
+  if (record == nullptr) return 0;
+  const std::uint64_t link = record->link;
+  ban(*record, "dropped: " + reason, now);
+  return link;
+}
+
+std::vector<consensus::PeerStatus> PeerTable::peers() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<consensus::PeerStatus> out;
+  out.reserve(records_.size());
+  for (const auto& [id, record] : records_) out.push_back(record.status);
+  return out;
+}
+
+std::vector<DialStatus> PeerTable::dials() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<DialStatus> out = dials_;
+  for (DialStatus& dial : out) {
+    const Record* record = find(dial.peer);
+    dial.connected = record != nullptr && record->link != 0;
+  }
+  return out;
+}
+
+StrangerStatus PeerTable::strangers() const {
+  const std::lock_guard lock(mutex_);
+  return strangers_;
+}
+
+std::uint64_t PeerTable::incarnation(PeerId peer) const {
+  const std::lock_guard lock(mutex_);
+  const Record* record = find(peer);
+  return record != nullptr ? record->incarnation : 0;
+}
+
+// ---- network thread ----
+
+std::optional<std::string> PeerTable::refusal(const Hello& hello, SteadyTime now) const {
+  const std::lock_guard lock(mutex_);
+  return refusal_locked(hello, now);
+}
+
+std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, SteadyTime now) const {
+  const Record* record = find(hello.peer);
+  if (record != nullptr && now < record->hold_until) {
+    return record->status.reason + " (on hold)";
+  }
+  // Never back to an older process, not even once the newer one is gone: the numbering of Reliable
+  // frames with it has started anew.
+  if (record != nullptr && hello.incarnation < record->incarnation) {
+    return "a newer process has taken peer id " + std::to_string(hello.peer);
+  }
+  if ((record == nullptr || record->link == 0) && connected_ >= options_.max_peers) {
+    return "session full: " + std::to_string(connected_) + " peers";
+  }
+  return {};
+}
+
+std::uint64_t PeerTable::received(PeerId peer, std::uint64_t incarnation) const {
+  const std::lock_guard lock(mutex_);
+  const Record* record = find(peer);
+  return record != nullptr && record->incarnation == incarnation ? record->last_received : 0;
+}
+
+PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello,
+                                          const Welcome& theirs, std::uint64_t ticket,
+                                          SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  if (auto reason = refusal_locked(hello, now)) return {.reason = std::move(*reason)};
+  Record* record = find_or_add(hello.peer);
+  if (record == nullptr) return {.reason = "too many peer ids"};
+
+  const bool same_process = record->incarnation == hello.incarnation;
+  if (same_process && record->link != 0 && ticket < record->ticket) {
+    return {.reason = "replaced by a newer connection"};
+  }
+  if (same_process && theirs.received > record->last_written) {
+    return {.reason = "acknowledges frames that were never sent"};
+  }
+  const std::uint64_t replaced = record->link;
+  if (replaced != 0) disconnect(*record, {});
+  if (same_process) {
+    forget_acked(*record, theirs.received);
+    while (!record->unacked.empty()) record->send.push_front(record->unacked.pop_back());
+  } else {
+    record->send.clear();
+    record->unacked.clear();
+    record->last_sequence = record->last_written = record->last_received = 0;
+  }
+  record->incarnation = hello.incarnation;
+  record->link = link;
+  record->ticket = ticket;
+  record->max_payload = std::min(hello.max_frame_bytes, options_.max_frame_bytes);
+  record->wake_posted = false;
+  record->dropped = false;
+  record->status.connected = true;
+  record->status.reason.clear();
+  ++connected_;
+  return {.attached = true, .replaced_link = replaced, .reason = {}};
+}
+
+void PeerTable::detach(std::uint64_t link, PeerId peer, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (Record* record = find_attached(link, peer)) disconnect(*record, reason);
+}
+
+void PeerTable::note_failure(PeerId peer, const std::string& reason, bool rejected) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_or_add(peer);
+  if (record == nullptr) return;
+  if (rejected) ++record->status.rejected;
+  // The reason of a connected peer stays empty; that of a drop says more than its consequences.
+  if (record->link == 0 && !record->dropped) record->status.reason = reason;
+}
+
+void PeerTable::reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  if (record == nullptr) return;
+  ++record->status.rejected;
+  ban(*record, "dropped: " + reason, now);
+}
+
+PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Delivery delivery,
+                                        std::uint64_t sequence, std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  if (record == nullptr) return Delivered::Stale;
+  if (delivery == Delivery::Reliable) {
+    if (sequence <= record->last_received) return Delivered::Ok;  // had before a reconnection
+    if (sequence != record->last_received + 1) return Delivered::Gap;
+  }
+  const std::size_t room = options_.receive_queue_bytes - queue_cost(bytes.size());
+  record->status.dropped_queue_full += record->inbox.shed_states(room);
+  if (record->inbox.cost() > room) {
+    ++record->status.dropped_queue_full;
+    return delivery == Delivery::Newest ? Delivered::Ok : Delivered::Full;
+  }
+  record->inbox.push(
+      {.delivery = delivery, .sequence = sequence, .bytes = {bytes.begin(), bytes.end()}});
+  if (delivery == Delivery::Reliable) record->last_received = sequence;
+  ++record->status.packets_in;
+  record->status.bytes_in += bytes.size();
+  return Delivered::Ok;
+}
+
+bool PeerTable::acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  return record == nullptr || forget_acked(*record, sequence);
+}
+
+void PeerTable::take(std::uint64_t link, PeerId peer, std::size_t limit,
+                     std::vector<std::byte>& out) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  if (record == nullptr) return;
+  record->wake_posted = false;
+  while (!record->send.empty() && out.size() < limit) {
+    QueuedFrame frame = record->send.pop();
+    const bool reliable = frame.delivery == Delivery::Reliable;
+    if (shutting_down_ && !reliable) continue;
+    append_frame(out, reliable ? FrameType::Reliable : FrameType::Newest,
+                 [&](pbd::ByteWriter& writer) {
+                   if (reliable) writer.u64(frame.sequence);
+                   writer.bytes(frame.bytes);
+                 });
+    ++record->status.packets_out;
+    record->status.bytes_out += frame.bytes.size();
+    if (reliable) {
+      record->last_written = std::max(record->last_written, frame.sequence);
+      record->unacked.push(std::move(frame));
+    }
+  }
+}
+
+std::uint64_t PeerTable::link_of(PeerId peer) const {
+  const std::lock_guard lock(mutex_);
+  const Record* record = find(peer);
+  return record != nullptr ? record->link : 0;
+}
+
+bool PeerTable::wanted(PeerId peer) const {
+  const std::lock_guard lock(mutex_);
+  const Record* record = find(peer);
+  return record == nullptr || (record->link == 0 && !record->dropped);
+}
+
+void PeerTable::begin_shutdown() {
+  const std::lock_guard lock(mutex_);
+  shutting_down_ = true;
+}
+
+void PeerTable::set_dials(std::vector<DialStatus> dials) {
+  const std::lock_guard lock(mutex_);
+  dials_ = std::move(dials);
+}
+
+void PeerTable::count(Stranger what, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  switch (what) {
+    case Stranger::Accepted:
+      ++strangers_.accepted;
+      return;
+    case Stranger::Refused:
+      ++strangers_.refused;
+      break;
+    case Stranger::Malformed:
+      ++strangers_.malformed;
+      break;
+    case Stranger::TimedOut:
+      ++strangers_.timed_out;
+      break;
+  }
+  strangers_.last_reason = reason;
+}
+
+// ---- under the lock ----
+
+PeerTable::Record* PeerTable::find(PeerId peer) {
+  const auto at = records_.find(peer);
+  return at != records_.end() ? &at->second : nullptr;
+}
+
+const PeerTable::Record* PeerTable::find(PeerId peer) const {
+  const auto at = records_.find(peer);
+  return at != records_.end() ? &at->second : nullptr;
+}
+
+PeerTable::Record* PeerTable::find_attached(std::uint64_t link, PeerId peer) {
+  Record* record = find(peer);
+  return record != nullptr && record->link == link ? record : nullptr;
+}
+
+PeerTable::Record* PeerTable::find_or_add(PeerId peer) {
+  if (Record* record = find(peer)) return record;
+  if (records_.size() >= 4 * options_.max_peers) {
+    // Ids cost a stranger nothing: one that was never connected makes room.
+    const auto idle = std::ranges::find_if(
+        records_, [](const auto& entry) { return entry.second.incarnation == 0; });
+    if (idle == records_.end()) return nullptr;
+    records_.erase(idle);
+  }
+  Record& record = records_[peer];
+  record.status.id = peer;
+  return &record;
+}
+
+void PeerTable::disconnect(Record& record, const std::string& reason) {
+  if (record.link != 0) --connected_;
+  record.link = 0;
+  record.status.connected = false;
+  record.status.reason = reason;
+  // States are stale by the time it is back; what was posted as Reliable is kept for that.
+  record.send.keep_reliable();
+}
+
+void PeerTable::ban(Record& record, const std::string& reason, SteadyTime now) {
+  disconnect(record, reason);
+  record.inbox.clear();
+  record.dropped = true;
+  record.hold_until = now + options_.drop_hold;
+}
+
+bool PeerTable::forget_acked(Record& record, std::uint64_t sequence) {
+  if (sequence > record.last_written) return false;
+  while (!record.unacked.empty() && record.unacked.front().sequence <= sequence) {
+    record.unacked.pop();
+  }
+  return true;
+}
+
+}  // namespace tandem::net

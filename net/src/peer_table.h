@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "frame_queue.h"
+#include "tandem/net/tcp.h"
+#include "wire.h"
+
+namespace tandem::net {
+
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+/// Everything the application's thread and the network thread share: the peers, their queues and
+/// counters. One mutex, held for memory operations only. Knows nothing of sockets: a connection is
+/// a serial number ("link", never 0), and only the link attached to a peer may act for it.
+class PeerTable {
+ public:
+  explicit PeerTable(const TcpOptions& options) : options_(options) {}
+
+  // ---- application's thread ----
+
+  struct PostResult {
+    bool accepted = false;
+    bool wake = false;           // the link has been idle: tell the network thread
+    std::uint64_t cut_link = 0;  // close this link, its queue has overflowed
+  };
+  PostResult post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery);
+  void drain(std::vector<consensus::Packet>& out);
+  /// The link to close, 0 where there is none.
+  std::uint64_t drop(PeerId peer, const std::string& reason, SteadyTime now);
+  std::vector<consensus::PeerStatus> peers() const;
+  std::vector<DialStatus> dials() const;
+  StrangerStatus strangers() const;
+  std::uint64_t incarnation(PeerId peer) const;
+
+  // ---- network thread ----
+
+  /// Why this peer may not come in now; none where it may.
+  std::optional<std::string> refusal(const Hello& hello, SteadyTime now) const;
+  /// Sequence number of the last Reliable frame had from that process of that peer.
+  std::uint64_t received(PeerId peer, std::uint64_t incarnation) const;
+
+  struct AttachResult {
+    bool attached = false;
+    std::uint64_t replaced_link = 0;  // close it
+    std::string reason;               // why not attached
+  };
+  AttachResult attach(std::uint64_t link, const Hello& hello, const Welcome& theirs,
+                      std::uint64_t ticket, SteadyTime now);
+  /// The link is gone. Its peer is disconnected if the link is still the attached one.
+  void detach(std::uint64_t link, PeerId peer, const std::string& reason);
+  /// A peer that is not connected could not be reached or was refused.
+  void note_failure(PeerId peer, const std::string& reason, bool rejected);
+  /// A protocol error: the peer is treated as after drop().
+  void reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now);
+
+  enum class Delivered { Ok, Stale, Gap, Full };
+  Delivered deliver(std::uint64_t link, PeerId peer, consensus::Delivery delivery,
+                    std::uint64_t sequence, std::span<const std::byte> bytes);
+  /// False where that number was never sent.
+  bool acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence);
+  /// Appends queued frames to `out`, oldest first, until it holds about `limit` bytes.
+  void take(std::uint64_t link, PeerId peer, std::size_t limit, std::vector<std::byte>& out);
+  std::uint64_t link_of(PeerId peer) const;
+  /// Whether to dial it: not connected, not dropped.
+  bool wanted(PeerId peer) const;
+  bool connected(PeerId peer) const { return link_of(peer) != 0; }
+  /// From here on only Reliable frames leave.
+  void begin_shutdown();
+
+  void set_dials(std::vector<DialStatus> dials);
+  enum class Stranger { Accepted, Refused, Malformed, TimedOut };
+  void count(Stranger what, const std::string& reason = {});
+
+ private:
+  struct Record {
+    consensus::PeerStatus status;
+    std::uint64_t incarnation = 0;
+    std::uint64_t link = 0;
+    std::uint64_t ticket = 0;
+    std::size_t max_payload = 0;      // the smaller of both ends' limits
+    FrameQueue send;                  // not yet written
+    FrameQueue unacked;               // Reliable, written, not acknowledged
+    std::uint64_t last_sequence = 0;  // given to a Reliable frame
+    std::uint64_t last_written = 0;
+    std::uint64_t last_received = 0;
+    FrameQueue inbox;
+    bool wake_posted = false;
+    bool dropped = false;  // until it makes a new handshake
+    SteadyTime hold_until{};
+  };
+
+  Record* find(PeerId peer);
+  const Record* find(PeerId peer) const;
+  Record* find_attached(std::uint64_t link, PeerId peer);
+  Record* find_or_add(PeerId peer);
+  std::optional<std::string> refusal_locked(const Hello& hello, SteadyTime now) const;
+  void disconnect(Record& record, const std::string& reason);
+  void ban(Record& record, const std::string& reason, SteadyTime now);
+  static bool forget_acked(Record& record, std::uint64_t sequence);
+
+  const TcpOptions options_;
+  mutable std::mutex mutex_;
+  std::map<PeerId, Record> records_;  // by id: the order of drain and peers
+  std::size_t connected_ = 0;
+  std::vector<DialStatus> dials_;
+  StrangerStatus strangers_;
+  bool shutting_down_ = false;
+};
+
+}  // namespace tandem::net

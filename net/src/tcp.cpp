@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/net/tcp.h"
+
+#include <chrono>
+#include <utility>
+
+#include "peer_table.h"
+#include "require.h"
+#include "tcp_mesh.h"
+
+namespace tandem::net {
+
+void TcpOptions::validate() const {
+  using std::chrono::milliseconds;
+  const auto check = [](bool ok, const char* field, auto value, const char* rule) {
+    require(ok, "TcpOptions", field, value, rule);
+  };
+  constexpr std::uint32_t kMebi = 1024 * 1024;
+  const auto period = [&](milliseconds value, milliseconds least, const char* field,
+                          const char* rule) {
+    check(value >= least && value <= std::chrono::hours(1), field, value.count(), rule);
+  };
+  check(self != 0, "self", self, "not 0");
+  check(!listen_port || !listen_address.empty(), "listen_address", listen_address, "an address");
+  for (const HostPort& address : connect) {
+    check(!address.host.empty() && address.port != 0, "connect", to_string(address), "HOST:PORT");
+  }
+  check(max_frame_bytes >= 64 && max_frame_bytes <= 16 * kMebi, "max_frame_bytes", max_frame_bytes,
+        "in [64, 16 MiB]");
+  const std::size_t least_queue = 2 * static_cast<std::size_t>(max_frame_bytes);
+  check(send_queue_bytes >= least_queue, "send_queue_bytes", send_queue_bytes,
+        ">= 2 * max_frame_bytes");
+  check(receive_queue_bytes >= least_queue, "receive_queue_bytes", receive_queue_bytes,
+        ">= 2 * max_frame_bytes");
+  check(max_peers >= 1 && max_peers <= 1024, "max_peers", max_peers, "in [1, 1024]");
+  check(socket_buffer_bytes >= 4096 && socket_buffer_bytes <= 64 * kMebi, "socket_buffer_bytes",
+        socket_buffer_bytes, "in [4096, 64 MiB]");
+  period(handshake_timeout, milliseconds(1), "handshake_timeout", "in [1 ms, 1 h]");
+  period(idle_timeout, milliseconds(40), "idle_timeout", "in [40 ms, 1 h]");
+  period(backoff_min, milliseconds(1), "backoff_min", "in [1 ms, 1 h]");
+  period(backoff_max, backoff_min, "backoff_max", "in [backoff_min, 1 h]");
+  period(drop_hold, milliseconds(0), "drop_hold", "in [0, 1 h]");
+  check(flush_timeout >= milliseconds(0) && flush_timeout <= milliseconds(10000), "flush_timeout",
+        flush_timeout.count(), "in [0, 10 s]");
+}
+
+namespace {
+
+TcpOptions complete(TcpOptions options) {
+  options.validate();
+  if (options.incarnation == 0) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    options.incarnation = static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+  }
+  return options;
+}
+
+}  // namespace
+
+class TcpTransport::Impl {
+ public:
+  explicit Impl(const TcpOptions& options)
+      : options_(complete(options)), table_(options_), mesh_(options_, table_) {}
+
+  const TcpOptions options_;
+  PeerTable table_;
+  TcpMesh mesh_;
+};
+
+TcpTransport::TcpTransport(const TcpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+
+TcpTransport::TcpTransport(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+std::unique_ptr<TcpTransport> TcpTransport::open(const TcpOptions& options,
+                                                 std::error_code& error) {
+  error.clear();
+  try {
+    return std::unique_ptr<TcpTransport>(new TcpTransport(std::make_unique<Impl>(options)));
+  } catch (const std::system_error& failure) {
+    error = failure.code();
+  } catch (const std::invalid_argument&) {
+    error = std::make_error_code(std::errc::invalid_argument);
+  }
+  return nullptr;
+}
+
+TcpTransport::~TcpTransport() = default;
+
+PeerId TcpTransport::self() const { return impl_->options_.self; }
+
+bool TcpTransport::post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery) {
+  const auto result = impl_->table_.post(to, bytes, delivery);
+  if (result.wake) impl_->mesh_.wake(to);
+  if (result.cut_link != 0) impl_->mesh_.cut(result.cut_link, "does not keep up");
+  return result.accepted;
+}
+
+void TcpTransport::drain(std::vector<consensus::Packet>& out) { impl_->table_.drain(out); }
+
+void TcpTransport::drop(PeerId peer, const std::string& reason) {
+  const std::uint64_t link = impl_->table_.drop(peer, reason, std::chrono::steady_clock::now());
+  if (link != 0) impl_->mesh_.cut(link, "dropped: " + reason);
+}
+
+std::vector<consensus::PeerStatus> TcpTransport::peers() const { return impl_->table_.peers(); }
+std::vector<DialStatus> TcpTransport::dials() const { return impl_->table_.dials(); }
+StrangerStatus TcpTransport::strangers() const { return impl_->table_.strangers(); }
+std::uint16_t TcpTransport::local_port() const { return impl_->mesh_.local_port(); }
+std::uint64_t TcpTransport::incarnation(PeerId peer) const {
+  return impl_->table_.incarnation(peer);
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tcp_link.h"
+
+#include <asio/buffer.hpp>
+#include <asio/error.hpp>
+#include <asio/write.hpp>
+
+namespace tandem::net {
+
+void TcpLink::start(std::size_t send_buffer) {
+  // Refused options cost speed, not correctness.
+  std::error_code ignored;
+  socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
+  socket_.set_option(asio::socket_base::send_buffer_size(static_cast<int>(send_buffer)), ignored);
+  std::error_code error;
+  const auto endpoint = socket_.remote_endpoint(error);
+  if (error) return close("connection lost: " + error.message());
+  remote = endpoint.address();
+  last_heard = last_sent = std::chrono::steady_clock::now();
+  read();
+}
+
+void TcpLink::read() {
+  const auto space = input_.space();
+  socket_.async_read_some(
+      asio::buffer(space.data(), space.size()),
+      [self = shared_from_this()](const std::error_code& error, std::size_t count) {
+        self->on_read(error, count);
+      });
+}
+
+void TcpLink::on_read(const std::error_code& error, std::size_t count) {
+  if (phase == Phase::Closed) return;
+  if (error) {
+    const bool ended = error == asio::error::eof;
+    return close(ended ? "connection lost: closed by the other end"
+                       : "connection lost: " + error.message());
+  }
+  last_heard = std::chrono::steady_clock::now();
+  input_.filled(count);
+  while (phase != Phase::Leaving) {
+    const auto frame = input_.next();
+    if (!frame) break;
+    owner_.on_frame(*this, *frame);
+    if (phase == Phase::Closed) return;
+  }
+  if (input_.bad() && phase != Phase::Leaving) owner_.on_malformed(*this, input_.error());
+  if (phase == Phase::Closed) return;
+  // Bytes left unread would reset the connection, and the other end would lose the Goodbye.
+  if (phase == Phase::Leaving) input_.discard();
+  kick();  // an acknowledgement may be due
+  read();
+}
+
+void TcpLink::kick() {
+  if (writing_ || phase == Phase::Closed || phase == Phase::Connecting) return;
+  output_.clear();
+  output_.swap(control_);
+  if (phase == Phase::Attached || goodbye_) owner_.on_writable(*this, output_);
+  if (output_.empty()) {
+    if (!goodbye_) return;
+    if (goodbye_->empty()) {  // it is out
+      std::error_code ignored;
+      socket_.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+      return;
+    }
+    append_frame(output_, FrameType::Goodbye, [&](pbd::ByteWriter& writer) {
+      writer.bytes(std::as_bytes(std::span(*goodbye_)));
+    });
+    goodbye_->clear();
+  }
+  writing_ = true;
+  asio::async_write(socket_, asio::buffer(output_.data(), output_.size()),
+                    [self = shared_from_this()](const std::error_code& error, std::size_t) {
+                      self->writing_ = false;
+                      if (self->phase == Phase::Closed) return;
+                      if (error) return self->close("connection lost: " + error.message());
+                      self->last_sent = std::chrono::steady_clock::now();
+                      self->kick();
+                    });
+}
+
+void TcpLink::leave(const std::string& reason, SteadyTime until) {
+  if (phase == Phase::Leaving || phase == Phase::Closed) return;
+  if (phase == Phase::Connecting) return close(reason);
+  goodbye_ = reason.empty() ? std::string("closed") : reason.substr(0, kMaxReason);
+  failure = reason;
+  phase = Phase::Leaving;
+  deadline = until;
+  kick();
+}
+
+void TcpLink::close(const std::string& reason) {
+  if (phase == Phase::Closed) return;
+  const auto keep = shared_from_this();
+  phase = Phase::Closed;
+  std::error_code ignored;
+  socket_.close(ignored);
+  owner_.on_closed(*this, failure.empty() ? reason : failure);
+}
+
+}  // namespace tandem::net

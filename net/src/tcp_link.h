@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <asio/ip/tcp.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "peer_table.h"
+#include "wire.h"
+
+namespace tandem::net {
+
+class TcpLink;
+
+constexpr std::size_t kMaxControlBytes = 256 * 1024;  // waiting control frames of one link
+
+/// What a link tells its owner, on the network thread.
+class TcpLinkOwner {
+ public:
+  virtual void on_frame(TcpLink& link, const FrameBuffer::Frame& frame) = 0;
+  /// The stream is no sequence of frames.
+  virtual void on_malformed(TcpLink& link, const std::string& reason) = 0;
+  /// Append what is to be sent next to `out`, which may stay empty.
+  virtual void on_writable(TcpLink& link, std::vector<std::byte>& out) = 0;
+  /// Last call for this link.
+  virtual void on_closed(TcpLink& link, const std::string& reason) = 0;
+
+ protected:
+  ~TcpLinkOwner() = default;
+};
+
+/// One TCP connection as a stream of frames. Network thread only. Pending operations keep the
+/// object alive; after close() they end without effect.
+class TcpLink : public std::enable_shared_from_this<TcpLink> {
+ public:
+  enum class Phase {
+    Connecting,  // outbound, no connection yet
+    Greeting,    // the other's Hello is awaited
+    Welcoming,   // Hellos are exchanged and good, Welcome is awaited
+    Attached,    // carries a peer's frames
+    Leaving,     // Goodbye queued or sent; only reads until the other end closes
+    Closed,
+  };
+
+  TcpLink(asio::io_context& context, TcpLinkOwner& owner, std::uint64_t serial)
+      : socket_(context), owner_(owner), serial_(serial), input_(kMaxControlFrame) {}
+
+  asio::ip::tcp::socket& socket() { return socket_; }
+  std::uint64_t serial() const { return serial_; }
+
+  /// The socket is connected: set its options and read. `send_buffer` in bytes.
+  void start(std::size_t send_buffer);
+  void raise_limit(std::size_t max_payload) { input_.raise_limit(max_payload); }
+
+  /// Queues a control frame and sends it as soon as the frames before it are out.
+  template <class Fill>
+  void send(FrameType type, Fill&& fill) {
+    if (phase == Phase::Leaving || phase == Phase::Closed) return;
+    if (control_.size() > kMaxControlBytes) return close("connection lost: does not read");
+    append_frame(control_, type, std::forward<Fill>(fill));
+    kick();
+  }
+
+  /// Something may be there to write.
+  void kick();
+  /// Send what is queued, a Goodbye with `reason`, and close once the other end has.
+  void leave(const std::string& reason, SteadyTime deadline);
+  void close(const std::string& reason);
+
+  // State of the owner's protocol, per link.
+  Phase phase = Phase::Connecting;
+  std::uint64_t dial = 0;  // 0: inbound
+  Hello hello;             // the other's; peer 0 until it has come
+  std::uint64_t ticket = 0;
+  std::string failure;  // why it is leaving, for whoever dialled it
+  asio::ip::address remote;
+  SteadyTime deadline{};  // of every phase but Attached
+  SteadyTime attached_at{};
+  SteadyTime last_heard{};
+  SteadyTime last_sent{};
+  std::chrono::milliseconds ping_interval{};
+  bool ack_due = false;
+
+ private:
+  void read();
+  void on_read(const std::error_code& error, std::size_t count);
+
+  asio::ip::tcp::socket socket_;
+  TcpLinkOwner& owner_;
+  const std::uint64_t serial_;
+  FrameBuffer input_;
+  std::vector<std::byte> control_;  // frames that are due before all others
+  std::vector<std::byte> output_;   // being written
+  bool writing_ = false;
+  std::optional<std::string> goodbye_;
+};
+
+}  // namespace tandem::net

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// TcpMesh: what the frames mean. Every byte here comes from a stranger.
+#include <algorithm>
+#include <asio/io_context.hpp>
+#include <cstdio>
+#include <utility>
+
+#include "tcp_mesh.h"
+
+namespace tandem::net {
+
+using consensus::Delivery;
+
+namespace {
+
+constexpr std::size_t kWriteBatch = 64 * 1024;  // bytes gathered for one write
+constexpr std::uint32_t kMinIdleMs = 40;        // whatever a peer asks for, ping no faster
+
+std::string hex(std::uint64_t value) {
+  char text[19];
+  std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+std::string from_peer(const std::string& text) { return "peer: " + text; }
+
+}  // namespace
+
+void TcpMesh::on_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
+  if (frame.type == FrameType::Goodbye) return on_goodbye(link, decode_reason(frame.payload));
+  switch (link.phase) {
+    case TcpLink::Phase::Greeting:
+      if (frame.type == FrameType::Hello) {
+        if (const auto hello = decode_hello(frame.payload)) return on_hello(link, *hello);
+      }
+      return on_malformed(link, "not a handshake of this protocol");
+    case TcpLink::Phase::Welcoming:
+      if (frame.type == FrameType::Welcome) {
+        if (const auto welcome = decode_welcome(frame.payload)) return on_welcome(link, *welcome);
+      }
+      return on_malformed(link, "handshake out of order");
+    case TcpLink::Phase::Attached:
+      return on_peer_frame(link, frame);
+    default:
+      return;
+  }
+}
+
+void TcpMesh::greet(TcpLink& link) {
+  const Hello hello{
+      .version = kProtocolVersion,
+      .peer = options_.self,
+      .incarnation = options_.incarnation,
+      .scene_hash = options_.scene_hash,
+      .max_frame_bytes = options_.max_frame_bytes,
+      .idle_timeout_ms = static_cast<std::uint32_t>(options_.idle_timeout.count()),
+      .listen_port = local_port_,
+  };
+  link.send(FrameType::Hello, [&](pbd::ByteWriter& writer) { encode(writer, hello); });
+}
+
+std::optional<std::string> TcpMesh::mismatch(const Hello& hello) const {
+  if (hello.version != kProtocolVersion) {
+    return "protocol version " + std::to_string(hello.version) + " differs from " +
+           std::to_string(kProtocolVersion);
+  }
+  if (hello.peer == options_.self) {
+    return "peer id " + std::to_string(hello.peer) + " is used by both ends";
+  }
+  if (hello.scene_hash != options_.scene_hash) {
+    return "scene hash " + hex(hello.scene_hash) + " differs from " + hex(options_.scene_hash);
+  }
+  return {};
+}
+
+void TcpMesh::on_hello(TcpLink& link, const Hello& hello) {
+  link.hello = hello;
+  // The listener names itself even where it refuses, so that both ends know whom they disagree
+  // with.
+  if (link.dial == 0) greet(link);
+  if (hello.peer == options_.self && hello.incarnation == options_.incarnation) {
+    if (Dial* dial = find_dial(link.dial)) dial->is_self = true;
+  }
+  if (const auto why = mismatch(hello)) return refuse(link, *why, true);
+  if (const auto why = table_.refusal(hello, Clock::now())) return refuse(link, *why, false);
+  link.phase = TcpLink::Phase::Welcoming;
+  if (options_.self < hello.peer) {
+    link.ticket = next_ticket_++;
+    send_welcome(link);
+  }
+}
+
+void TcpMesh::refuse(TcpLink& link, const std::string& reason, bool rejected) {
+  if (link.hello.peer != options_.self) table_.note_failure(link.hello.peer, reason, rejected);
+  if (link.dial == 0) table_.count(PeerTable::Stranger::Refused, reason);
+  link.leave(reason, Clock::now() + kLinger);
+}
+
+void TcpMesh::send_welcome(TcpLink& link) {
+  const Welcome welcome{.ticket = link.ticket,
+                        .received = table_.received(link.hello.peer, link.hello.incarnation)};
+  link.send(FrameType::Welcome, [&](pbd::ByteWriter& writer) { encode(writer, welcome); });
+}
+
+void TcpMesh::on_welcome(TcpLink& link, const Welcome& welcome) {
+  const bool deciding = options_.self < link.hello.peer;
+  if (deciding && welcome.ticket != link.ticket) return on_malformed(link, "wrong ticket");
+  link.ticket = welcome.ticket;
+
+  const SteadyTime now = Clock::now();
+  const auto result = table_.attach(link.serial(), link.hello, welcome, link.ticket, now);
+  if (!result.attached) return link.leave(result.reason, now + kLinger);
+  // After attach: nothing more is taken from an older connection, the number sent is final.
+  if (!deciding) send_welcome(link);
+  link.phase = TcpLink::Phase::Attached;
+  link.attached_at = now;
+  link.ping_interval =
+      std::min(options_.idle_timeout,
+               std::chrono::milliseconds(std::max(link.hello.idle_timeout_ms, kMinIdleMs))) /
+      4;
+  link.raise_limit(std::max(kMaxControlFrame, options_.max_frame_bytes + kReliableHeader));
+  if (TcpLink* replaced = find_link(result.replaced_link)) {
+    replaced->leave("replaced by a newer connection", now + kLinger);
+  }
+  learn_address(link);
+  introduce(link);
+  publish_dials();
+  link.kick();
+}
+
+void TcpMesh::on_goodbye(TcpLink& link, const std::string& text) {
+  const PeerId peer = link.hello.peer;
+  if (link.phase != TcpLink::Phase::Attached && peer != 0) {
+    table_.note_failure(peer, from_peer(text), false);
+  }
+  link.close(from_peer(text));
+}
+
+void TcpMesh::on_malformed(TcpLink& link, const std::string& reason) {
+  const SteadyTime now = Clock::now();
+  if (link.phase == TcpLink::Phase::Attached) {
+    table_.reject(link.serial(), link.hello.peer, reason, now);
+    return link.leave("dropped: " + reason, now + kLinger);
+  }
+  if (link.hello.peer != 0) table_.note_failure(link.hello.peer, reason, true);
+  if (link.dial == 0) table_.count(PeerTable::Stranger::Malformed, reason);
+  link.leave(reason, now + kLinger);
+}
+
+void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
+  const PeerId peer = link.hello.peer;
+  Delivery delivery = Delivery::Newest;
+  std::uint64_t sequence = 0;
+  std::span<const std::byte> bytes = frame.payload;
+  switch (frame.type) {
+    case FrameType::Ping:
+      return;
+    case FrameType::Ack: {
+      pbd::ByteReader reader(frame.payload);
+      const std::uint64_t acked = reader.u64();
+      if (reader.failed() || reader.remaining() != 0 ||
+          !table_.acknowledge(link.serial(), peer, acked)) {
+        on_malformed(link, "acknowledgement of what was never sent");
+      }
+      return;
+    }
+    case FrameType::Addresses:
+      if (const auto addresses = decode_addresses(frame.payload)) {
+        return on_addresses(link, *addresses);
+      }
+      return on_malformed(link, "addresses cannot be decoded");
+    case FrameType::Reliable: {
+      pbd::ByteReader reader(frame.payload);
+      sequence = reader.u64();
+      if (reader.failed() || sequence == 0) return on_malformed(link, "frame without its number");
+      delivery = Delivery::Reliable;
+      bytes = frame.payload.subspan(kReliableHeader);
+      break;
+    }
+    case FrameType::Newest:
+      break;
+    default:
+      return on_malformed(
+          link, "unknown frame type " + std::to_string(static_cast<unsigned>(frame.type)));
+  }
+  if (bytes.size() > options_.max_frame_bytes) {
+    return on_malformed(link, "payload of " + std::to_string(bytes.size()) + " bytes, at most " +
+                                  std::to_string(options_.max_frame_bytes));
+  }
+  switch (table_.deliver(link.serial(), peer, delivery, sequence, bytes)) {
+    case PeerTable::Delivered::Ok:
+      link.ack_due |= delivery == Delivery::Reliable;
+      return;
+    case PeerTable::Delivered::Stale:
+      return;  // dropped meanwhile, its link is about to be cut
+    case PeerTable::Delivered::Gap:
+      return on_malformed(link, "reliable frame out of order");
+    case PeerTable::Delivered::Full: {
+      // Not acknowledged, so it comes again after the reconnection.
+      const std::string reason = "receive queue full of reliable frames, not drained";
+      table_.detach(link.serial(), peer, reason);
+      return link.leave(reason, Clock::now() + kLinger);
+    }
+  }
+}
+
+void TcpMesh::on_writable(TcpLink& link, std::vector<std::byte>& out) {
+  const PeerId peer = link.hello.peer;
+  if (std::exchange(link.ack_due, false)) {
+    const std::uint64_t received = table_.received(peer, link.hello.incarnation);
+    append_frame(out, FrameType::Ack, [&](pbd::ByteWriter& writer) { writer.u64(received); });
+  }
+  table_.take(link.serial(), peer, kWriteBatch, out);
+}
+
+void TcpMesh::on_closed(TcpLink& link, const std::string& reason) {
+  const PeerId peer = link.hello.peer;
+  links_.erase(link.serial());
+  table_.detach(link.serial(), peer, reason);
+  if (link.attached_at != SteadyTime{}) {
+    redial_peer(peer, Clock::now() - link.attached_at > options_.backoff_max);
+  }
+  if (link.dial != 0) dial_failed(link.dial, reason);
+  if (shutdown_deadline_ && links_.empty()) context_.stop();
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/collision/shape.h"
+
+#include <numbers>
+
+#include "fixture.h"
+
+using namespace tandem::collision;
+using namespace tandem::collision::testing;
+using Catch::Contains;
+using tandem::pbd::Mat3;
+
+namespace {
+
+std::string error_of(const Shape& shape) {
+  std::string error;
+  REQUIRE_FALSE(validate(shape, &error));
+  return error;
+}
+
+bool close(const Mat3& l, const Mat3& r, double tolerance) {
+  return (l - r).cwiseAbs().maxCoeff() <= tolerance;
+}
+
+}  // namespace
+
+TEST_CASE("shape: sizes that are no sizes are refused by name, value and rule",
+          "[collision][fault]") {
+  CHECK_THAT(error_of(Sphere{-1.0}), Contains("Sphere.radius") && Contains("-1") && Contains("> 0"));
+  CHECK_THAT(error_of(Sphere{NAN}), Contains("Sphere.radius") && Contains("nan"));
+  CHECK_THAT(error_of(Box{Vec3(1, 0, 1)}), Contains("Box.half_extents"));
+  CHECK_THAT(error_of(Capsule{0.1, 0.0}), Contains("Capsule.half_height"));
+  CHECK_THAT(error_of(Capsule{INFINITY, 1.0}), Contains("Capsule.radius"));
+  CHECK_THAT(error_of(HalfSpace{Vec3(0, 0, 2), 0.0}), Contains("HalfSpace.normal") && Contains("2"));
+  CHECK_THAT(error_of(HalfSpace{Vec3::UnitZ(), NAN}), Contains("HalfSpace.offset"));
+  CHECK_THAT(error_of(Mesh{}), Contains("Mesh"));
+  CHECK(validate(Sphere{0.1}));
+}
+
+TEST_CASE("shape: masses are the closed forms", "[collision][analytic]") {
+  const double pi = std::numbers::pi;
+  const MassProperties ball = mass_properties(Sphere{0.5}, 1000.0);
+  CHECK(ball.mass == Approx(1000.0 * pi / 6.0));
+  CHECK(close(ball.inertia_l, Mat3(Mat3::Identity() * 0.4 * ball.mass * 0.25), 1e-9));
+
+  const MassProperties box = mass_properties(Box{Vec3(0.5, 1.0, 1.5)}, 2.0);
+  CHECK(box.mass == Approx(12.0));
+  CHECK(close(box.inertia_l, Mat3(Vec3(13.0, 10.0, 5.0).asDiagonal()), 1e-9));
+
+  // Independent of the closed form: the solid of revolution, summed in thin discs.
+  const double r = 0.3;
+  const double h = 0.7;
+  double mass = 0.0;
+  double axial = 0.0;
+  double side = 0.0;
+  const int discs = 200000;
+  for (int i = 0; i < discs; ++i) {
+    const double dz = 2.0 * (h + r) / discs;
+    const double z = -(h + r) + (i + 0.5) * dz;
+    const double over = std::max(0.0, std::abs(z) - h);
+    const double r2 = r * r - over * over;
+    const double dm = 5.0 * pi * r2 * dz;
+    mass += dm;
+    axial += 0.5 * dm * r2;
+    side += dm * (0.25 * r2 + z * z);
+  }
+  const MassProperties capsule = mass_properties(Capsule{r, h}, 5.0);
+  CHECK(capsule.mass == Approx(mass).epsilon(1e-8));
+  CHECK(close(capsule.inertia_l, Mat3(Vec3(side, side, axial).asDiagonal()), 1e-8 * side));
+}
+
+TEST_CASE("shape: a closed mesh weighs what the solid weighs, wherever it lies",
+          "[collision][analytic]") {
+  const Vec3 half(0.5, 1.0, 1.5);
+  const MassProperties solid = mass_properties(Box{half}, 2.0);
+  const MassProperties mesh = mass_properties(box_mesh(half), 2.0);
+  CHECK(mesh.mass == Approx(solid.mass));
+  CHECK(mesh.com.norm() < 1e-12);
+  CHECK(close(mesh.inertia_l, solid.inertia_l, 1e-10));
+
+  const Mesh centred = box_mesh(half);
+  std::vector<Vec3> moved(centred->vertices().begin(), centred->vertices().end());
+  for (Vec3& v : moved) v += Vec3(1000, -2000, 500);
+  const MassProperties far = mass_properties(TriangleMesh::make(moved, centred->triangles()), 2.0);
+  CHECK((far.com - Vec3(1000, -2000, 500)).norm() < 1e-9);
+  CHECK(close(far.inertia_l, solid.inertia_l, 1e-8));
+}
+
+TEST_CASE("shape: what has no volume has no mass", "[collision][fault]") {
+  CHECK_THROWS_WITH(mass_properties(HalfSpace{}, 1.0), Contains("finite volume"));
+  CHECK_THROWS_WITH(mass_properties(flat_mesh(1.0, 1), 1.0), Contains("closed mesh"));
+  CHECK_THROWS_WITH(mass_properties(Sphere{1.0}, 0.0), Contains("density") && Contains("> 0"));
+  const Mesh box = box_mesh(Vec3::Ones());
+  std::vector<TriangleMesh::Triangle> turned(box->triangles().begin(), box->triangles().end());
+  for (auto& t : turned) std::swap(t[0], t[1]);
+  CHECK_THROWS_WITH(mass_properties(TriangleMesh::make(box->vertices(), turned), 1.0),
+                    Contains("-8"));
+}
+
+TEST_CASE("triangle_mesh: input that is no surface is refused by name", "[collision][fault]") {
+  const std::vector<Vec3> v{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(2, 0, 0)};
+  using T = std::vector<TriangleMesh::Triangle>;
+  CHECK_THROWS_WITH(TriangleMesh::make(v, T{}), Contains("at least one"));
+  CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 4}}),
+                    Contains("triangles[0]") && Contains("4"));
+  CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 2}, {0, 1, 3}}),
+                    Contains("triangles[1]") && Contains("area"));
+  CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 2}, {1, 2, 0}}), Contains("edge"));
+  const std::vector<Vec3> bad{Vec3(0, 0, 0), Vec3(1, NAN, 0), Vec3(0, 1, 0)};
+  CHECK_THROWS_WITH(TriangleMesh::make(bad, T{{0, 1, 2}}),
+                    Contains("vertices[1]") && Contains("finite"));
+}
+
+TEST_CASE("triangle_mesh: triangles that repeat their corners still know their neighbours",
+          "[collision][unit]") {
+  const std::vector<Vec3> soup{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0),
+                               Vec3(0, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+  const std::vector<TriangleMesh::Triangle> t{{0, 1, 2}, {3, 4, 5}};
+  const Mesh mesh = TriangleMesh::make(soup, t);
+  CHECK(mesh->vertices().size() == 4);
+  CHECK(mesh->neighbour(0, 2) == 1);  // the diagonal
+  CHECK(mesh->neighbour(1, 0) == 0);
+  CHECK(mesh->neighbour(0, 0) == TriangleMesh::kNone);
+  CHECK(mesh->edge_id(0, 2) == mesh->edge_id(1, 0));
+  CHECK_FALSE(mesh->closed());
+  CHECK(box_mesh(Vec3::Ones())->closed());
+  CHECK(mesh->ring(0).size() == 3);
+}
+
+TEST_CASE("triangle_mesh: the search tree finds what looking at all triangles finds",
+          "[collision][unit]") {
+  const Mesh mesh = flat_mesh(10.0, 17);
+  Random random(3);
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 middle(random.in(-6, 6), random.in(-6, 6), random.in(-0.5, 0.5));
+    const Vec3 half(random.in(0, 1), random.in(0, 1), random.in(0, 0.3));
+    const Aabb box{middle - half, middle + half};
+    std::vector<std::uint32_t> found;
+    mesh->query(box, found);
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t t = 0; t < mesh->triangles().size(); ++t) {
+      Aabb bounds{Vec3::Constant(1e9), Vec3::Constant(-1e9)};
+      for (const std::uint32_t v : mesh->triangles()[t]) {
+        bounds = bounds.merged({mesh->vertices()[v], mesh->vertices()[v]});
+      }
+      if (bounds.overlaps(box)) expected.push_back(t);
+    }
+    CHECK(found == expected);
+  }
+}

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/consensus/influence.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "support/catch.h"
+
+using namespace tandem::consensus;
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kFrame = 1.0 / 60.0;
+
+/// No decay, so that the gain rule is seen alone.
+InfluenceOptions undecayed() {
+  InfluenceOptions options;
+  options.half_life = 1e15;
+  options.max_age = 10.0;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("influence: share and weight are each other's inverse", "[consensus][analytic]") {
+  CHECK(weight_of_share(0.5) == 1.0);
+  CHECK(weight_of_share(0.8) == Approx(4.0).epsilon(1e-15));
+  CHECK(share_of_weight(1.0) == 0.5);
+  CHECK(share_of_weight(3.0) == 0.75);
+  for (const double s : {1e-12, 1e-6, 0.08, 0.3, 0.999}) {
+    CHECK(share_of_weight(weight_of_share(s)) == Approx(s).epsilon(1e-13));
+  }
+}
+
+TEST_CASE("influence: the ends of the range are exact", "[consensus][unit]") {
+  CHECK(weight_of_share(1.0) == kInf);
+  CHECK(weight_of_share(0.0) == 0.0);
+  CHECK(share_of_weight(kInf) == 1.0);
+  CHECK(share_of_weight(0.0) == 0.0);
+  CHECK(share_per_step(1.0, 1e-4) == 1.0);
+  CHECK(share_per_step(0.0, 1.0) == 0.0);
+  CHECK(share_per_step(0.3, 0.0) == 0.0);
+  CHECK(weight_of_share(kNan) == 0.0);
+  CHECK(share_of_weight(kNan) == 0.0);
+  CHECK(share_per_step(kNan, 1.0) == 0.0);
+}
+
+TEST_CASE("influence: a step of 1/60 s closes the share, and steps compound",
+          "[consensus][analytic]") {
+  CHECK(share_per_step(0.08, kFrame) == Approx(0.08).epsilon(1e-15));
+  // Two frames leave 0.92^2 of the gap; a third of a frame, three times, leaves 0.92.
+  CHECK(share_per_step(0.08, 2.0 * kFrame) == Approx(1.0 - 0.92 * 0.92).epsilon(1e-15));
+  const double third = share_per_step(0.08, kFrame / 3.0);
+  CHECK(std::pow(1.0 - third, 3.0) == Approx(0.92).epsilon(1e-15));
+  // 72 steps a second close in a second what 60 do.
+  CHECK(std::pow(1.0 - share_per_step(0.08, 1.0 / 72.0), 72.0) ==
+        Approx(std::pow(0.92, 60.0)).epsilon(1e-13));
+  // To first order a small share is proportional to the step: nothing is lost to rounding.
+  CHECK(share_per_step(1e-14, 0.5 * kFrame) == Approx(0.5e-14).epsilon(1e-12));
+}
+
+TEST_CASE("influence: the announced share halves with every half-life", "[consensus][analytic]") {
+  InfluenceOptions options;
+  options.half_life = 0.1;
+  const double gain = 1e9;  // the gain rule out of the way
+  CHECK(effective_share(options, 0.08, 0.0, gain) == Approx(0.08).epsilon(1e-15));
+  CHECK(effective_share(options, 0.08, 0.1, gain) == Approx(0.04).epsilon(1e-14));
+  CHECK(effective_share(options, 0.08, 0.3, gain) == Approx(0.01).epsilon(1e-14));
+}
+
+TEST_CASE("influence: the gain rule limits old updates", "[consensus][analytic]") {
+  const InfluenceOptions options = undecayed();
+  // d frames old: at most gain / (d + 2).
+  CHECK(effective_share(options, 0.9, 0.0, 1.0) == Approx(1.0 / 2.0).epsilon(1e-12));
+  CHECK(effective_share(options, 0.9, 3.0 * kFrame, 1.0) == Approx(1.0 / 5.0).epsilon(1e-12));
+  CHECK(effective_share(options, 0.9, 18.0 * kFrame, 1.0) == Approx(1.0 / 20.0).epsilon(1e-12));
+  CHECK(effective_share(options, 0.9, 18.0 * kFrame, 3.0) == Approx(3.0 / 20.0).epsilon(1e-12));
+  // The policy wins where it is smaller.
+  CHECK(effective_share(options, 0.04, 18.0 * kFrame, 1.0) == Approx(0.04).epsilon(1e-12));
+  // Agreement stays alive: at 198 frames the rule alone would give 0.005.
+  CHECK(effective_share(options, 0.9, 198.0 * kFrame, 1.0) == options.min_share);
+  // The lower limit is one of the rule, not of the policy.
+  CHECK(effective_share(options, 0.001, 198.0 * kFrame, 1.0) == Approx(0.001).epsilon(1e-12));
+}
+
+TEST_CASE("influence: at the paper's longest latency agreement is still quick",
+          "[consensus][analytic]") {
+  // Two peers, each closing s of the gap per frame on states that old: what is left after 20
+  // frames, even when the first 123.5 ms bring nothing, must be below half.
+  const InfluenceOptions options;
+  const double age = 0.1235 + 2.0 * kFrame;
+  const double s = effective_share(options, options.baseline, age, 1.0);
+  CHECK(std::pow(1.0 - 2.0 * s, 20.0 - 0.1235 * 60.0) < 0.5);
+}
+
+TEST_CASE("influence: an update counts nothing once it has expired", "[consensus][unit]") {
+  const InfluenceOptions options;
+  CHECK(effective_share(options, 0.08, options.max_age, 1.0) > 0.0);
+  CHECK(effective_share(options, 0.08, std::nextafter(options.max_age, 2.0), 1.0) == 0.0);
+  CHECK(effective_share(options, 1.0, options.max_age, 1.0) == 1.0);
+  CHECK(effective_share(options, 1.0, std::nextafter(options.max_age, 2.0), 1.0) == 0.0);
+}
+
+TEST_CASE("influence: an owner is followed at any age, and follows nobody", "[consensus][unit]") {
+  const InfluenceOptions options;
+  CHECK(effective_share(options, 1.0, 0.9, 1.0) == 1.0);
+  CHECK(effective_share(options, 1.0, 0.9, 1.0, true) == 0.0);
+  CHECK(effective_share(options, 0.08, 0.0, 1.0, true) == 0.0);
+}
+
+TEST_CASE("influence: strange inputs count little or nothing", "[consensus][fault]") {
+  const InfluenceOptions options;
+  CHECK(effective_share(options, kNan, 0.0, 1.0) == 0.0);
+  CHECK(effective_share(options, -1.0, 0.0, 1.0) == 0.0);
+  CHECK(effective_share(options, 0.08, kNan, 1.0) == 0.0);
+  CHECK(effective_share(options, 0.9, 0.0, kNan) == options.min_share);
+  CHECK(effective_share(options, 0.9, 0.0, -5.0) == options.min_share);
+  // A stamp slightly ahead of our clock is as good as new.
+  CHECK(effective_share(options, 0.08, -0.01, 1.0) == effective_share(options, 0.08, 0.0, 1.0));
+}
+
+TEST_CASE("influence: options out of range are refused by name", "[consensus][fault]") {
+  const auto message = [](auto change) -> std::string {
+    InfluenceOptions options;
+    change(options);
+    try {
+      options.validate();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  CHECK(message([](InfluenceOptions&) {}) == "accepted");
+  CHECK_THAT(message([](InfluenceOptions& o) { o.baseline = 1.5; }),
+             Catch::Contains("baseline = 1.5") && Catch::Contains("must be 0 to 1"));
+  CHECK_THAT(message([](InfluenceOptions& o) { o.half_life = 0.0; }), Catch::Contains("half_life"));
+  CHECK_THAT(message([](InfluenceOptions& o) { o.min_share = -0.1; }),
+             Catch::Contains("min_share"));
+  CHECK_THAT(message([](InfluenceOptions& o) { o.max_age = kNan; }), Catch::Contains("max_age"));
+  CHECK_THAT(message([](InfluenceOptions& o) { o.max_age = kInf; }), Catch::Contains("max_age"));
+}

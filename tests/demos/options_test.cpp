@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/options.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "support/catch.h"
+
+namespace tandem::demos {
+namespace {
+
+DemoOptions parse(const std::vector<std::string_view>& arguments) {
+  return parse_options(arguments);
+}
+
+/// The message of the refusal; empty where there was none.
+std::string refusal(const std::vector<std::string_view>& arguments) {
+  try {
+    parse_options(arguments);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]") {
+  const DemoOptions o = parse({});
+  CHECK_FALSE(o.over_network());
+  CHECK(o.peers == 2);
+  CHECK(o.seconds == 20.0);
+  CHECK(o.influence >= 0.05);  // the baseline's range, 5 to 10 %
+  CHECK(o.influence <= 0.10);
+  CHECK(o.solver == consensus::Coupling::OnePass);
+}
+
+TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {
+  const DemoOptions o =
+      parse({"--peers", "3", "--seconds=4.5", "--seed", "9", "--influence", "0", "--predictor",
+             "euler", "--solver=two-step", "--update-hz", "30", "--profile", "5", "--uneven",
+             "--loss", "0.1", "--duplicate", "0.2", "--reorder", "0.3", "--bandwidth", "1e6",
+             "--json", "-", "--csv", "out", "--quiet", "--help"});
+  CHECK(o.peers == 3);
+  CHECK(o.seconds == 4.5);
+  CHECK(o.seed == 9);
+  CHECK(o.influence == 0.0);
+  CHECK(o.predictor == consensus::PredictorKind::Euler);
+  CHECK(o.solver == consensus::Coupling::TwoStep);
+  CHECK(o.update_hz == 30.0);
+  CHECK(o.profile == 5);
+  CHECK(o.uneven);
+  CHECK(o.step_hz(0) == 60.0);
+  CHECK(o.step_hz(1) == 72.0);
+  CHECK(o.json == "-");
+  CHECK(o.csv == "out");
+  CHECK(o.quiet);
+  CHECK(o.help);
+  CHECK(o.link_options().loss == 0.1);
+  CHECK(o.link_options().duplicate == 0.2);
+  CHECK(o.link_options().reorder == 0.3);
+  CHECK(o.link_options().bandwidth == 1e6);
+  CHECK(o.link_options().latency == 0.1235);  // profile 5
+  CHECK(o.peer_options().update_hz == 30.0);
+  CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
+}
+
+TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[demos][unit]") {
+  CHECK(parse({"--listen", "4000"}).peer_id == 1);
+  CHECK(parse({"--listen", "4000"}).over_network());
+  CHECK(parse({"--connect", "localhost:4000"}).peer_id == 2);
+  CHECK(parse({"--listen", "4001", "--connect", "[::1]:4000"}).peer_id == 2);
+  const DemoOptions o =
+      parse({"--connect", "a:1", "--connect", "b:65535", "--peer-id", "7", "--wait", "3"});
+  CHECK(o.peer_id == 7);
+  CHECK(o.wait == 3.0);
+  CHECK(o.connect == std::vector<std::string>{"a:1", "b:65535"});
+}
+
+TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
+  CHECK(refusal({"--profile", "6"}) == "--profile = 6 breaks: an integer from 1 to 5");
+  CHECK(refusal({"--profile", "2.5"}) == "--profile = 2.5 breaks: an integer from 1 to 5");
+  CHECK(refusal({"--seconds", "nan"}) == "--seconds = nan breaks: a number from 0.1 to 86400");
+  CHECK(refusal({"--seconds", "inf"}) == "--seconds = inf breaks: a number from 0.1 to 86400");
+  CHECK(refusal({"--seconds"}) == "--seconds =  breaks: needs a value");
+  CHECK(refusal({"--seed", "-1"}) == "--seed = -1 breaks: an integer of 64 bits, >= 0");
+  CHECK(refusal({"--influence", "1"}) == "--influence = 1 breaks: a number from 0 to 0.99");
+  CHECK(refusal({"--predictor", "Euler"}) == "--predictor = Euler breaks: euler or local-motion");
+  CHECK(refusal({"--solver", ""}) == "--solver =  breaks: one-pass or two-step");
+  CHECK(refusal({"--listen", "65536"}) ==
+        "--listen = 65536 breaks: a port from 0 (any) to 65535");
+  for (const char* bad : {"host", "host:", ":80", "host:0", "host:65536", "host:8x"}) {
+    CHECK(refusal({"--connect", bad}) ==
+          "--connect = " + std::string(bad) + " breaks: HOST:PORT, port 1 to 65535");
+  }
+  CHECK(refusal({"--bogus"}) == "option = --bogus breaks: must be one of those that --help lists");
+  CHECK(refusal({"7"}) == "argument = 7 breaks: options begin with --");
+  CHECK(refusal({"--quiet=yes"}) == "--quiet = yes breaks: takes no value");
+  CHECK(refusal({"--json="}) == "--json =  breaks: must not be empty");
+}
+
+TEST_CASE("options: what has no meaning together is refused", "[demos][fault]") {
+  CHECK(refusal({"--listen", "1", "--profile", "2"}) ==
+        "--profile = given breaks: has no meaning with --listen or --connect");
+  CHECK(refusal({"--peers", "2", "--connect", "a:1"}) ==
+        "--peers = given breaks: has no meaning with --listen or --connect");
+  CHECK(refusal({"--peer-id", "2"}) == "--peer-id = given breaks: needs --listen or --connect");
+  CHECK(refusal({"--listen", "1", "--uneven", "--seconds", "3"}).empty());
+}
+
+}  // namespace
+}  // namespace tandem::demos

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/rendezvous.h"
+
+#include <vector>
+
+#include "common/remote_view.h"
+#include "scenes/cubes.h"
+#include "support/catch.h"
+#include "tandem/consensus/virtual_link.h"
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::demos {
+namespace {
+
+using consensus::SessionTime;
+
+constexpr SessionTime kMs = 1'000'000;
+
+Scene small_scene() {
+  SceneBuilder builder;
+  builder.box("box", pbd::Vec3::Constant(0.1), 1.0, pbd::Vec3(0.0, 0.0, 0.05));
+  return builder.build({}, 0.5);
+}
+
+struct Node {
+  Node(consensus::VirtualNetwork& network, consensus::PeerId id, const Scene& scene)
+      : view(scene), rendezvous(network.transport(id), view) {}
+  void poll(SessionTime now) {
+    rendezvous.drain(packets);
+    rendezvous.update(now);
+  }
+  RemoteView view;
+  Rendezvous rendezvous;
+  std::vector<consensus::Packet> packets;
+};
+
+TEST_CASE("rendezvous: all agree on one epoch, and no word of it gets through", "[demos][unit]") {
+  const Scene scene = small_scene();
+  consensus::VirtualNetwork network({.latency = 0.1}, 1);
+  for (consensus::PeerId id = 1; id <= 3; ++id) network.transport(id);
+  Node a(network, 1, scene), b(network, 2, scene), c(network, 3, scene);
+  for (SessionTime now = 0; now < 3000 * kMs; now += 16 * kMs) {
+    network.advance_to(now);
+    a.poll(now);
+    b.poll(now);
+    c.poll(now);
+  }
+  REQUIRE(a.rendezvous.epoch().has_value());
+  CHECK(a.rendezvous.epoch() == b.rendezvous.epoch());
+  CHECK(a.rendezvous.epoch() == c.rendezvous.epoch());
+  CHECK(a.packets.empty());
+  CHECK(b.packets.empty());
+
+  SECTION("who comes late, or again, takes over the running one, the lowest id included") {
+    Node again(network, 1, scene);
+    for (SessionTime now = 3000 * kMs; now < 4500 * kMs; now += 16 * kMs) {
+      network.advance_to(now);
+      again.poll(now);
+      b.poll(now);
+      c.poll(now);
+    }
+    CHECK(again.rendezvous.epoch() == b.rendezvous.epoch());
+  }
+}
+
+TEST_CASE("rendezvous: alone there is no epoch", "[demos][unit]") {
+  const Scene scene = small_scene();
+  consensus::VirtualNetwork network({}, 1);
+  Node a(network, 1, scene);
+  for (SessionTime now = 0; now < 3000 * kMs; now += 16 * kMs) {
+    network.advance_to(now);
+    a.poll(now);
+  }
+  CHECK_FALSE(a.rendezvous.epoch().has_value());
+  CHECK_FALSE(a.rendezvous.connected());
+}
+
+TEST_CASE("rendezvous: an epoch of another day is not taken over", "[demos][fault]") {
+  const Scene scene = small_scene();
+  consensus::VirtualNetwork network({}, 1);
+  network.transport(2);
+  Node a(network, 3, scene);  // not the lowest: it would only take over
+  std::vector<std::byte> word;
+  pbd::ByteWriter out(word);
+  out.u32(0x4f4d4454);
+  out.i64(INT64_MAX - 1);
+  network.transport(2).post(3, word, consensus::Delivery::Newest);
+  for (SessionTime now = kMs; now < 100 * kMs; now += 16 * kMs) {
+    network.advance_to(now);
+    a.poll(now);
+  }
+  CHECK_FALSE(a.rendezvous.epoch().has_value());
+}
+
+TEST_CASE("remote view: tracks hold what was sent, at its stamp, with the hands", "[demos][unit]") {
+  const Scene scene = small_scene();
+  RemoteView view(scene);
+  consensus::StateUpdate state;
+  state.id = scene.bodies[0].id;
+  state.pose.position = pbd::Vec3(1.0, 2.0, 3.0);
+  state.twist.linear = pbd::Vec3(0.0, 3.0, 4.0);
+  state.stamp = 10 * kMs;
+  consensus::SpringUpdate spring;
+  spring.spring = 1;
+  spring.revision = 1;
+  spring.body = state.id;
+  spring.stiffness = 10.0;
+  spring.max_force = 1.0;
+  std::vector<std::byte> packet;
+  consensus::encode({&spring, 1}, packet);
+  consensus::encode({&state, 1}, packet);
+  view.look(7, packet);
+
+  packet.clear();
+  spring.event = consensus::SpringEvent::Remove;
+  spring.revision = 2;
+  state.stamp = 20 * kMs;
+  consensus::encode({&spring, 1}, packet);
+  consensus::encode({&state, 1}, packet);
+  view.look(7, packet);
+  view.look(7, std::vector<std::byte>(9, std::byte{0x55}));  // no packet at all
+
+  const std::vector<PeerRecord> records = view.records();
+  REQUIRE(records.size() == 1);
+  CHECK(records[0].id == 7);
+  CHECK_FALSE(records[0].local);
+  const std::vector<TrackSample>& samples = records[0].tracks.at(0).samples();
+  REQUIRE(samples.size() == 2);
+  CHECK(samples[0].time == 10 * kMs);
+  CHECK(samples[0].position == pbd::Vec3(1.0, 2.0, 3.0));
+  CHECK(samples[0].speed == Approx(5.0));
+  CHECK(samples[0].users == 1);
+  CHECK(samples[1].users == 0);
+}
+
+}  // namespace
+}  // namespace tandem::demos

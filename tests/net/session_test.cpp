@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/net/session.h"
+
+#include <csignal>
+#include <stdexcept>
+#include <string>
+
+#include "raw_peer.h"
+#include "support/catch.h"
+
+using namespace tandem::net;
+
+TEST_CASE("session: addresses are read and written alike", "[net][unit]") {
+  CHECK(parse_host_port("localhost:5000") == HostPort{"localhost", 5000});
+  CHECK(parse_host_port("10.0.0.7:1") == HostPort{"10.0.0.7", 1});
+  CHECK(parse_host_port("[::1]:65535") == HostPort{"::1", 65535});
+  for (const std::string address : {"localhost:5000", "10.0.0.7:1", "[::1]:65535"}) {
+    CHECK(to_string(parse_host_port(address)) == address);
+  }
+}
+
+TEST_CASE("session: what is no address is refused with its text", "[net][fault]") {
+  for (const std::string text :
+       {"", ":", "localhost", "localhost:", ":5000", "localhost:0", "localhost:65536",
+        "localhost:-1", "localhost:80x", "::1:80", "[]:80", "localhost: 80"}) {
+    CHECK_THROWS_WITH(parse_host_port(text), Catch::Matchers::Contains('"' + text + '"'));
+  }
+}
+
+TEST_CASE("session: a signal stops, and leaves nothing behind", "[net][unit]") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    StopSignal stop;
+    CHECK_FALSE(stop.requested());
+    CHECK_FALSE(stop.wait(std::chrono::nanoseconds(1)));
+    std::raise(signal);
+    CHECK(stop.wait(std::chrono::seconds(20)));
+    CHECK(stop.requested());
+  }
+  // From the first use on the process keeps a pipe for signals, whoever listens: counted after it.
+  const raw::LeakCheck leaks;
+  StopSignal stop;
+  stop.request();
+  CHECK(stop.requested());
+}

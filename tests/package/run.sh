@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Installs a build into a temporary prefix, builds and runs a consumer of each component against
+# it, and looks into the results: who does without a module carries nothing of its dependencies.
+#   tests/package/run.sh [BUILD]     default build/release; configured and built where missing
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+build=$(realpath -m "${1:-$root/build/release}")
+
+if [[ ! -f $build/CMakeCache.txt ]]; then
+  (cd "$root" && cmake --preset release -B "$build")
+fi
+cmake --build "$build"
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+prefix=$scratch/prefix
+cmake --install "$build" --prefix "$prefix" >/dev/null
+
+fail() {
+  echo "package: $*" >&2
+  exit 1
+}
+
+# Names that a dependency leaves in an executable, defined or wanted.
+fcl='(^|[^A-Za-z_])(fcl::|octomap::|ccd[A-Z]|_ccd)'
+asio='(^|[^A-Za-z_])asio::'
+
+# consumer COMPONENT PACKAGE...: configure (with these packages out of reach), build and run.
+consumer() {
+  local component=$1 package
+  shift
+  local hidden=()
+  for package in "$@"; do
+    hidden+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
+  done
+  cmake -S "$here" -B "$scratch/$component" -DCOMPONENT="$component" \
+    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release "${hidden[@]}" >"$scratch/log" 2>&1 &&
+    cmake --build "$scratch/$component" >>"$scratch/log" 2>&1 ||
+    {
+      cat "$scratch/log" >&2
+      fail "the consumer of $component does not build"
+    }
+  "$scratch/$component/consumer" || fail "the consumer of $component fails"
+}
+
+# symbols COMPONENT: everything its executable defines or wants, and the libraries it loads.
+symbols() {
+  nm -C "$scratch/$1/consumer"
+  nm -C -D "$scratch/$1/consumer"
+  objdump -p "$scratch/$1/consumer" | sed -n 's/^ *NEEDED */NEEDED /p'
+}
+
+without() {
+  local component=$1 what=$2 pattern=$3 found
+  found=$(symbols "$component" | grep -E "$pattern" | head -5) || true
+  [[ -z $found ]] || fail "the consumer of $component contains $what:"$'\n'"$found"
+}
+
+with() {
+  local component=$1 what=$2 pattern=$3
+  # Not grep -q: it would leave before nm has written all.
+  [[ $(symbols "$component" | grep -cE "$pattern") -gt 0 ]] ||
+    fail "no $what in the consumer of $component: the check for its absence sees nothing"
+}
+
+consumer pbd fcl ccd octomap Asio Threads
+without pbd FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
+without pbd Asio "$asio"
+
+consumer consensus fcl ccd octomap Asio Threads
+without consensus FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
+without consensus Asio "$asio"
+
+consumer collision Asio Threads
+without collision Asio "$asio"
+with collision FCL "$fcl"
+with collision FCL "NEEDED libfcl"
+
+consumer net fcl ccd octomap Asio
+without net FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
+with net Asio "$asio"
+
+# Asking for what is not there says so, and does not speak of somebody else's package.
+rm "$prefix"/lib*/cmake/tandem/tandem-collision-targets*.cmake
+if cmake -S "$here" -B "$scratch/absent" -DCOMPONENT=collision -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON >"$scratch/log" 2>&1; then
+  fail "a missing component was found"
+fi
+grep -q "Tandem was built without collision" "$scratch/log" || {
+  cat "$scratch/log" >&2
+  fail "a missing component is not named"
+}
+
+# Writable data: whatever lies in .data, .bss or their thread-local kin under a name. Relocated
+# constants (.data.rel.ro: tables of virtual functions) and the reference to the exception
+# personality are not.
+writable() {
+  objdump -t -C "$1" | awk '
+    match($0, /[ \t]\.(data|bss|tdata|tbss)[^ \t]*[ \t]/) || /\*COM\*/ {
+      section = substr($0, RSTART + 1, RLENGTH - 2)
+      if (section ~ /^\.data\.rel\.ro/ || section ~ /DW\.ref\./) next
+      if (substr($0, 18, 7) ~ /d/) next  # the name of the section itself
+      print
+    }'
+}
+# The check of the check: it sees a global, a static and a thread-local, and no constant.
+printf '%s\n' 'int seen_a; static int seen_b = 1; thread_local int seen_c;' \
+  'int* use() { ++seen_b; return &seen_b; }' 'extern const int unseen; const int unseen = 3;' \
+  'struct B { virtual ~B(); virtual void f(); }; B::~B() {} void B::f() {}' >"$scratch/probe.cpp"
+c++ -fPIC -c "$scratch/probe.cpp" -o "$scratch/probe.o"
+[[ $(writable "$scratch/probe.o" | grep -c 'seen_[abc]$') -eq 3 &&
+  $(writable "$scratch/probe.o" | wc -l) -eq 3 ]] || {
+  writable "$scratch/probe.o" >&2
+  fail "the check for writable data is broken"
+}
+for library in "$prefix"/lib*/libtandem_*; do
+  [[ -L $library ]] && continue
+  ignored='^$'
+  case $library in
+    # FCL's and Asio's headers bring the start-up object of the standard streams.
+    *_collision.*) ignored=' std::__ioinit$' ;;
+    # Asio keeps its own: service ids, thread-local call stacks, error categories.
+    *_net.*) ignored=' std::__ioinit$|[[:space:]](guard variable for )?asio::' ;;
+  esac
+  found=$(writable "$library" | grep -vE "$ignored") || true
+  [[ -z $found ]] || fail "$(basename "$library") has writable globals:"$'\n'"$found"
+done
+
+echo "package: all components stand alone"

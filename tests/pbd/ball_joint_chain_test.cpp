@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "support/bodies.h"
+#include "support/catch.h"
+#include "tandem/pbd/ball_joint.h"
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+namespace {
+
+/// 20 links of 0.2 m, level, let go: the end mass swings down on a chain of 4 m.
+struct Chain {
+  static constexpr int kLinks = 20;
+  static constexpr double kLink = 0.2;  ///< m
+  World world;
+  std::vector<BodyId> links;
+  double end_mass;
+
+  explicit Chain(double mass) : end_mass(mass) {
+    auto& joints = world.add_block<BallJoints>();
+    BodyId before;
+    for (int i = 0; i < kLinks; ++i) {
+      const Vec3 centre(kLink * (i + 0.5), 0.0, 0.0);
+      BodyDef def = box_def(1.0, Vec3(0.5 * kLink, 0.03, 0.03), centre);
+      if (i + 1 == kLinks) def = ball_def(end_mass, 0.1, centre);
+      links.push_back(world.add_body(def));
+      joints.add(world, ball_joint_at(world, before, links.back(), Vec3(kLink * i, 0.0, 0.0)));
+      before = links.back();
+    }
+  }
+  /// How much further the end is from the hook than the chain is long, as a part of its 4 m.
+  double stretch() const {
+    const double length = kLink * (kLinks - 0.5);
+    return (world.pose(links.back()).position.norm() - length) / (kLink * kLinks);
+  }
+  /// J, between level and hanging.
+  double swing_energy() const {
+    return kGravity * (end_mass * kLink * (kLinks - 0.5) + (kLinks - 1) * 1.0 * kLink *
+                       0.5 * (kLinks - 1));
+  }
+};
+
+struct Swing {
+  double stretch = 0.0;
+  double gained = 0.0;  ///< largest mechanical energy over that of the start, J
+  bool finite = true;
+};
+
+Swing swing(Chain& chain, int substeps) {
+  Solver solver({.substeps = substeps});
+  Swing result;
+  const double start = chain.world.mechanical_energy();
+  for (int i = 0; i < 300; ++i) {
+    result.finite = result.finite && solver.step(chain.world, kFrame).status == StepStatus::Ok;
+    result.stretch = std::max(result.stretch, chain.stretch());
+    result.gained = std::max(result.gained, chain.world.mechanical_energy() - start);
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("ball_joint chain: 20 even links stretch by less than 0.13 % and gain no energy",
+          "[pbd][ball_joint][regression]") {
+  Chain chain(1.0);
+  const Swing result = swing(chain, 10);
+  INFO("stretch " << 100.0 * result.stretch << " %, gained " << result.gained << " J of "
+                  << chain.swing_energy());
+  CHECK(result.finite);
+  CHECK(result.stretch < 0.0013);
+  CHECK(result.gained < 0.01 * chain.swing_energy());
+}
+
+TEST_CASE("ball_joint chain: with a 100 times heavier end the stretch stays within its bound",
+          "[pbd][ball_joint][regression]") {
+  struct Case {
+    int substeps;
+    double bound;
+  };
+  // Stretch of a scalar sweep with the same number of substeps, as the upper limit.
+  for (const Case& c : {Case{10, 0.0144}, Case{20, 0.0035}}) {
+    Chain chain(100.0);
+    const Swing result = swing(chain, c.substeps);
+    INFO(c.substeps << " substeps: stretch " << 100.0 * result.stretch << " %, gained "
+                    << result.gained << " J of " << chain.swing_energy());
+    CHECK(result.finite);
+    CHECK(result.stretch < c.bound);
+    CHECK(result.gained < 0.01 * chain.swing_energy());
+  }
+}
+
+TEST_CASE("ball_joint chain: with 5 substeps a 100 times heavier end is still stable",
+          "[pbd][ball_joint][regression]") {
+  Chain chain(100.0);
+  const Swing result = swing(chain, 5);
+  INFO("stretch " << 100.0 * result.stretch << " %, gained " << result.gained << " J of "
+                  << chain.swing_energy());
+  CHECK(result.finite);
+  CHECK(result.stretch < 0.056);
+  CHECK(result.gained < 0.01 * chain.swing_energy());
+}
+
+TEST_CASE("ball_joint chain: the end hangs at its length once it has come to rest",
+          "[pbd][ball_joint][analytic]") {
+  // Hung straight down at rest, it must stay: each joint carries the weight below it.
+  World world;
+  auto& joints = world.add_block<BallJoints>();
+  std::vector<ConstraintId> ids;
+  BodyId before;
+  for (int i = 0; i < 8; ++i) {
+    const BodyId link =
+        world.add_body(box_def(1.0, Vec3(0.03, 0.03, 0.1), Vec3(0.0, 0.0, -0.2 * (i + 0.5))));
+    ids.push_back(joints.add(world, ball_joint_at(world, before, link, Vec3(0.0, 0.0, -0.2 * i))));
+    before = link;
+  }
+  Solver solver({.joint_iterations = 1000, .joint_tolerance = 1e-13});
+  run(world, solver, 0.5);
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 weight(0.0, 0.0, kGravity * (8 - i));
+    CHECK((joints.at(ids[static_cast<std::size_t>(i)]).force() - weight).norm() < 1e-3);
+  }
+  CHECK((world.pose(before).position - Vec3(0.0, 0.0, -1.5)).norm() < 1e-6);
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "support/bodies.h"
+#include "support/catch.h"
+#include "support/toy_contacts.h"
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+namespace {
+
+const Vec3 kHalf(0.5, 0.5, 0.5);
+
+/// Cubes of 1 m and 1 kg on a plane, one on another, each with four face points.
+struct Stack {
+  World world;
+  ToyContacts contacts;
+  std::vector<BodyId> boxes;
+  std::vector<Vec3> start;
+
+  Stack(int count, double offset, bool swapped = false) {
+    world.set_contact_source(&contacts);
+    const BodyId ground = add_ground(world);
+    for (int i = 0; i < count; ++i) {
+      start.emplace_back(i % 2 == 1 ? offset : 0.0, i % 3 != 0 ? offset : 0.0, 0.5 + i);
+      boxes.push_back(world.add_body(box_def(1.0, kHalf, start.back())));
+      if (i == 0) {
+        contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, boxes[0], kHalf, {.swapped = swapped});
+      } else {
+        contacts.box_on_box(boxes[static_cast<std::size_t>(i - 1)], kHalf, boxes.back(), kHalf,
+                            {.swapped = swapped});
+      }
+    }
+  }
+  /// Largest sideways move of any box, m.
+  double drift() const {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      largest = std::max(largest, (world.pose(boxes[i]).position - start[i]).head<2>().norm());
+    }
+    return largest;
+  }
+  /// How far the top has come down, m.
+  double sunk() const { return start.back().z() - world.pose(boxes.back()).position.z(); }
+  /// Mean square speed, (m/s)^2.
+  double speed2() const {
+    double sum = 0.0;
+    for (const BodyId id : boxes) sum += world.twist(id).linear.squaredNorm();
+    return sum / static_cast<double>(boxes.size());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("contact stack: ten cubes stand for 20 s without drift or jitter",
+          "[pbd][contact][regression]") {
+  for (const double offset : {0.0, 0.01}) {
+    for (const bool swapped : {false, true}) {
+      Stack stack(10, offset, swapped);
+      Solver solver;
+      run(stack.world, solver, 19.0);
+      double sum = 0.0;
+      run(stack.world, solver, 1.0, [&] { sum += stack.speed2(); });
+      INFO("offset " << offset << ": drift " << stack.drift() << " m, sunk " << stack.sunk()
+                     << " m, rms speed " << std::sqrt(sum / 60.0) << " m/s");
+      CHECK(stack.drift() < 1e-3);
+      CHECK(std::abs(stack.sunk()) < 1e-3);
+      CHECK(std::sqrt(sum / 60.0) < 1e-4);
+    }
+  }
+}
+
+TEST_CASE("contact stack: five cubes stand with four substeps", "[pbd][contact][regression]") {
+  Stack stack(5, 0.01);
+  Solver solver({.substeps = 4});
+  run(stack.world, solver, 9.0);
+  double sum = 0.0;
+  run(stack.world, solver, 1.0, [&] { sum += stack.speed2(); });
+  INFO("drift " << stack.drift() << " m, rms speed " << std::sqrt(sum / 60.0) << " m/s");
+  CHECK(stack.drift() < 1e-3);
+  CHECK(std::sqrt(sum / 60.0) < 1e-4);
+}
+
+TEST_CASE("contact stack: each contact carries the weight above it", "[pbd][contact][analytic]") {
+  Stack stack(6, 0.0);
+  Solver solver;
+  run(stack.world, solver, 5.0);
+  const double h = kFrame / 10.0;
+  const auto& rows = stack.world.contacts()->rows();
+  REQUIRE(rows.size() == 6);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    double sum = 0.0;
+    for (const double lambda : rows[i].lambda) sum += lambda;
+    CHECK(sum / (h * h) == Approx(kGravity * static_cast<double>(6 - i)).epsilon(1e-3));
+  }
+}

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <Eigen/Dense>
+
+#include "support/catch.h"
+#include "support/targets.h"
+#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/pose_target.h"
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+namespace {
+
+struct Wish {
+  double weight = 0.0;  ///< W, against the local weight 1
+  Vec3 translation = Vec3::Zero();
+  Vec3 rotation = Vec3::Zero();
+};
+
+/// Boxes at rest in a row along x, joined where they meet by points off the line of centres.
+struct Row {
+  World world{weightless()};
+  FixedTargets source;
+  std::vector<BodyId> bodies;
+  std::vector<Wish> wishes;
+  std::vector<Vec3> anchors;  ///< m, world; anchors[i] joins i and i + 1
+
+  Row(const std::vector<double>& masses, const std::vector<Wish>& wanted, double off_line)
+      : wishes(wanted) {
+    auto& joints = world.add_block<BallJoints>();
+    const Vec3 half(0.5, 0.2, 0.3);
+    for (std::size_t i = 0; i < masses.size(); ++i) {
+      const Vec3 at(static_cast<double>(i), 0.0, 0.0);
+      bodies.push_back(world.add_body(box_def(masses[i], half, at)));
+      if (i == 0) continue;
+      anchors.push_back(at - Vec3(0.5, off_line, -0.5 * off_line));
+      joints.add(world, ball_joint_at(world, bodies[i - 1], bodies[i], anchors.back()));
+    }
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (wishes[i].weight == 0.0) continue;
+      const Pose& pose = world.pose(bodies[i]);
+      source.targets.push_back({.body = bodies[i],
+                                .pose = {pose.position + wishes[i].translation,
+                                         turn(wishes[i].rotation) * pose.orientation},
+                                .share = share_of(wishes[i].weight)});
+    }
+    world.set_target_source(&source);
+  }
+
+  /// The constrained optimum: minimise 1/2 |y|^2_M + sum W_i / 2 |y_i - wish_i|^2_Mi over the moves
+  /// y = (dx, rotation vector) of all bodies, such that the joints hold. Dense, and linearised anew
+  /// at each iterate until it stands still.
+  std::vector<Pose> optimum() const {
+    const auto n = static_cast<Eigen::Index>(6 * bodies.size());
+    const auto m = static_cast<Eigen::Index>(3 * anchors.size());
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd wanted = Eigen::VectorXd::Zero(n);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(6 * i);
+      const BodyProps& props = world.props(bodies[i]);
+      // Local prediction and target together: weight 1 + W at the fraction W / (1 + W).
+      const double total = 1.0 + wishes[i].weight;
+      mass.block<3, 3>(at, at) = total * props.mass * Mat3::Identity();
+      mass.block<3, 3>(at + 3, at + 3) = total * props.inertia_l;
+      wanted.segment<3>(at) = wishes[i].weight / total * wishes[i].translation;
+      wanted.segment<3>(at + 3) = wishes[i].weight / total * wishes[i].rotation;
+    }
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(n);
+    for (int iteration = 0; iteration < 50; ++iteration) {
+      Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(m, n);
+      Eigen::VectorXd right(m);
+      for (std::size_t k = 0; k < anchors.size(); ++k) {
+        const auto row = static_cast<Eigen::Index>(3 * k);
+        Vec3 gap = Vec3::Zero();
+        for (const std::size_t i : {k, k + 1}) {
+          const double sign = i == k ? -1.0 : 1.0;
+          const auto at = static_cast<Eigen::Index>(6 * i);
+          const Pose start = world.pose(bodies[i]);
+          const Vec3 r = turn(y.segment<3>(at + 3)) * (anchors[k] - start.position);
+          gap += sign * (start.position + y.segment<3>(at) + r);
+          jacobian.block<3, 3>(row, at) = sign * Mat3::Identity();
+          jacobian.block<3, 3>(row, at + 3) = -sign * skew(r);
+        }
+        right.segment<3>(row) = -gap;
+      }
+      y = constrained_least_squares(mass, wanted, jacobian, right + jacobian * y);
+    }
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(6 * i);
+      const Pose start = world.pose(bodies[i]);
+      poses.push_back({start.position + y.segment<3>(at),
+                       turn(y.segment<3>(at + 3)) * start.orientation});
+    }
+    return poses;
+  }
+};
+
+SolverOptions converged() {
+  return {.total_iterations_per_step = 2000, .clean_up_iterations = 0, .form = ConsensusForm::Step};
+}
+
+/// Largest distance between solved and optimal poses, m and rad.
+double error_of(const Row& row, const std::vector<Pose>& optimum) {
+  double error = 0.0;
+  for (std::size_t i = 0; i < row.bodies.size(); ++i) {
+    const Pose& pose = row.world.pose(row.bodies[i]);
+    error = std::max({error, (pose.position - optimum[i].position).norm(),
+                      angle_between(pose.orientation, optimum[i].orientation)});
+  }
+  return error;
+}
+
+}  // namespace
+
+TEST_CASE("pose_target: across a joint the pair moves W m / (M + W m) of the gap",
+          "[pbd][consensus][analytic]") {
+  // Along the line of centres nothing turns: both bodies move as one.
+  for (const double weight : {0.1, 1.0, 4.0, 100.0}) {
+    for (const double other : {0.2, 1.0, 5.0}) {
+      Row row({1.0, other}, {{weight, Vec3(0.1, 0.0, 0.0)}, {}}, 0.0);
+      const auto optimum = row.optimum();
+      Solver solver(converged());
+      solver.step(row.world, kFrame);
+      const double expected = 0.1 * weight / (1.0 + other + weight);
+      CHECK(std::abs(row.world.pose(row.bodies[0]).position.x() - expected) < 1e-9);
+      CHECK(std::abs(row.world.pose(row.bodies[1]).position.x() - 1.0 - expected) < 1e-9);
+      CHECK(error_of(row, optimum) < 1e-9);
+    }
+  }
+}
+
+TEST_CASE("pose_target: converged once a step, jointed bodies reach the constrained optimum",
+          "[pbd][consensus][analytic]") {
+  const std::vector<std::vector<double>> masses{{1.0, 1.0}, {2.0, 0.3}, {1.0, 4.0, 0.5, 2.0}};
+  for (const auto& m : masses) {
+    for (const double weight : {0.1, 1.0, 9.0}) {
+      std::vector<Wish> wishes(m.size());
+      wishes[0] = {weight, Vec3(1e-3, -5e-4, 8e-4), Vec3(2e-4, -3e-4, 1e-3)};
+      wishes.back() = {0.5 * weight, Vec3(-2e-4, 1e-3, 0.0), Vec3(0.0, 5e-4, -4e-4)};
+      Row row(m, wishes, 0.15);
+      const auto optimum = row.optimum();
+      Solver solver(converged());
+      solver.step(row.world, kFrame);
+      INFO(m.size() << " bodies, weight " << weight << ", error " << error_of(row, optimum));
+      CHECK(error_of(row, optimum) < 1e-6);
+      // The wish is far from what the joints allow, or the case would say nothing.
+      const double share = share_of(weight);
+      CHECK((optimum[0].position - share * wishes[0].translation).norm() > 2e-5);
+    }
+  }
+}
+
+TEST_CASE("pose_target: the distance to the optimum falls with the square of the gap",
+          "[pbd][consensus][analytic]") {
+  // What is left over is the curvature of the joint, not a lack of convergence.
+  std::vector<double> errors;
+  for (const double size : {1e-2, 1e-3, 1e-4}) {
+    Row row({1.0, 2.0}, {{1.0, Vec3(0.0, size, -0.5 * size), Vec3(0.0, 0.0, size)}, {}}, 0.15);
+    const auto optimum = row.optimum();
+    Solver solver(converged());
+    solver.step(row.world, kFrame);
+    errors.push_back(error_of(row, optimum));
+  }
+  INFO(errors[0] << " " << errors[1] << " " << errors[2]);
+  CHECK(errors[0] < 1e-4);
+  CHECK(errors[1] < errors[0] / 50.0);
+  CHECK(errors[2] < errors[1] / 50.0);
+}
+
+TEST_CASE("pose_target: split over substeps, the pair stops a little short of the optimum",
+          "[pbd][consensus][regression]") {
+  // The price of the Substep form: each part of the share is solved by itself. At W = 1 a pair of
+  // equal bodies moves 0.297 of the gap, where the optimum of the whole step is 1/3.
+  Row row({1.0, 1.0}, {{1.0, Vec3(0.1, 0.0, 0.0)}, {}}, 0.0);
+  Solver solver;
+  REQUIRE(solver.options().form == ConsensusForm::Substep);
+  solver.step(row.world, kFrame);
+  const double moved = row.world.pose(row.bodies[0]).position.x() / 0.1;
+  INFO("moved " << moved);
+  CHECK(moved > 0.29);
+  CHECK(moved < 0.31);
+
+  Row weak({1.0, 1.0}, {{0.1, Vec3(0.1, 0.0, 0.0)}, {}}, 0.0);
+  solver.step(weak.world, kFrame);
+  CHECK(weak.world.pose(weak.bodies[0]).position.x() / 0.1 == Approx(0.1 / 2.1).epsilon(0.03));
+}
+
+TEST_CASE("pose_target: displacement carries no kinetic energy, also through a joint",
+          "[pbd][consensus][analytic]") {
+  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+    const double gap = 0.05;
+    Row row({1.0, 3.0, 1.0}, {{2.0, Vec3(0.0, gap, 0.0), Vec3(0.0, 0.3, 0.0)}, {}, {}}, 0.15);
+    Solver solver({.form = form});
+    // Against the energy that the same move would have as a motion.
+    const double scale = 1.0 * (gap / kFrame) * (gap / kFrame);
+    for (int i = 0; i < 60; ++i) {
+      const StepReport& report = solver.step(row.world, kFrame);
+      INFO("step " << i << ": " << row.world.kinetic_energy() / scale);
+      REQUIRE(row.world.kinetic_energy() <= 1e-12 * scale);
+      REQUIRE(std::abs(report.energy.displacement) <= 1e-12 * scale);
+    }
+    CHECK(row.world.pose(row.bodies[0]).position.y() > 0.1 * gap);  // it did move
+  }
+}
+
+TEST_CASE("pose_target: an owned body drags its joint partner along and the joint holds",
+          "[pbd][consensus][unit]") {
+  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+    Row row({1.0, 1.0}, {{}, {}}, 0.15);
+    row.source.targets.push_back(
+        {.body = row.bodies[0], .pose = {Vec3(0.0, 0.02, 0.0), Quat::Identity()}, .share = 1.0});
+    Solver solver({.form = form});
+    for (int i = 0; i < 30; ++i) solver.step(row.world, kFrame);
+    CHECK((row.world.pose(row.bodies[0]).position - Vec3(0.0, 0.02, 0.0)).norm() < 1e-9);
+    const StepReport& report = solver.step(row.world, kFrame);
+    CHECK(report.blocks[0].residual < 1e-4);
+    CHECK(row.world.kinetic_energy() < 1e-10);
+  }
+}
+
+TEST_CASE("pose_target: two owned bodies that contradict their joint do no harm",
+          "[pbd][consensus][fault]") {
+  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+    Row row({1.0, 1.0}, {{}, {}}, 0.0);
+    for (int i = 0; i < 2; ++i) {
+      row.source.targets.push_back({.body = row.bodies[static_cast<std::size_t>(i)],
+                                    .pose = {Vec3(2.0 * i, 0.1, 0.0), Quat::Identity()},
+                                    .share = 1.0});
+    }
+    Solver solver({.form = form});
+    for (int i = 0; i < 60; ++i) {
+      REQUIRE(solver.step(row.world, kFrame).status == StepStatus::Ok);
+    }
+    row.source.targets.clear();  // let go: the joint closes and nothing flies off
+    double fastest = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      solver.step(row.world, kFrame);
+      fastest = std::max(fastest, std::sqrt(2.0 * row.world.kinetic_energy()));
+    }
+    INFO("fastest " << fastest << " m/s");
+    CHECK(std::isfinite(fastest));
+    const double distance =
+        (row.world.pose(row.bodies[1]).position - row.world.pose(row.bodies[0]).position).norm();
+    INFO("distance " << distance);
+    CHECK(fastest < 1e-3);
+  }
+}
