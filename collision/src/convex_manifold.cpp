@@ -16,6 +16,11 @@ constexpr double kFaceSize = 5e-4;
 constexpr double kRoundTolerance = 1e-9;  // m
 /// Cosine above which the library's direction is a face normal and not merely near to one.
 constexpr double kSameDirection = 1.0 - 1e-9;
+/// Share of the smaller part's size by which two boxes must overlap beside the direction in which
+/// they are apart.
+constexpr double kPassBy = 5e-3;
+/// Cosine between two directions above which they count as one for that.
+constexpr double kAcross = 0.9;
 /// Sine below which two edges have no common normal.
 constexpr double kMinCross = 1e-4;
 
@@ -69,16 +74,26 @@ std::array<Vec3, 3> edge_directions(const ConvexCore& core) {
   return {Vec3(core.axes.col(0)), Vec3(core.axes.col(1)), Vec3(core.axes.col(2))};
 }
 
-/// Whether two points that are `lateral` apart across the normal and `gap` apart along it will
-/// face each other when they meet, given the motion of the step.
-bool will_meet(const Vec3& lateral, double gap, const Vec3& normal, const Reach& reach,
-               double size) {
-  const double tolerance = std::max(1e-6, 0.01 * size);
-  if (gap <= 0.0 || lateral.squaredNorm() <= tolerance * tolerance) return true;
-  const double closing = -normal.dot(reach.sweep);
-  if (closing <= gap) return false;
-  const Vec3 motion = reach.sweep + closing * normal;  // across the normal
-  return (lateral + (gap / closing) * motion).squaredNorm() <= tolerance * tolerance;
+/// Whether boxes that are apart along n will touch there: not where, by the time they meet, they
+/// still pass by each other along one of their faces, as a box does that slides from one tile of
+/// a floor to the next one of equal height.
+bool will_meet(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
+               const Reach& reach) {
+  const double closing = -axis.normal.dot(reach.sweep);
+  const double share = closing > axis.separation ? axis.separation / closing : 1.0;
+  const double slop = kPassBy * std::min(a.size, b.size);
+  for (const ConvexCore* core : {&a, &b}) {
+    for (int i = 0; i < 3; ++i) {
+      for (const double sign : {-1.0, 1.0}) {
+        const Vec3 n = sign * core->axes.col(i);
+        if (n.dot(axis.normal) > kAcross) continue;
+        const double now = separation(a, b, n);
+        const double then = now + share * n.dot(reach.sweep);
+        if (now > -slop && then > -slop) return false;
+      }
+    }
+  }
+  return true;
 }
 
 /// Contact at the features that lie furthest along the normal, no face among them.
@@ -98,12 +113,7 @@ void edge_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& a
     points[0].gap = true_gap;
   }
   for (int i = 0; i < count; ++i) {
-    if (points[i].gap >= reach.margin) continue;
-    if (radii <= 0.0 && count == 1) {
-      const Vec3 apart = points[i].on_b - points[i].on_a;
-      if (!will_meet(apart - n.dot(apart) * n, points[i].gap, n, reach, size)) continue;
-    }
-    out.add(points[i]);
+    if (points[i].gap < reach.margin) out.add(points[i]);
   }
 }
 
@@ -177,6 +187,8 @@ RawManifold build_manifold(const ConvexCore& a, const ConvexCore& b, const Conta
   const Vec3& n = axis.normal;
   const double radii = a.radius + b.radius;
   if (axis.separation - radii >= reach.margin) return out;
+  const bool boxes = a.kind == CoreKind::Box && b.kind == CoreKind::Box;
+  if (boxes && axis.separation > 0.0 && !will_meet(a, b, axis, reach)) return out;
   if (a.kind == CoreKind::Point) {
     const Vec3 on_b = b.kind == CoreKind::Point ? b.centre : a.centre + axis.separation * n;
     out.add({a.centre, on_b, axis.separation - radii, 0});

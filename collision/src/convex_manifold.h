@@ -23,7 +23,8 @@ struct ContactAxis {
 
 /// From the library's direction to the contact's: face normals that separate (nearly) as well are
 /// taken in its place, because a face gives a wide manifold and does not flicker; a direction
-/// between two edges is made exact. Face normals alone where the direction is unknown.
+/// between two edges is made exact. Where the direction is unknown all face normals and edge
+/// products are searched (overlapping cores: see fcl_bridge.cpp).
 ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction);
 
 /// The axis across the given face of a triangle b alone.

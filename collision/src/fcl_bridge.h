@@ -11,7 +11,7 @@ struct Direction {
   enum class Status : std::uint8_t {
     Apart,    ///< further apart than asked
     Found,    ///< `normal` is set
-    Unknown,  ///< near or overlapping, but the library failed to find a direction
+    Unknown,  ///< touching or overlapping, but the library has no (right) direction
   };
   Status status = Status::Apart;
   Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b: the way to push b out
@@ -19,8 +19,7 @@ struct Direction {
 
 /// In which direction b lies from a. The only place that knows the library's sign conventions.
 /// @pre a.kind <= b.kind (the tests ask for every pair in both orders, one level up)
-/// @param margin  m, >= 0: surfaces further apart than this count as apart; a gap that is found
-///   may still be larger by a small factor where boxes are inflated
+/// @param margin  m, >= 0: surfaces further apart than this count as apart
 /// Allocates (the library does). Does not throw.
 Direction query_direction(const ConvexCore& a, const ConvexCore& b, double margin) noexcept;
 

@@ -20,8 +20,6 @@ using pbd::Vec3;
 using Vec4 = std::array<double, 4>;
 using Mat4 = std::array<Vec4, 4>;
 
-constexpr Vec4 kIdentity = {1.0, 0.0, 0.0, 0.0};
-
 /// Two eigenvalues closer than this, relative to the larger, leave the average open.
 constexpr double kOpen = 1e-9;
 

@@ -22,6 +22,15 @@ constexpr double kNs = 1e-9;
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
 
+/// Orientations further apart than this (rad) have no useful average: two peers that pull a cube
+/// onto different faces would hold it on its edge for ever. Then the lower id leads and the higher
+/// follows; goes over from the first to the second.
+constexpr double kLeadFromAngle = 0.6;
+constexpr double kLeadToAngle = 1.2;
+/// A follower that neighbours keep from turning pulls harder with time, so that a body wedged in
+/// different ways is set right after some two seconds instead of never.
+constexpr double kLeadGrowth = 6.0;  // 1/s^2
+
 // Two-step coupling leaves smaller differences alone, [friston] Sec. 4.6.
 constexpr double kTwoStepPosition = 1e-3;           // m
 constexpr double kTwoStepVelocity = 1e-2;           // m/s
@@ -151,6 +160,7 @@ class Peer::Impl {
     MotionHistory history = {};
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
+    SessionTime following_since = 0;  ///< when the leader's orientation was last close to ours
   };
 
   Shared* find(const SharedId& id) {
@@ -224,7 +234,7 @@ class Peer::Impl {
   }
 
   /// Every peer's newest state of one body, carried to now.
-  void estimate(const Shared& shared, SessionTime now) {
+  void estimate(Shared& shared, SessionTime now) {
     estimates_.clear();
     const auto newest = inbox_.newest(shared.def.id);
     const pbd::BodyState& own = world_.state(shared.def.body);
@@ -235,8 +245,8 @@ class Peer::Impl {
       const double age = kNs * static_cast<double>(now - received.update.stamp);
       const double claimed = static_cast<double>(received.update.influence);
       const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
-      const double share =
-          effective_share(options_.influence, heard, age, predictor_->gain());
+      double share = effective_share(options_.influence, heard, age, predictor_->gain());
+      if (!owner) share = lead(shared, received, own, now, share);
       if (!(share > 0.0)) continue;
       const double mirrored =
           effective_share(options_.influence, own_announced, age, predictor_->gain());
@@ -257,6 +267,21 @@ class Peer::Impl {
         observer_->on_prediction(received.peer, shared.def.id, now, position, age);
       }
     }
+  }
+
+  /// The share that is left of `share` while an average makes sense, and what a leader gets and a
+  /// follower keeps beyond.
+  double lead(Shared& shared, const Inbox::Received& received, const pbd::BodyState& own,
+              SessionTime now, double share) const {
+    const double angle =
+        pbd::rotation_between(own.pose.orientation, received.update.pose.orientation).norm();
+    const double doubt =
+        std::clamp((angle - kLeadFromAngle) / (kLeadToAngle - kLeadFromAngle), 0.0, 1.0);
+    if (received.peer > transport_.self()) return share * (1.0 - doubt);
+    if (doubt < 0.5) shared.following_since = now;
+    const double waited = kNs * static_cast<double>(now - shared.following_since);
+    const double strength = (1.0 + doubt) * (1.0 + doubt * kLeadGrowth * waited * waited);
+    return doubt > 0.0 ? 1.0 - std::pow(1.0 - share, strength) : share;
   }
 
   /// The paper's two steps: move this peer's own state towards the mean before it is simulated.

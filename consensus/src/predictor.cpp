@@ -14,10 +14,17 @@ using pbd::Vec3;
 
 double seconds(SessionTime ns) { return 1e-9 * static_cast<double>(ns); }
 
-/// Stamped poses further apart than this (m) are not carried by own motion any more: what moves
-/// here need not move there. Fades out from the first to the second.
+/// Stamped poses further apart than this (m, rad) are not carried by own motion any more: what moves
+/// here need not move there, and a cube that came to rest on another face falls back the other way.
+/// Fades out from the first to the second.
 constexpr double kFadeFrom = 0.10;
 constexpr double kFadeTo = 0.30;
+constexpr double kFadeFromAngle = 0.35;
+constexpr double kFadeToAngle = 0.70;
+
+double ramp(double value, double from, double to) {
+  return std::clamp((value - from) / (to - from), 0.0, 1.0);
+}
 
 void add(pbd::Twist& sum, const pbd::Twist& value, double scale = 1.0) {
   sum.linear += scale * value.linear;
@@ -72,6 +79,8 @@ class LocalMotionPredictor final : public Predictor {
     then.pose.orientation = pbd::rotated(then.pose.orientation, ahead * now.twist.angular);
     const double both = 1.0 + context.mirrored_share / std::max(1, context.peers);
     const Vec3 apart = update.pose.position - then.pose.position;
+    const Vec3 turned_apart =
+        pbd::rotation_between(then.pose.orientation, update.pose.orientation);
     const pbd::Twist closing = difference(update.twist, then.twist);
     const pbd::Twist agreed = difference(now.agreed, then.agreed);
 
@@ -80,32 +89,41 @@ class LocalMotionPredictor final : public Predictor {
     // A turn apart at the stamp has since been carried round by the body's own turning.
     const pbd::Quat own_turn = now.pose.orientation * then.pose.orientation.conjugate();
     prediction.rotation =
-        own_turn * pbd::rotation_between(then.pose.orientation, update.pose.orientation) -
-        both * (now.turned - then.turned);
+        own_turn * turned_apart - both * (now.turned - then.turned);
     prediction.twist = difference(closing, {both * agreed.linear, both * agreed.angular});
 
     const bool coupled = update.flags.in_contact || update.flags.held || own.coupled_since(update.stamp);
     if (!coupled) {
       // V = sum dv_k (now - t_k) = now sum dv_k - sum dv_k t_k
-      const double t = seconds(now.time);
+      const double t = now.elapsed;
       const pbd::Twist moment = difference(now.agreed_moment, then.agreed_moment);
       prediction.translation +=
           age * closing.linear - both * (t * agreed.linear - moment.linear);
       prediction.rotation +=
           age * closing.angular - both * (t * agreed.angular - moment.angular);
     }
-    fade(update, now, apart.norm(), prediction);
+    fade(update, now,
+         std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
+                  ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle)),
+         prediction);
     return prediction;
   }
   double gain() const override { return 2.0; }
 
  private:
-  static void fade(const StateUpdate& update, const MotionSample& now, double apart,
+  /// Towards the remote state as it was stamped, not carried on at all.
+  static void fade(const StateUpdate& update, const MotionSample& now, double fraction,
                    Prediction& prediction) {
-    const double raw = std::clamp((apart - kFadeFrom) / (kFadeTo - kFadeFrom), 0.0, 1.0);
-    if (raw == 0.0) return;
-    const Vec3 unpredicted = update.pose.position - now.pose.position;
-    prediction.translation += raw * (unpredicted - prediction.translation);
+    if (fraction == 0.0) return;
+    const auto blend = [fraction](Vec3& value, const Vec3& raw) {
+      value += fraction * (raw - value);
+    };
+    blend(prediction.translation, update.pose.position - now.pose.position);
+    blend(prediction.rotation,
+          pbd::rotation_between(now.pose.orientation, update.pose.orientation));
+    const pbd::Twist raw = difference(update.twist, now.twist);
+    blend(prediction.twist.linear, raw.linear);
+    blend(prediction.twist.angular, raw.angular);
   }
 
   EulerPredictor linear_{pbd::TargetMotion::Inertial};
@@ -115,13 +133,15 @@ class LocalMotionPredictor final : public Predictor {
 
 void MotionHistory::push(SessionTime time, const pbd::Pose& pose, const pbd::Twist& twist,
                          const pbd::Correction& correction, bool coupled) {
+  if (count_ == 0) origin_ = time;
   sum_.time = time;
+  sum_.elapsed = seconds(time - origin_);
   sum_.pose = pose;
   sum_.twist = twist;
   sum_.displaced += correction.translation;
   sum_.turned += correction.rotation;
   add(sum_.agreed, correction.twist);
-  add(sum_.agreed_moment, correction.twist, seconds(time));
+  add(sum_.agreed_moment, correction.twist, sum_.elapsed);
   sum_.coupled = coupled;
   samples_[head_] = sum_;
   head_ = (head_ + 1) % kCapacity;
@@ -142,6 +162,7 @@ MotionSample MotionHistory::at_time(SessionTime time) const {
   };
   MotionSample sample = before;
   sample.time = time;
+  sample.elapsed = before.elapsed + f * (after.elapsed - before.elapsed);
   sample.pose.position = mix(before.pose.position, after.pose.position);
   sample.pose.orientation = pbd::rotated(
       before.pose.orientation,

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "common/process_runner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -140,8 +141,10 @@ class Session {
     RunResult run;
     run.peers.push_back(participant_.record());
     for (PeerRecord& remote : view_.records()) run.peers.push_back(std::move(remote));
-    run.seconds = net::seconds(physics_.physics_time() - start_);
-    run.wall_s = net::seconds(clock_.now() - start_);
+    // The wait for company is no part of the session.
+    const SessionTime from = rendezvous_.epoch().value_or(start_);
+    run.seconds = net::seconds(std::max<SessionTime>(0, physics_.physics_time() - from));
+    run.wall_s = net::seconds(std::max<SessionTime>(1, clock_.now() - from));
     return run;
   }
 

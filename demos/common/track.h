@@ -64,7 +64,7 @@ struct PeerRecord {
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;
   std::uint64_t bytes_sent = 0;
-  double seconds = 0.0;    ///< s, session time that was simulated
+  double seconds = 0.0;    ///< s, session time that was simulated in company
   std::uint64_t hash = 0;  ///< of the world at the end
   std::string fault;       ///< the first thing that must never be; empty where nothing was
 };

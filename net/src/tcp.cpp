@@ -61,12 +61,12 @@ TcpOptions complete(TcpOptions options) {
 
 class TcpTransport::Impl {
  public:
-  explicit Impl(const TcpOptions& options)
-      : options_(complete(options)), table_(options_), mesh_(options_, table_) {}
+  explicit Impl(const TcpOptions& given)
+      : options(complete(given)), table(options), mesh(options, table) {}
 
-  const TcpOptions options_;
-  PeerTable table_;
-  TcpMesh mesh_;
+  const TcpOptions options;
+  PeerTable table;
+  TcpMesh mesh;
 };
 
 TcpTransport::TcpTransport(const TcpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -88,28 +88,28 @@ std::unique_ptr<TcpTransport> TcpTransport::open(const TcpOptions& options,
 
 TcpTransport::~TcpTransport() = default;
 
-PeerId TcpTransport::self() const { return impl_->options_.self; }
+PeerId TcpTransport::self() const { return impl_->options.self; }
 
 bool TcpTransport::post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery) {
-  const auto result = impl_->table_.post(to, bytes, delivery);
-  if (result.wake) impl_->mesh_.wake(to);
-  if (result.cut_link != 0) impl_->mesh_.cut(result.cut_link, "does not keep up");
+  const auto result = impl_->table.post(to, bytes, delivery);
+  if (result.wake) impl_->mesh.wake(to);
+  if (result.cut_link != 0) impl_->mesh.cut(result.cut_link, "does not keep up");
   return result.accepted;
 }
 
-void TcpTransport::drain(std::vector<consensus::Packet>& out) { impl_->table_.drain(out); }
+void TcpTransport::drain(std::vector<consensus::Packet>& out) { impl_->table.drain(out); }
 
 void TcpTransport::drop(PeerId peer, const std::string& reason) {
-  const std::uint64_t link = impl_->table_.drop(peer, reason, std::chrono::steady_clock::now());
-  if (link != 0) impl_->mesh_.cut(link, "dropped: " + reason);
+  const std::uint64_t link = impl_->table.drop(peer, reason, std::chrono::steady_clock::now());
+  if (link != 0) impl_->mesh.cut(link, "dropped: " + reason);
 }
 
-std::vector<consensus::PeerStatus> TcpTransport::peers() const { return impl_->table_.peers(); }
-std::vector<DialStatus> TcpTransport::dials() const { return impl_->table_.dials(); }
-StrangerStatus TcpTransport::strangers() const { return impl_->table_.strangers(); }
-std::uint16_t TcpTransport::local_port() const { return impl_->mesh_.local_port(); }
+std::vector<consensus::PeerStatus> TcpTransport::peers() const { return impl_->table.peers(); }
+std::vector<DialStatus> TcpTransport::dials() const { return impl_->table.dials(); }
+StrangerStatus TcpTransport::strangers() const { return impl_->table.strangers(); }
+std::uint16_t TcpTransport::local_port() const { return impl_->mesh.local_port(); }
 std::uint64_t TcpTransport::incarnation(PeerId peer) const {
-  return impl_->table_.incarnation(peer);
+  return impl_->table.incarnation(peer);
 }
 
 }  // namespace tandem::net

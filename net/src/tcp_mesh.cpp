@@ -33,9 +33,22 @@ TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table)
 }
 
 TcpMesh::~TcpMesh() {
-  asio::post(context_, [this] { begin_shutdown(); });
+  // Nothing here throws but for want of memory; then it ends without a goodbye.
+  try {
+    asio::post(context_, [this] { begin_shutdown(); });
+  } catch (...) {
+    context_.stop();
+  }
   thread_.join();
-  // The thread has ended; run what its last closes have left, so that no handler keeps a link.
+  try {
+    release();
+  } catch (...) {
+    return;  // the context drops what is left
+  }
+}
+
+/// The thread has ended: runs what its last closes have left, so that no handler keeps a link.
+void TcpMesh::release() {
   for (const auto& [serial, link] : std::exchange(links_, {})) {
     std::error_code ignored;
     link->phase = TcpLink::Phase::Closed;

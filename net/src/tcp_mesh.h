@@ -63,6 +63,7 @@ class TcpMesh final : private TcpLinkOwner {
   void arm_sweep();
   void sweep();
   void begin_shutdown();
+  void release();
   std::shared_ptr<TcpLink> new_link();
   /// The links as they are now, for loops that may close some.
   std::vector<std::shared_ptr<TcpLink>> snapshot() const;

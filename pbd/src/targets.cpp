@@ -160,10 +160,14 @@ void Targets::end_total(std::span<SolverBody> bodies, std::span<const BodyProps>
     corrections[saved.body].rotation += turned;
     energy.potential -=
         props[saved.body].mass * props[saved.body].gravity_scale * gravity.dot(moved);
-    energy.displacement +=
-        kinetic_energy(body, props[saved.body], body.v, body.w) -
-        kinetic_energy(body, props[saved.body], saved.v,
-                       body.q * (saved.q.conjugate() * saved.w));
+    // Kinetic energy that came in through velocities; a spinning body that was merely turned has
+    // another energy at the same velocity, which belongs to where it is, like its height.
+    SolverBody before = body;
+    before.q = saved.q;
+    const double as_it_was = kinetic_energy(before, props[saved.body], saved.v, saved.w);
+    const double velocities_only = kinetic_energy(before, props[saved.body], body.v, body.w);
+    energy.displacement += velocities_only - as_it_was;
+    energy.potential += kinetic_energy(body, props[saved.body], body.v, body.w) - velocities_only;
     if (row_of_[saved.body] == BodyId::kNone) continue;
     Row& row = rows_[row_of_[saved.body]];
     row.e_x -= moved;

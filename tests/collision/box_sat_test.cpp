@@ -67,8 +67,8 @@ TEST_CASE("box pairs: depth and normal agree with a search over all 15 axes",
   int overlapping = 0;
   int edges = 0;
   for (int k = 0; k < 6000; ++k) {
-    const Vec3 ha(random.in(0.1, 0.6), random.in(0.1, 0.6), random.in(0.1, 0.6));
-    const Vec3 hb(random.in(0.1, 0.6), random.in(0.1, 0.6), random.in(0.1, 0.6));
+    const Vec3 ha = random.vec_in(0.1, 0.6);
+    const Vec3 hb = random.vec_in(0.1, 0.6);
     const Pose pa{random.vec(0.5), random.quat()};
     const Pose pb{random.vec(0.5), random.quat()};
     Fixture f;
@@ -112,7 +112,7 @@ TEST_CASE("capsule and box: depth and normal agree with a search over all axes",
   int overlapping = 0;
   for (int k = 0; k < 3000; ++k) {
     const Capsule shape{random.in(0.05, 0.2), random.in(0.1, 0.5)};
-    const Vec3 half(random.in(0.1, 0.6), random.in(0.1, 0.6), random.in(0.1, 0.6));
+    const Vec3 half = random.vec_in(0.1, 0.6);
     const Pose pa{random.vec(0.4), random.quat()};
     const Pose pb{random.vec(0.4), random.quat()};
     Fixture f;

@@ -78,10 +78,12 @@ class Random {
   double in(double low, double high) {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }
+  Vec3 vec_in(double low, double high) { return {in(low, high), in(low, high), in(low, high)}; }
   Vec3 vec(double size) { return {in(-size, size), in(-size, size), in(-size, size)}; }
   Quat quat() {
     for (;;) {
-      Quat q(in(-1, 1), in(-1, 1), in(-1, 1), in(-1, 1));
+      const Vec3 axis = vec(1.0);  // one call after the other: the order is part of the seed
+      const Quat q(in(-1, 1), axis.x(), axis.y(), axis.z());
       const double norm = q.norm();
       if (norm > 0.1 && norm < 1.0) return q.normalized();
     }

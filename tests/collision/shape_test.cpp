@@ -133,8 +133,8 @@ TEST_CASE("triangle_mesh: the search tree finds what looking at all triangles fi
   const Mesh mesh = flat_mesh(10.0, 17);
   Random random(3);
   for (int k = 0; k < 200; ++k) {
-    const Vec3 middle(random.in(-6, 6), random.in(-6, 6), random.in(-0.5, 0.5));
-    const Vec3 half(random.in(0, 1), random.in(0, 1), random.in(0, 0.3));
+    const Vec3 middle{random.in(-6, 6), random.in(-6, 6), random.in(-0.5, 0.5)};
+    const Vec3 half{random.in(0, 1), random.in(0, 1), random.in(0, 0.3)};
     const Aabb box{middle - half, middle + half};
     std::vector<std::uint32_t> found;
     mesh->query(box, found);

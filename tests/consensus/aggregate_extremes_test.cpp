@@ -99,6 +99,23 @@ TEST_CASE("aggregate: peers that agree are averaged however far the local state 
   }
 }
 
+TEST_CASE("aggregate: peers that agree half a turn away are averaged among themselves",
+          "[consensus][analytic]") {
+  // 175 and 185 degrees about z: seen from here their quaternions lie on opposite half spheres, and
+  // the sum of those would point at the local orientation.
+  const pbd::Pose local;
+  std::vector<PeerEstimate> estimates(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    estimates[i].peer = i + 1;
+    estimates[i].share = 0.3;
+    const double degrees = 175.0 + 10.0 * static_cast<double>(i);
+    estimates[i].pose.orientation = turned(Vec3(0.0, 0.0, degrees * kDegree));
+  }
+  pbd::PoseTarget target;
+  REQUIRE(fuse(local, estimates, target));
+  CHECK(angle_between(target.pose.orientation, Quat(0.0, 0.0, 0.0, 1.0)) < 1e-12);
+}
+
 TEST_CASE("aggregate: where the average is open the local orientation stays", "[consensus][unit]") {
   const pbd::Pose local;
   std::vector<PeerEstimate> estimates(2);

@@ -186,6 +186,24 @@ TEST_CASE("virtual_link: it does not matter how the time is cut into calls", "[c
   CHECK(fine == run(7 * kMs));
 }
 
+TEST_CASE("virtual_link: what arrives at the same time comes by ascending sender",
+          "[consensus][unit]") {
+  LinkOptions options;
+  options.latency = 0.01;
+  VirtualNetwork network(options, 1);
+  for (const PeerId peer : {PeerId{3}, PeerId{2}, PeerId{1}}) network.transport(peer);
+  network.transport(3).post(2, numbered(30), Delivery::Newest);
+  network.transport(3).post(2, numbered(31), Delivery::Newest);
+  network.transport(1).post(2, numbered(10), Delivery::Newest);
+  network.advance_to(10 * kMs);
+  std::vector<Packet> got;
+  network.transport(2).drain(got);
+  REQUIRE(got.size() == 3);
+  CHECK(number_of(got[0].bytes) == 10);
+  CHECK(number_of(got[1].bytes) == 30);
+  CHECK(number_of(got[2].bytes) == 31);
+}
+
 TEST_CASE("virtual_link: each direction has options and chance of its own", "[consensus][unit]") {
   VirtualNetwork network({}, 3);
   Transport& a = network.transport(1);

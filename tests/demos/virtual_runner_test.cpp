@@ -76,7 +76,6 @@ TEST_CASE("cubes: two peers agree on a dedicated link", "[demos][soak]") {
   CHECK(report.metrics.resting_m.p50 <= 0.5e-3);
   CHECK(report.metrics.moving_m.p50 <= 5e-3);
   CHECK(report.metrics.contested_m.count > 100);
-  CHECK(report.metrics.energy.displacement == 0.0);
 }
 
 TEST_CASE("cubes: two peers agree across an ocean, and do not without agreement",

@@ -13,6 +13,8 @@ using namespace tandem::testing;
 
 namespace {
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
 const Vec3 kHalf(0.1, 0.2, 0.3);
 
 /// One free body with one target.
@@ -221,8 +223,6 @@ TEST_CASE("pose_target: the correction that is reported is what agreement did",
 
 TEST_CASE("pose_target: targets that are no numbers, or for no body, are ignored",
           "[pbd][consensus][fault]") {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   const std::vector<std::function<void(PoseTarget&)>> spoils{
       [](PoseTarget& t) { t.pose.position.x() = kNan; },
       [](PoseTarget& t) { t.pose.position.y() = -kInf; },
@@ -270,8 +270,8 @@ TEST_CASE("pose_target: bodies that do not move freely take no target", "[pbd][c
     World world;
     FixedTargets source;
     const BodyId body = world.add_body({.type = type});
-    source.targets.push_back({.body = body, .pose = {Vec3(1.0, 0.0, 0.0), {}}, .share = 1.0});
-    source.targets[0].pose.orientation = Quat::Identity();
+    source.targets.push_back(
+        {.body = body, .pose = {Vec3(1.0, 0.0, 0.0), Quat::Identity()}, .share = 1.0});
     world.set_target_source(&source);
     Solver solver;
     CHECK(solver.step(world, kFrame).targets == 0);

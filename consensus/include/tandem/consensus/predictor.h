@@ -15,12 +15,13 @@ namespace tandem::consensus {
 /// One body of this peer after one step, with all that agreement has done to it so far.
 struct MotionSample {
   SessionTime time = 0;  ///< ns
+  double elapsed = 0.0;  ///< s, the same since the history began: products with it stay exact
   pbd::Pose pose;
   pbd::Twist twist;
   pbd::Vec3 displaced = pbd::Vec3::Zero();  ///< m, sum of the displacement channel
   pbd::Vec3 turned = pbd::Vec3::Zero();     ///< rad, sum of its rotation vectors
   pbd::Twist agreed;                        ///< sum of velocity agreement
-  pbd::Twist agreed_moment;                 ///< sum of velocity agreement times its time, s
+  pbd::Twist agreed_moment;                 ///< sum of velocity agreement times its `elapsed`
   bool coupled = false;                     ///< touched, joined or held
 };
 
@@ -47,6 +48,7 @@ class MotionHistory {
   std::array<MotionSample, kCapacity> samples_;
   std::size_t head_ = 0;
   std::size_t count_ = 0;
+  SessionTime origin_ = 0;
   MotionSample sum_;
 };
 

@@ -27,7 +27,9 @@ enum class StepStatus : std::uint8_t {
 struct ConsensusEnergy {
   double displacement = 0.0;        ///< kinetic, carried by the displacement channel; must be 0
   double velocity_agreement = 0.0;  ///< change of kinetic energy by blending velocities
-  double potential = 0.0;           ///< change of gravitational energy by displacement
+  /// Change of gravitational energy by displacement, and of the energy that a spinning body has for
+  /// being turned at the same angular velocity.
+  double potential = 0.0;
   double leak = 0.0;                ///< kinetic energy that braking of blocked bodies removed, <= 0
 };
 

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <cstdlib>
+#include <new>
+
+#include "support/catch.h"
+#include "support/targets.h"
+#include "support/toy_contacts.h"
+#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/tether.h"
+
+// Every allocation of this executable comes through here.
+namespace {
+bool counting = false;
+long allocations = 0;
+
+void* allocate(std::size_t size) {
+  if (counting) ++allocations;
+  void* memory = std::malloc(size == 0 ? 1 : size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void* allocate(std::size_t size, std::align_val_t alignment) {
+  if (counting) ++allocations;
+  const auto align = static_cast<std::size_t>(alignment);
+  void* memory = std::aligned_alloc(align, (size + align - 1) / align * align);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return allocate(size); }
+void* operator new[](std::size_t size) { return allocate(size); }
+void* operator new(std::size_t size, std::align_val_t a) { return allocate(size, a); }
+void* operator new[](std::size_t size, std::align_val_t a) { return allocate(size, a); }
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete[](void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+TEST_CASE("allocation: the counter sees an allocation", "[pbd][unit]") {
+  allocations = 0;
+  counting = true;
+  std::vector<int> numbers(10);
+  counting = false;
+  CHECK(allocations == 1);
+  CHECK(numbers.size() == 10);
+}
+
+TEST_CASE("allocation: a step in the steady state makes none", "[pbd][regression]") {
+  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+    World world;
+    ToyContacts contacts;
+    FixedTargets source;
+    world.set_contact_source(&contacts);
+    world.set_target_source(&source);
+    auto& balls = world.add_block<BallJoints>();
+    auto& rods = world.add_block<DistanceJoints>();
+    auto& tethers = world.add_block<Tethers>();
+    const BodyId ground = add_ground(world);
+    const Vec3 half(0.5, 0.5, 0.5);
+    BodyId below;
+    for (int i = 0; i < 6; ++i) {
+      const BodyId box = world.add_body(box_def(1.0, half, Vec3(0.01 * i, 0.0, 0.5 + i)));
+      if (i == 0) {
+        contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, box, half, {});
+      } else {
+        contacts.box_on_box(below, half, box, half, {});
+      }
+      if (i == 5) {
+        tethers.add(world, {.body = box, .anchor_w = Vec3(0.1, 0.1, 5.6), .stiffness = 50.0});
+        const BodyId hung = world.add_body(box_def(1.0, half, Vec3(3.0, 0.0, 5.0)));
+        const BodyId ball = world.add_body(ball_def(1.0, 0.3, Vec3(5.0, 0.0, 5.0)));
+        balls.add(world, ball_joint_at(world, {}, hung, Vec3(3.0, 0.0, 7.0)));
+        rods.add(world, {.a = hung, .b = ball, .rest_length = 2.0});
+      }
+      source.targets.push_back(
+          {.body = box, .pose = {world.pose(box).position + Vec3(0.002, 0.0, 0.0),
+                                 Quat::Identity()}, .share = 0.05});
+      below = box;
+    }
+    Solver solver({.form = form});
+    for (int k = 0; k < 30; ++k) solver.step(world, kFrame);  // room for all is made here
+    allocations = 0;
+    counting = true;
+    for (int k = 0; k < 200; ++k) solver.step(world, kFrame);
+    counting = false;
+    CHECK(allocations == 0);
+    REQUIRE(world.contacts()->rows().size() == 6);
+  }
+}
