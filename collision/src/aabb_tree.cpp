@@ -142,8 +142,7 @@ void AabbTree::rotate(std::uint32_t index) {
   nodes_[grandchild].parent = index;
   nodes_[inner].child[best_grandchild] = other;
   nodes_[other].parent = inner;
-  nodes_[inner].box =
-      nodes_[nodes_[inner].child[0]].box.merged(nodes_[nodes_[inner].child[1]].box);
+  nodes_[inner].box = nodes_[nodes_[inner].child[0]].box.merged(nodes_[nodes_[inner].child[1]].box);
 }
 
 }  // namespace tandem::collision

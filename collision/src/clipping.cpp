@@ -117,8 +117,7 @@ ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFac
       if (in_i) push(polygon[i]);
       if (in_i != in_j) {
         // Both ends may lie outside the exact plane, one within the slop: stay on the edge.
-        const double t =
-            std::clamp(distance[i] / (distance[i] - distance[j]), 0.0, 1.0);
+        const double t = std::clamp(distance[i] / (distance[i] - distance[j]), 0.0, 1.0);
         const Corner cut{polygon[i].p + t * (polygon[j].p - polygon[i].p),
                          ids.at(polygon[i].edge, k), in_i ? ~k : polygon[i].edge};
         // A corner within the slop is not doubled by the cut next to it.
@@ -157,8 +156,12 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
     point.gap = normal.dot(point.on_b - point.on_a) - radii;
     point.feature = feature;
   };
-  const auto corner_a = [&](double s) { return corner_feature(false, s < 0.5 ? a.from_id : a.to_id); };
-  const auto corner_b = [&](double t) { return corner_feature(true, t < 0.5 ? b.from_id : b.to_id); };
+  const auto corner_a = [&](double s) {
+    return corner_feature(false, s < 0.5 ? a.from_id : a.to_id);
+  };
+  const auto corner_b = [&](double t) {
+    return corner_feature(true, t < 0.5 ? b.from_id : b.to_id);
+  };
 
   if (uu > 0.0 && vv > 0.0 && sine2_uuvv <= kParallel * kParallel * uu * vv) {
     // Where on a (as a share of its length) the ends of b lie.
@@ -197,8 +200,8 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
   return 1;
 }
 
-int reduce(RawPoint* points, int count, const Vec3& normal, double slop,
-           const std::uint32_t* kept, int kept_count) {
+int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const std::uint32_t* kept,
+           int kept_count) {
   if (count <= 4) return count;
   const auto preferred = [&](const RawPoint& p) {
     return std::find(kept, kept + kept_count, p.feature) != kept + kept_count;

@@ -59,7 +59,7 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
 /// area. Earlier points win over later ones that are hardly better, and those that `kept` names
 /// (the features chosen last time) over all others, so that the choice does not flicker.
 /// @param slop  m: depths that differ by less count as equal
-int reduce(RawPoint* points, int count, const Vec3& normal, double slop,
-           const std::uint32_t* kept, int kept_count);
+int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const std::uint32_t* kept,
+           int kept_count);
 
 }  // namespace tandem::collision

@@ -86,8 +86,7 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   c.rank = sizes.rank;
   c.size = sizes.size;
   c.reach = sizes.reach + def.local.position.norm();
-  c.speculative =
-      std::min(options.speculative_margin, options.speculative_size_share * c.size);
+  c.speculative = std::min(options.speculative_margin, options.speculative_size_share * c.size);
   c.recycle = std::min(options.recycle_distance, options.recycle_size_share * c.size);
   c.local_rotation = c.def.local.orientation.toRotationMatrix();
   return c;

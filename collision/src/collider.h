@@ -14,20 +14,20 @@ struct Collider {
   std::uint32_t generation = 0;
   bool alive = false;
 
-  int rank = 0;             ///< order of kinds within a pair: sphere, capsule, box, mesh, half-space
-  double size = 0.0;        ///< m, least extent; huge for half-spaces and meshes
-  double reach = 0.0;       ///< m, farthest point from the body's origin; huge for half-spaces
-  double speculative = 0.0; ///< m
-  double recycle = 0.0;     ///< m
+  int rank = 0;        ///< order of kinds within a pair: sphere, capsule, box, mesh, half-space
+  double size = 0.0;   ///< m, least extent; huge for half-spaces and meshes
+  double reach = 0.0;  ///< m, farthest point from the body's origin; huge for half-spaces
+  double speculative = 0.0;  ///< m
+  double recycle = 0.0;      ///< m
   Mat3 local_rotation = Mat3::Identity();
 
-  bool finite = true;       ///< pose and twist are numbers
+  bool finite = true;  ///< pose and twist are numbers
   bool dynamic = false;
-  pbd::Pose body;           ///< pose of the body
-  pbd::Twist twist;         ///< of the body
+  pbd::Pose body;                    ///< pose of the body
+  pbd::Twist twist;                  ///< of the body
   Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
   Vec3 position = Vec3::Zero();      ///< m, of the shape
-  Aabb needed;              ///< bounds, plus all that a contact may need in this step
+  Aabb needed;                       ///< bounds, plus all that a contact may need in this step
 
   bool is_half_space() const { return std::holds_alternative<HalfSpace>(def.shape); }
   bool is_mesh() const { return std::holds_alternative<Mesh>(def.shape); }

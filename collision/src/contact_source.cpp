@@ -70,8 +70,7 @@ bool CollisionOptions::validate(std::string* error) const {
 
 class CollisionScene::Impl {
  public:
-  explicit Impl(const CollisionOptions& options)
-      : options_(options), broad_(options.aabb_margin) {}
+  explicit Impl(const CollisionOptions& options) : options_(options), broad_(options.aabb_margin) {}
 
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   void remove(ColliderId id);

@@ -45,8 +45,8 @@ CoreFace box_face(const ConvexCore& core, const Vec3& direction) {
     const auto& from = signs[i];
     const auto& to = signs[(i + 1) % 4];
     // Along u the sign of v stays and vice versa; box_edge_id wants (axis + 1, axis + 2).
-    face.edge_ids[i] = from[1] == to[1] ? box_edge_id(u, from[1], positive)
-                                        : box_edge_id(v, positive, from[0]);
+    face.edge_ids[i] =
+        from[1] == to[1] ? box_edge_id(u, from[1], positive) : box_edge_id(v, positive, from[0]);
   }
   return face;
 }
@@ -57,8 +57,7 @@ CoreEdge box_edge(const ConvexCore& core, const Vec3& direction) {
   local.cwiseAbs().minCoeff(&axis);
   const int u = (axis + 1) % 3;
   const int v = (axis + 2) % 3;
-  const std::uint32_t base =
-      (local[u] >= 0.0 ? 1u << u : 0u) | (local[v] >= 0.0 ? 1u << v : 0u);
+  const std::uint32_t base = (local[u] >= 0.0 ? 1u << u : 0u) | (local[v] >= 0.0 ? 1u << v : 0u);
   const std::uint32_t to = base | 1u << axis;
   return {box_corner(core, base), box_corner(core, to),
           box_edge_id(axis, local[u] >= 0.0, local[v] >= 0.0), base, to};
@@ -92,8 +91,8 @@ double ConvexCore::reach(const Vec3& direction) const {
              half[1] * std::abs(direction.dot(axes.col(1))) +
              half[2] * std::abs(direction.dot(axes.col(2)));
     case CoreKind::Triangle:
-      return std::max({direction.dot(corners[0]), direction.dot(corners[1]),
-                       direction.dot(corners[2])});
+      return std::max(
+          {direction.dot(corners[0]), direction.dot(corners[1]), direction.dot(corners[2])});
   }
   return 0.0;
 }

@@ -24,8 +24,8 @@ struct ConvexCore {
   double radius = 0.0;           ///< m
   double size = 0.0;             ///< m, least extent of the whole shape
   std::array<Vec3, 3> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< of a triangle
-  Vec3 front = Vec3::UnitZ();                    ///< unit normal of a triangle
-  std::array<std::uint32_t, 3> corner_ids{};     ///< of a triangle, in its mesh
+  Vec3 front = Vec3::UnitZ();                 ///< unit normal of a triangle
+  std::array<std::uint32_t, 3> corner_ids{};  ///< of a triangle, in its mesh
   std::array<std::uint32_t, 3> edge_ids{};
 
   /// Largest `direction . x` over the core (without the radius).

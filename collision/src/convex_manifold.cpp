@@ -102,8 +102,7 @@ void edge_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& a
   const double radii = a.radius + b.radius;
   const Vec3& n = axis.normal;
   std::array<RawPoint, 2> points;
-  const int count =
-      edge_points(edge_towards(a, n), edge_towards(b, -n), n, radii, points);
+  const int count = edge_points(edge_towards(a, n), edge_towards(b, -n), n, radii, points);
   const double size = std::min(a.size, b.size);
   const double true_gap = axis.separation - radii;
   // The edges chosen may not be those that touch (a corner has several): then the furthest points.
@@ -237,9 +236,8 @@ RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double 
     std::sort(corners.begin(), corners.end(), [](const RawPoint& l, const RawPoint& r) {
       return l.gap != r.gap ? l.gap < r.gap : l.feature < r.feature;
     });
-    std::sort(corners.begin(), corners.begin() + 4, [](const RawPoint& l, const RawPoint& r) {
-      return l.feature < r.feature;
-    });
+    std::sort(corners.begin(), corners.begin() + 4,
+              [](const RawPoint& l, const RawPoint& r) { return l.feature < r.feature; });
     for (int i = 0; i < 4; ++i) add(corners[i].on_a, corners[i].feature);
   } else if (a.kind == CoreKind::Segment) {
     const CoreEdge edge = edge_towards(a, -normal);

@@ -10,15 +10,15 @@ namespace tandem::collision {
 
 /// How far a contact may be away to be of interest.
 struct Reach {
-  double margin = 0.0;         ///< m, largest gap
-  Vec3 sweep = Vec3::Zero();   ///< m, motion of b against a within the step
+  double margin = 0.0;        ///< m, largest gap
+  Vec3 sweep = Vec3::Zero();  ///< m, motion of b against a within the step
 };
 
 /// The direction of a contact and what it is normal to.
 struct ContactAxis {
-  Vec3 normal = Vec3::UnitZ();           ///< unit, from a to b
-  double separation = 0.0;               ///< m, of the cores along it
-  FaceOwner owner = FaceOwner::None;     ///< whose face it is normal to
+  Vec3 normal = Vec3::UnitZ();        ///< unit, from a to b
+  double separation = 0.0;            ///< m, of the cores along it
+  FaceOwner owner = FaceOwner::None;  ///< whose face it is normal to
 };
 
 /// From the library's direction to the contact's: face normals that separate (nearly) as well are

@@ -7,7 +7,8 @@
 // each kind against a brute-force search over all separating axes):
 // - spheres and half-spaces: FCL's own closed forms on inflated shapes; exact. Overlapping boxes:
 //   its search over 15 axes, which prefers faces to edges that are less than 5 % better.
-// - boxes apart, capsule-box, box-triangle, capsule-triangle: distance of the cores by GJK on libccd (1 us),
+// - boxes apart, capsule-box, box-triangle, capsule-triangle: distance of the cores by GJK on
+// libccd (1 us),
 //   right where they are apart. Where the cores overlap the library is wrong and is not asked:
 //   libccd's penetration query (MPR) misses the depth by more than 1 mm in 29 to 34 % of the poses
 //   and by up to 0.57 m; FCL's signed distance (EPA) ends the process on touching features, by an
@@ -116,7 +117,7 @@ Direction distance(const ConvexCore& a, const ConvexCore& b, double reach) {
   ccd_vec3_t on_a = {{0.0, 0.0, 0.0}};
   ccd_vec3_t on_b = {{0.0, 0.0, 0.0}};
   const double gap = fcl::detail::libccd_extension::ccdGJKDist2(object_a.get(), object_b.get(),
-                                                               &ccd, &on_a, &on_b);
+                                                                &ccd, &on_a, &on_b);
   if (gap > reach) return {};
   if (!(gap > kTouching)) return {Direction::Status::Unknown, Vec3::UnitZ()};
   return found(Vec3(on_b.v[0] - on_a.v[0], on_b.v[1] - on_a.v[1], on_b.v[2] - on_a.v[2]) / gap);
@@ -139,8 +140,7 @@ Direction ask(const ConvexCore& a, const ConvexCore& b, double margin) {
         fcl::Vector3<double> unused = Vec3::Zero();
         fcl::Vector3<double> nearest = Vec3::Zero();
         const bool apart = Solver().shapeTriangleDistance(
-            sphere(0.0), pose_a, b.corners[0], b.corners[1], b.corners[2], &gap, &unused,
-            &nearest);
+            sphere(0.0), pose_a, b.corners[0], b.corners[1], b.corners[2], &gap, &unused, &nearest);
         if (!apart || gap < kTouching) return {Direction::Status::Unknown, Vec3::UnitZ()};
         return gap > reach ? Direction{} : found((nearest - a.centre) / gap);
       }

@@ -65,8 +65,7 @@ RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach
   out.normal = axis.normal;
   out.owner = axis.owner;
   const CoreFace reference = face_towards(t, t.front);
-  const ClippedFace clipped =
-      clip_face(reference, t.front, face_towards(a, axis.normal), false);
+  const ClippedFace clipped = clip_face(reference, t.front, face_towards(a, axis.normal), false);
   for (int i = 0; i < clipped.count; ++i) {
     const Vec3& p = clipped.corners[i].position;
     const double height = t.front.dot(p - t.corners[0]);
@@ -85,8 +84,7 @@ RawManifold triangle_manifold(const ConvexCore& a, const TriangleMesh& mesh, std
   const ContactAxis axis = choose_axis(a, t, direction);
   const double cosine = -axis.normal.dot(t.front);
   const double depth = std::max(0.0, -axis.separation);
-  const double tolerance =
-      a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
+  const double tolerance = a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
   const bool is_front = cosine > kIsFront;
   const bool allowed =
       is_front || (cosine > kRegionSlop &&
@@ -109,9 +107,8 @@ const ContactPatch* match(const Vec3& normal_l, std::span<const ContactPatch> pr
   double cosine = kSameAsBefore;
   for (const ContactPatch& patch : previous) {
     const double value = patch.normal_l.dot(normal_l);
-    const bool used = std::any_of(taken.begin(), taken.end(), [&](const RawManifold& m) {
-      return m.cluster == patch.cluster;
-    });
+    const bool used = std::any_of(taken.begin(), taken.end(),
+                                  [&](const RawManifold& m) { return m.cluster == patch.cluster; });
     if (!used && value > cosine) {
       cosine = value;
       best = &patch;
@@ -123,11 +120,10 @@ const ContactPatch* match(const Vec3& normal_l, std::span<const ContactPatch> pr
 std::uint32_t free_number(std::span<const ContactPatch> previous,
                           const std::vector<RawManifold>& taken) {
   for (std::uint32_t number = 0;; ++number) {
-    const bool used =
-        std::any_of(previous.begin(), previous.end(),
-                    [&](const ContactPatch& p) { return p.cluster == number; }) ||
-        std::any_of(taken.begin(), taken.end(),
-                    [&](const RawManifold& m) { return m.cluster == number; });
+    const bool used = std::any_of(previous.begin(), previous.end(),
+                                  [&](const ContactPatch& p) { return p.cluster == number; }) ||
+                      std::any_of(taken.begin(), taken.end(),
+                                  [&](const RawManifold& m) { return m.cluster == number; });
     if (!used) return number;
   }
 }
@@ -137,11 +133,10 @@ void merge_equal(std::vector<RawPoint>& points) {
   std::sort(points.begin(), points.end(), [](const RawPoint& l, const RawPoint& r) {
     return l.feature != r.feature ? l.feature < r.feature : l.gap < r.gap;
   });
-  points.erase(std::unique(points.begin(), points.end(),
-                           [](const RawPoint& l, const RawPoint& r) {
-                             return l.feature == r.feature;
-                           }),
-               points.end());
+  points.erase(
+      std::unique(points.begin(), points.end(),
+                  [](const RawPoint& l, const RawPoint& r) { return l.feature == r.feature; }),
+      points.end());
 }
 
 /// Points on a segment: its two ends, and the deepest where that lies between and below them.

@@ -60,8 +60,8 @@ void store(const QueryPair& pair, const RawManifold& raw, const Vec3& origin, Pa
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
   ContactPatch& patch = cache.patches.emplace_back();
-  patch.in_a = raw.owner == FaceOwner::A ||
-               (raw.owner == FaceOwner::None && b.dynamic && !a.dynamic);
+  patch.in_a =
+      raw.owner == FaceOwner::A || (raw.owner == FaceOwner::None && b.dynamic && !a.dynamic);
   const Pose& frame = patch.in_a ? a.body : b.body;
   patch.normal_l = frame.orientation.conjugate() * raw.normal;
   patch.central = is_central(pair);
@@ -201,9 +201,9 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
     for (int i = 0; i < patch.count; ++i) {
       const pbd::ManifoldPoint& point = patch.points[i];
       // Between the bodies' origins first: far from the world's origin no digits are lost.
-      const Vec3 between = (b.body.position - a.body.position) +
-                           (b.body.orientation * point.anchor_b_l -
-                            a.body.orientation * point.anchor_a_l);
+      const Vec3 between =
+          (b.body.position - a.body.position) +
+          (b.body.orientation * point.anchor_b_l - a.body.orientation * point.anchor_a_l);
       if (normal.dot(between) - patch.radius_a - patch.radius_b >= margin) continue;
       m.points[m.count++] = point;
     }

@@ -25,10 +25,10 @@ QueryPair order_pair(const Collider& low, const Collider& high);
 
 /// How near the pair has to be looked at in this step.
 struct PairReach {
-  double margin = 0.0;   ///< m, gaps below this matter whatever their direction
-  double recycle = 0.0;  ///< m, motion that keeps the last contacts; 0 = never
-  double speculative = 0.0;  ///< m
-  double turning = 0.0;      ///< m, what rotation may close
+  double margin = 0.0;        ///< m, gaps below this matter whatever their direction
+  double recycle = 0.0;       ///< m, motion that keeps the last contacts; 0 = never
+  double speculative = 0.0;   ///< m
+  double turning = 0.0;       ///< m, what rotation may close
   Vec3 sweep = Vec3::Zero();  ///< m, motion of b's origin against a's
 };
 

@@ -36,8 +36,7 @@ struct Validator {
   }
   bool operator()(const Capsule& c) const {
     if (!size_ok(c.radius)) return fail(error, "Capsule.radius", c.radius, kSizeRule);
-    return size_ok(c.half_height) ||
-           fail(error, "Capsule.half_height", c.half_height, kSizeRule);
+    return size_ok(c.half_height) || fail(error, "Capsule.half_height", c.half_height, kSizeRule);
   }
   bool operator()(const Box& b) const {
     for (int i = 0; i < 3; ++i) {
@@ -74,9 +73,9 @@ struct Weigher {
     const Vec3 h2 = b.half_extents.cwiseProduct(b.half_extents);
     const double mass = density * 8.0 * b.half_extents.prod();
     const double third = mass / 3.0;
-    return {mass, Vec3::Zero(),
-            diagonal(third * (h2.y() + h2.z()), third * (h2.z() + h2.x()),
-                     third * (h2.x() + h2.y()))};
+    return {
+        mass, Vec3::Zero(),
+        diagonal(third * (h2.y() + h2.z()), third * (h2.z() + h2.x()), third * (h2.x() + h2.y()))};
   }
   MassProperties operator()(const Capsule& c) const {
     const double r2 = c.radius * c.radius;
@@ -123,8 +122,7 @@ struct Weigher {
     }
     const Vec3 com = first / volume;
     const Mat3 covariance = density * (second - volume * com * com.transpose());
-    return {density * volume, origin + com,
-            covariance.trace() * Mat3::Identity() - covariance};
+    return {density * volume, origin + com, covariance.trace() * Mat3::Identity() - covariance};
   }
 };
 

@@ -89,8 +89,7 @@ void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Triangle
     const Vec3 ac = vertices_[corners[2]] - a;
     const Vec3 cross = ab.cross(ac);
     const double area2 = cross.norm();
-    const double longest2 =
-        std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+    const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
     if (!(area2 > kMinArea * longest2) || !std::isfinite(area2)) {
       refuse("triangles[" + std::to_string(t) + "] = area " + std::to_string(0.5 * area2),
              "an area above 0");

@@ -246,7 +246,7 @@ class Peer::Impl {
       const double claimed = static_cast<double>(received.update.influence);
       const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
       double share = effective_share(options_.influence, heard, age, predictor_->gain());
-      if (!owner) share = lead(shared, received, own, now, share);
+      if (!owner) share = against_own(lead(shared, received, own, now, share));
       if (!(share > 0.0)) continue;
       const double mirrored =
           effective_share(options_.influence, own_announced, age, predictor_->gain());
@@ -277,6 +277,7 @@ class Peer::Impl {
         pbd::rotation_between(own.pose.orientation, received.update.pose.orientation).norm();
     const double doubt =
         std::clamp((angle - kLeadFromAngle) / (kLeadToAngle - kLeadFromAngle), 0.0, 1.0);
+    if (confidence() < 1.0) return share;  // a newcomer leads nobody
     if (received.peer > transport_.self()) return share * (1.0 - doubt);
     if (doubt < 0.5) shared.following_since = now;
     const double waited = kNs * static_cast<double>(now - shared.following_since);
@@ -331,12 +332,21 @@ class Peer::Impl {
   /// The share that others should give this peer's states of a body.
   double announced(const Shared& shared) const {
     if (shared.def.owner.has_value()) return shared.def.owner == transport_.self() ? 1.0 : 0.0;
-    double ramp = 1.0;
-    if (options_.authority_ramp > 0.0) {
-      const double since = started_ == 0 ? 0.0 : kNs * static_cast<double>(now_ - started_);
-      ramp = std::clamp(since / options_.authority_ramp, 0.0, 1.0);
-    }
-    return options_.influence.baseline * ramp;
+    return options_.influence.baseline * confidence();
+  }
+
+  /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
+  /// after the first step, so that a newcomer takes over what the others know and is heard later.
+  double confidence() const {
+    if (options_.authority_ramp <= 0.0) return 1.0;
+    const double since = started_ == 0 ? 0.0 : kNs * static_cast<double>(now_ - started_);
+    return std::clamp(since / options_.authority_ramp, 0.0, 1.0);
+  }
+
+  /// A share is meant against a local weight of 1; this is what it comes to against confidence().
+  double against_own(double share) const {
+    const double weight = weight_of_share(share);
+    return weight > 0.0 ? share_of_weight(weight / confidence()) : 0.0;
   }
 
   void send(SessionTime now) {

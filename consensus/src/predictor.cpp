@@ -22,6 +22,9 @@ constexpr double kFadeTo = 0.30;
 constexpr double kFadeFromAngle = 0.35;
 constexpr double kFadeToAngle = 0.70;
 
+/// m/s^2: a body that changes its velocity faster than this within a step was hit.
+constexpr double kHitAcceleration = 40.0;
+
 double ramp(double value, double from, double to) {
   return std::clamp((value - from) / (to - from), 0.0, 1.0);
 }
@@ -81,7 +84,8 @@ class LocalMotionPredictor final : public Predictor {
     const Vec3 apart = update.pose.position - then.pose.position;
     const Vec3 turned_apart =
         pbd::rotation_between(then.pose.orientation, update.pose.orientation);
-    const pbd::Twist closing = difference(update.twist, then.twist);
+    const pbd::Twist closing =
+        own.hit_near(update.stamp) ? pbd::Twist{} : difference(update.twist, then.twist);
     const pbd::Twist agreed = difference(now.agreed, then.agreed);
 
     Prediction prediction;
@@ -180,6 +184,21 @@ bool MotionHistory::coupled_since(SessionTime time) const {
   for (std::size_t age = 0; age < count_; ++age) {
     if (at(age).coupled) return true;
     if (at(age).time <= time) break;
+  }
+  return false;
+}
+
+bool MotionHistory::hit_near(SessionTime time) const {
+  std::size_t age = 0;
+  while (age + 1 < count_ && at(age).time > time) ++age;
+  // at(age) is the last sample before: its own step, the one that `time` is in, and the next.
+  const std::size_t first = age >= 2 ? age - 2 : 0;
+  for (std::size_t k = first; k <= age && k + 1 < count_; ++k) {
+    const MotionSample& before = at(k + 1);
+    const MotionSample& after = at(k);
+    const Vec3 jump = difference(after.twist, before.twist).linear -
+                      difference(after.agreed, before.agreed).linear;
+    if (jump.norm() > kHitAcceleration * (after.elapsed - before.elapsed)) return true;
   }
   return false;
 }

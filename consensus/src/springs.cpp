@@ -16,12 +16,18 @@ constexpr double kNs = 1e-9;
 /// ns: a removed spring is remembered this long against late messages.
 constexpr SessionTime kTombstone = 5'000'000'000;
 
+std::uint32_t first_id(SessionTime now) {
+  const auto id = static_cast<std::uint32_t>(now / 1'000'000);
+  return id == 0 ? 1 : id;
+}
+
 }  // namespace
 
 Springs::Springs(pbd::World& world, const PeerOptions& options)
     : world_(world), options_(options), tethers_(world.add_block<pbd::Tethers>()) {}
 
 GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
+  if (next_ == 0) next_ = 1;
   const pbd::ConstraintId tether = tethers_.add(world_, {.body = body,
                                                          .anchor_l = def.attachment_l,
                                                          .anchor_w = def.anchor_w,
@@ -138,6 +144,9 @@ void Springs::drop_peer(PeerId from) {
 }
 
 void Springs::prepare(SessionTime now) {
+  // Ids go on from the clock (ms), so that a peer that was started again is not taken for its
+  // predecessor, whose springs the others still remember.
+  if (next_ == 0) next_ = first_id(now);
   const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
   for (Remote& remote : remote_) {
     if (remote.live && now - remote.heard > timeout) let_go(remote);

@@ -68,7 +68,7 @@ class Springs {
   std::vector<Own> own_;        ///< by spring
   std::vector<Remote> remote_;  ///< by (peer, spring)
   std::vector<SpringUpdate> pending_;  ///< removals to announce
-  std::uint32_t next_ = 1;
+  std::uint32_t next_ = 0;  ///< 0 until the first step
 };
 
 }  // namespace tandem::consensus

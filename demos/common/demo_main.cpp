@@ -27,8 +27,7 @@ std::vector<std::string> body_names(const Scenario& scenario) {
 int run(const Scenario& scenario, const DemoOptions& options) {
   RunResult result =
       options.over_network() ? run_process(scenario, options) : run_virtual(scenario, options);
-  return publish(
-      make_report(scenario.name(), options, std::move(result), body_names(scenario)));
+  return publish(make_report(scenario.name(), options, std::move(result), body_names(scenario)));
 }
 
 }  // namespace

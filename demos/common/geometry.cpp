@@ -73,7 +73,8 @@ void append_penetrations(const Scene& scene, std::vector<double>& out) {
     for (std::size_t j = i + 1; j < extents.size() && extents[j].low < extents[i].high; ++j) {
       const SceneBody& a = scene.bodies[extents[i].body];
       const SceneBody& b = scene.bodies[extents[j].body];
-      const double depth = box_overlap(scene.pose(a), a.half_extents, scene.pose(b), b.half_extents);
+      const double depth =
+          box_overlap(scene.pose(a), a.half_extents, scene.pose(b), b.half_extents);
       if (depth > 0.0) out.push_back(depth);
     }
   }

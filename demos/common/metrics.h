@@ -57,15 +57,15 @@ struct Metrics {
   Distribution divergence_m, contested_m, moving_m, resting_m;
   Distribution divergence_deg;
   Distribution prediction_error_m;
-  Distribution latency_ms;      ///< from the sender's step to each use of the update
-  Distribution step_ms;         ///< wall time of the solver's step
-  Distribution penetration_m;   ///< of the pairs that overlap
+  Distribution latency_ms;                    ///< from the sender's step to each use of the update
+  Distribution step_ms;                       ///< wall time of the solver's step
+  Distribution penetration_m;                 ///< of the pairs that overlap
   double parse_us = Distribution::kNone;      ///< CPU time, each update
   double process_us = Distribution::kNone;    ///< CPU time, each update
   double aggregate_us = Distribution::kNone;  ///< CPU time, each shared body and step
   double bytes_per_second = Distribution::kNone;  ///< payload sent by one peer, mean over peers
-  pbd::ConsensusEnergy energy;  ///< sum over peers and steps, J
-  std::uint64_t hash = 0;       ///< of all worlds
+  pbd::ConsensusEnergy energy;                    ///< sum over peers and steps, J
+  std::uint64_t hash = 0;                         ///< of all worlds
   std::vector<DivergenceSample> samples;
 };
 

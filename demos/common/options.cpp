@@ -12,8 +12,8 @@ namespace tandem::demos {
 namespace {
 
 [[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view rule) {
-  throw UsageError(std::string(option) + " = " + std::string(value) + " breaks: " +
-                   std::string(rule));
+  throw UsageError(std::string(option) + " = " + std::string(value) +
+                   " breaks: " + std::string(rule));
 }
 
 template <class Number>
@@ -22,8 +22,8 @@ Number number(std::string_view option, std::string_view text, Number low, Number
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   // Written so that NaN is refused as well.
-  const bool good = error == std::errc{} && end == text.data() + text.size() && value >= low &&
-                    value <= high;
+  const bool good =
+      error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
   if (!good) refuse(option, text, rule);
   return value;
 }

@@ -18,14 +18,14 @@ namespace tandem::demos {
 /// What all demos understand on their command line.
 struct DemoOptions {
   int peers = 2;
-  double seconds = 20.0;   ///< s, of session time
-  std::uint64_t seed = 1;  ///< of noise, orders, step phases, users and links
+  double seconds = 20.0;    ///< s, of session time
+  std::uint64_t seed = 1;   ///< of noise, orders, step phases, users and links
   double influence = 0.08;  ///< baseline share per 1/60 s; 0 = no agreement
   consensus::PredictorKind predictor = consensus::PredictorKind::LocalMotion;
   consensus::Coupling solver = consensus::Coupling::OnePass;
   double update_hz = 60.0;
-  int profile = 3;      ///< of the virtual link, [friston] Table 3
-  bool uneven = false;  ///< every second peer makes 72 steps each second, the others 60
+  int profile = 3;         ///< of the virtual link, [friston] Table 3
+  bool uneven = false;     ///< every second peer makes 72 steps each second, the others 60
   double loss = 0.0;       ///< of the virtual link: chance that a state is lost
   double duplicate = 0.0;  ///< chance that it comes twice
   double reorder = 0.0;    ///< chance that it is overtaken

@@ -35,8 +35,8 @@ UserOptions user_options(const DemoOptions& options, std::size_t user,
   return result;
 }
 
-Participant::Participant(const Scenario& scenario, const DemoOptions& options,
-                         consensus::PeerId id, std::size_t number, consensus::Transport& transport)
+Participant::Participant(const Scenario& scenario, const DemoOptions& options, consensus::PeerId id,
+                         std::size_t number, consensus::Transport& transport)
     : scenario_(scenario),
       scene_(scenario.build(scene_options(options, number))),
       peer_(*scene_.world, transport, options.peer_options()) {
@@ -141,8 +141,9 @@ void Participant::watch(consensus::SessionTime now, const pbd::StepReport& repor
 void Participant::set_fault(consensus::SessionTime now, const std::string& text) {
   if (!record_.fault.empty()) return;
   char when[64];
-  std::snprintf(when, sizeof(when), "peer %llu, %.2f s: ",
-                static_cast<unsigned long long>(record_.id), seconds_of(now - epoch_));
+  std::snprintf(when, sizeof(when),
+                "peer %llu, %.2f s: ", static_cast<unsigned long long>(record_.id),
+                seconds_of(now - epoch_));
   record_.fault = when + text;
 }
 

@@ -116,8 +116,8 @@ class Session {
     if (!rendezvous_.epoch()) {
       const double waited = net::seconds(now - start_);
       if (options_.wait > 0.0 && waited > options_.wait && !rendezvous_.connected()) {
-        throw std::runtime_error("no peer has come within " + std::to_string(options_.wait) +
-                                 " s" + last_reason());
+        throw std::runtime_error("no peer has come within " + std::to_string(options_.wait) + " s" +
+                                 last_reason());
       }
       progress_.show(0.0, "waiting for a peer");
       return;

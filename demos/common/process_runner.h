@@ -8,10 +8,10 @@
 
 namespace tandem::demos {
 
-/// One peer in this process, in wall time over TCP. The world runs from the start; the users' script
-/// begins when the first processes have found each other (see Rendezvous), peer 1 is user A, peer 2
-/// user B, others look on. Ends `seconds` after the script's beginning, or at SIGINT or SIGTERM;
-/// both leave the session in order.
+/// One peer in this process, in wall time over TCP. The world runs from the start; the users'
+/// script begins when the first processes have found each other (see Rendezvous), peer 1 is user A,
+/// peer 2 user B, others look on. Ends `seconds` after the script's beginning, or at SIGINT or
+/// SIGTERM; both leave the session in order.
 ///
 /// Only the own world is known here: the others' are what they send, at their own stamps.
 /// @throws std::invalid_argument where scenario or transport refuse the options

@@ -23,9 +23,8 @@ void Progress::show(double part, const std::string& note) {
   shown_ = now;
   constexpr int kWidth = 40;
   const int filled = now * kWidth / 1000;
-  const std::string bar =
-      std::string(static_cast<std::size_t>(filled), '#') +
-      std::string(static_cast<std::size_t>(kWidth - filled), '.');
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kWidth - filled), '.');
   std::fprintf(stderr, "\r[%s] %3d %%  %s\033[K", bar.c_str(), now / 10, note.c_str());
   std::fflush(stderr);
 }

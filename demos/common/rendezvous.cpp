@@ -60,8 +60,7 @@ bool Rendezvous::hear(const consensus::Packet& packet) {
   if (in.u32() != kMagic) return false;
   const consensus::SessionTime epoch = in.i64();
   // An epoch of another day is nobody's script.
-  const bool plausible =
-      epoch == 0 || (epoch > now_ - kMaxDistance && epoch < now_ + kMaxDistance);
+  const bool plausible = epoch == 0 || (epoch > now_ - kMaxDistance && epoch < now_ + kMaxDistance);
   if (plausible) heard_[packet.from] = epoch;
   return true;
 }

@@ -110,12 +110,12 @@ Report make_report(std::string scenario, const DemoOptions& options, RunResult r
 std::string report_table(const Report& r) {
   const DemoOptions& o = r.options;
   const Metrics& m = r.metrics;
-  std::string out = format(
-      "%s: %zu peers, %s, %.1f s, seed %llu, %s, %s, influence %g, %g updates/s\n",
-      r.scenario.c_str(), r.run.peers.size(),
-      o.over_network() ? "TCP" : format("profile %d", o.profile).c_str(), r.run.seconds,
-      static_cast<unsigned long long>(o.seed), std::string(to_string(o.solver)).c_str(),
-      std::string(to_string(o.predictor)).c_str(), o.influence, o.update_hz);
+  std::string out =
+      format("%s: %zu peers, %s, %.1f s, seed %llu, %s, %s, influence %g, %g updates/s\n",
+             r.scenario.c_str(), r.run.peers.size(),
+             o.over_network() ? "TCP" : format("profile %d", o.profile).c_str(), r.run.seconds,
+             static_cast<unsigned long long>(o.seed), std::string(to_string(o.solver)).c_str(),
+             std::string(to_string(o.predictor)).c_str(), o.influence, o.update_hz);
   out += format("  %-26s %9s %9s %9s %9s %9s %9s\n", "", "p50", "p75", "p95", "p99", "max", "n");
   out += row("divergence, mm", m.divergence_m, 1e3);
   out += row("  contested, mm", m.contested_m, 1e3);
@@ -130,10 +130,10 @@ std::string report_table(const Report& r) {
   out += format("  overhead           parse %.2f us, process %.2f us, aggregate %.2f us\n",
                 m.parse_us, m.process_us, m.aggregate_us);
   out += format("  each peer sends    %.1f kB/s\n", 1e-3 * m.bytes_per_second);
-  out += format("  agreement's energy displacement %.3g J, velocity %.3g J, potential %.3g J, "
-                "leak %.3g J\n",
-                m.energy.displacement, m.energy.velocity_agreement, m.energy.potential,
-                m.energy.leak);
+  out += format(
+      "  agreement's energy displacement %.3g J, velocity %.3g J, potential %.3g J, "
+      "leak %.3g J\n",
+      m.energy.displacement, m.energy.velocity_agreement, m.energy.potential, m.energy.leak);
   out += format("  %.1f times real time, hash %016llx\n", r.run.seconds / r.run.wall_s,
                 static_cast<unsigned long long>(m.hash));
   out += r.stable() ? "  stable\n" : "  NOT STABLE: " + r.fault + "\n";

@@ -15,7 +15,7 @@ namespace tandem::demos {
 
 /// One body at one peer at one time.
 struct TrackSample {
-  consensus::SessionTime time = 0;  ///< ns
+  consensus::SessionTime time = 0;         ///< ns
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, of the centre
   pbd::Quat orientation = pbd::Quat::Identity();
   double speed = 0.0;  ///< m/s, of the centre
@@ -43,9 +43,9 @@ class Track {
 /// A remote state as it was carried to now and applied.
 struct PredictionSample {
   consensus::PeerId from = 0;
-  std::uint32_t body = 0;  ///< index into the scene's bodies
-  consensus::SessionTime time = 0;  ///< ns, the now it was carried to
-  double age = 0.0;                 ///< s, from the sender's stamp to now
+  std::uint32_t body = 0;                  ///< index into the scene's bodies
+  consensus::SessionTime time = 0;         ///< ns, the now it was carried to
+  double age = 0.0;                        ///< s, from the sender's stamp to now
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, predicted
 };
 
@@ -59,7 +59,7 @@ struct PeerRecord {
   std::vector<double> step_s;         ///< wall time of each step of the solver
   std::vector<double> penetration_m;  ///< of each overlapping pair in each frame looked at
   pbd::ConsensusEnergy energy;        ///< sum of all steps
-  consensus::SessionTime first_exchange = INT64_MAX;  ///< ns, the first update has come
+  consensus::SessionTime first_exchange = INT64_MAX;         ///< ns, the first update has come
   double parse_s = 0.0, process_s = 0.0, aggregate_s = 0.0;  ///< CPU time
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;

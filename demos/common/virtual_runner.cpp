@@ -27,8 +27,8 @@ class Actor {
  public:
   Actor(const Scenario& scenario, const DemoOptions& options, std::size_t number,
         consensus::Transport& transport)
-      : participant_(std::make_unique<Participant>(scenario, options, number + 1, number,
-                                                   transport)),
+      : participant_(
+            std::make_unique<Participant>(scenario, options, number + 1, number, transport)),
         first_(kStart + phase(options, number)) {}
 
   /// Time and kind of the next event; ends (0) come before beginnings (1).

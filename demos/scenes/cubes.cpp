@@ -32,7 +32,8 @@ void CubesOptions::validate() const {
   for (int axis = 0; axis < 3; ++axis) {
     require(positive(plate[axis]), "plate", plate[axis], "each edge finite and > 0 m");
   }
-  require(plate.x() >= 2.0 * edge * stacks, "plate", plate.x(), "two edges of cubes for each stack");
+  require(plate.x() >= 2.0 * edge * stacks, "plate", plate.x(),
+          "two edges of cubes for each stack");
   require(std::isfinite(friction) && friction >= 0.0, "friction", friction, "finite and >= 0");
 }
 

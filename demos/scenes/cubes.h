@@ -8,11 +8,11 @@ namespace tandem::demos {
 
 /// Measures of the scene "stacked cubes", after [friston] Sec. 5.5.
 struct CubesOptions {
-  int stacks = 4;            ///< on the plate
-  int height = 4;            ///< cubes in each of them, and in the pillar
-  double edge = 0.1;         ///< m, of a cube
-  double cube_mass = 0.3;    ///< kg
-  double plate_mass = 4.0;   ///< kg
+  int stacks = 4;                               ///< on the plate
+  int height = 4;                               ///< cubes in each of them, and in the pillar
+  double edge = 0.1;                            ///< m, of a cube
+  double cube_mass = 0.3;                       ///< kg
+  double plate_mass = 4.0;                      ///< kg
   pbd::Vec3 plate = pbd::Vec3(1.6, 0.8, 0.04);  ///< m
   double friction = 0.55;
 

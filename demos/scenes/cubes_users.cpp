@@ -72,7 +72,7 @@ HandTask throw_over(const View& view, Random& random) {
     double load = 0.0;
     for (std::size_t i = 1; i < stack.size(); ++i) load += view.mass(stack[i]);
     HandPath path(0.0, view.position(grabbed));
-    path.wait(0.3).move_by(pbd::Vec3(askew, -away, 0.0), (getenv("PT")?atof(getenv("PT")):0.8)).wait(0.2);
+    path.wait(0.3).move_by(pbd::Vec3(askew, -away, 0.0), 0.6).wait(0.2);
     return HandPlan{grabbed, GripSpec::for_load(load, cube_spread(view.cubes)), path};
   };
   return task;

@@ -24,8 +24,8 @@ struct SceneOptions {
 /// A shared box of a scene.
 struct SceneBody {
   std::string name;
-  consensus::SharedId id;  ///< of the name
-  pbd::BodyId body;        ///< in this peer's world
+  consensus::SharedId id;                      ///< of the name
+  pbd::BodyId body;                            ///< in this peer's world
   pbd::Vec3 half_extents = pbd::Vec3::Zero();  ///< m
   pbd::Vec3 start = pbd::Vec3::Zero();         ///< m, world, without noise
 };

@@ -25,17 +25,17 @@ class User {
 };
 
 struct UserOptions {
-  std::uint64_t seed = 1;             ///< of tremor and of small differences in timing
-  consensus::SessionTime epoch = 0;   ///< ns, session time at which the script begins
-  double seconds = 20.0;              ///< s, when the session ends
-  double tremor = 3e-4;               ///< m, rms of each coordinate
+  std::uint64_t seed = 1;            ///< of tremor and of small differences in timing
+  consensus::SessionTime epoch = 0;  ///< ns, session time at which the script begins
+  double seconds = 20.0;             ///< s, when the session ends
+  double tremor = 3e-4;              ///< m, rms of each coordinate
 };
 
 /// Three equal springs between a hand and a body.
 struct GripSpec {
-  double stiffness = 100.0;  ///< N/m, each spring
-  double damping = 5.0;      ///< N s/m, each
-  double max_force = 15.0;   ///< N, each
+  double stiffness = 100.0;                       ///< N/m, each spring
+  double damping = 5.0;                           ///< N s/m, each
+  double max_force = 15.0;                        ///< N, each
   pbd::Vec3 spread = pbd::Vec3(0.04, 0.04, 0.0);  ///< m, half axes of the triangle of attachments
 
   /// A loose grip: `load` (kg) sags by 1 cm, moves with a damping ratio of 0.7, and the hand is

@@ -46,6 +46,7 @@ double BallJoint::project(const SubstepContext& ctx) {
   const Vec3 r_a = r_a_ + blend_a_ * (arm.r_a - r_a_);
   const Vec3 r_b = r_b_ + blend_b_ * (arm.r_b - r_b_);
   const Mat3 k = point_inverse_mass(*arm.a, *arm.b, r_a, r_b);
+  if (k.diagonal().minCoeff() <= 0.0) return 0.0;  // neither end can move
   const Vec3 dlambda =
       point_multiplier(arm.c - gap_, lambda_, k, RowSoftness::of(def_.compliance, def_.damping, ctx.h),
                        arm.c - c_start_);
@@ -81,6 +82,9 @@ void BallJoint::end_total(const SubstepContext& ctx) {
 void BallJoint::end_step(const SubstepContext& ctx) {
   SolverBody ground;
   residual_ = def_.compliance > 0.0 ? 0.0 : arms(ctx, ground).c.norm();
+  // What a spoiled step leaves behind must not spoil the next one.
+  if (!lambda_.allFinite()) lambda_.setZero();
+  if (!gap_.allFinite()) gap_.setZero();
 }
 
 void BallJoint::save(ByteWriter& out) const {

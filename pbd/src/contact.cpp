@@ -67,16 +67,18 @@ double gap_of(const ContactRow& row, const Pair& pair, int i) {
   return m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
 }
 
-/// Lever arms to the common point half-way between the two surfaces: with one point for both bodies
-/// a pair of opposite impulses keeps angular momentum, whatever slid since detection.
+/// Lever arms to a common point of both bodies, so that a pair of opposite impulses keeps angular
+/// momentum, whatever slid since detection: half-way between the two anchors, or below the centre
+/// of the one that is round, which its normal must not turn (a ball would speed up as it rolls).
 void set_arms(ContactRow& row, const Pair& pair) {
   const Manifold& m = row.manifold;
+  const bool round_a = m.radius_a > 0.0;
+  const bool round_b = m.radius_b > 0.0;
+  const double share_b = round_a == round_b ? 0.5 : (round_b ? 1.0 : 0.0);
   for (int i = 0; i < m.count; ++i) {
-    const Vec3 p_a =
-        pair.a.x + pair.a.q * m.points[i].anchor_a_l + m.radius_a * m.normal;
-    const Vec3 p_b =
-        pair.b.x + pair.b.q * m.points[i].anchor_b_l - m.radius_b * m.normal;
-    const Vec3 p = 0.5 * (p_a + p_b);
+    const Vec3 p_a = pair.a.x + pair.a.q * m.points[i].anchor_a_l + m.radius_a * m.normal;
+    const Vec3 p_b = pair.b.x + pair.b.q * m.points[i].anchor_b_l - m.radius_b * m.normal;
+    const Vec3 p = p_a + share_b * (p_b - p_a);
     row.arm_a[i] = p - pair.a.x;
     row.arm_b[i] = p - pair.b.x;
   }
@@ -140,8 +142,7 @@ void set_friction_point(ContactRow& row, const Pair& pair) {
     const Vec3 response_b = pair.b.inv_inertia_w * row.centre_b.cross(t[i]);
     for (int j = 0; j < 2; ++j) {
       k(i, j) = (i == j ? pair.a.inv_mass + pair.b.inv_mass : 0.0) +
-                row.centre_a.cross(t[j]).dot(response_a) +
-                row.centre_b.cross(t[j]).dot(response_b);
+                row.centre_a.cross(t[j]).dot(response_a) + row.centre_b.cross(t[j]).dot(response_b);
     }
   }
   row.slide_mass = k.inverse();
@@ -168,6 +169,38 @@ FrictionLimit friction_limit(const ContactRow& row, double h) {
   return limit;
 }
 
+/// Cut both multipliers back to the ellipsoid (slide / limit)^2 + (twist / limit)^2 <= 1, about
+/// what a patch can do at once, at the point where friction dissipates most: a body that spins fast
+/// hardly resists being pushed. Two limits of their own would brake such a body twice over.
+void keep_within(ContactRow& row, const FrictionLimit& limit) {
+  constexpr int kIterations = 10;
+  const double k_slide = 2.0 / row.slide_mass.trace();
+  const double k_twist = row.twist_mass > 0.0 ? 1.0 / row.twist_mass : 0.0;
+  const double p = k_slide * limit.slide * limit.slide;
+  const double q = k_twist * limit.twist * limit.twist;
+  if (!(q > 0.0)) row.twist = 0.0;
+  if (!(p > 0.0)) {
+    row.friction.setZero();
+    return;
+  }
+  // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is nearly straight.
+  const double a = k_slide * row.friction.norm() * limit.slide;
+  const double b = k_twist * std::abs(row.twist) * limit.twist;
+  double bound = 0.0;
+  double use = 0.0;
+  for (int i = 0; i < kIterations; ++i) {
+    const double s = a / (p + bound);
+    const double t = q > 0.0 ? b / (q + bound) : 0.0;
+    use = std::sqrt(s * s + t * t);
+    if (use <= 1.0 + 1e-9) break;
+    bound +=
+        (use - 1.0) * use * use / (s * s / (p + bound) + (q > 0.0 ? t * t / (q + bound) : 0.0));
+  }
+  const double rest = std::max(1.0, use);
+  row.friction *= p / ((p + bound) * rest);
+  if (q > 0.0) row.twist *= q / ((q + bound) * rest);
+}
+
 /// Multipliers that undo a slip (m) and a twist (rad) within the cone. Both passes of a substep
 /// share one budget: `row.friction` and `row.twist` hold what has been used of it.
 struct FrictionChange {
@@ -180,11 +213,10 @@ FrictionChange undo_slip(ContactRow& row, double h, const Vec3& slip, double tur
   const Eigen::Vector2d before = row.friction;
   row.friction -=
       row.slide_mass * Eigen::Vector2d(slip.dot(row.tangent_1), slip.dot(row.tangent_2));
-  const double norm = row.friction.norm();
-  if (norm > limit.slide) row.friction *= limit.slide / norm;
-  const Eigen::Vector2d change = row.friction - before;
   const double twist = row.twist;
-  row.twist = std::clamp(twist - row.twist_mass * turn, -limit.twist, limit.twist);
+  row.twist -= row.twist_mass * turn;
+  keep_within(row, limit);
+  const Eigen::Vector2d change = row.friction - before;
   return {change[0] * row.tangent_1 + change[1] * row.tangent_2,
           (row.twist - twist) * row.manifold.normal};
 }
@@ -193,8 +225,8 @@ FrictionChange undo_slip(ContactRow& row, double h, const Vec3& slip, double tur
 void solve_position_friction(ContactRow& row, const Pair& pair, double h) {
   set_friction_point(row, pair);
   if (!row.grips) return;
-  const Vec3 slip = point_displacement(pair.b, row.centre_b, h) -
-                    point_displacement(pair.a, row.centre_a, h);
+  const Vec3 slip =
+      point_displacement(pair.b, row.centre_b, h) - point_displacement(pair.a, row.centre_a, h);
   const double turn =
       row.manifold.normal.dot(h * (pair.b.w - pair.a.w) + pair.b.dtheta - pair.a.dtheta);
   const FrictionChange f = undo_slip(row, h, slip, turn);
@@ -293,8 +325,8 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     set_arms(row, pair);
     for (int i = 0; i < m.count; ++i) {
       row.overlap[i] = std::max(0.0, row.gap[i] - gap_of(row, pair, i));
-      row.speed[i] = m.normal.dot(point_velocity(pair.b, row.arm_b[i]) -
-                                  point_velocity(pair.a, row.arm_a[i]));
+      row.speed[i] =
+          m.normal.dot(point_velocity(pair.b, row.arm_b[i]) - point_velocity(pair.a, row.arm_a[i]));
       row.impulse[i] = 0.0;
     }
     row.friction.setZero();
@@ -452,6 +484,9 @@ void ContactBlock::end_step(const SubstepContext& ctx) {
     for (int i = 0; i < row.manifold.count; ++i) {
       residual_ = std::max(residual_, -gap_of(row, pair, i));
       total_residual_ = std::max(total_residual_, -row.gap[i]);
+      // What a spoiled step leaves behind must not spoil the next one.
+      if (!std::isfinite(row.lambda[i])) row.lambda[i] = 0.0;
+      if (!std::isfinite(row.gap[i])) row.gap[i] = 0.0;
     }
   }
 }

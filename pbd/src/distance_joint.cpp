@@ -86,6 +86,8 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   SolverBody ground;
   residual_ =
       def_.compliance > 0.0 ? 0.0 : std::abs(arms(ctx, ground).length - def_.rest_length);
+  // What a spoiled step leaves behind must not spoil the next one.
+  if (!std::isfinite(gap_)) gap_ = 0.0;
 }
 
 void DistanceJoint::save(ByteWriter& out) const {

@@ -241,9 +241,9 @@ TEST_CASE("manifold: every pair of kinds is mirrored when it is added the other 
           for (int p = 0; p < f.count; ++p) {
             double nearest = HUGE_VAL;
             for (int q = 0; q < g.count; ++q) {
-              nearest = std::min(
-                  nearest, (f.points[p].anchor_a_l - g.points[q].anchor_b_l).norm() +
-                               (f.points[p].anchor_b_l - g.points[q].anchor_a_l).norm());
+              nearest =
+                  std::min(nearest, (f.points[p].anchor_a_l - g.points[q].anchor_b_l).norm() +
+                                        (f.points[p].anchor_b_l - g.points[q].anchor_a_l).norm());
             }
             CHECK(nearest < 1e-9);
           }
@@ -301,8 +301,8 @@ TEST_CASE("manifold: contacts are reported before they close, and not far before
 
 TEST_CASE("manifold: fast boxes and balls meet a thin wall before they are through",
           "[collision][unit]") {
-  for (const Shape& shape : {Shape(Sphere{0.05}), Shape(Box{Vec3::Constant(0.05)}),
-                             Shape(Capsule{0.05, 0.05})}) {
+  for (const Shape& shape :
+       {Shape(Sphere{0.05}), Shape(Box{Vec3::Constant(0.05)}), Shape(Capsule{0.05, 0.05})}) {
     for (const double speed : {1.0, 5.0, 10.0, 20.0}) {
       Fixture f;
       const BodyId id = f.add(shape, at(-0.5, 0.01, 0.02));

@@ -87,8 +87,7 @@ TEST_CASE("mesh: a flat mesh carries like the half-space under it, wherever a bo
             CHECK(mesh.gap(m, i) == Approx(gap).margin(1e-9));
             double nearest = HUGE_VAL;
             for (int j = 0; j < p.count; ++j) {
-              nearest = std::min(
-                  nearest, (m.points[i].anchor_b_l - p.points[j].anchor_b_l).norm());
+              nearest = std::min(nearest, (m.points[i].anchor_b_l - p.points[j].anchor_b_l).norm());
             }
             CHECK(nearest < 1e-6);
           }
@@ -250,8 +249,7 @@ TEST_CASE("mesh: in a valley a ball rests on both sides", "[collision][analytic]
   CHECK(f.manifolds[0].key != f.manifolds[1].key);
 }
 
-TEST_CASE("mesh: clusters keep their keys while a ball moves along a valley",
-          "[collision][unit]") {
+TEST_CASE("mesh: clusters keep their keys while a ball moves along a valley", "[collision][unit]") {
   Fixture f(without_recycling());
   f.fixed(fold(0.5, 7));
   const double z = 0.3 * std::sqrt(1.25) - 0.001;
@@ -294,8 +292,7 @@ TEST_CASE("mesh: bodies slide and roll over a flat mesh as over a half-space",
       tandem::pbd::Solver solver;
       for (int k = 0; k < 90; ++k) {
         solver.step(f.world, kDt);
-        highest[ground] =
-            std::max(highest[ground], f.world.pose(id).position.z() - slide.height);
+        highest[ground] = std::max(highest[ground], f.world.pose(id).position.z() - slide.height);
       }
       end[ground] = f.world.pose(id).position.x();
     }

@@ -27,12 +27,14 @@ bool close(const Mat3& l, const Mat3& r, double tolerance) {
 
 TEST_CASE("shape: sizes that are no sizes are refused by name, value and rule",
           "[collision][fault]") {
-  CHECK_THAT(error_of(Sphere{-1.0}), Contains("Sphere.radius") && Contains("-1") && Contains("> 0"));
+  CHECK_THAT(error_of(Sphere{-1.0}),
+             Contains("Sphere.radius") && Contains("-1") && Contains("> 0"));
   CHECK_THAT(error_of(Sphere{NAN}), Contains("Sphere.radius") && Contains("nan"));
   CHECK_THAT(error_of(Box{Vec3(1, 0, 1)}), Contains("Box.half_extents"));
   CHECK_THAT(error_of(Capsule{0.1, 0.0}), Contains("Capsule.half_height"));
   CHECK_THAT(error_of(Capsule{INFINITY, 1.0}), Contains("Capsule.radius"));
-  CHECK_THAT(error_of(HalfSpace{Vec3(0, 0, 2), 0.0}), Contains("HalfSpace.normal") && Contains("2"));
+  CHECK_THAT(error_of(HalfSpace{Vec3(0, 0, 2), 0.0}),
+             Contains("HalfSpace.normal") && Contains("2"));
   CHECK_THAT(error_of(HalfSpace{Vec3::UnitZ(), NAN}), Contains("HalfSpace.offset"));
   CHECK_THAT(error_of(Mesh{}), Contains("Mesh"));
   CHECK(validate(Sphere{0.1}));
@@ -102,8 +104,7 @@ TEST_CASE("triangle_mesh: input that is no surface is refused by name", "[collis
   const std::vector<Vec3> v{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(2, 0, 0)};
   using T = std::vector<TriangleMesh::Triangle>;
   CHECK_THROWS_WITH(TriangleMesh::make(v, T{}), Contains("at least one"));
-  CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 4}}),
-                    Contains("triangles[0]") && Contains("4"));
+  CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 4}}), Contains("triangles[0]") && Contains("4"));
   CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 2}, {0, 1, 3}}),
                     Contains("triangles[1]") && Contains("area"));
   CHECK_THROWS_WITH(TriangleMesh::make(v, T{{0, 1, 2}, {1, 2, 0}}), Contains("edge"));

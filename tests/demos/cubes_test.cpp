@@ -38,7 +38,8 @@ TEST_CASE("cubes: ids, measures and places are the same whatever the order", "[d
   CHECK(scene_hash(plain) != scene_hash(CubesScenario({.height = 3}).build({})));
 }
 
-TEST_CASE("cubes: start-up noise is seeded, bounded and independent of the order", "[demos][unit]") {
+TEST_CASE("cubes: start-up noise is seeded, bounded and independent of the order",
+          "[demos][unit]") {
   const CubesScenario scenario;
   const Scene a = scenario.build({.order_seed = 1, .noise_seed = 9});
   const Scene b = scenario.build({.order_seed = 2, .noise_seed = 9});
@@ -54,7 +55,8 @@ TEST_CASE("cubes: start-up noise is seeded, bounded and independent of the order
   CHECK(largest > 0.5e-4);
 }
 
-TEST_CASE("cubes: nothing overlaps at the start and everything stays where it is", "[demos][unit]") {
+TEST_CASE("cubes: nothing overlaps at the start and everything stays where it is",
+          "[demos][unit]") {
   const CubesScenario scenario;
   Scene scene = scenario.build({.order_seed = 3, .noise_seed = 4});
   pbd::Solver solver;

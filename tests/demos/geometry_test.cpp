@@ -24,8 +24,7 @@ TEST_CASE("geometry: overlap of boxes along a face is the depth", "[demos][analy
   CHECK(box_overlap(at(0, 0, 0), kHalf, at(0, 0, 0.099), kHalf) == Approx(0.001));
   CHECK(box_overlap(at(0, 0, 0), kHalf, at(0.02, -0.03, 0.099), kHalf) == Approx(0.001));
   CHECK(box_overlap(at(0, 0, 0), kHalf, at(0, 0, 0.101), kHalf) == 0.0);
-  CHECK(box_overlap(at(0, 0, 0), Vec3(0.8, 0.4, 0.02), at(0.5, 0.1, 0.06), kHalf) ==
-        Approx(0.01));
+  CHECK(box_overlap(at(0, 0, 0), Vec3(0.8, 0.4, 0.02), at(0.5, 0.1, 0.06), kHalf) == Approx(0.01));
 }
 
 TEST_CASE("geometry: a box on its edge reaches as far as its diagonal", "[demos][analytic]") {

@@ -11,7 +11,8 @@ namespace {
 
 using pbd::Vec3;
 
-TEST_CASE("hand: minimum jerk begins and ends at rest and peaks at 1.875 d / T", "[demos][analytic]") {
+TEST_CASE("hand: minimum jerk begins and ends at rest and peaks at 1.875 d / T",
+          "[demos][analytic]") {
   const Vec3 way(0.3, -0.4, 1.2);  // |way| = 1.3
   const double duration = 2.0;
   const HandPath path = HandPath(1.0, Vec3(1.0, 2.0, 3.0)).move_by(way, duration);
@@ -48,7 +49,8 @@ TEST_CASE("hand: a path waits where it is told and goes through its knots", "[de
   CHECK(path.at(4.0) == Vec3(5.0, 0.0, 0.0));
 }
 
-TEST_CASE("hand: tremor keeps its bound and its rms, and lies between 8 and 12 Hz", "[demos][unit]") {
+TEST_CASE("hand: tremor keeps its bound and its rms, and lies between 8 and 12 Hz",
+          "[demos][unit]") {
   for (const std::uint64_t seed : {1u, 2u, 77u}) {
     const double rms = 3e-4;
     const Tremor tremor(seed, rms);

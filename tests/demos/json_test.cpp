@@ -21,8 +21,8 @@ TEST_CASE("json: strings are escaped as RFC 8259 wants", "[demos][unit]") {
 
 TEST_CASE("json: bytes that are no UTF-8 do not get out", "[demos][fault]") {
   CHECK(json_string("\xff") == R"("\ufffd")");
-  CHECK(json_string("\xc3") == R"("\ufffd")");               // cut off
-  CHECK(json_string("\xc0\xaf") == R"("\ufffd\ufffd")");     // overlong
+  CHECK(json_string("\xc3") == R"("\ufffd")");                        // cut off
+  CHECK(json_string("\xc0\xaf") == R"("\ufffd\ufffd")");              // overlong
   CHECK(json_string("\xed\xa0\x80x") == R"("\ufffd\ufffd\ufffdx")");  // surrogate
 }
 
@@ -46,9 +46,10 @@ TEST_CASE("json: objects nest with commas where they belong", "[demos][unit]") {
   json.key("list").begin_array().value(1).value(2).end_array();
   json.null_field("none");
   json.end_object();
-  CHECK(json.text() ==
-        "{\n  \"a\": 1,\n  \"b\\\"\": \"x\",\n  \"empty\": {},\n  \"list\": [\n    1,\n    2\n  ],\n"
-        "  \"none\": null\n}\n");
+  CHECK(
+      json.text() ==
+      "{\n  \"a\": 1,\n  \"b\\\"\": \"x\",\n  \"empty\": {},\n  \"list\": [\n    1,\n    2\n  ],\n"
+      "  \"none\": null\n}\n");
 }
 
 }  // namespace

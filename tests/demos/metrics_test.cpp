@@ -121,10 +121,10 @@ TEST_CASE("metrics: classes follow hands and the fastest instance", "[demos][uni
     MotionClass expected;
   };
   const std::vector<Case> cases{
-      {0, 0, 0.0, 0.0, MotionClass::Resting},    {0, 0, 0.0, 0.05, MotionClass::Resting},
-      {0, 0, 0.0, 0.051, MotionClass::Moving},   {0, 0, 0.06, 0.0, MotionClass::Moving},
-      {1, 0, 0.0, 0.0, MotionClass::Moving},     {0, 1, 0.0, 0.0, MotionClass::Moving},
-      {1, 1, 0.0, 0.0, MotionClass::Contested},  {2, 0, 0.0, 0.0, MotionClass::Contested},
+      {0, 0, 0.0, 0.0, MotionClass::Resting},   {0, 0, 0.0, 0.05, MotionClass::Resting},
+      {0, 0, 0.0, 0.051, MotionClass::Moving},  {0, 0, 0.06, 0.0, MotionClass::Moving},
+      {1, 0, 0.0, 0.0, MotionClass::Moving},    {0, 1, 0.0, 0.0, MotionClass::Moving},
+      {1, 1, 0.0, 0.0, MotionClass::Contested}, {2, 0, 0.0, 0.0, MotionClass::Contested},
   };
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const auto t = static_cast<consensus::SessionTime>(i);

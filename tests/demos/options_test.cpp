@@ -37,10 +37,12 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
 
 TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {
   const DemoOptions o =
-      parse({"--peers", "3", "--seconds=4.5", "--seed", "9", "--influence", "0", "--predictor",
-             "euler", "--solver=two-step", "--update-hz", "30", "--profile", "5", "--uneven",
-             "--loss", "0.1", "--duplicate", "0.2", "--reorder", "0.3", "--bandwidth", "1e6",
-             "--json", "-", "--csv", "out", "--quiet", "--help"});
+      parse({"--peers",     "3",           "--seconds=4.5", "--seed", "9",
+             "--influence", "0",           "--predictor",   "euler",  "--solver=two-step",
+             "--update-hz", "30",          "--profile",     "5",      "--uneven",
+             "--loss",      "0.1",         "--duplicate",   "0.2",    "--reorder",
+             "0.3",         "--bandwidth", "1e6",           "--json", "-",
+             "--csv",       "out",         "--quiet",       "--help"});
   CHECK(o.peers == 3);
   CHECK(o.seconds == 4.5);
   CHECK(o.seed == 9);
@@ -87,8 +89,7 @@ TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
   CHECK(refusal({"--influence", "1"}) == "--influence = 1 breaks: a number from 0 to 0.99");
   CHECK(refusal({"--predictor", "Euler"}) == "--predictor = Euler breaks: euler or local-motion");
   CHECK(refusal({"--solver", ""}) == "--solver =  breaks: one-pass or two-step");
-  CHECK(refusal({"--listen", "65536"}) ==
-        "--listen = 65536 breaks: a port from 0 (any) to 65535");
+  CHECK(refusal({"--listen", "65536"}) == "--listen = 65536 breaks: a port from 0 (any) to 65535");
   for (const char* bad : {"host", "host:", ":80", "host:0", "host:65536", "host:8x"}) {
     CHECK(refusal({"--connect", bad}) ==
           "--connect = " + std::string(bad) + " breaks: HOST:PORT, port 1 to 65535");

@@ -83,8 +83,9 @@ TEST_CASE("allocation: a step in the steady state makes none", "[pbd][regression
         rods.add(world, {.a = hung, .b = ball, .rest_length = 2.0});
       }
       source.targets.push_back(
-          {.body = box, .pose = {world.pose(box).position + Vec3(0.002, 0.0, 0.0),
-                                 Quat::Identity()}, .share = 0.05});
+          {.body = box,
+           .pose = {world.pose(box).position + Vec3(0.002, 0.0, 0.0), Quat::Identity()},
+           .share = 0.05});
       below = box;
     }
     Solver solver({.form = form});

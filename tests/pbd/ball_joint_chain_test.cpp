@@ -36,8 +36,8 @@ struct Chain {
   }
   /// J, between level and hanging.
   double swing_energy() const {
-    return kGravity * (end_mass * kLink * (kLinks - 0.5) + (kLinks - 1) * 1.0 * kLink *
-                       0.5 * (kLinks - 1));
+    return kGravity *
+           (end_mass * kLink * (kLinks - 0.5) + (kLinks - 1) * 1.0 * kLink * 0.5 * (kLinks - 1));
   }
 };
 

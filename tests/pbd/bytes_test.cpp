@@ -65,18 +65,18 @@ TEST_CASE("bytes: values are laid out little-endian, IEEE 754", "[pbd][unit][gol
   out.u32(0x03040506u);
   out.u64(0x0708090a0b0c0d0eull);
   out.i64(-2);
-  out.f32(1.0f);   // 3f800000
-  out.f64(-2.5);   // c004000000000000
-  out.quat(Quat(1.0, 0.0, 0.0, 0.0));  // w first
-  const auto expected = raw({
-      0x02, 0x01,                                      // u16
-      0x06, 0x05, 0x04, 0x03,                          // u32
-      0x0e, 0x0d, 0x0c, 0x0b, 0x0a, 0x09, 0x08, 0x07,  // u64
-      0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,  // i64
-      0x00, 0x00, 0x80, 0x3f,                          // f32
-      0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x04, 0xc0,  // f64
-      0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xf0, 0x3f,  // quat w
-      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  out.f32(1.0f);                                                              // 3f800000
+  out.f64(-2.5);                                                              // c004000000000000
+  out.quat(Quat(1.0, 0.0, 0.0, 0.0));                                         // w first
+  const auto expected = raw({0x02, 0x01,                                      // u16
+                             0x06, 0x05, 0x04, 0x03,                          // u32
+                             0x0e, 0x0d, 0x0c, 0x0b, 0x0a, 0x09, 0x08, 0x07,  // u64
+                             0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,  // i64
+                             0x00, 0x00, 0x80, 0x3f,                          // f32
+                             0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x04, 0xc0,  // f64
+                             0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xf0, 0x3f,  // quat w
+                             0,    0,    0,    0,    0,    0,    0,    0,    0, 0, 0, 0,
+                             0,    0,    0,    0,    0,    0,    0,    0,    0, 0, 0, 0});
   CHECK(bytes == expected);
 }
 

@@ -65,7 +65,8 @@ TEST_CASE("corrections: an immovable body takes none", "[pbd][unit]") {
   CHECK(inverse_mass(wall, Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0)) == 0.0);
 }
 
-TEST_CASE("corrections: generalised inverse masses are those of the point's motion", "[pbd][unit]") {
+TEST_CASE("corrections: generalised inverse masses are those of the point's motion",
+          "[pbd][unit]") {
   // How far the point moves along n for a unit impulse along n, by applying one.
   SolverBody a = some_body();
   SolverBody b = some_body();

@@ -47,8 +47,7 @@ struct FreePair {
   }
   double length() const {
     const DistanceJoint::Def& def = joints->def(joint);
-    return (world.pose(def.b).to_world(def.anchor_b_l) -
-            world.pose(def.a).to_world(def.anchor_a_l))
+    return (world.pose(def.b).to_world(def.anchor_b_l) - world.pose(def.a).to_world(def.anchor_a_l))
         .norm();
   }
 };
@@ -63,10 +62,8 @@ struct Oscillator {
   Oscillator(double stiffness, double damping, double x) {
     joints = &world.add_block<DistanceJoints>();
     body = world.add_body(box_def(2.0, kHalf, Vec3(1.0 + x, 0.0, 0.0)));
-    joint = joints->add(world, {.b = body,
-                                .rest_length = 1.0,
-                                .compliance = 1.0 / stiffness,
-                                .damping = damping});
+    joint = joints->add(
+        world, {.b = body, .rest_length = 1.0, .compliance = 1.0 / stiffness, .damping = damping});
   }
   double x() const { return world.pose(body).position.x() - 1.0; }
 };
@@ -101,9 +98,8 @@ TEST_CASE("distance_joint: a free pair swings with the period of its reduced mas
   joints.add(world, {.a = a, .b = b, .rest_length = 1.0, .compliance = 1.0 / k});
   Solver solver({.substeps = 100});
   std::vector<double> stretch;
-  run(world, solver, 4.0, [&] {
-    stretch.push_back((world.pose(b).position - world.pose(a).position).norm() - 1.0);
-  });
+  run(world, solver, 4.0,
+      [&] { stretch.push_back((world.pose(b).position - world.pose(a).position).norm() - 1.0); });
   const double omega = std::sqrt(k / (1.0 * 3.0 / 4.0));
   // Implicit Euler turns by atan(omega h) in each substep; interpolation between frames adds 1e-4.
   const double h = kFrame / 100.0;
@@ -119,7 +115,8 @@ TEST_CASE("distance_joint: stretch under load is F / k, whatever the iterations"
       World world;
       auto& joints = world.add_block<DistanceJoints>();
       const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -1.0)));
-      joints.add(world, {.b = body, .rest_length = 1.0, .compliance = 1.0 / 400.0, .damping = 40.0});
+      joints.add(world,
+                 {.b = body, .rest_length = 1.0, .compliance = 1.0 / 400.0, .damping = 40.0});
       Solver solver({.position_iterations = position_iterations,
                      .joint_iterations = joint_iterations,
                      .joint_tolerance = 0.0});
@@ -137,11 +134,9 @@ TEST_CASE("distance_joint: springs in series carry each the weight below it", "[
     const BodyId upper = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -1.0)));
     const BodyId lower = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, -2.0)));
     joints.add(world, {.b = upper, .rest_length = 1.0, .compliance = 1.0 / 400.0, .damping = 30.0});
-    joints.add(world, {.a = upper,
-                       .b = lower,
-                       .rest_length = 1.0,
-                       .compliance = 1.0 / 250.0,
-                       .damping = 30.0});
+    joints.add(
+        world,
+        {.a = upper, .b = lower, .rest_length = 1.0, .compliance = 1.0 / 250.0, .damping = 30.0});
     Solver solver({.position_iterations = position_iterations,
                    .joint_iterations = 200,
                    .joint_tolerance = 1e-15});
@@ -220,11 +215,10 @@ TEST_CASE("distance_joint: one projection follows the numerical gradient", "[pbd
                                  .anchor_a_l = Vec3(0.2, 0.1, -0.3),
                                  .anchor_b_l = Vec3(-0.1, 0.4, 0.2),
                                  .rest_length = rest};
-    std::vector<SolverBody> bodies{
-        solver_body({Vec3(0.1, 0.2, 0.3), turn(Vec3(0.5, -0.2, 0.9))}, 1.5,
-                    box_inertia(1.5, Vec3(0.1, 0.3, 0.2))),
-        solver_body({Vec3(0.9, 0.4, -0.2), turn(Vec3(-1.0, 0.3, 0.2))}, 0.7,
-                    box_inertia(0.7, Vec3(0.3, 0.1, 0.1)))};
+    std::vector<SolverBody> bodies{solver_body({Vec3(0.1, 0.2, 0.3), turn(Vec3(0.5, -0.2, 0.9))},
+                                               1.5, box_inertia(1.5, Vec3(0.1, 0.3, 0.2))),
+                                   solver_body({Vec3(0.9, 0.4, -0.2), turn(Vec3(-1.0, 0.3, 0.2))},
+                                               0.7, box_inertia(0.7, Vec3(0.3, 0.1, 0.1)))};
     const auto c = [&](const std::vector<Pose>& poses) {
       Eigen::VectorXd value(1);
       value[0] = (poses[1].to_world(def.anchor_b_l) - poses[0].to_world(def.anchor_a_l)).norm() -
@@ -272,9 +266,9 @@ TEST_CASE("distance_joint: against an immovable side only the other one moves", 
   World world(weightless());
   auto& joints = world.add_block<DistanceJoints>();
   const BodyId wall = add_ground(world);
-  const BodyId cart = world.add_body(
-      {.type = BodyType::Kinematic, .pose = {Vec3(0.0, 3.0, 0.0), Quat::Identity()},
-       .twist = {Vec3(1.0, 0.0, 0.0), Vec3::Zero()}});
+  const BodyId cart = world.add_body({.type = BodyType::Kinematic,
+                                      .pose = {Vec3(0.0, 3.0, 0.0), Quat::Identity()},
+                                      .twist = {Vec3(1.0, 0.0, 0.0), Vec3::Zero()}});
   const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3(1.5, 0.0, 0.0)));
   const BodyId b = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 4.0, 0.0)));
   joints.add(world, {.a = wall, .b = a, .rest_length = 1.0});
@@ -288,8 +282,7 @@ TEST_CASE("distance_joint: against an immovable side only the other one moves", 
   CHECK((world.pose(b).position - world.pose(cart).position).norm() == Approx(1.0).margin(1e-5));
 }
 
-TEST_CASE("distance_joint: points that coincide have no direction and do no harm",
-          "[pbd][fault]") {
+TEST_CASE("distance_joint: points that coincide have no direction and do no harm", "[pbd][fault]") {
   World world(weightless());
   auto& joints = world.add_block<DistanceJoints>();
   const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));

@@ -14,9 +14,9 @@ namespace {
 
 /// Directions all over the sphere, the poles included.
 std::vector<Vec3> directions() {
-  std::vector<Vec3> all{Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitY(),
-                        Vec3::UnitZ(), -Vec3::UnitZ(), Vec3(0.0, -0.0, -1.0),
-                        Vec3(1e-9, -1e-9, -1.0).normalized()};
+  std::vector<Vec3> all{
+      Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitY(),         -Vec3::UnitY(),
+      Vec3::UnitZ(), -Vec3::UnitZ(), Vec3(0.0, -0.0, -1.0), Vec3(1e-9, -1e-9, -1.0).normalized()};
   for (int i = 0; i < 200; ++i) {  // Fibonacci sphere
     const double z = 1.0 - (2.0 * i + 1.0) / 200.0;
     const double turn_angle = i * kPi * (3.0 - std::sqrt(5.0));
@@ -143,8 +143,8 @@ TEST_CASE("math: a torque-free step keeps the rotational energy and the angular 
 
 TEST_CASE("math: a symmetric top precesses as the midpoint rule says, and so as Euler's equations",
           "[pbd][unit][analytic]") {
-  // Euler: w3 is constant and (w1, w2) turns at p = w3 (I3 - I1) / I1. The midpoint rule turns it by
-  // 2 atan(p h / 2) in each step.
+  // Euler: w3 is constant and (w1, w2) turns at p = w3 (I3 - I1) / I1. The midpoint rule turns it
+  // by 2 atan(p h / 2) in each step.
   const double i1 = 0.2;
   const double i3 = 0.35;
   const Mat3 inertia = Vec3(i1, i1, i3).asDiagonal();

@@ -27,8 +27,8 @@ struct Scene {
     const BodyId ground = add_ground(world);
     const Vec3 normal(std::sin(tilt), 0.0, std::cos(tilt));
     for (int i = 0; i < count; ++i) {
-      boxes.push_back(world.add_body(
-          box_def(1.0, kHalf, (0.5 + i) * normal, turn(Vec3(0.0, tilt, 0.0)))));
+      boxes.push_back(
+          world.add_body(box_def(1.0, kHalf, (0.5 + i) * normal, turn(Vec3(0.0, tilt, 0.0)))));
       if (i == 0) {
         contacts.box_on_plane(ground, normal, 0.0, boxes[0], kHalf, {.friction = friction});
       } else {
@@ -79,8 +79,8 @@ double run_beside(Scene& with, Scene& without, double share, const Vec3& offset,
     solver.step(with.world, kFrame);
     solver.step(without.world, kFrame);
     for (const BodyId id : with.boxes) {
-      largest = std::max(
-          largest, (with.world.pose(id).position - without.world.pose(id).position).norm());
+      largest = std::max(largest,
+                         (with.world.pose(id).position - without.world.pose(id).position).norm());
     }
   }
   return largest;
@@ -120,9 +120,8 @@ TEST_CASE("pose_target contact: when the targets stop, nothing remembers them",
     run(scene.world, solver, 0.5);
     scene.source.targets.clear();
     double fastest = 0.0;
-    run(scene.world, solver, 2.0, [&] {
-      fastest = std::max(fastest, scene.world.twist(scene.boxes[0]).linear.norm());
-    });
+    run(scene.world, solver, 2.0,
+        [&] { fastest = std::max(fastest, scene.world.twist(scene.boxes[0]).linear.norm()); });
     INFO("depth " << 0.5 - scene.position().z() << " m, fastest " << fastest << " m/s");
     CHECK(std::abs(0.5 - scene.position().z()) < 1e-3);
     CHECK(fastest < 0.1);
@@ -149,7 +148,8 @@ TEST_CASE("pose_target contact: a share of 1e-6 leaves a sliding box where none 
 
 TEST_CASE("pose_target contact: a share of 1e-6 leaves a stack where none would have it",
           "[pbd][consensus][regression]") {
-  for (const Vec3& offset : {Vec3(0.005, 0.0, 0.0), Vec3(0.0, 0.0, 0.005), Vec3(0.0, 0.0, -0.005)}) {
+  for (const Vec3& offset :
+       {Vec3(0.005, 0.0, 0.0), Vec3(0.0, 0.0, 0.005), Vec3(0.0, 0.0, -0.005)}) {
     Scene with(5, 0.0, 0.5);
     Scene without(5, 0.0, 0.5);
     const double apart = run_beside(with, without, 1e-6, offset, 1.0);
@@ -225,8 +225,9 @@ TEST_CASE("pose_target contact: bodies of other islands keep their very bits",
         below = box;
         if (column == 1) second.push_back(box);
         if (column == 0 && i == 1) {
-          source.targets.push_back(
-              {.body = box, .pose = {Vec3(0.1, 0.2, 1.5), turn(Vec3(0.0, 0.0, 0.2))}, .share = 0.3});
+          source.targets.push_back({.body = box,
+                                    .pose = {Vec3(0.1, 0.2, 1.5), turn(Vec3(0.0, 0.0, 0.2))},
+                                    .share = 0.3});
         }
       }
       const BodyId pendulum = world.add_body(box_def(1.0, kHalf, Vec3(5.0 * column, 9.0, 0.0)));

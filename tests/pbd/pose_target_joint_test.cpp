@@ -91,8 +91,8 @@ struct Row {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(6 * i);
       const Pose start = world.pose(bodies[i]);
-      poses.push_back({start.position + y.segment<3>(at),
-                       turn(y.segment<3>(at + 3)) * start.orientation});
+      poses.push_back(
+          {start.position + y.segment<3>(at), turn(y.segment<3>(at + 3)) * start.orientation});
     }
     return poses;
   }
@@ -138,8 +138,8 @@ TEST_CASE("pose_target: converged once a step, jointed bodies reach the constrai
   for (const auto& m : masses) {
     for (const double weight : {0.1, 1.0, 9.0}) {
       std::vector<Wish> wishes(m.size());
-      wishes[0] = {weight, Vec3(1e-3, -5e-4, 8e-4), Vec3(2e-4, -3e-4, 1e-3)};
-      wishes.back() = {0.5 * weight, Vec3(-2e-4, 1e-3, 0.0), Vec3(0.0, 5e-4, -4e-4)};
+      wishes[0] = {weight, Vec3(5e-4, -2e-4, 4e-4), Vec3(1e-4, -1e-4, 5e-4)};
+      wishes.back() = {0.5 * weight, Vec3(-1e-4, 5e-4, 0.0), Vec3(0.0, 3e-4, -2e-4)};
       Row row(m, wishes, 0.15);
       const auto optimum = row.optimum();
       Solver solver(converged());
@@ -147,8 +147,8 @@ TEST_CASE("pose_target: converged once a step, jointed bodies reach the constrai
       INFO(m.size() << " bodies, weight " << weight << ", error " << error_of(row, optimum));
       CHECK(error_of(row, optimum) < 1e-6);
       // The wish is far from what the joints allow, or the case would say nothing.
-      const double share = share_of(weight);
-      CHECK((optimum[0].position - share * wishes[0].translation).norm() > 2e-5);
+      const Vec3 free = share_of(weight) * wishes[0].translation;
+      CHECK((optimum[0].position - free).norm() > 0.05 * free.norm());
     }
   }
 }
@@ -244,7 +244,7 @@ TEST_CASE("pose_target: two owned bodies that contradict their joint do no harm"
     CHECK(std::isfinite(fastest));
     const double distance =
         (row.world.pose(row.bodies[1]).position - row.world.pose(row.bodies[0]).position).norm();
-    INFO("distance " << distance);
+    CHECK(distance == Approx(1.0).margin(1e-3));
     CHECK(fastest < 1e-3);
   }
 }

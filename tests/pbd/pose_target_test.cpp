@@ -58,8 +58,8 @@ TEST_CASE("pose_target: a free body ends at the weighted average of both states"
           const Vec3 local = start.pose.position + kFrame * start.twist.linear;
           const Vec3 remote = target.pose.position + kFrame * target.twist.linear;
           const Vec3 x = (1.0 - share) * local + share * remote + fall(gravity, kFrame / n, n);
-          const Vec3 v = (1.0 - share) * start.twist.linear + share * target.twist.linear +
-                         kFrame * gravity;
+          const Vec3 v =
+              (1.0 - share) * start.twist.linear + share * target.twist.linear + kFrame * gravity;
           INFO("share " << share << ", " << n << " substeps, gravity " << gravity.z());
           REQUIRE((scene.pose().position - x).norm() < 1e-12);
           REQUIRE((scene.twist().linear - v).norm() < 1e-12);
@@ -135,8 +135,7 @@ TEST_CASE("pose_target: spinning about one axis, angle and rate are averaged",
     scene.target().twist = {Vec3::Zero(), 5.0 * axis};
     Solver solver({.form = form});
     solver.step(scene.world, kFrame);
-    const double angle =
-        (1.0 - share) * (0.2 + 3.0 * kFrame) + share * (0.5 + 5.0 * kFrame);
+    const double angle = (1.0 - share) * (0.2 + 3.0 * kFrame) + share * (0.5 + 5.0 * kFrame);
     CHECK(angle_between(scene.pose().orientation, turn(angle * axis)) < 1e-12);
     CHECK((scene.twist().angular - (0.7 * 3.0 + 0.3 * 5.0) * axis).norm() < 1e-12);
   }
@@ -167,7 +166,8 @@ TEST_CASE("pose_target: an inertial target does not fall, and the pull against g
     const PoseTarget target = scene.target();
     Vec3 x = scene.pose().position;
     Vec3 v = scene.twist().linear;
-    const double part = form == ConsensusForm::Substep ? 1.0 - std::pow(1.0 - share, 1.0 / n) : share;
+    const double part =
+        form == ConsensusForm::Substep ? 1.0 - std::pow(1.0 - share, 1.0 / n) : share;
     for (int k = 1; k <= n; ++k) {
       v += h * Vec3(0.0, 0.0, -9.81);
       x += h * v;
@@ -208,12 +208,13 @@ TEST_CASE("pose_target: the correction that is reported is what agreement did",
   solver.step(with.world, kFrame);
   solver.step(without.world, kFrame);
   const Correction c = with.world.correction(with.body);
-  // The position also runs on with the corrected velocity in the later substeps, so the twist's part
-  // of it is not displacement: 1/60 s of at most |c.twist|.
+  // The position also runs on with the corrected velocity in the later substeps, so the twist's
+  // part of it is not displacement: 1/60 s of at most |c.twist|.
   const Vec3 moved = with.pose().position - without.pose().position;
   CHECK((moved - c.translation).norm() <= kFrame * c.twist.linear.norm());
   CHECK(c.translation.norm() > 0.05);
-  CHECK((c.twist.linear - 0.25 * (with.target().twist.linear - Vec3(1.0, -0.5, 0.2))).norm() < 1e-12);
+  CHECK((c.twist.linear - 0.25 * (with.target().twist.linear - Vec3(1.0, -0.5, 0.2))).norm() <
+        1e-12);
   CHECK(c.rotation.norm() == Approx(0.25 * Vec3(0.1, 0.5, -0.3).norm()).epsilon(1e-9));
   CHECK(without.world.correction(without.body).translation.norm() == 0.0);
   with.source.targets.clear();

@@ -186,8 +186,8 @@ TEST_CASE("snapshot: the hash changes with any bit of any pose or twist", "[pbd]
     seen.push_back(scene.world.hash());
   }
   scene.world.set_twist(scene.box, state.twist);
-  scene.world.set_pose(scene.box, {state.pose.position, turn(Vec3(1e-12, 0.0, 0.0)) *
-                                                            state.pose.orientation});
+  scene.world.set_pose(scene.box,
+                       {state.pose.position, turn(Vec3(1e-12, 0.0, 0.0)) * state.pose.orientation});
   seen.push_back(scene.world.hash());
   std::sort(seen.begin(), seen.end());
   CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());

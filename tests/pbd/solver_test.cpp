@@ -44,8 +44,7 @@ class Spoiler final : public ConstraintBlock {
 
 }  // namespace
 
-TEST_CASE("solver: options out of range are refused naming field, value and rule",
-          "[pbd][fault]") {
+TEST_CASE("solver: options out of range are refused naming field, value and rule", "[pbd][fault]") {
   struct Case {
     const char* field;
     const char* value;
@@ -97,8 +96,7 @@ TEST_CASE("solver: a step that is not a positive number leaves the world as it i
   }
 }
 
-TEST_CASE("solver: free fall and free flight are those of semi-implicit Euler",
-          "[pbd][analytic]") {
+TEST_CASE("solver: free fall and free flight are those of semi-implicit Euler", "[pbd][analytic]") {
   World world({.gravity = Vec3(1.0, 0.0, -9.81)});
   BodyDef def;
   def.twist.linear = Vec3(2.0, 3.0, 4.0);
@@ -136,13 +134,12 @@ TEST_CASE("solver: a free body's spin keeps energy and angular momentum, flips i
   CHECK((angular_momentum(world) - momentum).norm() < 0.01 * momentum.norm());
 }
 
-TEST_CASE("solver: bodies that leave the numbers are named, put back and stopped",
-          "[pbd][fault]") {
+TEST_CASE("solver: bodies that leave the numbers are named, put back and stopped", "[pbd][fault]") {
   struct Case {
     Vec3 v, w;
   };
-  for (const Case& c : {Case{Vec3(1e308, 0.0, 0.0), Vec3::Zero()},
-                        Case{Vec3::Zero(), Vec3(0.0, 1e200, 0.0)}}) {
+  for (const Case& c :
+       {Case{Vec3(1e308, 0.0, 0.0), Vec3::Zero()}, Case{Vec3::Zero(), Vec3(0.0, 1e200, 0.0)}}) {
     World world;
     const BodyId good = world.add_body({});
     BodyDef def = box_def(1.0, Vec3(0.1, 0.2, 0.3), Vec3(3.0, 4.0, 5.0));
@@ -282,13 +279,18 @@ TEST_CASE("solver: the order in which kinds of constraints were added does not m
       balls = &world.add_block<BallJoints>();
     }
     const BodyId ground = add_ground(world);
-    const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.6), turn(Vec3(0.1, 0, 0))));
+    const BodyId a =
+        world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.6), turn(Vec3(0.1, 0, 0))));
     const BodyId b = world.add_body(box_def(2.0, kHalf, Vec3(1.5, 0.0, 0.9)));
     contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, a, kHalf, {});
     contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, b, kHalf, {});
     balls->add(world, ball_joint_at(world, a, b, Vec3(0.7, 0.0, 0.8)));
-    rods->add(world, {.a = a, .b = b, .anchor_b_l = Vec3(0.0, 0.3, 0.0), .rest_length = 1.5,
-                      .compliance = 1e-3, .damping = 1.0});
+    rods->add(world, {.a = a,
+                      .b = b,
+                      .anchor_b_l = Vec3(0.0, 0.3, 0.0),
+                      .rest_length = 1.5,
+                      .compliance = 1e-3,
+                      .damping = 1.0});
     Solver solver;
     run(world, solver, 2.0);
     hashes.push_back(world.hash());

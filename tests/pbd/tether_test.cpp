@@ -38,8 +38,8 @@ TEST_CASE("tether: it is an implicit spring-damper to rounding", "[pbd][analytic
   Solver solver;
   std::array<ImplicitSpring, 3> exact;
   for (int i = 0; i < 3; ++i) {
-    exact[i] = {.mass = 2.0, .stiffness = 500.0, .damping = 20.0,
-                .x = world.pose(body).position[i]};
+    exact[i] = {
+        .mass = 2.0, .stiffness = 500.0, .damping = 20.0, .x = world.pose(body).position[i]};
   }
   run(world, solver, 1.0, [&] {
     for (int i = 0; i < 3; ++i) {

@@ -86,9 +86,9 @@ TEST_CASE("world: every call refuses a stale, foreign or invalid id and changes 
   for (const BodyId id : {stale, BodyId{}, BodyId{99, 0}, BodyId{alive.index, 7}}) {
     const std::string value = "body " + std::to_string(id.index);
     const std::vector<std::function<void()>> calls{
-        [&] { world.remove_body(id); },       [&] { (void)world.state(id); },
-        [&] { (void)world.props(id); },       [&] { world.set_pose(id, {}); },
-        [&] { world.set_twist(id, {}); },     [&] { (void)world.correction(id); },
+        [&] { world.remove_body(id); },      [&] { (void)world.state(id); },
+        [&] { (void)world.props(id); },      [&] { world.set_pose(id, {}); },
+        [&] { world.set_twist(id, {}); },    [&] { (void)world.correction(id); },
         [&] { (void)world.in_contact(id); },
     };
     for (const auto& call : calls) {
@@ -151,18 +151,28 @@ TEST_CASE("world: bad poses, twists and gravity are refused and change nothing",
   const BodyId body = world.add_body({});
   const BodyId ground = add_ground(world);
   const auto before = world.snapshot();
-  CHECK(names(refusal([&] { world.set_pose(body, {Vec3(0.0, kNan, 0.0), Quat::Identity()}); }),
+  CHECK(names(refusal([&] {
+                world.set_pose(body, {Vec3(0.0, kNan, 0.0), Quat::Identity()});
+              }),
               "pose.position", "nan", "finite"));
-  CHECK(names(refusal([&] { world.set_pose(body, {Vec3::Zero(), Quat(0.5, 0.0, 0.0, 0.0)}); }),
+  CHECK(names(refusal([&] {
+                world.set_pose(body, {Vec3::Zero(), Quat(0.5, 0.0, 0.0, 0.0)});
+              }),
               "pose.orientation", "0.5", "unit norm"));
-  CHECK(names(refusal([&] { world.set_twist(body, {Vec3(kInf, 0.0, 0.0), Vec3::Zero()}); }),
+  CHECK(names(refusal([&] {
+                world.set_twist(body, {Vec3(kInf, 0.0, 0.0), Vec3::Zero()});
+              }),
               "twist.linear", "inf", "finite"));
-  CHECK(names(refusal([&] { world.set_twist(body, {Vec3::Zero(), Vec3(0.0, 0.0, kNan)}); }),
+  CHECK(names(refusal([&] {
+                world.set_twist(body, {Vec3::Zero(), Vec3(0.0, 0.0, kNan)});
+              }),
               "twist.angular", "nan", "finite"));
-  CHECK(names(refusal([&] { world.set_twist(ground, {Vec3(1.0, 0.0, 0.0), Vec3::Zero()}); }),
+  CHECK(names(refusal([&] {
+                world.set_twist(ground, {Vec3(1.0, 0.0, 0.0), Vec3::Zero()});
+              }),
               "twist", "1.0", "zero for a static body"));
-  CHECK(names(refusal([&] { world.set_gravity(Vec3(0.0, 0.0, kNan)); }), "gravity", "nan",
-              "finite"));
+  CHECK(
+      names(refusal([&] { world.set_gravity(Vec3(0.0, 0.0, kNan)); }), "gravity", "nan", "finite"));
   CHECK(names(refusal([&] { World bad({.gravity = Vec3(kInf, 0.0, 0.0)}); }), "gravity", "inf",
               "finite"));
   CHECK(world.snapshot() == before);
@@ -221,7 +231,8 @@ TEST_CASE("world: blocks are kept in the order in which they are solved", "[pbd]
 TEST_CASE("world: kinetic and mechanical energy are those of the textbook",
           "[pbd][unit][analytic]") {
   World world;
-  BodyDef def = box_def(2.0, Vec3(0.3, 0.4, 0.5), Vec3(0.0, 0.0, 7.0), turn(Vec3(0.0, 0.0, kPi / 2)));
+  BodyDef def =
+      box_def(2.0, Vec3(0.3, 0.4, 0.5), Vec3(0.0, 0.0, 7.0), turn(Vec3(0.0, 0.0, kPi / 2)));
   def.twist = {Vec3(3.0, 0.0, 4.0), Vec3(2.0, 0.0, 0.0)};
   def.gravity_scale = 0.5;
   world.add_body(def);

@@ -18,9 +18,8 @@ inline pbd::BodyDef box_def(double mass, const Vec3& half, const Vec3& position,
 }
 
 inline pbd::BodyDef ball_def(double mass, double radius, const Vec3& position) {
-  return {.pose = {position, Quat::Identity()},
-          .mass = mass,
-          .inertia = sphere_inertia(mass, radius)};
+  return {
+      .pose = {position, Quat::Identity()}, .mass = mass, .inertia = sphere_inertia(mass, radius)};
 }
 
 inline pbd::BodyId add_ground(pbd::World& world) {

@@ -8,8 +8,8 @@
 #include "support/oracles.h"
 #include "tandem/pbd/corrections.h"
 
-/// Numerical check of a row's Jacobian: what one projection of a rigid row must do, from nothing but
-/// the constraint function C(poses) that the test writes down again.
+/// Numerical check of a row's Jacobian: what one projection of a rigid row must do, from nothing
+/// but the constraint function C(poses) that the test writes down again.
 namespace tandem::testing {
 
 using ConstraintFunction = std::function<Eigen::VectorXd(const std::vector<Pose>&)>;

@@ -18,7 +18,7 @@ using pbd::Twist;
 using pbd::Vec3;
 
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kGravity = 9.81;  ///< m/s^2, World's default
+inline constexpr double kGravity = 9.81;      ///< m/s^2, World's default
 inline constexpr double kFrame = 1.0 / 60.0;  ///< s
 
 /// Inertia (kg m^2) of a full box with the half extents `half` (m).
@@ -93,8 +93,7 @@ struct ImplicitSpring {
   double v = 0.0;
 
   void step(double h) {
-    v = (mass * v + h * (force - stiffness * x)) /
-        (mass + h * damping + h * h * stiffness);
+    v = (mass * v + h * (force - stiffness * x)) / (mass + h * damping + h * h * stiffness);
     x += h * v;
   }
 };
@@ -120,7 +119,8 @@ inline double mean_period(const std::vector<double>& samples, double dt) {
   std::vector<double> crossings;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     if (samples[i - 1] < 0.0 && samples[i] >= 0.0) {
-      crossings.push_back(dt * (static_cast<double>(i) - samples[i] / (samples[i] - samples[i - 1])));
+      crossings.push_back(dt *
+                          (static_cast<double>(i) - samples[i] / (samples[i] - samples[i - 1])));
     }
   }
   if (crossings.size() < 2) return 0.0;

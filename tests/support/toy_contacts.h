@@ -40,12 +40,12 @@ class ToyContacts final : public pbd::ContactSource {
     pairs_.push_back({Kind::BallOnBall, a, b, Vec3::Zero(), 0.0, Vec3::Constant(radius_a),
                       Vec3::Constant(radius_b), surface});
   }
-  /// Upper box on the +z face of the lower one, roughly parallel: the upper's bottom corners, pulled
-  /// in to the lower's face, against the plane of that face.
+  /// Upper box on the +z face of the lower one, roughly parallel: the upper's bottom corners,
+  /// pulled in to the lower's face, against the plane of that face.
   void box_on_box(BodyId lower, const Vec3& half_lower, BodyId upper, const Vec3& half_upper,
                   const Surface& surface) {
-    pairs_.push_back({Kind::BoxOnBox, lower, upper, Vec3::Zero(), 0.0, half_lower, half_upper,
-                      surface});
+    pairs_.push_back(
+        {Kind::BoxOnBox, lower, upper, Vec3::Zero(), 0.0, half_lower, half_upper, surface});
   }
   /// Number the features anew in every step, as a detector does that keeps no ids.
   void forget_features(bool forget) { forget_features_ = forget; }
@@ -61,9 +61,9 @@ class ToyContacts final : public pbd::ContactSource {
       m.friction = pair.surface.friction;
       m.restitution = pair.surface.restitution;
       const pbd::BodyState& b = world.state(pair.b);
-      const double margin =
-          0.02 + 2.0 * dt * (b.twist.linear.norm() + world.twist(pair.a).linear.norm() +
-                             b.twist.angular.norm() * pair.half_b.norm());
+      const double margin = 0.02 + 2.0 * dt *
+                                       (b.twist.linear.norm() + world.twist(pair.a).linear.norm() +
+                                        b.twist.angular.norm() * pair.half_b.norm());
       fill(world, pair, margin, m);
       if (m.count == 0) continue;
       if (forget_features_) {

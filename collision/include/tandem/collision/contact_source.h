@@ -59,9 +59,9 @@ struct CollisionOptions {
 /// What the last collect() did.
 struct CollisionStats {
   std::size_t colliders = 0;
-  std::size_t pairs = 0;      ///< whose fat boxes overlap
-  std::size_t queries = 0;    ///< asked of the narrow phase (one for each candidate triangle)
-  std::size_t recycled = 0;   ///< pairs that needed none
+  std::size_t pairs = 0;     ///< whose fat boxes overlap
+  std::size_t queries = 0;   ///< asked of the narrow phase (one for each candidate triangle)
+  std::size_t recycled = 0;  ///< pairs that needed none
   std::size_t manifolds = 0;
   std::size_t points = 0;
 };

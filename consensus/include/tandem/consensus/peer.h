@@ -29,8 +29,8 @@ struct PeerOptions {
   InfluenceOptions influence;
   PredictorKind predictor = PredictorKind::LocalMotion;
   Coupling coupling = Coupling::OnePass;
-  /// s: own influence grows from 0 to full over this time after the first step, so that a newcomer
-  /// learns from the others before it is heard.
+  /// s: own influence grows from 0 to full over this time after the first step, against others and
+  /// against remote states: a newcomer takes over what the others know before it is heard.
   double authority_ramp = 1.0;
   /// s: springs of a peer that has fallen silent are let go after this.
   double spring_timeout = 1.0;

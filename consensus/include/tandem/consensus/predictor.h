@@ -40,6 +40,10 @@ class MotionHistory {
   MotionSample at_time(SessionTime time) const;
   /// Whether the body was coupled at any time since `time`.
   bool coupled_since(SessionTime time) const;
+  /// Whether the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
+  /// to it. The peers' steps resolve a hit a little sooner or later, and within the step nobody
+  /// knows: velocities around it cannot be compared.
+  bool hit_near(SessionTime time) const;
 
  private:
   const MotionSample& at(std::size_t age) const {
