@@ -30,8 +30,8 @@ class HoldAll final : public pbd::TargetSource {
     for (std::uint32_t i = 0; i < world.slot_count(); ++i) {
       const pbd::BodyId id = world.body_at(i);
       if (!id.valid() || world.props(id).type != pbd::BodyType::Dynamic) continue;
-      pbd::PoseTarget target{.body = id, .pose = world.pose(id), .twist = world.twist(id),
-                             .share = share_};
+      pbd::PoseTarget target{
+          .body = id, .pose = world.pose(id), .twist = world.twist(id), .share = share_};
       target.pose.position.x() += 1e-4;  // a difference to work on
       out.push_back(target);
     }

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cpu_clock.h"
@@ -160,7 +162,7 @@ class Peer::Impl {
     MotionHistory history = {};
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
-    SessionTime following_since = 0;  ///< when the leader's orientation was last close to ours
+    SessionTime following_since = 0;  ///< when the leader's orientation was last close; 0 = never
   };
 
   Shared* find(const SharedId& id) {
@@ -198,7 +200,10 @@ class Peer::Impl {
 
   void take_in(PeerId from, SessionTime now) {
     inbox_.add_peer(from);
+    const SessionTime farewell = farewell_of(from);
     for (const StateUpdate& update : incoming_.states) {
+      // Overtaken by the farewell; what is stamped later comes from a successor.
+      if (update.stamp <= farewell) continue;
       if (inbox_.offer(from, update, now) == InboxVerdict::UnknownId) ++stats_.unknown_ids;
     }
     for (const SpringUpdate& update : incoming_.springs) {
@@ -211,8 +216,18 @@ class Peer::Impl {
     }
     if (!incoming_.leaves.empty()) {
       inbox_.remove_peer(from);
-      springs_.drop_peer(from);
+      std::erase_if(farewells_, [from](const auto& entry) { return entry.first == from; });
+      farewells_.emplace_back(from, std::min(now, incoming_.leaves.back().stamp));
+      springs_.drop_peer(from, now);
     }
+  }
+
+  /// Stamp of a peer's farewell; the beginning of time where it has not left.
+  SessionTime farewell_of(PeerId peer) const {
+    for (const auto& [id, stamp] : farewells_) {
+      if (id == peer) return stamp;
+    }
+    return std::numeric_limits<SessionTime>::min();
   }
 
   // --- predict and fuse -------------------------------------------------------------------------
@@ -246,7 +261,7 @@ class Peer::Impl {
       const double claimed = static_cast<double>(received.update.influence);
       const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
       double share = effective_share(options_.influence, heard, age, predictor_->gain());
-      if (!owner) share = against_own(lead(shared, received, own, now, share));
+      if (!owner) share = against_own(lead(shared, received, now, share));
       if (!(share > 0.0)) continue;
       const double mirrored =
           effective_share(options_.influence, own_announced, age, predictor_->gain());
@@ -271,15 +286,16 @@ class Peer::Impl {
 
   /// The share that is left of `share` while an average makes sense, and what a leader gets and a
   /// follower keeps beyond.
-  double lead(Shared& shared, const Inbox::Received& received, const pbd::BodyState& own,
-              SessionTime now, double share) const {
-    const double angle =
-        pbd::rotation_between(own.pose.orientation, received.update.pose.orientation).norm();
+  double lead(Shared& shared, const Inbox::Received& received, SessionTime now,
+              double share) const {
+    // Compared at the stamp: what spins fast turns far within the age of an update.
+    const pbd::Quat then = shared.history.at_time(received.update.stamp).pose.orientation;
+    const double angle = pbd::rotation_between(then, received.update.pose.orientation).norm();
     const double doubt =
         std::clamp((angle - kLeadFromAngle) / (kLeadToAngle - kLeadFromAngle), 0.0, 1.0);
     if (confidence() < 1.0) return share;  // a newcomer leads nobody
     if (received.peer > transport_.self()) return share * (1.0 - doubt);
-    if (doubt < 0.5) shared.following_since = now;
+    if (doubt < 0.5 || shared.following_since == 0) shared.following_since = now;
     const double waited = kNs * static_cast<double>(now - shared.following_since);
     const double strength = (1.0 + doubt) * (1.0 + doubt * kLeadGrowth * waited * waited);
     return doubt > 0.0 ? 1.0 - std::pow(1.0 - share, strength) : share;
@@ -403,6 +419,7 @@ class Peer::Impl {
   PeerObserver* observer_ = nullptr;
   PeerStats stats_;
   std::vector<Shared> shared_;  ///< by id
+  std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
   SessionTime now_ = 0;
   SessionTime started_ = 0;

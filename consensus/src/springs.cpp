@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,6 +16,9 @@ constexpr double kNs = 1e-9;
 
 /// ns: a removed spring is remembered this long against late messages.
 constexpr SessionTime kTombstone = 5'000'000'000;
+
+/// s: a hand that was not moved for longer stands still.
+constexpr double kStill = 0.05;
 
 std::uint32_t first_id(SessionTime now) {
   const auto id = static_cast<std::uint32_t>(now / 1'000'000);
@@ -105,11 +109,13 @@ bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
       [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
   const bool known = it != remote_.end() && it->peer == from && it->last.spring == update.spring;
   if (known) {
-    // A newcomer under an old peer's id counts its springs from the start again: what is long
-    // removed may then live once more, everything else must not go back.
-    if (update.revision < it->last.revision) return true;
-    if (update.stamp <= it->last.stamp && update.revision == it->last.revision) return true;
-    if (!it->live && update.revision == it->last.revision) return true;
+    // Nothing goes back. A removal has a revision of its own, so that what follows late is told from
+    // a spring that was let go for the silence of its peer, which now goes on. Only a creation later
+    // than all that was heard is another spring, of a successor under the same peer's id.
+    const bool later = update.stamp > it->last.stamp;
+    const bool successor = later && update.event == SpringEvent::Create;
+    if (update.revision < it->last.revision && !successor) return true;
+    if (update.revision == it->last.revision && !later) return true;
   } else {
     const auto mine = std::count_if(remote_.begin(), remote_.end(),
                                     [&](const Remote& r) { return r.peer == from; });
@@ -136,11 +142,15 @@ bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
   return true;
 }
 
-void Springs::drop_peer(PeerId from) {
+void Springs::drop_peer(PeerId from, SessionTime now) {
   for (Remote& remote : remote_) {
-    if (remote.peer == from) let_go(remote);
+    if (remote.peer != from) continue;
+    let_go(remote);
+    // Remembered, above all revisions: messages that were overtaken by the farewell revive nothing.
+    remote.last.revision = std::numeric_limits<std::uint32_t>::max();
+    remote.last.stamp = std::max(remote.last.stamp, now);
+    remote.heard = now;
   }
-  std::erase_if(remote_, [&](const Remote& r) { return r.peer == from; });
 }
 
 void Springs::prepare(SessionTime now) {
@@ -164,8 +174,16 @@ void Springs::prepare(SessionTime now) {
                 [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
   for (Own& own : own_) {
     if (!tethers_.contains(own.tether)) continue;
+    double since = own.moved != 0 ? kNs * static_cast<double>(now - own.moved) : 0.0;
+    if (since > kStill) {
+      // The others must hear that it stands, and that it still holds.
+      own.velocity.setZero();
+      own.moved = now;
+      since = 0.0;
+    }
     pbd::Tether::Def def = tethers_.def(own.tether);
-    def.anchor_w = own.def.anchor_w;
+    // Between two moves it goes on here as it does at the others.
+    def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity;
     def.anchor_velocity = own.velocity;
     tethers_.set(world_, own.tether, def);
   }

@@ -28,8 +28,8 @@ class Springs {
   /// Apply another peer's message. `body` is the local instance of update.body.
   /// @return false where it was refused
   bool receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
-  /// Let go what a peer holds.
-  void drop_peer(PeerId from);
+  /// Let go what a peer holds, for good.
+  void drop_peer(PeerId from, SessionTime now);
   /// Let go what has not been heard of for too long, and set all anchors for a step from `now` on.
   void prepare(SessionTime now);
 

@@ -70,10 +70,33 @@ TEST_CASE("peer: a disagreement about velocity halves within 20 frames, profile 
   CHECK((a.twist().angular - b.twist().angular).norm() < 1.0);
   session->run(2.7);
   CHECK((a.v() - b.v()).norm() < 1e-3);
-  // 7 ms of step phase at the common speed, which is about half of 0.5 m/s.
-  CHECK((a.x() + 0.007 * a.v() - b.x()).norm() < 1e-3);
+  CHECK(gap_now(a, b) < 1e-3);
+  // They meet between.
   CHECK(a.v().norm() > 0.1);
   CHECK(a.v().norm() < 0.4);
+}
+
+TEST_CASE("peer: a fast spin is no disagreement about orientation", "[consensus]") {
+  // 12 rad/s are 85 degrees within the age of an update. Were that taken for one, the lower id would
+  // lead and not move.
+  const auto session = agreed(
+      5,
+      [](Site& site) {
+        pbd::BodyDef def = ball(Vec3::Zero());
+        const double angle = site.id == 2 ? 12.0 * 0.007 : 0.0;
+        def.pose.orientation = Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()));
+        def.twist.angular = Vec3(0.0, 0.0, 12.0);
+        site.share(def);
+      },
+      kWeightless);
+  Site& a = (*session)[0];
+  Site& b = (*session)[1];
+  b.displace({0.05, 0.0, 0.0});
+  session->run(2.0);
+  CHECK(gap(a, b) < 1e-3);
+  CHECK(a.x().x() > 0.01);
+  CHECK(a.x().x() < 0.04);
+  CHECK(a.twist().angular.z() == Approx(12.0).epsilon(1e-3));
 }
 
 TEST_CASE("peer: symmetric exchange without delay adds no kinetic energy", "[consensus]") {
@@ -94,14 +117,23 @@ TEST_CASE("peer: symmetric exchange without delay adds no kinetic energy", "[con
     for (const auto& site : session.sites) sum += site->world.kinetic_energy();
     return sum;
   };
+  // Velocities travel as 32-bit floats, off by up to 2^-24 each way: with less than a third of them
+  // exchanged in a frame, energy may rise by 4e-8 of itself in one, and less over many.
   const double first = energy();
   double last = first;
+  double lowest = first;
+  double rise = 0.0;
+  double total_rise = 0.0;
   for (int frame = 0; frame < 200; ++frame) {
     session.run(kFrame);
     const double now = energy();
-    CHECK(now <= last * (1.0 + 1e-12));
+    rise = std::max(rise, now / last - 1.0);
+    total_rise = std::max(total_rise, now / lowest - 1.0);
     last = now;
+    lowest = std::min(lowest, now);
   }
+  CHECK(rise < 4e-8);
+  CHECK(total_rise < 2e-7);
   // It has something to do: opposed parts of the velocities have met.
   CHECK(last < 0.9 * first);
 }
@@ -145,9 +177,9 @@ TEST_CASE("peer: a difference does not grow at any delay", "[consensus]") {
       CHECK(largest <= std::max(before * (1.0 + 1e-6), 1e-5));
       before = largest;
     }
-    CHECK(before < 2e-4);
-    CHECK(a.v().norm() < 1e-3);
-    CHECK(b.v().norm() < 1e-3);
+    CHECK(before < 1e-3);
+    CHECK(a.v().norm() < 5e-3);
+    CHECK(b.v().norm() < 5e-3);
   }
 }
 

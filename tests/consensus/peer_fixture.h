@@ -74,6 +74,11 @@ struct Site {
   }
 };
 
+/// m, at the same time: a peer's steps end up to one step apart from the other's.
+inline double gap_now(const Site& a, const Site& b) {
+  const double ahead = 1e-9 * static_cast<double>(a.step_time(a.steps) - b.step_time(b.steps));
+  return (a.x() - (b.x() + ahead * b.v())).norm();
+}
 inline double gap(const Site& a, const Site& b) { return (a.x() - b.x()).norm(); }
 
 class Session {

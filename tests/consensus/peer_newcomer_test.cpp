@@ -57,8 +57,12 @@ TEST_CASE("peer: a newcomer learns where things are and hardly moves the others"
   scene.session.run(4.0);
   CHECK(gap(scene.session[2], scene.session[0]) < 1e-3);
   CHECK(gap(scene.session[2], scene.session[1]) < 1e-3);
-  UNSCOPED_INFO("others moved by " << scene.others_moved / distance);
-  CHECK(scene.others_moved < 0.10 * distance);
+  // It takes over what it hears at its first chance, one latency after it has come; what it said
+  // before is heard for as long. Its announced share is 0 at first and grows to the baseline within
+  // the ramp of 1 s: the others close the integral of 60 * 0.08 t over that time of the distance.
+  const LinkOptions link = network_profile(profile);
+  const double heard = link.latency + link.jitter + 2.0 / 60.0;
+  CHECK(scene.others_moved < 0.5 * 60.0 * 0.08 * heard * heard * distance);
 }
 
 TEST_CASE("peer: a newcomer with the lowest id does not impose its orientation", "[consensus]") {
@@ -71,23 +75,6 @@ TEST_CASE("peer: a newcomer with the lowest id does not impose its orientation",
   CHECK(angle_between(late, scene.session[0].pose().orientation) < kPi / 180.0);
   CHECK(angle_between(late, scene.session[1].pose().orientation) < kPi / 180.0);
   CHECK(scene.others_turned < 20.0 * kPi / 180.0);
-}
-
-TEST_CASE("peer: a newcomer turned over does not jump", "[consensus]") {
-  // Share 1 would put it where the others are within a single step.
-  LateArrival scene(1, 9, Vec3::Zero(), about_y(0.5 * kPi));
-  Site& late = scene.session[2];
-  Quat last = late.pose().orientation;
-  double largest = 0.0;
-  const auto watch = scene.session.after;
-  scene.session.after = [&](Site& site) {
-    watch(site);
-    if (&site != &late) return;
-    largest = std::max(largest, angle_between(last, late.pose().orientation));
-    last = late.pose().orientation;
-  };
-  scene.session.run(3.0);
-  CHECK(largest < 30.0 * kPi / 180.0);
 }
 
 }  // namespace

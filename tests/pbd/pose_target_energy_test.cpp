@@ -11,16 +11,19 @@ using namespace tandem::testing;
 
 namespace {
 
-/// Two peers with the same three bodies, the first two of them jointed, moving differently.
+/// One of two peers with the same three bodies, the first two of them jointed, moving differently.
+/// Cubes: the spin energy of a long body depends on how it lies, so that agreeing on a spin while
+/// the orientations differ can cost either side energy.
 struct Peer {
   World world{weightless()};
   FixedTargets source;
   std::vector<BodyId> bodies;
 
-  Peer(const Vec3& half, double sign, double angle) {
+  explicit Peer(double sign) {
+    const Vec3 half(0.2, 0.2, 0.2);
     auto& joints = world.add_block<BallJoints>();
     for (int i = 0; i < 3; ++i) {
-      const Vec3 turned = angle * sign * Vec3(0.3, -0.8, 0.5);
+      const Vec3 turned = i < 2 ? Vec3(0.0, 0.0, 0.0) : sign * Vec3(0.3, -0.8, 0.5);
       BodyDef def = box_def(1.0 + i, half, Vec3(2.0 * i, 0.0, 0.0), turn(turned));
       // Only the third is free to spin by itself; the pair starts with one common velocity.
       def.twist.linear = i < 2 ? sign * Vec3(0.5, 1.0, -0.4) : sign * Vec3(-0.7, 0.2, 0.9);
@@ -48,8 +51,8 @@ TEST_CASE("pose_target energy: in a symmetric exchange without delay it never ri
           "[pbd][consensus][analytic]") {
   for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
     for (const double share : {0.05, 0.3, 0.5}) {
-      Peer one(Vec3(0.2, 0.2, 0.2), 1.0, 0.0);
-      Peer two(Vec3(0.2, 0.2, 0.2), -1.0, 0.0);
+      Peer one(1.0);
+      Peer two(-1.0);
       Solver solver({.form = form});
       for (int k = 0; k < 60; ++k) {
         one.see(two, share);

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The engine with real shapes: solver and collision together.
+#include <algorithm>
+#include <cmath>
+
+#include "fixture.h"
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/solver.h"
+
+namespace tandem::collision::testing {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+BodyId dynamic_box(Fixture& f, const Vec3& half, const Vec3& at, double friction = 0.5) {
+  const auto properties = mass_properties(Box{half}, 1.0 / (8.0 * half.prod()));
+  const BodyId id =
+      f.world.add_body({.pose = {.position = at}, .mass = 1.0, .inertia = properties.inertia_l});
+  f.scene.add(f.world, {.body = id, .shape = Box{half}, .friction = friction});
+  return id;
+}
+
+void ground(Fixture& f, double friction = 0.5, double restitution = 0.0) {
+  const BodyId id = f.world.add_body({.type = BodyType::Static});
+  f.scene.add(f.world,
+              {.body = id, .shape = HalfSpace{}, .friction = friction, .restitution = restitution});
+  f.world.set_contact_source(&f.scene);
+}
+
+TEST_CASE("engine: ten cubes, each off its place by a centimetre, stand for 20 s",
+          "[collision][soak]") {
+  Fixture f;
+  ground(f);
+  std::vector<BodyId> cubes;
+  for (int i = 0; i < 10; ++i) {
+    cubes.push_back(dynamic_box(f, Vec3::Constant(0.5),
+                                {i % 2 == 0 ? 0.0 : 0.01, i % 3 == 0 ? 0.0 : 0.01, 0.5 + i}));
+  }
+  const Vec3 top = f.world.pose(cubes.back()).position;
+  pbd::Solver solver;
+  double square_speed = 0.0;
+  int samples = 0;
+  for (int step = 0; step < 1200; ++step) {
+    REQUIRE(solver.step(f.world, kDt).status == pbd::StepStatus::Ok);
+    if (step < 1080) continue;
+    for (const BodyId id : cubes) {
+      square_speed += f.world.twist(id).linear.squaredNorm();
+      ++samples;
+    }
+  }
+  CHECK((f.world.pose(cubes.back()).position - top).head<2>().norm() < 1e-3);
+  CHECK(std::sqrt(square_speed / samples) < 1e-4);
+  // Nothing moves, so nothing is asked of the narrow phase either.
+  CHECK(f.scene.stats().queries == 0);
+}
+
+TEST_CASE("engine: a box on a slope slides as Coulomb has it, or stays", "[collision][analytic]") {
+  const double mu = GENERATE(0.2, 0.35, 0.38);
+  const double angle = 20.0 * M_PI / 180.0;
+  Fixture f;
+  f.world.set_gravity({kGravity * std::sin(angle), 0.0, -kGravity * std::cos(angle)});
+  ground(f, mu);
+  const BodyId box = dynamic_box(f, Vec3::Constant(0.25), {0.0, 0.0, 0.25}, mu);
+  pbd::Solver solver;
+  for (int step = 0; step < 300; ++step) (void)solver.step(f.world, kDt);
+  const double acceleration = std::max(0.0, kGravity * (std::sin(angle) - mu * std::cos(angle)));
+  const double expected = 0.5 * acceleration * 25.0;
+  CHECK(std::abs(f.world.pose(box).position.x() - expected) < std::max(1e-3, 0.01 * expected));
+}
+
+TEST_CASE("engine: boxes that start inside each other part slowly", "[collision][unit]") {
+  Fixture f;
+  ground(f);
+  const BodyId a = dynamic_box(f, Vec3::Constant(0.25), {0.0, 0.0, 0.25});
+  const BodyId b = dynamic_box(f, Vec3::Constant(0.25), {0.2, 0.0, 0.25});  // 0.3 m of overlap
+  pbd::Solver solver;
+  double fastest = 0.0;
+  for (int step = 0; step < 180; ++step) {
+    (void)solver.step(f.world, kDt);
+    fastest = std::max(fastest, f.world.twist(b).linear.norm());
+  }
+  CHECK(f.world.pose(b).position.x() - f.world.pose(a).position.x() > 0.5 - 1e-3);
+  CHECK(f.world.twist(b).linear.norm() < 0.1);
+  CHECK(fastest < 1.0);
+}
+
+TEST_CASE("engine: a ball bounces to e^2 of its height and never gains", "[collision][analytic]") {
+  const double e = GENERATE(0.0, 0.5, 0.8, 1.0);
+  Fixture f;
+  ground(f, 0.5, e);
+  const BodyId ball = f.world.add_body({.pose = {.position = {0.0, 0.0, 1.1}}});
+  f.scene.add(f.world, {.body = ball, .shape = Sphere{0.1}, .restitution = e});
+  pbd::Solver solver;
+  double height = 0.0;
+  bool bounced = false;
+  for (int step = 0; step < 90; ++step) {
+    (void)solver.step(f.world, kDt);
+    bounced = bounced || f.world.twist(ball).linear.z() > 0.0;
+    if (bounced) height = std::max(height, f.world.pose(ball).position.z() - 0.1);
+  }
+  CHECK(height <= e * e + 1e-9);
+  CHECK(height >= 0.98 * e * e);
+}
+
+/// Wants one body at one place.
+class Pull final : public pbd::TargetSource {
+ public:
+  pbd::PoseTarget target;
+  void collect(const pbd::World&, double, std::vector<pbd::PoseTarget>& out) override {
+    out.push_back(target);
+  }
+};
+
+TEST_CASE("engine: a target inside a wall leaves the body at rest outside it",
+          "[collision][unit]") {
+  Fixture f;
+  ground(f);
+  const BodyId wall =
+      f.world.add_body({.type = BodyType::Static, .pose = {.position = {1.0, 0.0, 1.0}}});
+  f.scene.add(f.world, {.body = wall, .shape = Box{Vec3(0.5, 2.0, 1.0)}});
+  const BodyId box = dynamic_box(f, Vec3::Constant(0.25), {0.2, 0.0, 0.25});
+  Pull pull;
+  pull.target = {.body = box, .pose = {.position = {0.26, 0.0, 0.25}}, .share = 0.5};
+  f.world.set_target_source(&pull);
+  pbd::Solver solver;
+  for (int step = 0; step < 120; ++step) (void)solver.step(f.world, kDt);
+  // The wall's face is at x = 0.5, the box's at x + 0.25; the target is 10 mm inside.
+  CHECK(std::abs(f.world.pose(box).position.x() - 0.25) < 1e-4);
+  CHECK(f.world.twist(box).linear.norm() < 1e-4);
+}
+
+/// Wants bodies a centimetre from where they are, all the time.
+class Nudge final : public pbd::TargetSource {
+ public:
+  std::vector<BodyId> bodies;
+  double share = 0.0;
+  void collect(const pbd::World& world, double, std::vector<pbd::PoseTarget>& out) override {
+    for (const BodyId id : bodies) {
+      pbd::PoseTarget& target = out.emplace_back();
+      target = {.body = id, .pose = world.pose(id), .twist = world.twist(id), .share = share};
+      target.pose.position += Vec3(0.006, 0.0, 0.008);
+    }
+  }
+};
+
+TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are",
+          "[collision][analytic]") {
+  const double angle = 20.0 * M_PI / 180.0;
+  const auto run = [angle](double share) {
+    Fixture f;
+    f.world.set_gravity({kGravity * std::sin(angle), 0.0, -kGravity * std::cos(angle)});
+    ground(f, 0.2);
+    std::vector<BodyId> bodies{dynamic_box(f, Vec3::Constant(0.25), {0.0, 3.0, 0.25}, 0.2)};
+    for (int i = 0; i < 4; ++i) {
+      bodies.push_back(dynamic_box(f, Vec3::Constant(0.25), {0.0, 0.0, 0.25 + 0.5 * i}, 2.0));
+    }
+    Nudge nudge;
+    nudge.bodies = {bodies[0], bodies[3]};
+    nudge.share = share;
+    f.world.set_target_source(&nudge);
+    pbd::Solver solver;
+    for (int step = 0; step < 60; ++step) (void)solver.step(f.world, kDt);
+    std::vector<Vec3> places;
+    for (const BodyId id : bodies) places.push_back(f.world.pose(id).position);
+    return places;
+  };
+  // 60 steps that each close 1e-6 of a centimetre: 6e-7 m.
+  const auto without = run(0.0);
+  const auto with = run(1e-6);
+  REQUIRE(without[0].x() > 0.5);  // it does slide
+  for (std::size_t i = 0; i < without.size(); ++i) {
+    INFO("body " << i);
+    CHECK((with[i] - without[i]).norm() < 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace tandem::collision::testing

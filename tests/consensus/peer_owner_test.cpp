@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// A body that one peer's hand moves: the others follow, and nobody moves it for its owner.
+#include <cmath>
+
+#include "consensus/peer_fixture.h"
+#include "support/catch.h"
+#include "support/oracles.h"
+
+namespace tandem::consensus {
+namespace {
+
+using namespace testing;
+using tandem::testing::turn;
+
+constexpr double kFrame = 1.0 / 60.0;
+constexpr PeerId kOwner = 2;
+
+/// The hand's way; t = 0 at the start.
+struct Hand {
+  Vec3 velocity = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();
+  Vec3 acceleration = Vec3::Zero();
+
+  Pose pose(double t) const {
+    return {t * velocity + 0.5 * t * t * acceleration, turn(t * spin)};
+  }
+  Twist twist(double t) const { return {velocity + t * acceleration, spin}; }
+};
+
+double since_start(SessionTime time) { return 1e-9 * static_cast<double>(time - kStart); }
+
+/// A follower (first) and an owner with a kinematic body that its user puts on the hand's way, in
+/// all steps with the velocity that takes it to where the hand is next.
+std::unique_ptr<Session> follow(const LinkOptions& link, const Hand& hand, double phase,
+                                const pbd::WorldDef& def = {}) {
+  auto session = std::make_unique<Session>(link);
+  Site& follower = session->add(1, 0.0, {}, def);
+  follower.share(ball(Vec3(0.3, 0.0, 0.0)), kOwner);
+  Site& owner = session->add(kOwner, phase, {}, def);
+  pbd::BodyDef driven = ball(hand.pose(phase).position);
+  driven.type = pbd::BodyType::Kinematic;
+  owner.share(driven, kOwner);
+  owner.user = [hand](Site& site, SessionTime now) {
+    const double t = since_start(now);
+    const Vec3 mean = (hand.pose(t + kFrame).position - hand.pose(t).position) / kFrame;
+    site.world.set_pose(site.body, hand.pose(t));
+    site.world.set_twist(site.body, {mean, hand.spin});
+  };
+  return session;
+}
+
+double angle(const Site& site, const Hand& hand) {
+  const double t = since_start(site.step_time(site.steps));
+  return tandem::testing::angle_between(site.pose().orientation, hand.pose(t).orientation);
+}
+double lag(const Site& site, const Hand& hand) {
+  const double t = since_start(site.step_time(site.steps));
+  return (site.x() - hand.pose(t).position).norm();
+}
+
+TEST_CASE("owner: without delay followers have the body where the hand has it", "[consensus]") {
+  const Hand hand{.velocity = Vec3(0.4, 0.1, -0.2), .spin = Vec3(0.0, 0.0, 1.5)};
+  const auto session = follow({}, hand, 0.0);
+  session->run(0.5);
+  double largest = 0.0;
+  double turned = 0.0;
+  session->after = [&](Site& site) {
+    largest = std::max(largest, lag(site, hand));
+    turned = std::max(turned, angle(site, hand));
+  };
+  session->run(2.0);
+  // Velocities travel as 32-bit floats and times in ns: a step of 1/60 s apart.
+  CHECK(largest < 1e-8);
+  CHECK(turned < 1e-7);
+  CHECK(((*session)[0].v() - hand.velocity).norm() < 1e-6);
+}
+
+TEST_CASE("owner: followers do not lag behind a steady hand, whatever the delay", "[consensus]") {
+  const int profile = GENERATE(1, 3, 5);
+  const Hand hand{.velocity = Vec3(0.4, 0.1, -0.2), .spin = Vec3(0.0, 0.0, 1.5)};
+  const auto session = follow(network_profile(profile), hand, 0.007);
+  session->run(1.0);
+  double largest = 0.0;
+  double turned = 0.0;
+  session->after = [&](Site& site) {
+    largest = std::max(largest, lag(site, hand));
+    turned = std::max(turned, angle(site, hand));
+  };
+  session->run(2.0);
+  CHECK(largest < 1e-6);
+  CHECK(turned < 1e-6);
+}
+
+TEST_CASE("owner: of an accelerated hand followers miss the acceleration within the delay only",
+          "[consensus]") {
+  const double a = 0.5;
+  const Hand hand{.acceleration = Vec3(a, 0.0, 0.0)};
+  const LinkOptions link = network_profile(4);
+  const auto session = follow(link, hand, 0.007);
+  session->run(1.0);
+  double largest = 0.0;
+  session->after = [&](Site& site) {
+    if (site.id != kOwner) largest = std::max(largest, lag(site, hand));
+  };
+  session->run(1.0);
+  // a A^2 / 2 for an update that is A old when its successor is about to come, its velocity being
+  // the mean over a step; at the end of the step that uses it.
+  const double age = link.latency + link.jitter + 2.5 * kFrame;
+  CHECK(largest < 0.5 * a * age * age);
+  CHECK(largest > 0.5 * a * link.latency * link.latency);
+}
+
+TEST_CASE("owner: nobody moves a body for its owner", "[consensus]") {
+  // A dynamic body of the owner, which the follower has elsewhere and throws about.
+  Session session(network_profile(2));
+  Site& follower = session.add(1, 0.0, {}, kWeightless);
+  follower.share(ball(Vec3(0.5, 0.0, 0.0)), kOwner);
+  Site& owner = session.add(kOwner, 0.007, {}, kWeightless);
+  owner.share(ball(Vec3::Zero(), Vec3(0.1, 0.0, 0.0)), kOwner);
+  follower.user = [](Site& site, SessionTime) {
+    site.world.set_twist(site.body, {Vec3(0.0, 1.0, 0.0), Vec3::Zero()});
+  };
+  session.run(2.0);
+  const double t = since_start(owner.step_time(owner.steps)) - 0.007;
+  CHECK((owner.x() - Vec3(0.1 * t, 0.0, 0.0)).norm() < 1e-9);
+  CHECK(owner.v() == Vec3(0.1, 0.0, 0.0));
+  CHECK(owner.peer->stats().updates_received > 100);
+  CHECK(owner.peer->stats().bodies_aggregated == 0);
+}
+
+TEST_CASE("owner: a body given back is everybody's again", "[consensus]") {
+  Session session(network_profile(2));
+  for (int i = 0; i < 2; ++i) {
+    session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless)
+        .share(ball(Vec3::Zero()), kOwner);
+  }
+  session.run(1.5);
+  session[0].displace({0.1, 0.0, 0.0});
+  session.run(1.0);
+  CHECK(session[0].x().norm() < 1e-6);
+  CHECK(session[1].x().norm() == 0.0);
+  for (auto& site : session.sites) site->peer->set_owner(kBody, std::nullopt);
+  session.run(0.5);
+  session[0].displace({0.1, 0.0, 0.0});
+  session.run(2.0);
+  CHECK(gap(session[0], session[1]) < 1e-3);
+  CHECK(session[1].x().x() > 0.02);
+  CHECK_THROWS_AS(session[0].peer->set_owner(SharedId::from_name("other"), kOwner),
+                  std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tandem::consensus
