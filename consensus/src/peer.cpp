@@ -34,14 +34,14 @@ constexpr double kLeadToAngle = 1.2;
 constexpr double kLeadGrowth = 6.0;  // 1/s^2
 
 // Two-step coupling leaves smaller differences alone, [friston] Sec. 4.6.
-constexpr double kTwoStepPosition = 1e-3;           // m
-constexpr double kTwoStepVelocity = 1e-2;           // m/s
+constexpr double kTwoStepPosition = 1e-3;                         // m
+constexpr double kTwoStepVelocity = 1e-2;                         // m/s
 constexpr double kTwoStepAngle = 3.14159265358979323846 / 180.0;  // rad
 
 void require(bool ok, const char* field, double value, const char* rule) {
   if (ok) return;
-  throw std::invalid_argument(std::string("PeerOptions: ") + field + " = " +
-                              std::to_string(value) + " breaks the rule: " + rule);
+  throw std::invalid_argument(std::string("PeerOptions: ") + field + " = " + std::to_string(value) +
+                              " breaks the rule: " + rule);
 }
 
 /// Marks bodies that a joint (not a contact, not a user's spring) holds to another.
@@ -90,8 +90,9 @@ class Peer::Impl {
       throw std::invalid_argument("ShareDef: id = " + def.id.to_string() +
                                   " breaks the rule: shared once only");
     }
-    const auto at = std::lower_bound(shared_.begin(), shared_.end(), def.id,
-                                     [](const Shared& s, const SharedId& id) { return s.def.id < id; });
+    const auto at =
+        std::lower_bound(shared_.begin(), shared_.end(), def.id,
+                         [](const Shared& s, const SharedId& id) { return s.def.id < id; });
     shared_.insert(at, Shared{.def = def});
     inbox_.add_id(def.id);
   }
@@ -166,8 +167,9 @@ class Peer::Impl {
   };
 
   Shared* find(const SharedId& id) {
-    const auto it = std::lower_bound(shared_.begin(), shared_.end(), id,
-                                     [](const Shared& s, const SharedId& i) { return s.def.id < i; });
+    const auto it =
+        std::lower_bound(shared_.begin(), shared_.end(), id,
+                         [](const Shared& s, const SharedId& i) { return s.def.id < i; });
     return it != shared_.end() && it->def.id == id ? &*it : nullptr;
   }
   Shared& at(const SharedId& id) {
@@ -265,11 +267,10 @@ class Peer::Impl {
       if (!(share > 0.0)) continue;
       const double mirrored =
           effective_share(options_.influence, own_announced, age, predictor_->gain());
-      const Prediction prediction = predictor_->predict(
-          received.update, shared.history,
-          {.now = now,
-           .mirrored_share = mirrored / share,
-           .peers = static_cast<int>(newest.size())});
+      const Prediction prediction = predictor_->predict(received.update, shared.history,
+                                                        {.now = now,
+                                                         .mirrored_share = mirrored / share,
+                                                         .peers = static_cast<int>(newest.size())});
       const pbd::Vec3 position = own.pose.position + prediction.translation;
       estimates_.push_back(
           {.peer = received.peer,

@@ -14,9 +14,9 @@ using pbd::Vec3;
 
 double seconds(SessionTime ns) { return 1e-9 * static_cast<double>(ns); }
 
-/// Stamped poses further apart than this (m, rad) are not carried by own motion any more: what moves
-/// here need not move there, and a cube that came to rest on another face falls back the other way.
-/// Fades out from the first to the second.
+/// Stamped poses further apart than this (m, rad) are not carried by own motion any more: what
+/// moves here need not move there, and a cube that came to rest on another face falls back the
+/// other way. Fades out from the first to the second.
 constexpr double kFadeFrom = 0.10;
 constexpr double kFadeTo = 0.30;
 constexpr double kFadeFromAngle = 0.35;
@@ -47,8 +47,7 @@ class EulerPredictor final : public Predictor {
     const double age = seconds(context.now - update.stamp);
     const MotionSample& here = own.newest();
     const pbd::Quat there = pbd::rotated(update.pose.orientation, age * update.twist.angular);
-    return {.translation =
-                update.pose.position + age * update.twist.linear - here.pose.position,
+    return {.translation = update.pose.position + age * update.twist.linear - here.pose.position,
             .rotation = pbd::rotation_between(here.pose.orientation, there),
             .twist = difference(update.twist, here.twist),
             .motion = update.flags.owner_driven ? pbd::TargetMotion::Inertial : motion_};
@@ -82,8 +81,7 @@ class LocalMotionPredictor final : public Predictor {
     then.pose.orientation = pbd::rotated(then.pose.orientation, ahead * now.twist.angular);
     const double both = 1.0 + context.mirrored_share / std::max(1, context.peers);
     const Vec3 apart = update.pose.position - then.pose.position;
-    const Vec3 turned_apart =
-        pbd::rotation_between(then.pose.orientation, update.pose.orientation);
+    const Vec3 turned_apart = pbd::rotation_between(then.pose.orientation, update.pose.orientation);
     const pbd::Twist closing =
         own.hit_near(update.stamp) ? pbd::Twist{} : difference(update.twist, then.twist);
     const pbd::Twist agreed = difference(now.agreed, then.agreed);
@@ -92,19 +90,17 @@ class LocalMotionPredictor final : public Predictor {
     prediction.translation = apart - both * (now.displaced - then.displaced);
     // A turn apart at the stamp has since been carried round by the body's own turning.
     const pbd::Quat own_turn = now.pose.orientation * then.pose.orientation.conjugate();
-    prediction.rotation =
-        own_turn * turned_apart - both * (now.turned - then.turned);
+    prediction.rotation = own_turn * turned_apart - both * (now.turned - then.turned);
     prediction.twist = difference(closing, {both * agreed.linear, both * agreed.angular});
 
-    const bool coupled = update.flags.in_contact || update.flags.held || own.coupled_since(update.stamp);
+    const bool coupled =
+        update.flags.in_contact || update.flags.held || own.coupled_since(update.stamp);
     if (!coupled) {
       // V = sum dv_k (now - t_k) = now sum dv_k - sum dv_k t_k
       const double t = now.elapsed;
       const pbd::Twist moment = difference(now.agreed_moment, then.agreed_moment);
-      prediction.translation +=
-          age * closing.linear - both * (t * agreed.linear - moment.linear);
-      prediction.rotation +=
-          age * closing.angular - both * (t * agreed.angular - moment.angular);
+      prediction.translation += age * closing.linear - both * (t * agreed.linear - moment.linear);
+      prediction.rotation += age * closing.angular - both * (t * agreed.angular - moment.angular);
     }
     fade(update, now,
          std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
@@ -158,8 +154,8 @@ MotionSample MotionHistory::at_time(SessionTime time) const {
   const MotionSample& before = at(age);
   if (age == 0 || before.time >= time) return before;
   const MotionSample& after = at(age - 1);
-  const double f = static_cast<double>(time - before.time) /
-                   static_cast<double>(after.time - before.time);
+  const double f =
+      static_cast<double>(time - before.time) / static_cast<double>(after.time - before.time);
   const auto mix = [f](const Vec3& a, const Vec3& b) { return Vec3(a + f * (b - a)); };
   const auto mix_twist = [&mix](const pbd::Twist& a, const pbd::Twist& b) {
     return pbd::Twist{mix(a.linear, b.linear), mix(a.angular, b.angular)};
@@ -168,9 +164,9 @@ MotionSample MotionHistory::at_time(SessionTime time) const {
   sample.time = time;
   sample.elapsed = before.elapsed + f * (after.elapsed - before.elapsed);
   sample.pose.position = mix(before.pose.position, after.pose.position);
-  sample.pose.orientation = pbd::rotated(
-      before.pose.orientation,
-      f * pbd::rotation_between(before.pose.orientation, after.pose.orientation));
+  sample.pose.orientation =
+      pbd::rotated(before.pose.orientation,
+                   f * pbd::rotation_between(before.pose.orientation, after.pose.orientation));
   sample.twist = mix_twist(before.twist, after.twist);
   sample.displaced = mix(before.displaced, after.displaced);
   sample.turned = mix(before.turned, after.turned);

@@ -109,9 +109,9 @@ bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
       [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
   const bool known = it != remote_.end() && it->peer == from && it->last.spring == update.spring;
   if (known) {
-    // Nothing goes back. A removal has a revision of its own, so that what follows late is told from
-    // a spring that was let go for the silence of its peer, which now goes on. Only a creation later
-    // than all that was heard is another spring, of a successor under the same peer's id.
+    // Nothing goes back. A removal has a revision of its own, so that what follows late is told
+    // from a spring that was let go for the silence of its peer, which now goes on. Only a creation
+    // later than all that was heard is another spring, of a successor under the same peer's id.
     const bool later = update.stamp > it->last.stamp;
     const bool successor = later && update.event == SpringEvent::Create;
     if (update.revision < it->last.revision && !successor) return true;
@@ -170,8 +170,7 @@ void Springs::prepare(SessionTime now) {
                                                                   : pbd::Vec3(pbd::Vec3::Zero());
     tethers_.set(world_, remote.tether, def);
   }
-  std::erase_if(remote_,
-                [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
+  std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
   for (Own& own : own_) {
     if (!tethers_.contains(own.tether)) continue;
     double since = own.moved != 0 ? kNs * static_cast<double>(now - own.moved) : 0.0;

@@ -65,10 +65,10 @@ class Springs {
   pbd::World& world_;
   const PeerOptions& options_;
   pbd::Tethers& tethers_;
-  std::vector<Own> own_;        ///< by spring
-  std::vector<Remote> remote_;  ///< by (peer, spring)
+  std::vector<Own> own_;               ///< by spring
+  std::vector<Remote> remote_;         ///< by (peer, spring)
   std::vector<SpringUpdate> pending_;  ///< removals to announce
-  std::uint32_t next_ = 0;  ///< 0 until the first step
+  std::uint32_t next_ = 0;             ///< 0 until the first step
 };
 
 }  // namespace tandem::consensus

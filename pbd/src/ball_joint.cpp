@@ -48,8 +48,8 @@ double BallJoint::project(const SubstepContext& ctx) {
   const Mat3 k = point_inverse_mass(*arm.a, *arm.b, r_a, r_b);
   if (k.diagonal().minCoeff() <= 0.0) return 0.0;  // neither end can move
   const Vec3 dlambda =
-      point_multiplier(arm.c - gap_, lambda_, k, RowSoftness::of(def_.compliance, def_.damping, ctx.h),
-                       arm.c - c_start_);
+      point_multiplier(arm.c - gap_, lambda_, k,
+                       RowSoftness::of(def_.compliance, def_.damping, ctx.h), arm.c - c_start_);
   lambda_ += dlambda;
   force_ = lambda_ / (ctx.h * ctx.h);
   apply_pair(*arm.a, *arm.b, dlambda, r_a, r_b);

@@ -50,9 +50,8 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   // Points that have swung past each other within the substep have lost the old direction.
   if (n_.dot(arm.n) < 0.5) n_ = arm.n;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
-  const double dlambda =
-      row_multiplier(c - gap_, lambda_, w, RowSoftness::of(def_.compliance, def_.damping, ctx.h),
-                     c - c_start_);
+  const double dlambda = row_multiplier(
+      c - gap_, lambda_, w, RowSoftness::of(def_.compliance, def_.damping, ctx.h), c - c_start_);
   lambda_ += dlambda;
   force_ = lambda_ / (ctx.h * ctx.h);
   apply_pair(*arm.a, *arm.b, dlambda * n_, r_a_, r_b_);
@@ -84,8 +83,7 @@ void DistanceJoint::end_total(const SubstepContext& ctx) {
 
 void DistanceJoint::end_step(const SubstepContext& ctx) {
   SolverBody ground;
-  residual_ =
-      def_.compliance > 0.0 ? 0.0 : std::abs(arms(ctx, ground).length - def_.rest_length);
+  residual_ = def_.compliance > 0.0 ? 0.0 : std::abs(arms(ctx, ground).length - def_.rest_length);
   // What a spoiled step leaves behind must not spoil the next one.
   if (!std::isfinite(gap_)) gap_ = 0.0;
 }

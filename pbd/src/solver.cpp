@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "stage_clock.h"
-#include "targets.h"
 #include "tandem/pbd/math.h"
+#include "targets.h"
 
 namespace tandem::pbd {
 namespace {

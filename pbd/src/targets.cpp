@@ -111,8 +111,7 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const Bod
     row.e_w -= dw;
     corrections[row.body].twist.linear += dv;
     corrections[row.body].twist.angular += dw;
-    energy.velocity_agreement +=
-        kinetic_energy(body, props[row.body], body.v, body.w) - before;
+    energy.velocity_agreement += kinetic_energy(body, props[row.body], body.v, body.w) - before;
   }
 }
 
@@ -138,8 +137,8 @@ void Targets::move_bodies(std::span<SolverBody> bodies) {
     SolverBody& body = bodies[row.body];
     if (row.motion == TargetMotion::Inertial) {
       row.e_x = row.pose.position + row.elapsed * row.twist.linear - body.x;
-      row.e_q = rotation_between(
-          body.q, rotated(row.pose.orientation, row.elapsed * row.twist.angular));
+      row.e_q =
+          rotation_between(body.q, rotated(row.pose.orientation, row.elapsed * row.twist.angular));
     }
     row.wanted_x = row.share * row.e_x;
     body.x += row.wanted_x;

@@ -20,7 +20,8 @@ namespace tandem::pbd {
 /// blocked stays in e. Substep shares compose exactly: 1 - (1 - s_n)^n = s.
 class Targets {
  public:
-  /// Take over this step's targets; forget bodies that cannot move. @param share_exponent  60 dt / n
+  /// Take over this step's targets; forget bodies that cannot move. @param share_exponent  60 dt /
+  /// n
   void begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
                   std::span<const BodyState> states, double dt, int parts);
   bool empty() const { return rows_.empty(); }
@@ -50,16 +51,16 @@ class Targets {
   struct Row {
     std::uint32_t body = 0;
     TargetMotion motion = TargetMotion::WithBody;
-    double share = 0.0;        ///< for each part of the step
-    Pose pose;                 ///< Inertial: where the target is at the start of the step
+    double share = 0.0;  ///< for each part of the step
+    Pose pose;           ///< Inertial: where the target is at the start of the step
     Twist twist;
-    Vec3 e_x = Vec3::Zero();   ///< m, still missing
-    Vec3 e_q = Vec3::Zero();   ///< rad, rotation vector, world
-    Vec3 e_v = Vec3::Zero();   ///< m/s
-    Vec3 e_w = Vec3::Zero();   ///< rad/s
-    Vec3 wanted_x = Vec3::Zero();   ///< m, the move asked of the pass in this part
-    Vec3 blocked = Vec3::Zero();    ///< m, sum of what rows changed of it, this step
-    double elapsed = 0.0;           ///< s since the start of the step
+    Vec3 e_x = Vec3::Zero();       ///< m, still missing
+    Vec3 e_q = Vec3::Zero();       ///< rad, rotation vector, world
+    Vec3 e_v = Vec3::Zero();       ///< m/s
+    Vec3 e_w = Vec3::Zero();       ///< rad/s
+    Vec3 wanted_x = Vec3::Zero();  ///< m, the move asked of the pass in this part
+    Vec3 blocked = Vec3::Zero();   ///< m, sum of what rows changed of it, this step
+    double elapsed = 0.0;          ///< s since the start of the step
   };
   struct Saved {
     std::uint32_t body = 0;
@@ -71,9 +72,9 @@ class Targets {
   };
 
   std::vector<Row> rows_;
-  std::vector<Saved> saved_;              ///< all bodies of the total channel
-  std::vector<std::uint32_t> parents_;    ///< union-find
-  std::vector<std::uint32_t> row_of_;     ///< by body; kNone without
+  std::vector<Saved> saved_;            ///< all bodies of the total channel
+  std::vector<std::uint32_t> parents_;  ///< union-find
+  std::vector<std::uint32_t> row_of_;   ///< by body; kNone without
 };
 
 }  // namespace tandem::pbd

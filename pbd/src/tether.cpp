@@ -33,9 +33,8 @@ double Tether::project(const SubstepContext& ctx) {
   SolverBody ground;
   const Vec3 c = body.x + body.q * def_.anchor_l - def_.anchor_w;
   const Mat3 k = point_inverse_mass(ground, body, Vec3::Zero(), r_);
-  const Vec3 dlambda =
-      point_multiplier(c, lambda_, k, RowSoftness::of(1.0 / def_.stiffness, def_.damping, ctx.h),
-                       c - c_start_);
+  const Vec3 dlambda = point_multiplier(
+      c, lambda_, k, RowSoftness::of(1.0 / def_.stiffness, def_.damping, ctx.h), c - c_start_);
   const Vec3 before = lambda_;
   lambda_ += dlambda;
   const double limit = def_.max_force * ctx.h * ctx.h;

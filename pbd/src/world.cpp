@@ -3,7 +3,6 @@
 #include "tandem/pbd/world.h"
 
 #include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -171,7 +170,8 @@ void World::set_pose(BodyId id, const Pose& pose) {
 void World::set_twist(BodyId id, const Twist& twist) {
   const std::uint32_t index = checked_index(id, "set_twist");
   check_twist(twist, "World::set_twist");
-  detail::require(props_[index].type != BodyType::Static || (twist.linear.isZero(0.0) && twist.angular.isZero(0.0)),
+  detail::require(props_[index].type != BodyType::Static ||
+                      (twist.linear.isZero(0.0) && twist.angular.isZero(0.0)),
                   "World::set_twist", "twist", twist.linear.norm(), "zero for a static body");
   states_[index].twist = twist;
 }
@@ -183,9 +183,10 @@ void World::set_gravity(const Vec3& gravity) {
 
 void World::insert_block(std::unique_ptr<ConstraintBlock> block) {
   // Equal orders keep the order in which they were added.
-  const auto after = std::upper_bound(
-      blocks_.begin(), blocks_.end(), block->order(),
-      [](int order, const std::unique_ptr<ConstraintBlock>& other) { return order < other->order(); });
+  const auto after = std::upper_bound(blocks_.begin(), blocks_.end(), block->order(),
+                                      [](int order, const std::unique_ptr<ConstraintBlock>& other) {
+                                        return order < other->order();
+                                      });
   blocks_.insert(after, std::move(block));
 }
 
@@ -199,7 +200,9 @@ Correction World::correction(BodyId id) const {
   return corrections_.empty() ? Correction{} : corrections_[index];
 }
 
-bool World::in_contact(BodyId id) const { return in_contact_[checked_index(id, "in_contact")] != 0; }
+bool World::in_contact(BodyId id) const {
+  return in_contact_[checked_index(id, "in_contact")] != 0;
+}
 
 double World::kinetic_energy() const {
   double energy = 0.0;

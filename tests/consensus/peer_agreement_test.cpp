@@ -59,8 +59,7 @@ TEST_CASE("peer: 10 cm of disagreement halve within 20 frames and vanish, profil
   if (resting) CHECK(std::abs(a.x().z() - kHalf.z()) < 1e-3);
 }
 
-TEST_CASE("peer: a disagreement about velocity halves within 20 frames, profile 5",
-          "[consensus]") {
+TEST_CASE("peer: a disagreement about velocity halves within 20 frames, profile 5", "[consensus]") {
   const auto session = agreed(5, free_ball, kWeightless);
   Site& a = (*session)[0];
   Site& b = (*session)[1];
@@ -77,8 +76,8 @@ TEST_CASE("peer: a disagreement about velocity halves within 20 frames, profile 
 }
 
 TEST_CASE("peer: a fast spin is no disagreement about orientation", "[consensus]") {
-  // 12 rad/s are 85 degrees within the age of an update. Were that taken for one, the lower id would
-  // lead and not move.
+  // 12 rad/s are 85 degrees within the age of an update. Were that taken for one, the lower id
+  // would lead and not move.
   const auto session = agreed(
       5,
       [](Site& site) {
@@ -233,8 +232,7 @@ TEST_CASE("peer: cubes resting on different faces agree within 3 s, the lower id
   double led_astray = 0.0;
   session.after = [&](Site& site) {
     if (&site != &a) return;
-    led_astray = std::max(led_astray,
-                          tandem::testing::angle_between(lead, a.pose().orientation));
+    led_astray = std::max(led_astray, tandem::testing::angle_between(lead, a.pose().orientation));
   };
   session.run(3.0);
   const double degree = kPi / 180.0;

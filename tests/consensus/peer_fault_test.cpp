@@ -118,8 +118,7 @@ TEST_CASE("peer: a hostile stream of bytes moves nothing, its sender is dropped 
     const double nan = i % 2 == 0 ? std::numeric_limits<double>::quiet_NaN()
                                   : std::numeric_limits<double>::infinity();
     std::memcpy(not_finite.data() + kHeaderBytes + 16 + 8 * dice.below(3), &nan, 8);
-    for (Bytes* bytes :
-         {&random, &begun, &truncated, &version, &count, &oversized, &not_finite}) {
+    for (Bytes* bytes : {&random, &begun, &truncated, &version, &count, &oversized, &not_finite}) {
       send(std::move(*bytes));
     }
   });

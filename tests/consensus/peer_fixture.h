@@ -68,6 +68,8 @@ struct Site {
   SessionTime step_time(std::int64_t step) const {
     return first + std::llround(static_cast<double>(step) * 1e9 / hz);
   }
+  /// Of the world's state.
+  SessionTime world_time() const { return step_time(inside ? steps + 1 : steps); }
   /// Ends (0) come before beginnings (1), so that simultaneous peers hear each other's last step.
   std::tuple<SessionTime, int> next() const {
     return inside ? std::tuple{step_time(steps + 1), 0} : std::tuple{step_time(steps), 1};
@@ -76,15 +78,14 @@ struct Site {
 
 /// m, at the same time: a peer's steps end up to one step apart from the other's.
 inline double gap_now(const Site& a, const Site& b) {
-  const double ahead = 1e-9 * static_cast<double>(a.step_time(a.steps) - b.step_time(b.steps));
+  const double ahead = 1e-9 * static_cast<double>(a.world_time() - b.world_time());
   return (a.x() - (b.x() + ahead * b.v())).norm();
 }
 inline double gap(const Site& a, const Site& b) { return (a.x() - b.x()).norm(); }
 
 class Session {
  public:
-  explicit Session(const LinkOptions& link = {}, SessionTime start = kStart,
-                   std::uint64_t seed = 1)
+  explicit Session(const LinkOptions& link = {}, SessionTime start = kStart, std::uint64_t seed = 1)
       : network(link, seed, start), start_(start), end_(start) {}
 
   VirtualNetwork network;
@@ -92,8 +93,8 @@ class Session {
   std::function<void(Site&)> after;  ///< after each step of each peer
 
   /// A peer whose first step begins `phase` s from now.
-  Site& add(PeerId id, double phase, const PeerOptions& options = {},
-            const pbd::WorldDef& def = {}, double hz = 60.0) {
+  Site& add(PeerId id, double phase, const PeerOptions& options = {}, const pbd::WorldDef& def = {},
+            double hz = 60.0) {
     sites.push_back(std::make_unique<Site>(network.transport(id), options, def));
     sites.back()->hz = hz;
     sites.back()->first = network.now() + ns(phase);
@@ -125,12 +126,13 @@ class Session {
       if (site.user) site.user(site, from);
       site.peer->before_step(from);
       site.solver.step(site.world, 1e-9 * static_cast<double>(to - from));
+      site.inside = true;
     } else {
       site.peer->after_step(to);
       ++site.steps;
+      site.inside = false;
       if (after) after(site);
     }
-    site.inside = !site.inside;
   }
 
   SessionTime start_;

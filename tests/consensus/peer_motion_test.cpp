@@ -42,16 +42,15 @@ std::vector<Track> tracks(int peers, const Peering& peering, const Build& build,
     Site& site = session.add(static_cast<PeerId>(i + 1), phase, {}, {}, i == 0 ? 60.0 : peering.hz);
     build(site, phase);
   }
-  session.after = [&](Site& site) {
-    result[site.id - 1].push_back(site.world.state(site.body));
-  };
+  session.after = [&](Site& site) { result[site.id - 1].push_back(site.world.state(site.body)); };
   session.run(seconds);
   return result;
 }
 
 /// Both peers' measures against those of the same peers alone.
 void check_no_treacle(const Build& build, const Measure& measure, double seconds) {
-  for (const Peering& peering : {Peering{"same rate", 0.007, 60.0}, Peering{"72 Hz", 0.004, 72.0}}) {
+  for (const Peering& peering :
+       {Peering{"same rate", 0.007, 60.0}, Peering{"72 Hz", 0.004, 72.0}}) {
     const auto shared = tracks(2, peering, build, seconds);
     for (int i = 0; i < 2; ++i) {
       const auto alone = tracks(1, peering, build, seconds, i);
@@ -70,8 +69,8 @@ Build in_flight(const Vec3& position, const Vec3& velocity, const Vec3& off = Ve
   return [=](Site& site, double since) {
     const Vec3 g = site.world.gravity();
     const Vec3 aside = site.id == 2 ? off : Vec3(Vec3::Zero());
-    site.share(ball(position + aside + since * velocity + 0.5 * since * since * g,
-                    velocity + since * g));
+    site.share(
+        ball(position + aside + since * velocity + 0.5 * since * since * g, velocity + since * g));
   };
 }
 
@@ -90,9 +89,7 @@ double range(const Track& track, double) {
 // First-order Euler, for comparison, measured at profile 5: 0.66 of the speed after 2 s.
 TEST_CASE("peer: shared free fall is as fast as alone, profile 5", "[consensus]") {
   const Vec3 high(0.0, 0.0, 100.0);
-  SECTION("in agreement") {
-    check_no_treacle(in_flight(high, Vec3::Zero()), final_speed, 2.0);
-  }
+  SECTION("in agreement") { check_no_treacle(in_flight(high, Vec3::Zero()), final_speed, 2.0); }
   SECTION("5 cm apart") {
     check_no_treacle(in_flight(high, Vec3::Zero(), {0.03, 0.0, 0.04}), final_speed, 2.0);
   }

@@ -36,8 +36,8 @@ struct LateArrival {
     session.after = [this](Site& site) {
       if (&site == session.sites.back().get()) return;
       others_moved = std::max(others_moved, (site.x() - agreed).norm());
-      others_turned = std::max(others_turned,
-                               angle_between(site.pose().orientation, agreed_orientation));
+      others_turned =
+          std::max(others_turned, angle_between(site.pose().orientation, agreed_orientation));
     };
   }
   void add(PeerId id, double phase, const Vec3& offset,

@@ -23,9 +23,7 @@ struct Hand {
   Vec3 spin = Vec3::Zero();
   Vec3 acceleration = Vec3::Zero();
 
-  Pose pose(double t) const {
-    return {t * velocity + 0.5 * t * t * acceleration, turn(t * spin)};
-  }
+  Pose pose(double t) const { return {t * velocity + 0.5 * t * t * acceleration, turn(t * spin)}; }
   Twist twist(double t) const { return {velocity + t * acceleration, spin}; }
 };
 
@@ -52,11 +50,11 @@ std::unique_ptr<Session> follow(const LinkOptions& link, const Hand& hand, doubl
 }
 
 double angle(const Site& site, const Hand& hand) {
-  const double t = since_start(site.step_time(site.steps));
+  const double t = since_start(site.world_time());
   return tandem::testing::angle_between(site.pose().orientation, hand.pose(t).orientation);
 }
 double lag(const Site& site, const Hand& hand) {
-  const double t = since_start(site.step_time(site.steps));
+  const double t = since_start(site.world_time());
   return (site.x() - hand.pose(t).position).norm();
 }
 
@@ -123,7 +121,7 @@ TEST_CASE("owner: nobody moves a body for its owner", "[consensus]") {
     site.world.set_twist(site.body, {Vec3(0.0, 1.0, 0.0), Vec3::Zero()});
   };
   session.run(2.0);
-  const double t = since_start(owner.step_time(owner.steps)) - 0.007;
+  const double t = since_start(owner.world_time()) - 0.007;
   CHECK((owner.x() - Vec3(0.1 * t, 0.0, 0.0)).norm() < 1e-9);
   CHECK(owner.v() == Vec3(0.1, 0.0, 0.0));
   CHECK(owner.peer->stats().updates_received > 100);

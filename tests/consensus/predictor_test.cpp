@@ -22,7 +22,7 @@ using tandem::testing::turn;
 using testing::Dice;
 
 constexpr SessionTime kStep = 16'000'000;  // ns
-constexpr double kDt = 0.016;             // s
+constexpr double kDt = 0.016;              // s
 constexpr SessionTime kOrigin = 5'000'000'000;
 
 /// What a body did: a state and what agreement added, at each step.
@@ -45,13 +45,19 @@ struct Motion {
 const Vec3 kGravity{0.0, 0.0, -9.81};
 
 Motion projectile(const Vec3& x, const Vec3& v) {
-  return {.pose = [=](double t) { return Pose{x + t * v + 0.5 * t * t * kGravity, Quat::Identity()}; },
-          .twist = [=](double t) { return Twist{v + t * kGravity, Vec3::Zero()}; }};
+  return {.pose =
+              [=](double t) {
+                return Pose{x + t * v + 0.5 * t * t * kGravity, Quat::Identity()};
+              },
+          .twist =
+              [=](double t) {
+                return Twist{v + t * kGravity, Vec3::Zero()};
+              }};
 }
 
 /// The remote's update: `own` at the step `index`, moved by an offset.
-StateUpdate update_at(const Motion& own, int index, const Vec3& offset, const Vec3& dv = Vec3::Zero(),
-                      SessionTime origin = kOrigin) {
+StateUpdate update_at(const Motion& own, int index, const Vec3& offset,
+                      const Vec3& dv = Vec3::Zero(), SessionTime origin = kOrigin) {
   StateUpdate update;
   update.id = {1, 1};
   update.pose = own.pose(index * kDt);
@@ -103,8 +109,7 @@ TEST_CASE("predictor: local motion returns the offset of a falling body exactly"
   const MotionHistory history = own.history(40);
   const Vec3 offset(0.03, -0.02, 0.05);
   for (int stamp = 20; stamp < 40; ++stamp) {
-    const Prediction p =
-        kLocal->predict(update_at(own, stamp, offset), history, at_step(39));
+    const Prediction p = kLocal->predict(update_at(own, stamp, offset), history, at_step(39));
     check_close(p.translation, offset);
     check_close(p.rotation, Vec3::Zero());
     check_close(p.twist.linear, Vec3::Zero());
@@ -225,8 +230,8 @@ TEST_CASE("predictor: what a hand moves is carried on straight, whatever happens
 }
 
 TEST_CASE("predictor: own motion does not carry states far from here", "[consensus]") {
-  // This body has moved by `way` since the stamp; how much of it the remote is carried by falls from
-  // all at 10 cm (20 degrees) to nothing at 30 cm (40 degrees).
+  // This body has moved by `way` since the stamp; how much of it the remote is carried by falls
+  // from all at 10 cm (20 degrees) to nothing at 30 cm (40 degrees).
   const Vec3 v(0.0, 1.0, 0.0);
   Motion own;
   own.pose = [=](double t) { return Pose{t * v, Quat::Identity()}; };
@@ -272,8 +277,8 @@ TEST_CASE("predictor: a stamp slightly ahead of now is no disagreement", "[conse
 }
 
 TEST_CASE("predictor: a rotational offset turns with the body", "[consensus]") {
-  // Both spin about the world's z axis, the remote turned by 0.1 rad about x at the stamp: a quarter
-  // turn later it is turned about y.
+  // Both spin about the world's z axis, the remote turned by 0.1 rad about x at the stamp: a
+  // quarter turn later it is turned about y.
   const double age = 10 * kDt;
   const Vec3 spin(0.0, 0.0, 0.5 * tandem::testing::kPi / age);
   Motion own;
@@ -304,6 +309,34 @@ TEST_CASE("predictor: the epoch does not matter", "[consensus]") {
     check_close(a.rotation, b.rotation, 1e-9);
     check_close(a.twist.linear, b.twist.linear, 1e-9);
   }
+}
+
+TEST_CASE("predictor: velocities around a hit are not compared", "[consensus]") {
+  // A bounce in the step that ends with sample 30. The remote bounced a little sooner or later: its
+  // velocity at a stamp near may be the one before or after, which is no disagreement.
+  const Vec3 down(0.0, 0.0, -4.0);
+  Motion own;
+  own.twist = [=](double t) {
+    return Twist{t < 29.5 * kDt ? down : Vec3(-0.8 * down), Vec3::Zero()};
+  };
+  own.coupled = [](int i) { return i == 30; };
+  const Vec3 dv(0.0, 0.1, 0.0);
+  const auto twist = [&](double steps) {
+    StateUpdate update = update_at(own, 30, Vec3::Zero(), dv);
+    update.stamp = kOrigin + std::llround(1e9 * kDt * steps);
+    if (steps < 29.5) update.twist.linear = down + dv;
+    return kLocal->predict(update, own.history(40), at_step(39)).twist.linear;
+  };
+  for (const double steps : {28.5, 29.2, 29.8, 30.2, 30.8}) check_close(twist(steps), Vec3::Zero());
+  // Further away they are.
+  for (const double steps : {27.5, 32.0, 33.5}) check_close(twist(steps), dv);
+  // Agreement is no hit, however hard it pulls.
+  const Vec3 pull = 30.0 * dv;
+  const Vec3 none = Vec3::Zero();
+  own.twist = [=](double t) { return Twist{t < 29.5 * kDt ? none : pull, none}; };
+  own.correction = [=](int i) { return Correction{.twist = {i == 30 ? pull : none, none}}; };
+  StateUpdate update = update_at(own, 31, Vec3::Zero(), dv);
+  check_close(kLocal->predict(update, own.history(40), at_step(39)).twist.linear, dv);
 }
 
 TEST_CASE("history: times outside are clamped to its ends, the oldest samples go", "[consensus]") {

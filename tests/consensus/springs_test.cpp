@@ -226,10 +226,8 @@ TEST_CASE("springs: a restarted peer grabs again at once", "[consensus]") {
   session->run(0.2);
   Site& again = session->add(1, 0.002, springs_only(), kWeightless);
   again.share(ball(Vec3::Zero()));
-  const GrabDef second{.body = kBody,
-                       .anchor_w = Vec3(0.5, 0.0, 0.0),
-                       .stiffness = 500.0,
-                       .damping = 50.0};
+  const GrabDef second{
+      .body = kBody, .anchor_w = Vec3(0.5, 0.0, 0.0), .stiffness = 500.0, .damping = 50.0};
   if (early) again.peer->grab(second);
   session->run(0.03);
   if (!early) again.peer->grab(second);

@@ -108,6 +108,25 @@ TEST_CASE("pose_target contact: a target 10 mm inside a wall leaves the body at 
   }
 }
 
+TEST_CASE("pose_target contact: overlap that agreement left behind does not become velocity",
+          "[pbd][consensus][regression]") {
+  // Without the clean-up an owner's target does press the body into the wall.
+  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+    Wall scene(1.0);
+    Solver solver({.clean_up_iterations = 0, .form = form});
+    double fastest = 0.0;
+    double owed = 0.0;
+    for (int k = 0; k < 60; ++k) {
+      owed = solver.step(scene.world, kFrame).blocks.at(0).total_residual;
+      fastest = std::max(fastest, scene.world.twist(scene.box).linear.norm());
+    }
+    INFO("depth " << scene.depth() << " m, fastest " << fastest << " m/s");
+    CHECK(scene.depth() == Approx(0.01).epsilon(1e-3));
+    CHECK(owed == Approx(scene.depth()).epsilon(1e-3));
+    CHECK(fastest < 1e-6);
+  }
+}
+
 TEST_CASE("pose_target contact: when the targets stop, nothing remembers them",
           "[pbd][consensus][regression]") {
   for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {

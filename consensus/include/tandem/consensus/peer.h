@@ -70,15 +70,15 @@ struct GrabId {
 
 /// Seconds and counts since the start.
 struct PeerStats {
-  double parse_s = 0.0;      ///< CPU time in decoding packets
-  double process_s = 0.0;    ///< CPU time in sorting updates in
-  double aggregate_s = 0.0;  ///< CPU time in prediction and fusion
+  double parse_s = 0.0;                 ///< CPU time in decoding packets
+  double process_s = 0.0;               ///< CPU time in sorting updates in
+  double aggregate_s = 0.0;             ///< CPU time in prediction and fusion
   std::uint64_t updates_received = 0;   ///< state updates decoded
   std::uint64_t bodies_aggregated = 0;  ///< shared bodies times steps with at least one estimate
   std::uint64_t packets_received = 0;
-  std::uint64_t packets_rejected = 0;   ///< not decodable; their sender was dropped
+  std::uint64_t packets_rejected = 0;  ///< not decodable; their sender was dropped
   std::uint64_t unknown_ids = 0;
-  std::uint64_t springs_refused = 0;    ///< unknown body, or too many
+  std::uint64_t springs_refused = 0;  ///< unknown body, or too many
   std::uint64_t bytes_sent = 0;
   InboxCounters inbox;
 };

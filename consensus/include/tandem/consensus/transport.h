@@ -31,7 +31,7 @@ struct Packet {
 struct PeerStatus {
   PeerId id = 0;
   bool connected = false;
-  std::string reason;                   ///< why it is not connected; empty where it is
+  std::string reason;  ///< why it is not connected; empty where it is
   std::uint64_t packets_in = 0;
   std::uint64_t packets_out = 0;
   std::uint64_t bytes_in = 0;

@@ -20,12 +20,12 @@ class BallJoint {
   static constexpr int kOrder = static_cast<int>(SolveOrder::Joint);
 
   struct Def {
-    BodyId a;                          ///< the invalid id stands for the world
+    BodyId a;  ///< the invalid id stands for the world
     BodyId b;
-    Vec3 anchor_a_l = Vec3::Zero();    ///< m, frame of a (world frame where a is the world)
-    Vec3 anchor_b_l = Vec3::Zero();    ///< m, frame of b
-    double compliance = 0.0;           ///< m/N, >= 0; 0 = rigid
-    double damping = 0.0;              ///< N s/m, >= 0; without effect on a rigid joint
+    Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of a (world frame where a is the world)
+    Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of b
+    double compliance = 0.0;         ///< m/N, >= 0; 0 = rigid
+    double damping = 0.0;            ///< N s/m, >= 0; without effect on a rigid joint
   };
 
   // CONFIGURATION PROPERTIES FOLLOW
@@ -59,15 +59,15 @@ class BallJoint {
   Arms arms(const SubstepContext& ctx, SolverBody& ground) const;
 
   Def def_;
-  Vec3 lambda_ = Vec3::Zero();    ///< N s^2
-  Vec3 c_start_ = Vec3::Zero();   ///< m, C at the start of the substep
-  Vec3 r_a_ = Vec3::Zero();       ///< m, world, lever arms at the start of the substep
+  Vec3 lambda_ = Vec3::Zero();   ///< N s^2
+  Vec3 c_start_ = Vec3::Zero();  ///< m, C at the start of the substep
+  Vec3 r_a_ = Vec3::Zero();      ///< m, world, lever arms at the start of the substep
   Vec3 r_b_ = Vec3::Zero();
-  double blend_a_ = 0.0;          ///< see arm_blend()
+  double blend_a_ = 0.0;  ///< see arm_blend()
   double blend_b_ = 0.0;
-  Vec3 total_ = Vec3::Zero();     ///< N s^2, multiplier of the total channel
-  Vec3 gap_ = Vec3::Zero();       ///< m, the part of C that agreement left behind
-  Vec3 bound_ = Vec3::Zero();     ///< m, where the total channel holds C
+  Vec3 total_ = Vec3::Zero();  ///< N s^2, multiplier of the total channel
+  Vec3 gap_ = Vec3::Zero();    ///< m, the part of C that agreement left behind
+  Vec3 bound_ = Vec3::Zero();  ///< m, where the total channel holds C
   Vec3 force_ = Vec3::Zero();
   double residual_ = 0.0;
 };

@@ -29,11 +29,11 @@ enum class BodyType : std::uint8_t {
 /// How a body starts. Mass and inertia are read for dynamic bodies only.
 struct BodyDef {
   BodyType type = BodyType::Dynamic;
-  Pose pose;                             ///< of the centre of mass
-  Twist twist;                           ///< ignored for static bodies
-  double mass = 1.0;                     ///< kg, > 0
-  Mat3 inertia = Mat3::Identity() * 0.4; ///< kg m^2, about the centre of mass, body frame
-  double gravity_scale = 1.0;            ///< multiplies the world's gravity for this body
+  Pose pose;                              ///< of the centre of mass
+  Twist twist;                            ///< ignored for static bodies
+  double mass = 1.0;                      ///< kg, > 0
+  Mat3 inertia = Mat3::Identity() * 0.4;  ///< kg m^2, about the centre of mass, body frame
+  double gravity_scale = 1.0;             ///< multiplies the world's gravity for this body
 };
 
 /// What a body is between two steps.

@@ -18,15 +18,15 @@ class ByteWriter;
 /// Lifetime: one step. Poses are current; `v` and `w` are the predicted velocities until
 /// derive_velocities, the corrected ones after it.
 struct SolverBody {
-  Vec3 x = Vec3::Zero();           ///< m
-  Quat q = Quat::Identity();       ///< local to world
-  Vec3 v = Vec3::Zero();           ///< m/s
-  Vec3 w = Vec3::Zero();           ///< rad/s, world
-  Vec3 dx = Vec3::Zero();          ///< m, sum of this substep's corrections
-  Vec3 dtheta = Vec3::Zero();      ///< rad, world, sum of this substep's corrections
-  double inv_mass = 0.0;           ///< 1/kg, 0 = immovable
+  Vec3 x = Vec3::Zero();              ///< m
+  Quat q = Quat::Identity();          ///< local to world
+  Vec3 v = Vec3::Zero();              ///< m/s
+  Vec3 w = Vec3::Zero();              ///< rad/s, world
+  Vec3 dx = Vec3::Zero();             ///< m, sum of this substep's corrections
+  Vec3 dtheta = Vec3::Zero();         ///< rad, world, sum of this substep's corrections
+  double inv_mass = 0.0;              ///< 1/kg, 0 = immovable
   Mat3 inv_inertia_w = Mat3::Zero();  ///< 1/(kg m^2), world, at the predicted orientation
-  bool total = false;              ///< takes part in the total channel in this step
+  bool total = false;                 ///< takes part in the total channel in this step
 };
 
 /// Rows are projected block by block, in this order: the last writer wins, so non-penetration comes
@@ -36,9 +36,9 @@ enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 /// What a block is told about the substep.
 struct SubstepContext {
   std::span<SolverBody> bodies;
-  double h = 0.0;        ///< s, length of the substep
-  int substep = 0;       ///< index within the step
-  bool reverse = false;  ///< sweep the rows backwards (alternates between substeps)
+  double h = 0.0;               ///< s, length of the substep
+  int substep = 0;              ///< index within the step
+  bool reverse = false;         ///< sweep the rows backwards (alternates between substeps)
   Vec3 gravity = Vec3::Zero();  ///< m/s^2
 };
 
@@ -46,7 +46,7 @@ struct SubstepContext {
 struct BlockReport {
   std::string_view name;
   int rows = 0;
-  double residual = 0.0;      ///< m, largest violation of a rigid row at the end of the step
+  double residual = 0.0;        ///< m, largest violation of a rigid row at the end of the step
   double total_residual = 0.0;  ///< m, largest part of it that agreement left behind
 };
 

@@ -17,9 +17,9 @@ struct ContactOptions {
   /// m: carried multipliers are applied before the sweep where the gap is below this.
   double warm_start_gap = 1e-3;
   /// Compliance of the normals relative to their own mobility: a loaded point sinks in by
-  /// softness * w * lambda, 3 micrometres for a body at rest at 10 substeps. It settles how the four
-  /// points of a face share a load, which rigid rows leave open; without it the shares wander until
-  /// one point lets go, and a stack of ten rocks itself over.
+  /// softness * w * lambda, 3 micrometres for a body at rest at 10 substeps. It settles how the
+  /// four points of a face share a load, which rigid rows leave open; without it the shares wander
+  /// until one point lets go, and a stack of ten rocks itself over.
   double softness = 0.1;
   /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.
   double clean_up_slop = 5e-3;
@@ -49,10 +49,10 @@ struct ContactRow {
   std::array<Vec3, 4> arm_b;
   std::array<std::array<double, 4>, 4> mobility{};  ///< 1/kg, J M^-1 J^T of the normals
   Vec3 tangent_1, tangent_2;
-  Vec3 centre_a, centre_b;      ///< m, world, lever arms of the centre of pressure
+  Vec3 centre_a, centre_b;  ///< m, world, lever arms of the centre of pressure
   Eigen::Matrix<double, 2, 2, Eigen::DontAlign> slide_mass;  ///< kg, in the tangents
-  double twist_mass = 0.0;      ///< kg m^2; 0 for a single point
-  bool grips = false;           ///< loaded in this substep
+  double twist_mass = 0.0;                                   ///< kg m^2; 0 for a single point
+  bool grips = false;                                        ///< loaded in this substep
   Eigen::Matrix<double, 2, 1, Eigen::DontAlign> friction =
       Eigen::Matrix<double, 2, 1, Eigen::DontAlign>::Zero();  ///< N s^2, both passes
   double twist = 0.0;                                         ///< N m s^2, both passes

@@ -9,8 +9,8 @@
 
 /// The maths of a correction, once: every kind of constraint composes these.
 /// Legend: C constraint violation [m], alpha compliance [m/N], at = alpha / h^2, lambda multiplier
-/// [N s^2] (force = lambda / h^2), w generalised inverse mass [1/kg], r lever arm from the centre of
-/// mass [m, world].
+/// [N s^2] (force = lambda / h^2), w generalised inverse mass [1/kg], r lever arm from the centre
+/// of mass [m, world].
 namespace tandem::pbd {
 
 /// Bodies closer than this (m) have no direction between them.
@@ -98,7 +98,8 @@ inline double arm_blend(const SolverBody& body, double lambda, const Vec3& r) {
   const double length = r.norm();
   if (length < kMinLength) return 0.0;
   // Turning about r itself does not move the anchor.
-  const double across = body.inv_inertia_w.trace() - r.dot(body.inv_inertia_w * r) / (length * length);
+  const double across =
+      body.inv_inertia_w.trace() - r.dot(body.inv_inertia_w * r) / (length * length);
   return std::clamp((lambda * length * across - 0.25) / 0.75, 0.0, 1.0);
 }
 

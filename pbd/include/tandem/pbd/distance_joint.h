@@ -9,15 +9,15 @@ namespace tandem::pbd {
 /// Keeps two points at a distance, rigidly or as a spring with damping.
 /// C = |p_b - p_a| - rest_length [m];  n = (p_b - p_a) / |p_b - p_a|, dC/dx_b = n,
 /// dC/dtheta_b = r_b x n, mirrored for a. Rigid limit (compliance 0): a rod. Infinitely soft: none.
-/// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs: gradients
-/// are those of the substep's start (see BallJoint).
+/// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs:
+/// gradients are those of the substep's start (see BallJoint).
 class DistanceJoint {
  public:
   static constexpr std::string_view kName = "distance_joint";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
 
   struct Def {
-    BodyId a;                        ///< the invalid id stands for the world
+    BodyId a;  ///< the invalid id stands for the world
     BodyId b;
     Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of a (world frame where a is the world)
     Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of b
@@ -58,13 +58,13 @@ class DistanceJoint {
   Arms arms(const SubstepContext& ctx, SolverBody& ground) const;
 
   Def def_;
-  double lambda_ = 0.0;    ///< N s^2
-  double c_start_ = 0.0;   ///< m, C at the start of the substep
+  double lambda_ = 0.0;      ///< N s^2
+  double c_start_ = 0.0;     ///< m, C at the start of the substep
   Vec3 r_a_ = Vec3::Zero();  ///< m, world, lever arms and direction at the start of the substep
   Vec3 r_b_ = Vec3::Zero();
   Vec3 n_ = Vec3::Zero();
-  double gap_ = 0.0;       ///< m, the part of C that agreement left behind
-  double bound_ = 0.0;     ///< m, where the total channel holds C
+  double gap_ = 0.0;    ///< m, the part of C that agreement left behind
+  double bound_ = 0.0;  ///< m, where the total channel holds C
   double force_ = 0.0;
   double residual_ = 0.0;
 };

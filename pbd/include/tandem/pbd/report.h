@@ -30,7 +30,7 @@ struct ConsensusEnergy {
   /// Change of gravitational energy by displacement, and of the energy that a spinning body has for
   /// being turned at the same angular velocity.
   double potential = 0.0;
-  double leak = 0.0;                ///< kinetic energy that braking of blocked bodies removed, <= 0
+  double leak = 0.0;  ///< kinetic energy that braking of blocked bodies removed, <= 0
 };
 
 /// What one step did. A reference that is valid until the solver's next step.
@@ -40,9 +40,9 @@ struct StepReport {
   int substeps = 0;
   int bodies = 0;
   int targets = 0;
-  int velocity_iterations = 0;               ///< over all substeps
+  int velocity_iterations = 0;                ///< over all substeps
   std::array<double, kStageCount> stage_s{};  ///< wall time of each stage, s
-  std::vector<BlockReport> blocks;           ///< rows and residuals, in solve order
+  std::vector<BlockReport> blocks;            ///< rows and residuals, in solve order
   ConsensusEnergy energy;
 
   double total_s() const {

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <algorithm>
-#include <compare>
 #include <cmath>
+#include <compare>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -31,8 +31,8 @@ struct ConstraintId {
 ///   BodyId body_a() const, body_b() const (the invalid id stands for the world);
 ///   double residual() const; double total_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
-///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted, begin_substep, solve_velocity,
-///   begin_total, project_total, end_total, end_step.
+///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
+///   begin_substep, solve_velocity, begin_total, project_total, end_total, end_step.
 template <class C>
 class TypedBlock final : public ConstraintBlock {
  public:
@@ -77,7 +77,7 @@ class TypedBlock final : public ConstraintBlock {
   bool empty() const override { return count_ == 0; }
 
   void begin_substep(const SubstepContext& ctx) override {
-    if constexpr (requires(C& c) { c.begin_substep(ctx); }) {
+    if constexpr (requires(C & c) { c.begin_substep(ctx); }) {
       sweep(false, [&](C& c) { c.begin_substep(ctx); });
     }
   }
@@ -88,29 +88,29 @@ class TypedBlock final : public ConstraintBlock {
   }
   double solve_velocity(const SubstepContext& ctx) override {
     double change = 0.0;
-    if constexpr (requires(C& c) { c.solve_velocity(ctx); }) {
+    if constexpr (requires(C & c) { c.solve_velocity(ctx); }) {
       sweep(ctx.reverse, [&](C& c) { change = std::max(change, c.solve_velocity(ctx)); });
     }
     return change;
   }
   void begin_total(const SubstepContext& ctx) override {
-    if constexpr (requires(C& c) { c.begin_total(ctx); }) {
+    if constexpr (requires(C & c) { c.begin_total(ctx); }) {
       sweep_total(ctx, [&](C& c) { c.begin_total(ctx); });
     }
   }
   void project_total(const SubstepContext& ctx) override {
-    if constexpr (requires(C& c) { c.project_total(ctx); }) {
+    if constexpr (requires(C & c) { c.project_total(ctx); }) {
       sweep_total(ctx, [&](C& c) { c.project_total(ctx); });
     }
   }
   void end_total(const SubstepContext& ctx) override {
-    if constexpr (requires(C& c) { c.end_total(ctx); }) {
+    if constexpr (requires(C & c) { c.end_total(ctx); }) {
       sweep_total(ctx, [&](C& c) { c.end_total(ctx); });
     }
   }
   void clean_up(const SubstepContext& ctx) override { project_total(ctx); }
   void end_step(const SubstepContext& ctx) override {
-    if constexpr (requires(C& c) { c.end_step(ctx); }) {
+    if constexpr (requires(C & c) { c.end_step(ctx); }) {
       sweep(false, [&](C& c) { c.end_step(ctx); });
     }
   }

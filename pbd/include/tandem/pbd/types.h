@@ -22,7 +22,9 @@ struct Pose {
   /// World position (m) of a point given in the local frame (m).
   Vec3 to_world(const Vec3& point_l) const { return position + orientation * point_l; }
   /// Local position (m) of a point given in the world frame (m).
-  Vec3 to_local(const Vec3& point_w) const { return orientation.conjugate() * (point_w - position); }
+  Vec3 to_local(const Vec3& point_w) const {
+    return orientation.conjugate() * (point_w - position);
+  }
 };
 
 /// Linear (m/s) and angular (rad/s) velocity of the centre of mass, both in the world frame.

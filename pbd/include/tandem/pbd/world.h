@@ -116,8 +116,8 @@ class World {
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint8_t> alive_;
   std::vector<std::uint32_t> free_;
-  std::vector<Correction> corrections_;    ///< empty where no target was ever solved
-  std::vector<std::uint8_t> in_contact_;   ///< by slot, from the last step
+  std::vector<Correction> corrections_;   ///< empty where no target was ever solved
+  std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   ContactBlock* contacts_ = nullptr;  ///< one of blocks_
   ContactSource* contact_source_ = nullptr;
