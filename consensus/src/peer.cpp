@@ -21,6 +21,9 @@ namespace {
 
 constexpr double kNs = 1e-9;
 
+/// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
+constexpr SessionTime kMaxAhead = 1'000'000'000;
+
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
 
@@ -219,7 +222,9 @@ class Peer::Impl {
     if (!incoming_.leaves.empty()) {
       inbox_.remove_peer(from);
       std::erase_if(farewells_, [from](const auto& entry) { return entry.first == from; });
-      farewells_.emplace_back(from, std::min(now, incoming_.leaves.back().stamp));
+      // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
+      // successor.
+      farewells_.emplace_back(from, std::min(now + kMaxAhead, incoming_.leaves.back().stamp));
       springs_.drop_peer(from, now);
     }
   }

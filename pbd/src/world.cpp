@@ -44,7 +44,7 @@ void check_def(const BodyDef& def) {
   const double size = def.inertia.cwiseAbs().maxCoeff();
   detail::require(asymmetry <= 1e-9 * size, kKind, "inertia", asymmetry, "symmetric");
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(def.inertia, Eigen::EigenvaluesOnly);
-  const Vec3 moments = eigen.eigenvalues();  // ascending
+  const Vec3& moments = eigen.eigenvalues();  // ascending
   detail::require(moments[0] > 0.0, kKind, "inertia", moments[0], "positive definite");
   detail::require(moments[0] + moments[1] >= moments[2] * (1.0 - 1e-6), kKind, "inertia",
                   moments[2], "largest moment at most the sum of the other two");

@@ -238,6 +238,44 @@ TEST_CASE("springs: a restarted peer grabs again at once", "[consensus]") {
   CHECK((b.x() - second.anchor_w).norm() < 1e-3);
 }
 
+TEST_CASE("springs: messages that come late change nothing", "[consensus][fault]") {
+  StubTransport transport(1);
+  Site site(transport, springs_only(), kWeightless);
+  site.share(ball(Vec3::Zero()));
+  const auto deliver = [&](SpringEvent event, std::uint32_t revision, double stamp, double anchor) {
+    transport.deliver(2, SpringUpdate{.spring = 7,
+                                      .revision = revision,
+                                      .event = event,
+                                      .body = kBody,
+                                      .anchor_w = Vec3(anchor, 0.0, 0.0),
+                                      .stiffness = 100.0,
+                                      .damping = 1.0,
+                                      .max_force = 10.0,
+                                      .stamp = kStart + ns(stamp)});
+    site.peer->before_step(kStart + ns(0.1));
+  };
+  const auto anchor = [&] { return site.tethers().def({0, 0}).anchor_w.x(); };
+  deliver(SpringEvent::Create, 1, 0.00, 0.1);
+  CHECK(anchor() == 0.1);
+  deliver(SpringEvent::Change, 1, 0.04, 0.4);
+  CHECK(anchor() == 0.4);
+  deliver(SpringEvent::Change, 1, 0.03, 0.3);
+  deliver(SpringEvent::Create, 1, 0.00, 0.1);
+  CHECK(anchor() == 0.4);
+  SECTION("after the removal") {
+    deliver(SpringEvent::Remove, 2, 0.05, 0.5);
+    CHECK(site.tethers().size() == 0);
+    deliver(SpringEvent::Change, 1, 0.06, 0.6);
+  }
+  SECTION("after the farewell, by a clock that is ahead of ours") {
+    transport.deliver(2, Leave{.stamp = kStart + ns(0.12)});
+    site.peer->before_step(kStart + ns(0.1));
+    CHECK(site.tethers().size() == 0);
+    deliver(SpringEvent::Change, 1, 0.11, 0.6);
+  }
+  CHECK(site.tethers().size() == 0);
+}
+
 TEST_CASE("springs: a peer holds 256 at most, the others are counted", "[consensus][fault]") {
   StubTransport transport(1);
   Site site(transport, {}, kWeightless);

@@ -81,6 +81,23 @@ TEST_CASE("contact stack: five cubes stand with four substeps", "[pbd][contact][
   CHECK(std::sqrt(sum / 60.0) < 1e-4);
 }
 
+TEST_CASE("contact stack: ten cubes stand while the length of the steps changes",
+          "[pbd][contact][regression]") {
+  // A session's clock takes steps of 8 to 32 ms as they fit.
+  Stack stack(10, 0.01);
+  Solver solver;
+  const std::array<double, 4> lengths{0.008, 0.032, 0.016, 0.021};
+  double fastest = 0.0;
+  for (std::size_t k = 0; k < 400; ++k) {
+    solver.step(stack.world, lengths[(k / 3) % lengths.size()]);
+    if (k >= 100) fastest = std::max(fastest, std::sqrt(stack.speed2()));
+  }
+  INFO("drift " << stack.drift() << " m, sunk " << stack.sunk() << " m, fastest " << fastest);
+  CHECK(stack.drift() < 1e-3);
+  CHECK(std::abs(stack.sunk()) < 5e-3);
+  CHECK(fastest < 2e-2);
+}
+
 TEST_CASE("contact stack: each contact carries the weight above it", "[pbd][contact][analytic]") {
   Stack stack(6, 0.0);
   Solver solver;

@@ -5,6 +5,7 @@
 #include "support/catch.h"
 #include "support/targets.h"
 #include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/pose_target.h"
 
@@ -168,6 +169,40 @@ TEST_CASE("pose_target: the distance to the optimum falls with the square of the
   CHECK(errors[0] < 1e-4);
   CHECK(errors[1] < errors[0] / 50.0);
   CHECK(errors[2] < errors[1] / 50.0);
+}
+
+TEST_CASE("pose_target: against a spring, once a step, the move is that of both stiffnesses",
+          "[pbd][consensus][analytic]") {
+  // Minimise (1 + W) m / 2 (x - s gap)^2 + k dt^2 / 2 x^2, the spring's energy for the whole step:
+  // x = s gap (1 + W) m / ((1 + W) m + k dt^2).
+  for (const double stiffness : {100.0, 5000.0, 1e6}) {
+    World world(weightless());
+    FixedTargets source;
+    auto& rods = world.add_block<DistanceJoints>();
+    auto& balls = world.add_block<BallJoints>();
+    const BodyId on_rod = world.add_body(box_def(2.0, Vec3(0.2, 0.2, 0.2), Vec3(1.0, 0.0, 0.0)));
+    const BodyId on_ball = world.add_body(box_def(2.0, Vec3(0.2, 0.2, 0.2), Vec3(1.0, 5.0, 0.0)));
+    rods.add(world, {.b = on_rod, .rest_length = 1.0, .compliance = 1.0 / stiffness});
+    BallJoint::Def soft = ball_joint_at(world, {}, on_ball, Vec3(1.0, 5.0, 0.0));
+    soft.compliance = 1.0 / stiffness;
+    balls.add(world, soft);
+    const double weight = 3.0;
+    const double gap = 0.01;
+    for (const BodyId id : {on_rod, on_ball}) {
+      source.targets.push_back(
+          {.body = id,
+           .pose = {world.pose(id).position + Vec3(gap, 0.0, 0.0), Quat::Identity()},
+           .share = share_of(weight)});
+    }
+    world.set_target_source(&source);
+    Solver solver({.form = ConsensusForm::Step});
+    solver.step(world, kFrame);
+    const double mass = (1.0 + weight) * 2.0;
+    const double expected = share_of(weight) * gap * mass / (mass + stiffness * kFrame * kFrame);
+    for (const BodyId id : {on_rod, on_ball}) {
+      CHECK(world.correction(id).translation.x() == Approx(expected).epsilon(1e-6));
+    }
+  }
 }
 
 TEST_CASE("pose_target: split over substeps, the pair stops a little short of the optimum",

@@ -83,6 +83,18 @@ TEST_CASE("snapshot: a restored world goes on bit for bit as the uninterrupted o
   CHECK(fresh.world.snapshot() == straight.world.snapshot());
 }
 
+TEST_CASE("snapshot: so it does where the next step has another length", "[pbd][golden]") {
+  Scene straight;
+  straight.steps(40);
+  Scene fresh;
+  fresh.world.restore(straight.world.snapshot());
+  for (const double dt : {0.5 * kFrame, 1.2 * kFrame}) {
+    straight.solver.step(straight.world, dt);
+    fresh.solver.step(fresh.world, dt);
+    CHECK(fresh.world.hash() == straight.world.hash());
+  }
+}
+
 TEST_CASE("snapshot: ids, generations and free slots come back", "[pbd][unit]") {
   Scene scene;
   const auto bytes = scene.world.snapshot();
