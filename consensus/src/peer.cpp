@@ -153,6 +153,11 @@ class Peer::Impl {
     }
   }
 
+  /// The world must not ask a peer that is gone for targets.
+  void release_world(const Peer* peer) {
+    if (world_.target_source() == peer) world_.set_target_source(nullptr);
+  }
+
   const PeerStats& stats() {
     stats_.inbox = inbox_.totals();
     return stats_;
@@ -189,6 +194,7 @@ class Peer::Impl {
     packets_.clear();
     transport_.drain(packets_);
     for (const Packet& packet : packets_) {
+      if (packet.from == 0) continue;  // no peer has this id
       ++stats_.packets_received;
       const CpuTimer parse(stats_.parse_s);
       const CodecResult result = decode(packet.bytes, incoming_);
@@ -450,7 +456,7 @@ Peer::Peer(pbd::World& world, Transport& transport, const PeerOptions& options) 
   impl_ = std::make_unique<Impl>(world, transport, options);
   world.set_target_source(this);
 }
-Peer::~Peer() = default;
+Peer::~Peer() { impl_->release_world(this); }
 
 void Peer::share(const ShareDef& def) { impl_->share(def); }
 void Peer::set_owner(const SharedId& id, std::optional<PeerId> owner) {

@@ -86,8 +86,8 @@ double range(const Track& track, double) {
   return 0.0;
 }
 
-// First-order Euler, for comparison, measured at profile 5: 0.72 of the speed after 2 s, a period 24 %
-// too long, bounces 0.2 times as high.
+// First-order Euler, for comparison, measured at profile 5: 0.72 of the speed after 2 s, a period
+// 24 % too long, bounces 0.2 times as high.
 TEST_CASE("peer: shared free fall is as fast as alone, profile 5", "[consensus]") {
   const Vec3 high(0.0, 0.0, 100.0);
   SECTION("in agreement") { check_no_treacle(in_flight(high, Vec3::Zero()), final_speed, 2.0); }

@@ -83,18 +83,19 @@ TEST_CASE("contact stack: five cubes stand with four substeps", "[pbd][contact][
 
 TEST_CASE("contact stack: ten cubes stand while the length of the steps changes",
           "[pbd][contact][regression]") {
-  // A session's clock takes steps of 8 to 32 ms as they fit.
+  // A loaded contact sinks in by an amount that goes with the square of the substep, so boxes move
+  // by some 0.1 mm at each change; they must not walk or fall.
   Stack stack(10, 0.01);
   Solver solver;
-  const std::array<double, 4> lengths{0.008, 0.032, 0.016, 0.021};
+  const std::array<double, 4> lengths{0.016, 0.016, 0.016, 0.024};
   double fastest = 0.0;
-  for (std::size_t k = 0; k < 400; ++k) {
-    solver.step(stack.world, lengths[(k / 3) % lengths.size()]);
+  for (std::size_t k = 0; k < 600; ++k) {
+    solver.step(stack.world, lengths[k % lengths.size()]);
     if (k >= 100) fastest = std::max(fastest, std::sqrt(stack.speed2()));
   }
   INFO("drift " << stack.drift() << " m, sunk " << stack.sunk() << " m, fastest " << fastest);
   CHECK(stack.drift() < 1e-3);
-  CHECK(std::abs(stack.sunk()) < 5e-3);
+  CHECK(std::abs(stack.sunk()) < 1e-3);
   CHECK(fastest < 2e-2);
 }
 
