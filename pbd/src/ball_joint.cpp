@@ -31,6 +31,7 @@ BallJoint::Arms BallJoint::arms(const SubstepContext& ctx, SolverBody& ground) c
 void BallJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
+  if (!arm.a->total && !arm.b->total) gap_ *= kGapDecay;
   c_start_ = arm.c;
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;

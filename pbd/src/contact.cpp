@@ -323,7 +323,9 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     const Pair pair = bodies_of(row, ctx);
     const Manifold& m = row.manifold;
     set_arms(row, pair);
+    const bool free = !in_total(row, ctx);
     for (int i = 0; i < m.count; ++i) {
+      if (free) row.gap[i] *= kGapDecay;
       row.overlap[i] = std::max(0.0, row.gap[i] - gap_of(row, pair, i));
       row.speed[i] =
           m.normal.dot(point_velocity(pair.b, row.arm_b[i]) - point_velocity(pair.a, row.arm_a[i]));

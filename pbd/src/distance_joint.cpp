@@ -36,6 +36,7 @@ DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& g
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
+  if (!arm.a->total && !arm.b->total) gap_ *= kGapDecay;
   c_start_ = arm.length - def_.rest_length;
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;

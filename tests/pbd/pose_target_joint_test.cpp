@@ -205,6 +205,33 @@ TEST_CASE("pose_target: against a spring, once a step, the move is that of both 
   }
 }
 
+TEST_CASE("pose_target: what agreement tore open heals once the targets are gone",
+          "[pbd][consensus][regression]") {
+  // Twelve links, both ends owned and pulled apart: more than the clean-up can make good.
+  World world(weightless());
+  FixedTargets source;
+  auto& balls = world.add_block<BallJoints>();
+  std::vector<BodyId> links;
+  for (int i = 0; i < 12; ++i) {
+    links.push_back(world.add_body(box_def(1.0, Vec3(0.5, 0.05, 0.05), Vec3(i, 0.0, 0.0))));
+    if (i > 0)
+      balls.add(world, ball_joint_at(world, links[links.size() - 2], links.back(),
+                                     Vec3(i - 0.5, 0.0, 0.0)));
+  }
+  source.targets = {
+      {.body = links.front(), .pose = {Vec3(-0.3, 0.5, 0.0), Quat::Identity()}, .share = 1.0},
+      {.body = links.back(), .pose = {Vec3(11.5, -0.3, 0.0), Quat::Identity()}, .share = 1.0}};
+  world.set_target_source(&source);
+  Solver solver;
+  solver.step(world, kFrame);
+  const double torn = solver.step(world, kFrame).blocks[0].residual;
+  source.targets.clear();
+  double left = torn;
+  for (int k = 0; k < 120; ++k) left = solver.step(world, kFrame).blocks[0].residual;
+  CHECK(torn > 1e-2);
+  CHECK(left < 1e-4);
+}
+
 TEST_CASE("pose_target: split over substeps, the pair stops a little short of the optimum",
           "[pbd][consensus][regression]") {
   // The price of the Substep form: each part of the share is solved by itself. At W = 1 a pair of

@@ -103,6 +103,10 @@ inline double arm_blend(const SolverBody& body, double lambda, const Vec3& r) {
   return std::clamp((lambda * length * across - 0.25) / 0.75, 0.0, 1.0);
 }
 
+/// What agreement left of a row's violation is let into the real channel at this rate for each
+/// substep once no target is about that could repair it without velocity: 1 mm fades at 12 mm/s.
+inline constexpr double kGapDecay = 0.98;
+
 /// Velocity (m/s) of the material point of `body` at lever arm r.
 inline Vec3 point_velocity(const SolverBody& body, const Vec3& r) {
   return body.v + body.w.cross(r);
