@@ -79,7 +79,8 @@ class CollisionScene::Impl {
            colliders_[id.index].generation == id.generation;
   }
   const Collider& checked(ColliderId id, const char* what) const;
-  void collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out);
+  void collect(const pbd::World& world, double dt, pbd::Workers& workers,
+               std::vector<pbd::Manifold>& out);
   void remove_body(pbd::BodyId body);
   void save(pbd::ByteWriter& out) const;
   bool load(pbd::ByteReader& in);
@@ -144,7 +145,7 @@ void CollisionScene::Impl::remove_body(pbd::BodyId body) {
   }
 }
 
-void CollisionScene::Impl::collect(const pbd::World& world, double dt,
+void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& /*workers*/,
                                    std::vector<pbd::Manifold>& out) {
   stats_ = {};
   const std::size_t first = out.size();
@@ -266,8 +267,9 @@ std::uint32_t CollisionScene::slot_count() const {
 }
 const CollisionOptions& CollisionScene::options() const { return impl_->options(); }
 const CollisionStats& CollisionScene::stats() const { return impl_->stats(); }
-void CollisionScene::collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out) {
-  impl_->collect(world, dt, out);
+void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& workers,
+                             std::vector<pbd::Manifold>& out) {
+  impl_->collect(world, dt, workers, out);
 }
 void CollisionScene::remove_body(pbd::BodyId body) { impl_->remove_body(body); }
 void CollisionScene::save(pbd::ByteWriter& out) const { impl_->save(out); }

@@ -8,6 +8,7 @@
 
 #include "stage_clock.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/workers.h"
 #include "targets.h"
 
 namespace tandem::pbd {
@@ -25,7 +26,7 @@ bool is_finite(const SolverBody& body) {
 
 class Solver::Impl {
  public:
-  explicit Impl(const SolverOptions& options) : options_(options) {}
+  explicit Impl(const SolverOptions& options) : options_(options), workers_(options.threads) {}
   const SolverOptions& options() const { return options_; }
 
   const StepReport& step(World& world, double dt) {
@@ -221,7 +222,7 @@ class Solver::Impl {
   void detect() {
     if (world_->contact_source_ == nullptr) return;
     manifolds_.clear();
-    world_->contact_source_->collect(*world_, dt_, manifolds_);
+    world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
     const double h = dt_ / options_.substeps;
     world_->contacts_->configure(options_.contact, world_->gravity_.norm());
     world_->contacts_->set_manifolds(manifolds_, world_->last_h_ > 0.0 ? h / world_->last_h_ : 1.0);
@@ -241,6 +242,7 @@ class Solver::Impl {
       body.inv_mass = world_->props_[i].inverse_mass;
       body.inv_inertia_w = tensor_to_world(body.q, world_->props_[i].inverse_inertia_l);
       body.total = false;
+      body.group = body.inv_mass > 0.0 ? 0 : SolverBody::kNoGroup;
     }
   }
 
@@ -312,6 +314,7 @@ class Solver::Impl {
   }
 
   SolverOptions options_;
+  Workers workers_;
   World* world_ = nullptr;  ///< during a step only
   double dt_ = 0.0;
   SubstepContext context_;

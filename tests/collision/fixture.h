@@ -10,6 +10,7 @@
 #include "support/catch.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/workers.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::collision::testing {
@@ -28,6 +29,7 @@ inline constexpr double kDt = 1.0 / 60.0;
 struct Fixture {
   pbd::World world;
   CollisionScene scene;
+  pbd::Workers workers;
   std::vector<Manifold> manifolds;
 
   explicit Fixture(const CollisionOptions& options = {}) : scene(options) {}
@@ -51,7 +53,7 @@ struct Fixture {
   }
   const std::vector<Manifold>& collect(double dt = kDt) {
     manifolds.clear();
-    scene.collect(world, dt, manifolds);
+    scene.collect(world, dt, workers, manifolds);
     return manifolds;
   }
   Vec3 on_a(const Manifold& m, int i) const {

@@ -50,7 +50,8 @@ class ToyContacts final : public pbd::ContactSource {
   /// Number the features anew in every step, as a detector does that keeps no ids.
   void forget_features(bool forget) { forget_features_ = forget; }
 
-  void collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out) override {
+  void collect(const pbd::World& world, double dt, pbd::Workers& /*workers*/,
+               std::vector<pbd::Manifold>& out) override {
     ++collected_;
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
       const Pair& pair = pairs_[k];

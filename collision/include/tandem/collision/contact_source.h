@@ -100,7 +100,8 @@ class CollisionScene : public pbd::ContactSource {
   /// Of the last collect().
   const CollisionStats& stats() const;
 
-  void collect(const pbd::World& world, double dt, std::vector<pbd::Manifold>& out) override;
+  void collect(const pbd::World& world, double dt, pbd::Workers& workers,
+               std::vector<pbd::Manifold>& out) override;
   /// Removes the body's colliders.
   void remove_body(pbd::BodyId body) override;
   void save(pbd::ByteWriter& out) const override;

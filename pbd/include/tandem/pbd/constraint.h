@@ -27,6 +27,10 @@ struct SolverBody {
   double inv_mass = 0.0;              ///< 1/kg, 0 = immovable
   Mat3 inv_inertia_w = Mat3::Zero();  ///< 1/(kg m^2), world, at the predicted orientation
   bool total = false;                 ///< takes part in the total channel in this step
+  /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable or
+  /// asleep.
+  std::uint32_t group = kNoGroup;
+  static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 };
 
 /// Rows are projected block by block, in this order: the last writer wins, so non-penetration comes
@@ -40,6 +44,9 @@ struct SubstepContext {
   int substep = 0;              ///< index within the step
   bool reverse = false;         ///< sweep the rows backwards (alternates between substeps)
   Vec3 gravity = Vec3::Zero();  ///< m/s^2
+  /// Verbs between begin_substep and finish_velocity concern only rows of this group: those one of
+  /// whose bodies carries its number.
+  std::uint32_t group = 0;
 };
 
 /// What a block tells about itself after a step.

@@ -12,6 +12,7 @@ namespace tandem::pbd {
 
 class ByteReader;
 class ByteWriter;
+class Workers;
 class World;
 
 /// One point of a manifold. The anchors are fixed in the two bodies; the gap along the manifold's
@@ -50,7 +51,9 @@ class ContactSource {
   /// Append the manifolds of this step to `out`, which keeps its capacity from step to step.
   /// Called once per step, before the first substep, with the poses as they are then.
   /// @param dt  length of the step to come, s: contacts that may close within it are wanted too.
-  virtual void collect(const World& world, double dt, std::vector<Manifold>& out) = 0;
+  /// @param workers  may share the work; what is found must not depend on how many they are
+  virtual void collect(const World& world, double dt, Workers& workers,
+                       std::vector<Manifold>& out) = 0;
 
   /// A body is about to leave the world.
   virtual void remove_body(BodyId body) = 0;

@@ -41,6 +41,8 @@ struct SolverOptions {
   /// Share of blocked displacement that brakes a body held off its target, 0 to 1; 0 switches off.
   double leak = 0.25;
   ContactOptions contact;
+  /// Threads that share the work of a stage, 1 to 64. The result has the same bits for any number.
+  int threads = 1;
   /// Read the clock around each stage.
   bool measure_stages = true;
 

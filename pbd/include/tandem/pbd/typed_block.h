@@ -78,18 +78,18 @@ class TypedBlock final : public ConstraintBlock {
 
   void begin_substep(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.begin_substep(ctx); }) {
-      sweep(false, [&](C& c) { c.begin_substep(ctx); });
+      sweep_group(ctx, [&](C& c) { c.begin_substep(ctx); });
     }
   }
   double project(const SubstepContext& ctx) override {
     double largest = 0.0;
-    sweep(ctx.reverse, [&](C& c) { largest = std::max(largest, c.project(ctx)); });
+    sweep_group(ctx, [&](C& c) { largest = std::max(largest, c.project(ctx)); });
     return largest;
   }
   double solve_velocity(const SubstepContext& ctx) override {
     double change = 0.0;
     if constexpr (requires(C & c) { c.solve_velocity(ctx); }) {
-      sweep(ctx.reverse, [&](C& c) { change = std::max(change, c.solve_velocity(ctx)); });
+      sweep_group(ctx, [&](C& c) { change = std::max(change, c.solve_velocity(ctx)); });
     }
     return change;
   }
@@ -174,6 +174,14 @@ class TypedBlock final : public ConstraintBlock {
       const std::size_t i = reverse ? n - 1 - k : k;
       if (alive_[i] != 0) visit(rows_[i]);
     }
+  }
+  template <class Visit>
+  void sweep_group(const SubstepContext& ctx, Visit&& visit) {
+    sweep(ctx.reverse, [&](C& c) {
+      const bool mine = (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
+                        (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
+      if (mine) visit(c);
+    });
   }
   template <class Visit>
   void sweep_total(const SubstepContext& ctx, Visit&& visit) {
