@@ -52,6 +52,7 @@ class JointMarker final : public pbd::LinkVisitor {
  public:
   explicit JointMarker(std::vector<std::uint8_t>& marks) : marks_(marks) {}
   void link(std::uint32_t a, std::uint32_t b) override {
+    if (a == pbd::BodyId::kNone || b == pbd::BodyId::kNone) return;
     marks_[a] = 1;
     marks_[b] = 1;
   }

@@ -2,10 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/solver.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "integrate.h"
+#include "islands.h"
 #include "stage_clock.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/workers.h"
@@ -14,8 +16,8 @@
 namespace tandem::pbd {
 namespace {
 
-/// Below this, gyroscopic torque is beneath rounding (spheres, cubes, slow bodies): rad^2.
-constexpr double kGyroscopicTolerance = 1e-14;
+/// Bodies given to a worker at a time.
+constexpr std::size_t kBodyGrain = 256;
 
 bool is_finite(const SolverBody& body) {
   return body.x.allFinite() && body.q.coeffs().allFinite() && body.v.allFinite() &&
@@ -31,16 +33,19 @@ class Solver::Impl {
 
   const StepReport& step(World& world, double dt) {
     begin_step(world, dt);
-    for (int i = 0; i < options_.substeps; ++i) {
-      begin_substep(i);
-      integrate();
-      project();
-      derive_velocities();
-      agree_velocities();
-      solve_velocities();
-      if (options_.form == ConsensusForm::Substep) solve_total(options_.total_iterations);
+    for (std::uint32_t group = 0; group < groups_.size(); ++group) {
+      begin_group(group);
+      for (int i = 0; i < context_.substeps; ++i) {
+        begin_substep(i);
+        integrate();
+        project();
+        advance_poses();
+        agree_velocities();
+        solve_velocities();
+        if (options_.form == ConsensusForm::Substep) solve_total(options_.total_iterations);
+      }
+      if (options_.form == ConsensusForm::Step) solve_total(options_.total_iterations_per_step);
     }
-    if (options_.form == ConsensusForm::Step) solve_total(options_.total_iterations_per_step);
     clean_up();
     end_step();
     return report_;
@@ -62,34 +67,47 @@ class Solver::Impl {
     detect();
     clock_.stop(Stage::Detect);
     load_bodies();
-    latch_targets();
-    context_ = {.bodies = bodies_, .h = dt / options_.substeps, .gravity = world.gravity_};
+    collect_targets();
+    arrange_groups();
+    context_ = {.bodies = bodies_,
+                .h = dt / options_.substeps,
+                .gravity = world.gravity_,
+                .workers = &workers_};
     for_blocks([&](ConstraintBlock& block) { block.begin_step(context_); });
     clock_.stop(Stage::Begin);
   }
 
+  void begin_group(std::uint32_t group) {
+    group_ = &groups_[group];
+    context_.group = group;
+    context_.substeps = group_->substeps;
+    context_.h = dt_ / group_->substeps;
+    if (group > 0) rewind_kinematic();
+    if (!targets_.empty()) {
+      const int parts = options_.form == ConsensusForm::Substep ? group_->substeps : 1;
+      targets_.select_group(group, parts, bodies_);
+    }
+    report_.substeps = std::max(report_.substeps, group_->substeps);
+  }
+
   void begin_substep(int i) {
     context_.substep = i;
+    context_.last = i + 1 == context_.substeps;
     context_.reverse = (i % 2) == 1;
     for_blocks([&](ConstraintBlock& block) { block.begin_substep(context_); });
     clock_.stop(Stage::Begin);
   }
 
+  /// Velocities to the end of the substep; poses only of bodies whose rows project them.
   void integrate() {
     const double h = context_.h;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      SolverBody& body = bodies_[i];
-      const BodyProps& props = world_->props_[i];
-      body.dx.setZero();
-      body.dtheta.setZero();
-      if (props.type == BodyType::Static) continue;
-      if (props.type == BodyType::Dynamic) {
-        body.v += h * props.gravity_scale * context_.gravity;
-        integrate_rotation(body, props, h);
-      } else {
-        body.q = rotated(body.q, h * body.w);
-      }
-      body.x += h * body.v;
+    for_group([&](SolverBody& body, std::uint32_t i) {
+      const Wrench* wrench = world_->wrenches_.empty() ? nullptr : &world_->wrenches_[i];
+      integrate_velocity(body, world_->props_[i], wrench, context_.gravity, h);
+    });
+    for (const std::uint32_t i : kinematic_) {
+      bodies_[i].x += h * bodies_[i].v;
+      bodies_[i].q = rotated(bodies_[i].q, h * bodies_[i].w);
     }
     clock_.stop(Stage::Integrate);
   }
@@ -97,7 +115,7 @@ class Solver::Impl {
   void project() {
     for_blocks([&](ConstraintBlock& block) { block.warm_start(context_); });
     for (int i = 0; i < options_.position_iterations; ++i) {
-      project_joints();
+      if (projects_) project_joints();
       for_blocks([&](ConstraintBlock& block) {
         if (is_last(block)) block.project(context_);
       });
@@ -105,41 +123,47 @@ class Solver::Impl {
     clock_.stop(Stage::Project);
   }
 
-  void derive_velocities() {
-    const double inverse_h = 1.0 / context_.h;
-    for (SolverBody& body : bodies_) {
-      if (body.inv_mass == 0.0) continue;
-      body.v += inverse_h * body.dx;
-      body.w += inverse_h * body.dtheta;
-    }
+  void advance_poses() {
+    const double h = context_.h;
+    for_group([&](SolverBody& body, std::uint32_t i) {
+      if (world_->props_[i].locks.any()) enforce_locks(body, world_->props_[i].locks);
+      advance_pose(body, h);
+    });
+    clock_.stop(Stage::Integrate);
   }
 
   /// Before the contact velocity pass, so that contacts can veto it.
   void agree_velocities() {
-    if (targets_.empty()) return;
+    if (targets_.empty() || !targets_.selected()) return;
     targets_.advance(context_.h, context_.h * (context_.substep + 1));
-    if (options_.form == ConsensusForm::Substep || context_.substep + 1 == options_.substeps) {
+    if (options_.form == ConsensusForm::Substep || context_.last) {
       targets_.agree_velocities(bodies_, world_->props_, world_->corrections_, report_.energy);
     }
   }
 
   void solve_velocities() {
+    const bool reverse = context_.reverse;
     for (int i = 0; i < options_.velocity_iterations; ++i) {
       double change = 0.0;
-      context_.reverse = (context_.substep + i) % 2 == 1;
+      context_.reverse = (context_.substep + i) % 2 == 0;
       for_blocks([&](ConstraintBlock& block) {
         change = std::max(change, block.solve_velocity(context_));
       });
       ++report_.velocity_iterations;
       if (change <= options_.velocity_tolerance) break;
     }
+    context_.reverse = reverse;
     for_blocks([&](ConstraintBlock& block) { block.finish_velocity(context_); });
+    if (group_->locked) {
+      for_group(
+          [&](SolverBody& body, std::uint32_t i) { enforce_locks(body, world_->props_[i].locks); });
+    }
     clock_.stop(Stage::Velocity);
   }
 
   /// The total channel: the same rows once more, for where bodies are and not for how they move.
   void solve_total(int iterations) {
-    if (targets_.empty()) return;
+    if (targets_.empty() || !targets_.selected()) return;
     SubstepContext context = context_;
     if (options_.form == ConsensusForm::Step) context.h = dt_;
     targets_.begin_total(bodies_);
@@ -159,11 +183,15 @@ class Solver::Impl {
     SubstepContext context = context_;
     context.h = dt_;
     for (int i = 0; i < options_.clean_up_iterations; ++i) {
+      bool any = false;
       context.reverse = i % 2 == 1;
-      for_blocks([&](ConstraintBlock& block) { block.clean_up(context); });
+      for_blocks([&](ConstraintBlock& block) { any = block.clean_up(context) || any; });
+      if (!any) break;
     }
     if (!targets_.empty()) {
-      for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
+      for (context.group = 0; context.group < groups_.size(); ++context.group) {
+        for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
+      }
       targets_.leak(options_.leak, dt_, bodies_, world_->props_, report_.energy);
     }
     clock_.stop(Stage::CleanUp);
@@ -174,6 +202,7 @@ class Solver::Impl {
     context.h = dt_;
     for_blocks([&](ConstraintBlock& block) { block.end_step(context); });
     store_bodies();
+    world_->wrenches_.clear();
     world_->time_ += dt_;
     for (const auto& block : world_->blocks_) {
       if (!block->empty()) report_.blocks.push_back(block->report());
@@ -184,12 +213,36 @@ class Solver::Impl {
 
   // --- parts of stages --------------------------------------------------------------------------
 
+  /// Bodies that are solved together, with the same substeps.
+  struct Group {
+    int substeps = 0;
+    bool locked = false;     ///< some body has a locked axis
+    std::vector<std::uint32_t> bodies;
+  };
+
+  /// Marks the bodies whose poses rows project.
+  class ProjectedMarker final : public LinkVisitor {
+   public:
+    explicit ProjectedMarker(std::span<SolverBody> bodies) : bodies_(bodies) {}
+    void link(std::uint32_t a, std::uint32_t b) override {
+      if (a != BodyId::kNone) bodies_[a].projected = true;
+      if (b != BodyId::kNone) bodies_[b].projected = true;
+    }
+
+   private:
+    std::span<SolverBody> bodies_;
+  };
+
   /// Non-penetration has the last word in each sweep.
   static bool is_last(const ConstraintBlock& block) {
     return block.order() >= static_cast<int>(SolveOrder::Contact);
   }
 
   void project_joints() {
+    const double h = context_.h;
+    for_group([&](SolverBody& body, std::uint32_t) {
+      if (body.projected) advance_pose(body, h);
+    });
     const bool reverse = context_.reverse;
     for (int i = 0; i < options_.joint_iterations; ++i) {
       double largest = 0.0;
@@ -200,6 +253,9 @@ class Solver::Impl {
       context_.reverse = !context_.reverse;
     }
     context_.reverse = reverse;
+    for_group([&](SolverBody& body, std::uint32_t) {
+      if (body.projected) absorb_corrections(body, h);
+    });
   }
 
   template <class Visit>
@@ -209,10 +265,19 @@ class Solver::Impl {
     }
   }
 
+  /// Bodies of the current group, shared out among the workers.
+  template <class Visit>
+  void for_group(Visit&& visit) {
+    const std::vector<std::uint32_t>& list = group_->bodies;
+    workers_.for_chunks(list.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) visit(bodies_[list[k]], list[k]);
+    });
+  }
+
   void reset_report() {
     report_.status = StepStatus::Ok;
     report_.first_bad_body = {};
-    report_.substeps = options_.substeps;
+    report_.substeps = 0;
     report_.bodies = static_cast<int>(world_->body_count());
     report_.velocity_iterations = 0;
     report_.blocks.clear();
@@ -223,40 +288,96 @@ class Solver::Impl {
     if (world_->contact_source_ == nullptr) return;
     manifolds_.clear();
     world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
-    const double h = dt_ / options_.substeps;
-    world_->contacts_->configure(options_.contact, world_->gravity_.norm());
-    world_->contacts_->set_manifolds(manifolds_, world_->last_h_ > 0.0 ? h / world_->last_h_ : 1.0);
-    world_->last_h_ = h;
+    world_->contacts_->configure(options_.contact);
+    world_->contacts_->set_manifolds(manifolds_);
   }
 
   void load_bodies() {
     const std::size_t count = world_->states_.size();
     bodies_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const BodyState& state = world_->states_[i];
-      SolverBody& body = bodies_[i];
-      body.x = state.pose.position;
-      body.q = state.pose.orientation;
-      body.v = state.twist.linear;
-      body.w = state.twist.angular;
-      body.inv_mass = world_->props_[i].inverse_mass;
-      body.inv_inertia_w = tensor_to_world(body.q, world_->props_[i].inverse_inertia_l);
-      body.total = false;
-      body.group = body.inv_mass > 0.0 ? 0 : SolverBody::kNoGroup;
+    kinematic_.clear();
+    workers_.for_chunks(count, kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) load_body(i);
+    });
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (world_->props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
+    }
+    for (const World::KinematicTarget& target : world_->kinematic_targets_) {
+      SolverBody& body = bodies_[target.index];
+      body.v = (target.pose.position - body.x) / dt_;
+      body.w = rotation_between(body.q, target.pose.orientation) / dt_;
+      world_->states_[target.index].twist = {body.v, body.w};
     }
   }
 
-  void latch_targets() {
+  void load_body(std::size_t i) {
+    const BodyState& state = world_->states_[i];
+    const BodyProps& props = world_->props_[i];
+    SolverBody& body = bodies_[i];
+    body.x = state.pose.position;
+    body.q = state.pose.orientation;
+    body.v = state.twist.linear;
+    body.w = state.twist.angular;
+    body.inv_mass = props.inverse_mass;
+    body.gravity_scale = body.inv_mass > 0.0 ? props.gravity_scale : 0.0;
+    if (body.inv_mass > 0.0) {
+      refresh_inertia(body, props);
+    } else {
+      body.inv_inertia_w.setZero();
+    }
+    body.dx.setZero();
+    body.dtheta.setZero();
+    body.v_push.setZero();
+    body.w_push.setZero();
+    body.group = SolverBody::kNoGroup;
+    body.total = false;
+    body.projected = false;
+  }
+
+  void rewind_kinematic() {
+    for (const std::uint32_t i : kinematic_) {
+      bodies_[i].x = world_->states_[i].pose.position;
+      bodies_[i].q = world_->states_[i].pose.orientation;
+    }
+  }
+
+  void collect_targets() {
     pose_targets_.clear();
     if (world_->target_source_ != nullptr) {
       world_->target_source_->collect(*world_, dt_, pose_targets_);
       std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t); });
       world_->corrections_.assign(bodies_.size(), {});
     }
-    const int parts = options_.form == ConsensusForm::Substep ? options_.substeps : 1;
-    targets_.begin_step(pose_targets_, bodies_, world_->states_, dt_, parts);
-    if (!targets_.empty()) targets_.mark_islands(world_->blocks_, bodies_);
+    targets_.begin_step(pose_targets_, bodies_, world_->states_, dt_);
     report_.targets = targets_.size();
+  }
+
+  /// Islands, and from them the groups that are solved together.
+  void arrange_groups() {
+    const bool touching = world_->contacts_ != nullptr && !world_->contacts_->empty();
+    if (touching || !targets_.empty()) {
+      islands_.build(world_->blocks_, bodies_);
+      for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].island = islands_.of()[i];
+      if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_);
+    }
+    groups_.resize(1);
+    Group& group = groups_[0];
+    group.bodies.clear();
+    group.substeps = options_.substeps;
+    group.locked = false;
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
+      if (bodies_[i].inv_mass == 0.0) continue;
+      bodies_[i].group = 0;
+      group.bodies.push_back(i);
+      group.locked = group.locked || world_->props_[i].locks.any();
+    }
+    ProjectedMarker marker(bodies_);
+    projects_ = false;
+    for_blocks([&](ConstraintBlock& block) {
+      if (is_last(block)) return;
+      projects_ = true;
+      block.links(marker);
+    });
   }
 
   /// Not-a-number never enters a world, whoever made the target.
@@ -265,21 +386,6 @@ class Solver::Impl {
            std::abs(target.pose.orientation.norm() - 1.0) < 1e-3 &&
            target.twist.linear.allFinite() && target.twist.angular.allFinite() &&
            target.rotation_error.allFinite() && std::isfinite(target.share);
-  }
-
-  static void integrate_rotation(SolverBody& body, const BodyProps& props, double h) {
-    Vec3 w_l = body.q.conjugate() * body.w;
-    const Vec3 momentum_l = props.inertia_l * w_l;
-    const Vec3 torque_l = w_l.cross(momentum_l);
-    if (torque_l.squaredNorm() * h * h > kGyroscopicTolerance * momentum_l.squaredNorm()) {
-      const Vec3 next_l = torque_free_step(props.inertia_l, w_l, h);
-      const Vec3 middle_w = body.q * Vec3(0.5 * (w_l + next_l));
-      body.q = rotated(body.q, h * middle_w);
-      body.w = body.q * next_l;
-    } else {
-      body.q = rotated(body.q, h * body.w);
-    }
-    body.inv_inertia_w = tensor_to_world(body.q, props.inverse_inertia_l);
   }
 
   void store_bodies() {
@@ -298,18 +404,19 @@ class Solver::Impl {
       state.pose = {body.x, body.q};
       state.twist = {body.v, body.w};
     }
+    for (const World::KinematicTarget& target : world_->kinematic_targets_) {
+      world_->states_[target.index] = {target.pose, {}};
+    }
+    world_->kinematic_targets_.clear();
     if (world_->contacts_ != nullptr) mark_contacts();
   }
 
   void mark_contacts() {
     std::fill(world_->in_contact_.begin(), world_->in_contact_.end(), std::uint8_t{0});
-    for (const ContactRow& row : world_->contacts_->rows()) {
-      for (int i = 0; i < row.manifold.count; ++i) {
-        if (row.lambda[i] <= 0.0) continue;
-        world_->in_contact_[row.manifold.body_a] = 1;
-        world_->in_contact_[row.manifold.body_b] = 1;
-        break;
-      }
+    for (const Contact& contact : world_->contacts_->contacts()) {
+      if (!contact.loaded()) continue;
+      world_->in_contact_[contact.manifold.body_a] = 1;
+      world_->in_contact_[contact.manifold.body_b] = 1;
     }
   }
 
@@ -321,7 +428,12 @@ class Solver::Impl {
   StepReport report_;
   StageClock clock_;
   Targets targets_;
+  Islands islands_;
   std::vector<SolverBody> bodies_;
+  std::vector<std::uint32_t> kinematic_;
+  bool projects_ = false;  ///< some row projects poses
+  std::vector<Group> groups_;
+  const Group* group_ = nullptr;  ///< the one being solved
   std::vector<Manifold> manifolds_;
   std::vector<PoseTarget> pose_targets_;
 };

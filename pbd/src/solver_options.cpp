@@ -30,9 +30,13 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(total_iterations_per_step, 0, 10000, "total_iterations_per_step", error) &&
          in_range(clean_up_iterations, 0, 1000, "clean_up_iterations", error) &&
          in_range(threads, 1, 64, "threads", error) && in_range(leak, 0.0, 1.0, "leak", error) &&
+         in_range(contact.push_gain, 0.0, 1.0, "contact.push_gain", error) &&
+         in_range(contact.extra_sweeps, 0, 10000, "contact.extra_sweeps", error) &&
+         in_range(contact.resting_tolerance, 0.0, 1e6, "contact.resting_tolerance", error) &&
+         in_range(contact.moving_tolerance, 0.0, 1e6, "contact.moving_tolerance", error) &&
          in_range(contact.push_speed, 0.0, 1e6, "contact.push_speed", error) &&
          in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&
-         in_range(contact.softness, 0.0, 10.0, "contact.softness", error) &&
+         in_range(contact.evenness, 0.0, 10.0, "contact.evenness", error) &&
          in_range(contact.clean_up_slop, 0.0, 1.0, "contact.clean_up_slop", error) &&
          in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold", error);
 }

@@ -16,37 +16,11 @@ double kinetic_energy(const SolverBody& body, const BodyProps& props, const Vec3
   return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia_l * w_l));
 }
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t i) {
-  while (parents[i] != i) {
-    parents[i] = parents[parents[i]];
-    i = parents[i];
-  }
-  return i;
-}
-
-/// Joins bodies that can move; what stands still separates islands.
-class Joiner final : public LinkVisitor {
- public:
-  Joiner(std::vector<std::uint32_t>& parents, std::span<const SolverBody> bodies)
-      : parents_(parents), bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (bodies_[a].inv_mass == 0.0 || bodies_[b].inv_mass == 0.0) return;
-    const std::uint32_t ra = root_of(parents_, a);
-    const std::uint32_t rb = root_of(parents_, b);
-    if (ra != rb) parents_[std::max(ra, rb)] = std::min(ra, rb);
-  }
-
- private:
-  std::vector<std::uint32_t>& parents_;
-  std::span<const SolverBody> bodies_;
-};
-
 }  // namespace
 
 void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
-                         std::span<const BodyState> states, double dt, int parts) {
+                         std::span<const BodyState> states, double dt) {
   rows_.clear();
-  saved_.clear();
   for (const PoseTarget& target : targets) {
     const SolverBody& body = bodies[target.body.index];
     if (body.inv_mass == 0.0 || !(target.share > 0.0)) continue;
@@ -54,7 +28,7 @@ void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBo
     row.body = target.body.index;
     row.motion = target.motion;
     // [Influence] A share is defined for 1/60 s of session time, whatever the step.
-    row.share = 1.0 - std::pow(1.0 - std::min(target.share, 1.0), 60.0 * dt / parts);
+    row.step_share = 1.0 - std::pow(1.0 - std::min(target.share, 1.0), 60.0 * dt);
     row.pose = target.pose;
     row.twist = target.twist;
     const BodyState& state = states[row.body];
@@ -67,27 +41,34 @@ void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBo
   }
 }
 
-void Targets::mark_islands(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                           std::span<SolverBody> bodies) {
-  const auto count = static_cast<std::uint32_t>(bodies.size());
-  parents_.resize(count);
-  row_of_.assign(count, BodyId::kNone);
-  for (std::uint32_t i = 0; i < count; ++i) parents_[i] = i;
-  Joiner joiner(parents_, bodies);
-  for (const auto& block : blocks) block->links(joiner);
+void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies) {
+  row_of_.assign(bodies.size(), BodyId::kNone);
+  marked_.assign(bodies.size(), 0);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     row_of_[rows_[k].body] = static_cast<std::uint32_t>(k);
-    bodies[root_of(parents_, rows_[k].body)].total = true;
+    marked_[island_of[rows_[k].body]] = 1;
   }
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (bodies[i].inv_mass == 0.0) continue;
-    bodies[i].total = bodies[root_of(parents_, i)].total;
-    if (bodies[i].total) saved_.emplace_back().body = i;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].total = bodies[i].inv_mass > 0.0 && marked_[island_of[i]] != 0;
+  }
+}
+
+void Targets::select_group(std::uint32_t group, int parts, std::span<const SolverBody> bodies) {
+  in_group_.clear();
+  saved_.clear();
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    if (bodies[rows_[k].body].group != group) continue;
+    in_group_.push_back(static_cast<std::uint32_t>(k));
+    rows_[k].share = 1.0 - std::pow(1.0 - rows_[k].step_share, 1.0 / parts);
+  }
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].total && bodies[i].group == group) saved_.emplace_back().body = i;
   }
 }
 
 void Targets::advance(double h, double elapsed) {
-  for (Row& row : rows_) {
+  for (const std::uint32_t k : in_group_) {
+    Row& row = rows_[k];
     row.elapsed = elapsed;
     row.e_x += h * row.e_v;
     row.e_q += h * row.e_w;
@@ -96,7 +77,8 @@ void Targets::advance(double h, double elapsed) {
 
 void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
                                std::span<Correction> corrections, ConsensusEnergy& energy) {
-  for (Row& row : rows_) {
+  for (const std::uint32_t k : in_group_) {
+    Row& row = rows_[k];
     SolverBody& body = bodies[row.body];
     if (row.motion == TargetMotion::Inertial) {
       row.e_v = row.twist.linear - body.v;
@@ -133,7 +115,8 @@ void Targets::begin_total(std::span<SolverBody> bodies) {
 }
 
 void Targets::move_bodies(std::span<SolverBody> bodies) {
-  for (Row& row : rows_) {
+  for (const std::uint32_t k : in_group_) {
+    Row& row = rows_[k];
     SolverBody& body = bodies[row.body];
     if (row.motion == TargetMotion::Inertial) {
       row.e_x = row.pose.position + row.elapsed * row.twist.linear - body.x;

@@ -20,16 +20,21 @@ namespace tandem::pbd {
 /// blocked stays in e. Substep shares compose exactly: 1 - (1 - s_n)^n = s.
 class Targets {
  public:
-  /// Take over this step's targets; forget bodies that cannot move. @param share_exponent  60 dt /
-  /// n
+  /// Take over this step's targets; forget bodies that cannot move.
   void begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
-                  std::span<const BodyState> states, double dt, int parts);
+                  std::span<const BodyState> states, double dt);
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
 
   /// Mark every body that is joined or in touch with a targeted one as part of the total channel.
-  void mark_islands(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                    std::span<SolverBody> bodies);
+  /// @param island_of  by body
+  void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
+
+  /// The methods below concern the bodies of this group, until the next call.
+  /// @param parts  into how many the group's share is split over the step
+  void select_group(std::uint32_t group, int parts, std::span<const SolverBody> bodies);
+  /// Whether the group has a body in the total channel.
+  bool selected() const { return !saved_.empty(); }
 
   /// Where the targets have moved to by the end of this substep. Call before agree_velocities.
   void advance(double h, double elapsed);
@@ -51,8 +56,9 @@ class Targets {
   struct Row {
     std::uint32_t body = 0;
     TargetMotion motion = TargetMotion::WithBody;
-    double share = 0.0;  ///< for each part of the step
-    Pose pose;           ///< Inertial: where the target is at the start of the step
+    double share = 0.0;       ///< for each part of the step
+    double step_share = 0.0;  ///< for the whole step
+    Pose pose;                ///< Inertial: where the target is at the start of the step
     Twist twist;
     Vec3 e_x = Vec3::Zero();       ///< m, still missing
     Vec3 e_q = Vec3::Zero();       ///< rad, rotation vector, world
@@ -72,9 +78,10 @@ class Targets {
   };
 
   std::vector<Row> rows_;
-  std::vector<Saved> saved_;            ///< all bodies of the total channel
-  std::vector<std::uint32_t> parents_;  ///< union-find
-  std::vector<std::uint32_t> row_of_;   ///< by body; kNone without
+  std::vector<std::uint32_t> in_group_;  ///< indices of the selected group's rows
+  std::vector<Saved> saved_;             ///< the selected group's bodies in the total channel
+  std::vector<std::uint8_t> marked_;     ///< by island: has a target
+  std::vector<std::uint32_t> row_of_;    ///< by body; kNone without
 };
 
 }  // namespace tandem::pbd

@@ -10,6 +10,7 @@
 
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/math.h"
 #include "tandem/pbd/typed_block.h"
 
 namespace tandem::pbd {
@@ -30,12 +31,34 @@ void check_twist(const Twist& twist, std::string_view kind) {
   detail::require_finite(twist.angular, kind, "twist.angular");
 }
 
+void check_damping(double linear, double angular, std::string_view kind) {
+  detail::require(linear >= 0.0 && std::isfinite(linear), kind, "linear_damping", linear,
+                  "finite and >= 0");
+  detail::require(angular >= 0.0 && std::isfinite(angular), kind, "angular_damping", angular,
+                  "finite and >= 0");
+}
+
+/// Wakes what rows join to one body.
+class Waker final : public LinkVisitor {
+ public:
+  Waker(std::uint32_t body, std::vector<std::uint32_t>& found) : body_(body), found_(found) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a == body_ && b != BodyId::kNone) found_.push_back(b);
+    if (b == body_ && a != BodyId::kNone) found_.push_back(a);
+  }
+
+ private:
+  std::uint32_t body_;
+  std::vector<std::uint32_t>& found_;
+};
+
 void check_def(const BodyDef& def) {
   constexpr std::string_view kKind = "BodyDef";
   check_pose(def.pose, kKind);
   check_twist(def.twist, kKind);
   detail::require(std::isfinite(def.gravity_scale), kKind, "gravity_scale", def.gravity_scale,
                   "finite");
+  check_damping(def.linear_damping, def.angular_damping, kKind);
   if (def.type != BodyType::Dynamic) return;
   detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
                   "finite and > 0");
@@ -59,6 +82,11 @@ BodyProps make_props(const BodyDef& def) {
     props.inverse_mass = 1.0 / def.mass;
     props.inertia_l = 0.5 * (def.inertia + def.inertia.transpose());
     props.inverse_inertia_l = props.inertia_l.inverse();
+    props.linear_damping = def.linear_damping;
+    props.angular_damping = def.angular_damping;
+    props.locks = def.locks;
+    props.bullet = def.bullet;
+    props.can_sleep = def.can_sleep;
   }
   return props;
 }
@@ -117,6 +145,8 @@ BodyId World::add_body(const BodyDef& def) {
     generations_.push_back(0);
     alive_.push_back(0);
     in_contact_.push_back(0);
+    activity_.emplace_back();
+    if (!wrenches_.empty()) wrenches_.emplace_back();
     if (!corrections_.empty()) corrections_.emplace_back();
     free_.reserve(states_.size());
   } else {
@@ -125,6 +155,8 @@ BodyId World::add_body(const BodyDef& def) {
   }
   alive_[index] = 1;
   in_contact_[index] = 0;
+  activity_[index] = {};
+  if (!wrenches_.empty()) wrenches_[index] = {};
   if (!corrections_.empty()) corrections_[index] = {};
   props_[index] = make_props(def);
   states_[index].pose = def.pose;
@@ -135,10 +167,17 @@ BodyId World::add_body(const BodyDef& def) {
 
 void World::remove_body(BodyId id) {
   const std::uint32_t index = checked_index(id, "remove_body");
+  std::vector<std::uint32_t> joined;
+  Waker waker(index, joined);
+  for (const auto& block : blocks_) block->links(waker);
+  for (const std::uint32_t other : joined) activity_[other] = {};
   if (contact_source_ != nullptr) contact_source_->remove_body(id);
   for (const auto& block : blocks_) block->remove_body(id);
   alive_[index] = 0;
   ++generations_[index];
+  activity_[index] = {};
+  if (!wrenches_.empty()) wrenches_[index] = {};
+  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
   props_[index] = {};
   states_[index] = {};
   free_.push_back(index);
@@ -163,6 +202,7 @@ const BodyProps& World::props(BodyId id) const { return props_[checked_index(id,
 void World::set_pose(BodyId id, const Pose& pose) {
   const std::uint32_t index = checked_index(id, "set_pose");
   check_pose(pose, "World::set_pose");
+  wake(id);
   states_[index].pose = pose;
   states_[index].pose.orientation.normalize();
 }
@@ -173,7 +213,101 @@ void World::set_twist(BodyId id, const Twist& twist) {
   detail::require(props_[index].type != BodyType::Static ||
                       (twist.linear.isZero(0.0) && twist.angular.isZero(0.0)),
                   "World::set_twist", "twist", twist.linear.norm(), "zero for a static body");
+  wake(id);
   states_[index].twist = twist;
+}
+
+std::uint32_t World::checked_dynamic(BodyId id, const char* what) const {
+  const std::uint32_t index = checked_index(id, what);
+  if (props_[index].type != BodyType::Dynamic) {
+    throw std::invalid_argument(std::string("World::") + what + ": id = body " +
+                                std::to_string(id.index) + " breaks the rule: a dynamic body");
+  }
+  return index;
+}
+
+void World::set_kinematic_target(BodyId id, const Pose& pose) {
+  const std::uint32_t index = checked_index(id, "set_kinematic_target");
+  check_pose(pose, "World::set_kinematic_target");
+  detail::require(props_[index].type == BodyType::Kinematic, "World::set_kinematic_target", "id",
+                  id.index, "a kinematic body");
+  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
+  kinematic_targets_.push_back({index, pose});
+  kinematic_targets_.back().pose.orientation.normalize();
+}
+
+void World::set_damping(BodyId id, double linear, double angular) {
+  const std::uint32_t index = checked_dynamic(id, "set_damping");
+  check_damping(linear, angular, "World::set_damping");
+  wake(id);
+  props_[index].linear_damping = linear;
+  props_[index].angular_damping = angular;
+}
+
+void World::set_gravity_scale(BodyId id, double scale) {
+  const std::uint32_t index = checked_dynamic(id, "set_gravity_scale");
+  detail::require(std::isfinite(scale), "World::set_gravity_scale", "scale", scale, "finite");
+  wake(id);
+  props_[index].gravity_scale = scale;
+}
+
+void World::set_locks(BodyId id, const AxisLocks& locks) {
+  const std::uint32_t index = checked_dynamic(id, "set_locks");
+  wake(id);
+  props_[index].locks = locks;
+}
+
+Wrench& World::wrench_of(std::uint32_t index) {
+  if (wrenches_.empty()) wrenches_.resize(states_.size());
+  return wrenches_[index];
+}
+
+void World::apply_force(BodyId id, const Vec3& force) {
+  const std::uint32_t index = checked_dynamic(id, "apply_force");
+  detail::require_finite(force, "World::apply_force", "force");
+  wake(id);
+  wrench_of(index).force += force;
+}
+
+void World::apply_force(BodyId id, const Vec3& force, const Vec3& point_w) {
+  const std::uint32_t index = checked_dynamic(id, "apply_force");
+  detail::require_finite(force, "World::apply_force", "force");
+  detail::require_finite(point_w, "World::apply_force", "point_w");
+  wake(id);
+  wrench_of(index).force += force;
+  wrench_of(index).torque += (point_w - states_[index].pose.position).cross(force);
+}
+
+void World::apply_torque(BodyId id, const Vec3& torque) {
+  const std::uint32_t index = checked_dynamic(id, "apply_torque");
+  detail::require_finite(torque, "World::apply_torque", "torque");
+  wake(id);
+  wrench_of(index).torque += torque;
+}
+
+void World::apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w) {
+  const std::uint32_t index = checked_dynamic(id, "apply_impulse");
+  detail::require_finite(impulse, "World::apply_impulse", "impulse");
+  detail::require_finite(point_w, "World::apply_impulse", "point_w");
+  states_[index].twist.linear += props_[index].inverse_mass * impulse;
+  apply_angular_impulse(id, (point_w - states_[index].pose.position).cross(impulse));
+}
+
+void World::apply_angular_impulse(BodyId id, const Vec3& impulse) {
+  const std::uint32_t index = checked_dynamic(id, "apply_angular_impulse");
+  detail::require_finite(impulse, "World::apply_angular_impulse", "impulse");
+  wake(id);
+  const Pose& pose = states_[index].pose;
+  states_[index].twist.angular +=
+      tensor_to_world(pose.orientation, props_[index].inverse_inertia_l) * impulse;
+}
+
+bool World::awake(BodyId id) const { return activity_[checked_index(id, "awake")].awake; }
+
+void World::wake(BodyId id) {
+  Activity& activity = activity_[checked_index(id, "wake")];
+  activity.awake = true;
+  activity.still = 0.0;
 }
 
 void World::set_gravity(const Vec3& gravity) {
@@ -233,7 +367,6 @@ std::vector<std::byte> World::snapshot() const {
   out.u8(contact_source_ != nullptr ? 1 : 0);
   out.vec3(gravity_);
   out.f64(time_);
-  out.f64(last_h_);
   out.u32(slot_count());
   for (std::uint32_t i = 0; i < slot_count(); ++i) {
     out.u8(alive_[i]);
@@ -243,6 +376,16 @@ std::vector<std::byte> World::snapshot() const {
     out.f64(props_[i].mass);
     out.f64(props_[i].inverse_mass);
     out.f64(props_[i].gravity_scale);
+    out.f64(props_[i].linear_damping);
+    out.f64(props_[i].angular_damping);
+    for (int k = 0; k < 3; ++k) out.u8(props_[i].locks.linear[k] ? 1 : 0);
+    for (int k = 0; k < 3; ++k) out.u8(props_[i].locks.angular[k] ? 1 : 0);
+    out.u8(props_[i].bullet ? 1 : 0);
+    out.u8(props_[i].can_sleep ? 1 : 0);
+    out.u8(activity_[i].awake ? 1 : 0);
+    out.u8(activity_[i].level);
+    out.u32(activity_[i].calm);
+    out.f64(activity_[i].still);
     for (int k = 0; k < 9; ++k) out.f64(props_[i].inertia_l(k / 3, k % 3));
     for (int k = 0; k < 9; ++k) out.f64(props_[i].inverse_inertia_l(k / 3, k % 3));
     out.vec3(states_[i].pose.position);
@@ -252,6 +395,17 @@ std::vector<std::byte> World::snapshot() const {
   }
   out.u32(static_cast<std::uint32_t>(free_.size()));
   for (const std::uint32_t index : free_) out.u32(index);
+  out.u32(static_cast<std::uint32_t>(wrenches_.size()));
+  for (const Wrench& wrench : wrenches_) {
+    out.vec3(wrench.force);
+    out.vec3(wrench.torque);
+  }
+  out.u32(static_cast<std::uint32_t>(kinematic_targets_.size()));
+  for (const KinematicTarget& target : kinematic_targets_) {
+    out.u32(target.index);
+    out.vec3(target.pose.position);
+    out.quat(target.pose.orientation);
+  }
   for (const auto& block : blocks_) block->save(out);
   if (contact_source_ != nullptr) contact_source_->save(out);
   out.u64(hash_bytes(bytes));
@@ -277,15 +431,15 @@ void World::restore(std::span<const std::byte> bytes) {
   }
   gravity_ = in.vec3();
   time_ = in.f64();
-  last_h_ = in.f64();
   const std::uint32_t slots = in.u32();
-  constexpr std::size_t kBytesPerSlot = 7 + 3 * 8 + 18 * 8 + 13 * 8;
+  constexpr std::size_t kBytesPerSlot = 7 + 3 * 8 + (2 * 8 + 8 + 2 + 4 + 8) + 18 * 8 + 13 * 8;
   if (in.failed() || slots > in.remaining() / kBytesPerSlot) refuse("whole");
   states_.assign(slots, {});
   props_.assign(slots, {});
   generations_.assign(slots, 0);
   alive_.assign(slots, 0);
   in_contact_.assign(slots, 0);
+  activity_.assign(slots, {});
   if (!corrections_.empty()) corrections_.assign(slots, {});
   for (std::uint32_t i = 0; i < slots; ++i) {
     alive_[i] = in.u8();
@@ -295,6 +449,16 @@ void World::restore(std::span<const std::byte> bytes) {
     props_[i].mass = in.f64();
     props_[i].inverse_mass = in.f64();
     props_[i].gravity_scale = in.f64();
+    props_[i].linear_damping = in.f64();
+    props_[i].angular_damping = in.f64();
+    for (int k = 0; k < 3; ++k) props_[i].locks.linear[k] = in.u8() != 0;
+    for (int k = 0; k < 3; ++k) props_[i].locks.angular[k] = in.u8() != 0;
+    props_[i].bullet = in.u8() != 0;
+    props_[i].can_sleep = in.u8() != 0;
+    activity_[i].awake = in.u8() != 0;
+    activity_[i].level = in.u8();
+    activity_[i].calm = static_cast<std::uint16_t>(in.u32());
+    activity_[i].still = in.f64();
     for (int k = 0; k < 9; ++k) props_[i].inertia_l(k / 3, k % 3) = in.f64();
     for (int k = 0; k < 9; ++k) props_[i].inverse_inertia_l(k / 3, k % 3) = in.f64();
     states_[i].pose.position = in.vec3();
@@ -307,6 +471,22 @@ void World::restore(std::span<const std::byte> bytes) {
   free_.clear();
   free_.reserve(slots);
   for (std::uint32_t i = 0; i < free_count; ++i) free_.push_back(in.u32());
+  const std::uint32_t wrench_count = in.u32();
+  if (in.failed() || (wrench_count != 0 && wrench_count != slots)) refuse("whole");
+  wrenches_.assign(wrench_count, {});
+  for (Wrench& wrench : wrenches_) {
+    wrench.force = in.vec3();
+    wrench.torque = in.vec3();
+  }
+  const std::uint32_t kinematic_count = in.u32();
+  if (in.failed() || kinematic_count > slots) refuse("whole");
+  kinematic_targets_.assign(kinematic_count, {});
+  for (KinematicTarget& target : kinematic_targets_) {
+    target.index = in.u32();
+    target.pose.position = in.vec3();
+    target.pose.orientation = in.quat();
+    if (target.index >= slots) refuse("whole");
+  }
   for (const auto& block : blocks_) block->load(in);
   if (contact_source_ != nullptr) contact_source_->load(in);
   if (in.failed() || in.remaining() != 0) refuse("whole");

@@ -104,6 +104,6 @@ TEST_CASE("allocation: a step in the steady state makes none", "[pbd][regression
     for (int k = 0; k < 200; ++k) solver.step(world, kFrame);
     counting = false;
     CHECK(allocations == 0);
-    REQUIRE(world.contacts()->rows().size() == 6);
+    REQUIRE(world.contacts()->contacts().size() == 6);
   }
 }

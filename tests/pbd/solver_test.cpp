@@ -104,7 +104,7 @@ TEST_CASE("solver: free fall and free flight are those of semi-implicit Euler", 
   const BodyId body = world.add_body(def);
   const BodyId cart = world.add_body(
       {.type = BodyType::Kinematic, .twist = {Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 2.0)}});
-  Solver solver;
+  Solver solver({.substeps = 10});
   run(world, solver, 1.0);
   const double h = kFrame / 10.0;
   const Vec3 g = 0.5 * Vec3(1.0, 0.0, -9.81);
@@ -222,7 +222,7 @@ TEST_CASE("solver: the report counts rows, bodies and stages", "[pbd][unit]") {
   CHECK(report.blocks[0].rows == 2);
   CHECK(report.blocks[1].name == "contact");
   CHECK(report.blocks[1].rows == 1);
-  CHECK(report.blocks[1].residual == Approx(0.5 - world.pose(box).position.z()).margin(1e-9));
+  CHECK(report.blocks[1].residual == Approx(0.5 - world.pose(box).position.z()).margin(1e-5));
   double sum = 0.0;
   for (const double s : report.stage_s) {
     CHECK(s >= 0.0);

@@ -35,7 +35,7 @@ TEST_CASE("tether: it is an implicit spring-damper to rounding", "[pbd][analytic
   auto& tethers = world.add_block<Tethers>();
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.3, -0.2, 0.1)));
   tethers.add(world, {.body = body, .stiffness = 500.0, .damping = 20.0});
-  Solver solver;
+  Solver solver({.substeps = 10});
   std::array<ImplicitSpring, 3> exact;
   for (int i = 0; i < 3; ++i) {
     exact[i] = {

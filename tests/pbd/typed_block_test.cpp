@@ -84,7 +84,10 @@ class Recorder final : public ConstraintBlock {
   void begin_total(const SubstepContext&) override { note("begin_total"); }
   void project_total(const SubstepContext&) override { note("project_total"); }
   void end_total(const SubstepContext&) override { note("end_total"); }
-  void clean_up(const SubstepContext&) override { note("clean_up"); }
+  bool clean_up(const SubstepContext&) override {
+    note("clean_up");
+    return true;
+  }
   void end_step(const SubstepContext&) override { note("end_step"); }
   BlockReport report() const override { return {.name = name_, .rows = 1}; }
   void save(ByteWriter&) const override {}

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 
@@ -26,6 +27,18 @@ enum class BodyType : std::uint8_t {
   Dynamic,    ///< moves under forces and constraints
 };
 
+/// World axes along and about which a body does not move, whatever acts on it. Locked rotation is
+/// exact in every row; locked translation is enforced after each pass.
+struct AxisLocks {
+  std::array<bool, 3> linear{};
+  std::array<bool, 3> angular{};
+
+  bool any() const {
+    return linear[0] || linear[1] || linear[2] || angular[0] || angular[1] || angular[2];
+  }
+  friend bool operator==(const AxisLocks&, const AxisLocks&) = default;
+};
+
 /// How a body starts. Mass and inertia are read for dynamic bodies only.
 struct BodyDef {
   BodyType type = BodyType::Dynamic;
@@ -34,6 +47,11 @@ struct BodyDef {
   double mass = 1.0;                      ///< kg, > 0
   Mat3 inertia = Mat3::Identity() * 0.4;  ///< kg m^2, about the centre of mass, body frame
   double gravity_scale = 1.0;             ///< multiplies the world's gravity for this body
+  double linear_damping = 0.0;            ///< 1/s, >= 0: v decays as exp(-damping t)
+  double angular_damping = 0.0;           ///< 1/s, >= 0
+  AxisLocks locks;                        ///< dynamic bodies only
+  bool bullet = false;    ///< contacts look for the time of impact along its path: small and fast
+  bool can_sleep = true;  ///< may be put to rest with its island
 };
 
 /// What a body is between two steps.
@@ -50,6 +68,17 @@ struct BodyProps {
   Mat3 inertia_l = Mat3::Zero();          ///< kg m^2, body frame
   Mat3 inverse_inertia_l = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
   double gravity_scale = 1.0;
+  double linear_damping = 0.0;   ///< 1/s
+  double angular_damping = 0.0;  ///< 1/s
+  AxisLocks locks;
+  bool bullet = false;
+  bool can_sleep = true;
+};
+
+/// Force (N) and torque about the centre of mass (N m), both in the world frame.
+struct Wrench {
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();
 };
 
 }  // namespace tandem::pbd

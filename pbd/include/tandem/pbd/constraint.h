@@ -13,28 +13,41 @@ namespace tandem::pbd {
 class BodySet;
 class ByteReader;
 class ByteWriter;
+class Workers;
 
-/// A body as the pass sees it: everything a row reads and writes, in one place in memory.
-/// Lifetime: one step. Poses are current; `v` and `w` are the predicted velocities until
-/// derive_velocities, the corrected ones after it.
-struct SolverBody {
-  Vec3 x = Vec3::Zero();              ///< m
-  Quat q = Quat::Identity();          ///< local to world
+/// A body as the pass sees it. The first two cache lines are all that a sweep over contacts reads
+/// and writes. Lifetime: one step.
+struct alignas(64) SolverBody {
   Vec3 v = Vec3::Zero();              ///< m/s
   Vec3 w = Vec3::Zero();              ///< rad/s, world
-  Vec3 dx = Vec3::Zero();             ///< m, sum of this substep's corrections
-  Vec3 dtheta = Vec3::Zero();         ///< rad, world, sum of this substep's corrections
   double inv_mass = 0.0;              ///< 1/kg, 0 = immovable
-  Mat3 inv_inertia_w = Mat3::Zero();  ///< 1/(kg m^2), world, at the predicted orientation
-  bool total = false;                 ///< takes part in the total channel in this step
-  /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable or
-  /// asleep.
+  Mat3 inv_inertia_w = Mat3::Zero();  ///< 1/(kg m^2), world
+
+  Vec3 x = Vec3::Zero();       ///< m
+  Quat q = Quat::Identity();   ///< local to world
+  Vec3 dx = Vec3::Zero();      ///< m, what rows that project poses moved and v does not know yet
+  Vec3 dtheta = Vec3::Zero();  ///< rad, world, likewise
+  /// The part of v (m/s) and w (rad/s) that has moved the pose in this substep already.
+  Vec3 v_applied = Vec3::Zero();
+  Vec3 w_applied = Vec3::Zero();
+  /// Velocities (m/s, rad/s, world) that open overlaps in this substep and carry no momentum.
+  Vec3 v_push = Vec3::Zero();
+  Vec3 w_push = Vec3::Zero();
+  double gravity_scale = 0.0;  ///< of the world's gravity; 0 where it cannot move
+  std::uint32_t island = 0;  ///< lowest index of a body of its island
+  /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable, asleep.
   std::uint32_t group = kNoGroup;
+  bool total = false;  ///< takes part in the total channel in this step
+  /// Some row of a block before contacts names it: its predicted pose is made before they project.
+  bool projected = false;
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 };
 
 /// Rows are projected block by block, in this order: the last writer wins, so non-penetration comes
 /// last. Values in between are free for kinds of your own.
+/// Blocks below Contact project *poses*: x and q are the predicted ones, dx and dtheta collect what
+/// rows moved. Blocks from Contact on project *velocities*: v and w stand for all of the substep's
+/// motion, what the others moved included; poses follow afterwards.
 enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 
 /// What a block is told about the substep.
@@ -42,25 +55,30 @@ struct SubstepContext {
   std::span<SolverBody> bodies;
   double h = 0.0;               ///< s, length of the substep
   int substep = 0;              ///< index within the step
+  int substeps = 1;             ///< of the group
+  bool last = false;            ///< the last one of the step
   bool reverse = false;         ///< sweep the rows backwards (alternates between substeps)
   Vec3 gravity = Vec3::Zero();  ///< m/s^2
   /// Verbs between begin_substep and finish_velocity concern only rows of this group: those one of
   /// whose bodies carries its number.
   std::uint32_t group = 0;
+  Workers* workers = nullptr;  ///< may share the work of a verb; never null within a step
 };
 
 /// What a block tells about itself after a step.
 struct BlockReport {
   std::string_view name;
   int rows = 0;
+  int extra_rows = 0;           ///< solved again in islands that needed it, over all substeps
   double residual = 0.0;        ///< m, largest violation of a rigid row at the end of the step
   double total_residual = 0.0;  ///< m, largest part of it that agreement left behind
 };
 
-/// Joins bodies into islands.
+/// Is told which bodies rows join.
 class LinkVisitor {
  public:
   virtual ~LinkVisitor() = default;
+  /// Indices of the two bodies; BodyId::kNone stands for the world.
   virtual void link(std::uint32_t body_a, std::uint32_t body_b) = 0;
 };
 
@@ -80,9 +98,9 @@ class ConstraintBlock {
 
   /// Once per step, poses as they are before the first substep.
   virtual void begin_step(const SubstepContext&) {}
-  /// Before integration: old velocities are still there; multipliers are reset here.
+  /// Before integration: poses and velocities are those of the end of the last substep.
   virtual void begin_substep(const SubstepContext&) {}
-  /// After integration: apply carried multipliers.
+  /// After velocities have been integrated: apply carried multipliers to v and w.
   virtual void warm_start(const SubstepContext&) {}
   /// Real channel: move poses until the rows hold, once over all rows. Returns the largest move of
   /// an anchor that a row asked for, m: 0 where all rows held already.
@@ -96,10 +114,12 @@ class ConstraintBlock {
   virtual void project_total(const SubstepContext&) {}
   /// Total channel: remember what was left over, so that Real does not turn it into velocity.
   virtual void end_total(const SubstepContext&) {}
-  /// Position-only repair after the last substep, once over all rows.
-  virtual void clean_up(const SubstepContext&) {}
+  /// Position-only repair after the last substep, once over all rows. Returns whether any row had
+  /// something to repair.
+  virtual bool clean_up(const SubstepContext&) { return false; }
   virtual void end_step(const SubstepContext&) {}
 
+  /// Names every body that a row reads or moves, alone or in pairs.
   virtual void links(LinkVisitor&) const {}
   /// A body is about to leave the world: drop the rows that name it.
   virtual void remove_body(BodyId) {}

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "tandem/pbd/constraint.h"
@@ -12,73 +14,83 @@ namespace tandem::pbd {
 
 /// How contacts are solved; part of SolverOptions.
 struct ContactOptions {
-  /// m/s: bodies that overlap when the step starts are pushed apart no faster than this.
+  /// Bodies that overlap are pushed apart by this share of the overlap in each substep, 0 to 1, but
+  /// no faster than push_speed (m/s). It moves poses and never enters velocity.
+  double push_gain = 0.5;
   double push_speed = 1.0;
   /// m: carried multipliers are applied before the sweep where the gap is below this.
   double warm_start_gap = 1e-3;
-  /// Compliance of the normals relative to their own mobility: a loaded point sinks in by
-  /// softness * w * lambda, 3 micrometres for a body at rest at 10 substeps. It settles how the
-  /// four points of a face share a load, which rigid rows leave open; without it the shares wander
-  /// until one point lets go, and a stack of ten rocks itself over.
-  double softness = 0.1;
+  /// How strongly the four points of a face are drawn to sharing a load evenly, relative to their
+  /// mobility. Rigid points leave the split open in one combination (two opposite corners up, two
+  /// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over.
+  /// Motion is not affected.
+  double evenness = 0.1;
+  /// An island that one sweep has not solved is swept on, at most this often in a substep, until
+  /// the rms change of its normal velocities is below `resting_tolerance` times what gravity adds
+  /// in a substep, or below `moving_tolerance` times its rms speed.
+  int extra_sweeps = 8;
+  double resting_tolerance = 0.01;
+  double moving_tolerance = 0.05;
   /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.
   double clean_up_slop = 5e-3;
   /// Impacts slower than this many times |gravity| * h do not bounce.
   double restitution_threshold = 2.0;
 };
 
-/// One manifold with its multipliers. All normals of a manifold are solved together, as a linear
-/// complementarity problem of up to four unknowns; friction acts at their centre of pressure, as a
-/// 2x2 block in the tangent plane and one row of twist about the normal.
-/// C_i = normal . (p_b,i - p_a,i) - radius_a - radius_b  [m];  C >= 0, lambda >= 0, C lambda = 0.
-/// Friction: the tangential displacement within the substep is undone, with |lambda_t| <= mu
-/// sum(lambda_i): the multiplier is clamped to the cone, not skipped outside it. The velocity pass
-/// goes on with the same multiplier, because stopping normal velocities makes a tilted body slide.
-/// Source: [mueller2020] Sec. 3.5 and 3.6. Differs: block solve, warm start, one friction block for
-/// each manifold, C from anchors of the step's start, velocity pass with accumulated clamp.
-struct ContactRow {
+/// One manifold of a step and what is carried from step to step with it.
+struct Contact {
   Manifold manifold;
-  std::array<double, 4> lambda{};   ///< N s^2, carried from substep to substep and step to step
-  std::array<double, 4> gap{};      ///< m, <= 0: the overlap that agreement left behind
-  std::array<double, 4> bound{};    ///< m, <= 0: how far the total channel may close the gap
-  std::array<double, 4> total{};    ///< multipliers of the total channel
-  std::array<double, 4> overlap{};  ///< m, >= 0: overlap at the start of the substep
-  std::array<double, 4> speed{};    ///< m/s, normal velocity before integration
-  std::array<double, 4> impulse{};  ///< N s, of the velocity pass, >= -lambda / h
-  std::array<Vec3, 4> arm_a;        ///< m, world, centre of mass to the common contact point
-  std::array<Vec3, 4> arm_b;
-  std::array<std::array<double, 4>, 4> mobility{};  ///< 1/kg, J M^-1 J^T of the normals
-  Vec3 tangent_1, tangent_2;
-  Vec3 centre_a, centre_b;  ///< m, world, lever arms of the centre of pressure
-  Eigen::Matrix<double, 2, 2, Eigen::DontAlign> slide_mass;  ///< kg, in the tangents
-  double twist_mass = 0.0;                                   ///< kg m^2; 0 for a single point
-  bool grips = false;                                        ///< loaded in this substep
-  Eigen::Matrix<double, 2, 1, Eigen::DontAlign> friction =
-      Eigen::Matrix<double, 2, 1, Eigen::DontAlign>::Zero();  ///< N s^2, both passes
-  double twist = 0.0;                                         ///< N m s^2, both passes
+  std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
+  Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
+  std::array<double, 4> debt{};        ///< m, <= 0: the overlap that agreement left behind
+  /// m/s, fastest approach that an impulse stopped in the last step; >= 0
+  double approach_speed = 0.0;
+  double impulse = 0.0;  ///< N s, normal, sum over points and substeps of the last step
+
+  /// Whether any point carried a load in the last substep.
+  bool loaded() const {
+    return force[0] > 0.0 || force[1] > 0.0 || force[2] > 0.0 || force[3] > 0.0;
+  }
 };
 
-/// All contacts of a world. Rows follow the manifolds of the last detection, by ascending key.
+/// All contacts of a world, one for each manifold of the last detection, by ascending key.
+///
+/// C_i = normal . (p_b,i - p_a,i) - radius_a - radius_b  [m];  C >= 0, lambda >= 0, C lambda = 0.
+/// All normals of a manifold are solved together, as a linear complementarity problem of up to four
+/// unknowns; friction acts at their centre of pressure, as a 2x2 block in the tangent plane and one
+/// row of twist about the normal. Both are solved for the velocity of the substep: with Jacobians
+/// that stand for a whole step, moving a pose by h dv and projecting C(x + h v) are the same thing,
+/// and no orientation has to be renewed within a sweep. Gaps are measured from poses once for each
+/// substep, from the anchors.
+/// Friction: the displacement of the substep is undone, with |lambda_t| <= mu sum(lambda_i): the
+/// multiplier is clamped to the cone, not skipped outside it. The velocity pass goes on with the
+/// same multiplier, because stopping normal velocities makes a tilted body slide.
+/// Source: [mueller2020] Sec. 3.5 and 3.6. Differs: as above, and warm start, velocity pass with
+/// accumulated clamp.
 class ContactBlock final : public ConstraintBlock {
  public:
-  /// Take this step's manifolds (sorted by key; left empty of use afterwards) and carry multipliers
-  /// over from the rows of the same pair, point by point: same feature, else nearest anchor.
-  /// @param h_ratio  new substep / old substep, to rescale multipliers
-  void set_manifolds(std::vector<Manifold>& manifolds, double h_ratio);
-  void configure(const ContactOptions& options, double gravity_norm);
-  const std::vector<ContactRow>& rows() const { return rows_; }
+  ContactBlock();
+  ~ContactBlock() override;
+
+  /// Take this step's manifolds (any order; left empty) and carry forces over from the contact of
+  /// the same pair, point by point: same feature, else nearest anchor.
+  void set_manifolds(std::vector<Manifold>& manifolds);
+  void configure(const ContactOptions& options);
+  std::span<const Contact> contacts() const;
 
   std::string_view name() const override { return "contact"; }
   int order() const override { return static_cast<int>(SolveOrder::Contact); }
-  bool empty() const override { return rows_.empty(); }
+  bool empty() const override;
+  void begin_step(const SubstepContext& ctx) override;
   void begin_substep(const SubstepContext& ctx) override;
   void warm_start(const SubstepContext& ctx) override;
   double project(const SubstepContext& ctx) override;
   double solve_velocity(const SubstepContext& ctx) override;
+  void finish_velocity(const SubstepContext& ctx) override;
   void begin_total(const SubstepContext& ctx) override;
   void project_total(const SubstepContext& ctx) override;
   void end_total(const SubstepContext& ctx) override;
-  void clean_up(const SubstepContext& ctx) override;
+  bool clean_up(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
   void links(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;
@@ -87,12 +99,8 @@ class ContactBlock final : public ConstraintBlock {
   void load(ByteReader& in) override;
 
  private:
-  std::vector<ContactRow> rows_;
-  std::vector<ContactRow> previous_;  ///< last step's rows, kept for their capacity
-  ContactOptions options_;
-  double bounce_acceleration_ = 0.0;  ///< m/s^2
-  double residual_ = 0.0;
-  double total_residual_ = 0.0;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace tandem::pbd

@@ -21,7 +21,7 @@ enum class ConsensusForm : std::uint8_t {
 struct SolverOptions {
   /// Substeps for each step, 1 to 1000. The error of joints and contacts falls with its square:
   /// 4 do for short stacks, 20 for chains with 100 times heavier ends.
-  int substeps = 10;
+  int substeps = 4;
   /// Sweeps of the pass in each substep, 1 to 1000. More substeps are nearly always better.
   int position_iterations = 1;
   /// Within each of them, joints and springs are swept until no row asks for more than the
@@ -29,7 +29,7 @@ struct SolverOptions {
   int joint_iterations = 20;
   double joint_tolerance = 1e-6;
   /// Sweeps over contact velocities in each substep, at most.
-  int velocity_iterations = 20;
+  int velocity_iterations = 1;
   /// m/s: they stop when no row changes by more.
   double velocity_tolerance = 1e-7;
   /// Sweeps of the total channel in each substep (form Substep) or step (form Step).

@@ -108,7 +108,12 @@ class TypedBlock final : public ConstraintBlock {
       sweep_total(ctx, [&](C& c) { c.end_total(ctx); });
     }
   }
-  void clean_up(const SubstepContext& ctx) override { project_total(ctx); }
+  bool clean_up(const SubstepContext& ctx) override {
+    bool any = false;
+    for (const SolverBody& body : ctx.bodies) any = any || body.total;
+    if (any) project_total(ctx);
+    return any;
+  }
   void end_step(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.end_step(ctx); }) {
       sweep(false, [&](C& c) { c.end_step(ctx); });
@@ -120,7 +125,7 @@ class TypedBlock final : public ConstraintBlock {
       if (alive_[i] == 0) continue;
       const BodyId a = rows_[i].body_a();
       const BodyId b = rows_[i].body_b();
-      if (a.valid() && b.valid()) visitor.link(a.index, b.index);
+      visitor.link(a.index, b.index);
     }
   }
   void remove_body(BodyId body) override {

@@ -53,6 +53,27 @@ class World {
   const BodyProps& props(BodyId id) const;
   void set_pose(BodyId id, const Pose& pose);
   void set_twist(BodyId id, const Twist& twist);
+  /// Move a kinematic body so that it is at `pose` after the next step; it stands still after that.
+  void set_kinematic_target(BodyId id, const Pose& pose);
+  void set_damping(BodyId id, double linear, double angular);  ///< 1/s, >= 0
+  void set_gravity_scale(BodyId id, double scale);
+  void set_locks(BodyId id, const AxisLocks& locks);
+
+  /// Add to what acts on a dynamic body during the next step.
+  /// @param force  N, world     @param point_w  m, world, where it acts
+  void apply_force(BodyId id, const Vec3& force);
+  void apply_force(BodyId id, const Vec3& force, const Vec3& point_w);
+  void apply_torque(BodyId id, const Vec3& torque);  ///< N m, world
+  /// Change a dynamic body's velocity at once. @param impulse  N s, world
+  void apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w);
+  void apply_angular_impulse(BodyId id, const Vec3& impulse);  ///< N m s, world
+
+  /// Whether the body is solved; a sleeping one stands still until something disturbs its island.
+  /// Every mutator that changes a body wakes it.
+  bool awake(BodyId id) const;
+  void wake(BodyId id);
+  /// By slot, without the generation check; immovable bodies count as awake where they move.
+  bool awake_at(std::uint32_t index) const { return activity_[index].awake; }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
   std::span<const BodyProps> all_props() const { return props_; }
@@ -107,10 +128,23 @@ class World {
 
   void insert_block(std::unique_ptr<ConstraintBlock> block);
   std::uint32_t checked_index(BodyId id, const char* what) const;
+  std::uint32_t checked_dynamic(BodyId id, const char* what) const;
+  Wrench& wrench_of(std::uint32_t index);
+
+  /// What the solver remembers of a body from step to step.
+  struct Activity {
+    bool awake = true;
+    std::uint8_t level = 0;  ///< of refinement: substeps are doubled this often
+    std::uint16_t calm = 0;  ///< steps for which a lower level would have done
+    double still = 0.0;      ///< s for which it has been slow
+  };
+  struct KinematicTarget {
+    std::uint32_t index = 0;
+    Pose pose;
+  };
 
   Vec3 gravity_;
   double time_ = 0.0;
-  double last_h_ = 0.0;  ///< s, substep of the last step: unit of the carried multipliers
   std::vector<BodyState> states_;
   std::vector<BodyProps> props_;
   std::vector<std::uint32_t> generations_;
@@ -118,6 +152,9 @@ class World {
   std::vector<std::uint32_t> free_;
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
+  std::vector<Activity> activity_;        ///< by slot
+  std::vector<Wrench> wrenches_;          ///< by slot, for the next step; empty where none acts
+  std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   ContactBlock* contacts_ = nullptr;  ///< one of blocks_
   ContactSource* contact_source_ = nullptr;

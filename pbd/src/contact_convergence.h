@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact_row.h"
+
+namespace tandem::pbd {
+
+/// Decides which islands one sweep has not solved and sweeps those on: cold starts and tall or
+/// unevenly loaded islands need it, what rests on carried impulses does not, and what flies about
+/// is not worth it.
+class ContactConvergence {
+ public:
+  struct Rule {
+    int sweeps = 0;             ///< at most, after the first
+    double resting = 0.0;       ///< m/s: rms change below which an island is solved
+    double moving_share = 0.0;  ///< of the island's rms speed, where that is more
+  };
+
+  /// Once per step: how fast the islands move.
+  void begin_step(std::span<const SolverBody> bodies);
+
+  /// Sweep what needs it of the places from `first` to `last`.
+  /// @param reverse  the direction of the first sweep
+  /// @param changes  m/s, by place: what that sweep changed
+  /// Returns the number of rows swept again.
+  int run(const Rule& rule, std::uint32_t first, std::uint32_t last, bool reverse,
+          std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
+
+  /// Whether the island was not solved by the first sweep at some time in this step.
+  bool was_hard(std::uint32_t island) const { return islands_[island].hard; }
+
+ private:
+  struct Island {
+    double speed2 = 0.0;   ///< m^2/s^2, sum over bodies
+    double change2 = 0.0;  ///< m^2/s^2, sum over rows
+    std::uint32_t bodies = 0;
+    std::uint32_t rows = 0;
+    bool hard = false;
+  };
+
+  /// Keep the places of islands that are not solved.
+  void drop_solved(const Rule& rule, std::span<const ContactRow> rows,
+                   std::span<const double> changes, std::span<const SolverBody> bodies);
+
+  std::vector<Island> islands_;        ///< by the index of the island's lowest body
+  std::vector<std::uint32_t> places_;  ///< of open islands, ascending
+};
+
+}  // namespace tandem::pbd

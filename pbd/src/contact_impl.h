@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "contact_convergence.h"
+#include "contact_order.h"
+#include "contact_row.h"
+
+namespace tandem::pbd {
+
+/// What is kept of a contact while the next step's are made.
+struct CarriedContact {
+  std::uint64_t key = 0;
+  int count = 0;
+  std::array<std::uint32_t, 4> feature{};
+  std::array<double, 4> force{};
+  std::array<double, 4> debt{};
+  std::array<Vec3, 4> anchor_b_l;
+};
+
+/// A contact in the total channel: positions only.
+struct TotalRow {
+  std::uint32_t contact = 0;
+  ContactArms arms;
+  std::array<std::array<double, 4>, 4> mobility{};  ///< 1/kg
+  std::array<double, 4> bound{};                    ///< m, <= 0: the violation that Real left
+  std::array<double, 4> lambda{};                   ///< N s^2
+};
+
+struct ContactBlock::Impl {
+  std::vector<Contact> contacts;
+  std::vector<CarriedContact> carried;
+  std::vector<ContactRow> rows;              ///< by place in the order
+  std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
+  std::vector<double> changes;  ///< m/s, by place: of a normal velocity in the last sweep
+  ContactOrder order;
+  ContactConvergence convergence;
+  ContactOptions options;
+  int extra_rows = 0;  ///< rows swept again in this step
+  double residual = 0.0;
+  double total_residual = 0.0;
+
+  double largest_change(std::uint32_t group) const {
+    const auto [first, last] = order.range(group);
+    double largest = 0.0;
+    for (std::uint32_t k = first; k < last; ++k) largest = std::max(largest, changes[k]);
+    return largest;
+  }
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "contact_order.h"
+
+#include <algorithm>
+
+namespace tandem::pbd {
+namespace {
+
+/// Rows below which sharing a level out costs more than it saves.
+constexpr std::uint32_t kWide = 16;
+
+std::uint32_t group_of(const Contact& contact, std::span<const SolverBody> bodies) {
+  const std::uint32_t a = bodies[contact.manifold.body_a].group;
+  return a != SolverBody::kNoGroup ? a : bodies[contact.manifold.body_b].group;
+}
+
+}  // namespace
+
+void ContactOrder::build(std::span<const Contact> contacts, std::span<const SolverBody> bodies) {
+  level_of_body_.assign(bodies.size(), 0);
+  slot_of_contact_.resize(contacts.size());
+  level_count_.clear();
+  // Levels: one above the rows before that share a body.
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const std::uint32_t group = group_of(contacts[i], bodies);
+    if (group == SolverBody::kNoGroup) continue;
+    const std::uint32_t a = contacts[i].manifold.body_a;
+    const std::uint32_t b = contacts[i].manifold.body_b;
+    const bool moves_a = bodies[a].inv_mass > 0.0;
+    const bool moves_b = bodies[b].inv_mass > 0.0;
+    const std::uint32_t level =
+        std::max(moves_a ? level_of_body_[a] : 0, moves_b ? level_of_body_[b] : 0);
+    if (moves_a) level_of_body_[a] = level + 1;
+    if (moves_b) level_of_body_[b] = level + 1;
+    slot_of_contact_[i] = level;
+    if (group >= level_count_.size()) level_count_.resize(group + 1, 0);
+    level_count_[group] = std::max(level_count_[group], level + 1);
+  }
+  // Counting sort by group, then level; equal ones stay in the order of keys.
+  first_level_.assign(level_count_.size() + 1, 0);
+  for (std::size_t g = 0; g < level_count_.size(); ++g) {
+    first_level_[g + 1] = first_level_[g] + level_count_[g];
+  }
+  starts_.assign(first_level_.back() + 1, 0);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const std::uint32_t group = group_of(contacts[i], bodies);
+    if (group == SolverBody::kNoGroup) continue;
+    slot_of_contact_[i] += first_level_[group];
+    ++starts_[slot_of_contact_[i] + 1];
+  }
+  for (std::size_t s = 1; s < starts_.size(); ++s) starts_[s] += starts_[s - 1];
+  places_.resize(starts_.back());
+  groups_.clear();
+  runs_.clear();
+  for (std::size_t g = 0; g < level_count_.size(); ++g) {
+    Group group{.begin = starts_[first_level_[g]],
+                .end = starts_[first_level_[g + 1]],
+                .first_run = static_cast<std::uint32_t>(runs_.size())};
+    for (std::uint32_t s = first_level_[g]; s < first_level_[g + 1]; ++s) {
+      add_run(starts_[s], starts_[s + 1], group);
+    }
+    group.last_run = static_cast<std::uint32_t>(runs_.size());
+    groups_.push_back(group);
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (group_of(contacts[i], bodies) == SolverBody::kNoGroup) continue;
+    places_[starts_[slot_of_contact_[i]]++] = static_cast<std::uint32_t>(i);
+  }
+}
+
+void ContactOrder::add_run(std::uint32_t begin, std::uint32_t end, Group& group) {
+  const bool wide = end - begin >= kWide;
+  group.wide = group.wide || wide;
+  const bool continues =
+      !wide && runs_.size() > group.first_run && !runs_.back().wide && runs_.back().end == begin;
+  if (continues) {
+    runs_.back().end = end;
+  } else {
+    runs_.push_back({begin, end, wide});
+  }
+}
+
+}  // namespace tandem::pbd

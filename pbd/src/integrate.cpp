@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "integrate.h"
+
+#include <cmath>
+
+#include "tandem/pbd/math.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// Below this, gyroscopic torque is beneath rounding (spheres, cubes, slow bodies): rad^2.
+constexpr double kGyroscopicTolerance = 1e-14;
+/// rad: a body that turned by less keeps its world inertia for another substep.
+constexpr double kInertiaAngle = 1e-4;
+
+/// Turn q by the least rotation that brings the angular momentum back to where it was: the implicit
+/// midpoint rule keeps its size in the body's frame, so this keeps it in the world's.
+void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
+  const Vec3 now = q * momentum_l;
+  const Vec3 axis = now.cross(momentum_w);
+  const double cosine = now.dot(momentum_w);
+  if (!(cosine > 0.0)) return;
+  const double sine = axis.norm();
+  if (sine < 1e-300) return;
+  q = rotated(q, axis * (std::atan2(sine, cosine) / sine));
+}
+
+void spin_freely(SolverBody& body, const BodyProps& props, double h) {
+  const Vec3 w_l = body.q.conjugate() * body.w;
+  const Vec3 momentum_l = props.inertia_l * w_l;
+  const Vec3 torque_l = w_l.cross(momentum_l);
+  if (torque_l.squaredNorm() * h * h <= kGyroscopicTolerance * momentum_l.squaredNorm()) return;
+  const Vec3 momentum_w = body.q * momentum_l;
+  const Vec3 next_l = torque_free_step(props.inertia_l, w_l, h);
+  const Vec3 middle_w = body.q * Vec3(0.5 * (w_l + next_l));
+  body.q = rotated(body.q, h * middle_w);
+  align_momentum(body.q, props.inertia_l * next_l, momentum_w);
+  body.w = body.q * next_l;
+  body.w_applied = body.w;
+}
+
+}  // namespace
+
+void refresh_inertia(SolverBody& body, const BodyProps& props) {
+  body.inv_inertia_w = tensor_to_world(body.q, props.inverse_inertia_l);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!props.locks.angular[static_cast<std::size_t>(axis)]) continue;
+    body.inv_inertia_w.row(axis).setZero();
+    body.inv_inertia_w.col(axis).setZero();
+  }
+}
+
+void enforce_locks(SolverBody& body, const AxisLocks& locks) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (locks.linear[static_cast<std::size_t>(axis)]) body.v[axis] = 0.0;
+    if (locks.angular[static_cast<std::size_t>(axis)]) body.w[axis] = 0.0;
+  }
+}
+
+void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* wrench,
+                        const Vec3& gravity, double h) {
+  body.dx.setZero();
+  body.dtheta.setZero();
+  body.v_applied.setZero();
+  body.w_applied.setZero();
+  body.v += h * props.gravity_scale * gravity;
+  if (wrench != nullptr) {
+    body.v += h * body.inv_mass * wrench->force;
+    body.w += h * (body.inv_inertia_w * wrench->torque);
+  }
+  if (props.linear_damping > 0.0) body.v *= std::exp(-props.linear_damping * h);
+  if (props.angular_damping > 0.0) body.w *= std::exp(-props.angular_damping * h);
+  const bool turns = body.w.squaredNorm() * h * h > kInertiaAngle * kInertiaAngle;
+  if (turns && !props.locks.any()) spin_freely(body, props, h);
+  if (turns) refresh_inertia(body, props);
+  if (props.locks.any()) enforce_locks(body, props.locks);
+}
+
+void advance_pose(SolverBody& body, double h) {
+  body.x += h * (body.v - body.v_applied + body.v_push);
+  body.v_applied = body.v;
+  const Vec3 turn = h * (body.w - body.w_applied + body.w_push);
+  body.v_push.setZero();
+  body.w_push.setZero();
+  if (turn.isZero(0.0)) return;
+  body.q = rotated(body.q, turn);
+  body.w_applied = body.w;
+}
+
+void absorb_corrections(SolverBody& body, double h) {
+  const double inverse_h = 1.0 / h;
+  const Vec3 dv = inverse_h * body.dx;
+  const Vec3 dw = inverse_h * body.dtheta;
+  body.v += dv;
+  body.w += dw;
+  body.v_applied += dv;
+  body.w_applied += dw;
+  body.dx.setZero();
+  body.dtheta.setZero();
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "tandem/pbd/body.h"
+#include "tandem/pbd/constraint.h"
+
+namespace tandem::pbd {
+
+/// Inverse inertia in the world at the body's orientation, locked axes taken out.
+void refresh_inertia(SolverBody& body, const BodyProps& props);
+
+/// Forces, damping and gyroscopic torque for one substep of a dynamic body: v and w become those at
+/// its end. A body whose own spin changes has its free rotation applied to the pose as well, so
+/// that energy and angular momentum are kept.
+/// @param wrench  null where none acts
+void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* wrench,
+                        const Vec3& gravity, double h);
+
+/// Bring the pose up to what v and w say of this substep and the pose does not show yet.
+void advance_pose(SolverBody& body, double h);
+
+/// Velocities learn what rows that project poses have moved.
+void absorb_corrections(SolverBody& body, double h);
+
+/// Take out the velocity along and about locked axes.
+void enforce_locks(SolverBody& body, const AxisLocks& locks);
+
+}  // namespace tandem::pbd

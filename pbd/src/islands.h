@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/constraint.h"
+
+namespace tandem::pbd {
+
+/// Sets of movable bodies that rows join, directly or through each other. What cannot move
+/// separates islands.
+class Islands {
+ public:
+  void build(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+             std::span<const SolverBody> bodies);
+
+  /// By body: the lowest index of a body of its island; its own where nothing joins it.
+  std::span<const std::uint32_t> of() const { return island_of_; }
+
+ private:
+  class Joiner;
+  std::vector<std::uint32_t> island_of_;
+};
+
+}  // namespace tandem::pbd
