@@ -14,7 +14,8 @@ bool may_touch(const Collider& a, const Collider& b) {
   if (!a.alive || !b.alive || a.def.body == b.def.body) return false;
   if (!a.dynamic && !b.dynamic) return false;
   if (!a.is_convex() && !b.is_convex() && a.rank == b.rank) return false;
-  return (a.def.category & b.def.mask) != 0 && (b.def.category & a.def.mask) != 0;
+  if (a.def.sensor || b.def.sensor) return false;
+  return may_meet(a.def.filter, b.def.filter);
 }
 
 }  // namespace
@@ -27,17 +28,21 @@ void BroadPhase::add(std::uint32_t index, const Collider& collider) {
   }
 }
 
-void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
+void BroadPhase::look_again(std::uint32_t index) {
   std::erase_if(pairs_, [&](const ColliderPair& pair) {
     const bool gone = pair.low == index || pair.high == index;
     if (gone) free_slots_.push_back(pair.cache);
     return gone;
   });
+  if (placed(index)) tree_.remove(proxies_[index].leaf);
+  proxies_[index] = {};
+}
+
+void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
+  look_again(index);
   if (collider.is_half_space()) {
     half_spaces_.erase(std::find(half_spaces_.begin(), half_spaces_.end(), index));
   }
-  if (placed(index)) tree_.remove(proxies_[index].leaf);
-  proxies_[index] = {};
 }
 
 void BroadPhase::place(std::uint32_t index, const Aabb& fat) {

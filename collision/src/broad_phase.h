@@ -30,6 +30,9 @@ class BroadPhase {
   void add(std::uint32_t index, const Collider& collider);
   void remove(std::uint32_t index, const Collider& collider);
 
+  /// Forget the collider's box and pairs, so that the next update() finds them anew.
+  void look_again(std::uint32_t index);
+
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
   void update(const std::vector<Collider>& colliders, double dt);
 

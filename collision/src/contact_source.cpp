@@ -11,6 +11,7 @@
 #include "broad_phase.h"
 #include "cache_io.h"
 #include "collider.h"
+#include "material_io.h"
 #include "pair_query.h"
 #include "tandem/pbd/bytes.h"
 
@@ -39,12 +40,7 @@ void check(const pbd::World& world, const ColliderDef& def) {
   if (!(std::abs(norm - 1.0) < 1e-3)) {
     refuse("local.orientation", norm, "a quaternion of unit norm (within 1e-3)");
   }
-  if (!(def.friction >= 0.0) || !std::isfinite(def.friction)) {
-    refuse("friction", def.friction, "finite and >= 0");
-  }
-  if (!(def.restitution >= 0.0 && def.restitution <= 1.0)) {
-    refuse("restitution", def.restitution, "0 to 1");
-  }
+  if (!def.material.validate(&error)) throw std::invalid_argument("ColliderDef: " + error);
 }
 
 }  // namespace
@@ -74,6 +70,8 @@ class CollisionScene::Impl {
 
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   void remove(ColliderId id);
+  void set_material(ColliderId id, const Material& material);
+  void set_filter(ColliderId id, const Filter& filter);
   bool contains(ColliderId id) const {
     return id.index < colliders_.size() && colliders_[id.index].alive &&
            colliders_[id.index].generation == id.generation;
@@ -137,6 +135,21 @@ void CollisionScene::Impl::remove(ColliderId id) {
   free_.push_back(id.index);
 }
 
+void CollisionScene::Impl::set_material(ColliderId id, const Material& material) {
+  checked(id, "set_material");
+  std::string error;
+  if (!material.validate(&error)) {
+    throw std::invalid_argument("CollisionScene::set_material: " + error);
+  }
+  colliders_[id.index].def.material = material;
+}
+
+void CollisionScene::Impl::set_filter(ColliderId id, const Filter& filter) {
+  checked(id, "set_filter");
+  colliders_[id.index].def.filter = filter;
+  broad_.look_again(id.index);
+}
+
 void CollisionScene::Impl::remove_body(pbd::BodyId body) {
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
     if (colliders_[i].alive && colliders_[i].def.body == body) {
@@ -192,6 +205,7 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
     if (!collider.alive) continue;
     out.u32(collider.def.body.index);
     out.u8(static_cast<std::uint8_t>(collider.rank));
+    save_surface(out, collider.def.material, collider.def.filter);
     out.u8(broad_.placed(i) ? 1 : 0);
     out.vec3(broad_.fat_box(i).min);
     out.vec3(broad_.fat_box(i).max);
@@ -207,10 +221,11 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
 bool CollisionScene::Impl::load(pbd::ByteReader& in) {
   if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
-    const Collider& collider = colliders_[i];
+    Collider& collider = colliders_[i];
     if ((in.u8() != 0) != collider.alive) return false;
     if (!collider.alive) continue;
     if (in.u32() != collider.def.body.index || in.u8() != collider.rank) return false;
+    if (!load_surface(in, collider.def.material, collider.def.filter)) return false;
     const bool placed = in.u8() != 0;
     const Aabb fat{in.vec3(), in.vec3()};
     const bool sound = fat.min.allFinite() && fat.max.allFinite();
@@ -254,6 +269,12 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   return impl_->add(world, def);
 }
 void CollisionScene::remove(ColliderId id) { impl_->remove(id); }
+void CollisionScene::set_material(ColliderId id, const Material& material) {
+  impl_->set_material(id, material);
+}
+void CollisionScene::set_filter(ColliderId id, const Filter& filter) {
+  impl_->set_filter(id, filter);
+}
 bool CollisionScene::contains(ColliderId id) const { return impl_->contains(id); }
 const ColliderDef& CollisionScene::collider(ColliderId id) const {
   return impl_->checked(id, "collider").def;

@@ -194,8 +194,8 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
     m.normal = normal;
     m.radius_a = patch.radius_a;
     m.radius_b = patch.radius_b;
-    m.friction = std::sqrt(a.def.friction * b.def.friction);
-    m.restitution = std::max(a.def.restitution, b.def.restitution);
+    m.friction = combined_friction(a.def.material, b.def.material);
+    m.restitution = combined_restitution(a.def.material, b.def.material);
     const double margin =
         reach.speculative + std::max(0.0, -normal.dot(reach.sweep)) + reach.turning;
     for (int i = 0; i < patch.count; ++i) {

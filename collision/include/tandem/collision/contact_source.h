@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tandem/collision/material.h"
 #include "tandem/collision/shape.h"
 #include "tandem/pbd/manifold.h"
 
@@ -28,12 +29,11 @@ struct ColliderId {
 struct ColliderDef {
   pbd::BodyId body;
   Shape shape;
-  pbd::Pose local;           ///< of the shape in the body's frame
-  double friction = 0.5;     ///< Coulomb, >= 0; a pair has sqrt(a b)
-  double restitution = 0.0;  ///< 0 to 1; a pair has the larger one
-  /// Two colliders touch where each one's category is in the other one's mask.
-  std::uint32_t category = 1;
-  std::uint32_t mask = ~0u;
+  pbd::Pose local;  ///< of the shape in the body's frame
+  Material material;
+  Filter filter;
+  /// Makes no contacts: ContactEvents reports what passes through it.
+  bool sensor = false;
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
@@ -89,6 +89,10 @@ class CollisionScene : public pbd::ContactSource {
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   /// @throws std::invalid_argument where the id names no collider
   void remove(ColliderId id);
+  /// From the next step on.
+  /// @throws std::invalid_argument where the id names no collider or a value breaks its rule
+  void set_material(ColliderId id, const Material& material);
+  void set_filter(ColliderId id, const Filter& filter);
   bool contains(ColliderId id) const;
   /// @throws std::invalid_argument where the id names no collider
   const ColliderDef& collider(ColliderId id) const;
