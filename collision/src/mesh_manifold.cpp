@@ -23,21 +23,6 @@ constexpr double kFrontSize = 1e-3;
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
 
-ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPose& pose) {
-  ConvexCore core;
-  core.kind = CoreKind::Triangle;
-  for (int k = 0; k < 3; ++k) {
-    const std::uint32_t v = mesh.triangles()[t][k];
-    core.corners[k] = pose.rotation * mesh.vertices()[v] + pose.translation;
-    core.corner_ids[k] = v;
-    core.edge_ids[k] = mesh.edge_id(t, k);
-  }
-  core.centre = (core.corners[0] + core.corners[1] + core.corners[2]) / 3.0;
-  core.front = pose.rotation * mesh.normal(t);
-  core.size = 1e9;  // the convex shape's size decides
-  return core;
-}
-
 bool was_touched(std::span<const ContactPatch> previous, const Vec3& front_l) {
   return std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& patch) {
     return patch.count > 0 && -patch.normal_l.dot(front_l) > kSameAsBefore;
@@ -166,6 +151,21 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
 }
 
 }  // namespace
+
+ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPose& pose) {
+  ConvexCore core;
+  core.kind = CoreKind::Triangle;
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t v = mesh.triangles()[t][k];
+    core.corners[k] = pose.rotation * mesh.vertices()[v] + pose.translation;
+    core.corner_ids[k] = v;
+    core.edge_ids[k] = mesh.edge_id(t, k);
+  }
+  core.centre = (core.corners[0] + core.corners[1] + core.corners[2]) / 3.0;
+  core.front = pose.rotation * mesh.normal(t);
+  core.size = 1e9;  // the convex shape's size decides
+  return core;
+}
 
 bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n) {
   const TriangleMesh::Triangle& corners = mesh.triangles()[triangle];

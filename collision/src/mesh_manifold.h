@@ -33,6 +33,9 @@ struct MeshPose {
   Vec3 translation = Vec3::Zero();
 };
 
+/// One triangle of the mesh, in the frame of the query.
+ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t triangle, const MeshPose& pose);
+
 /// Contacts of a convex shape with a mesh: one manifold for each cluster of like normals.
 /// Only fronts touch. Normals that point out of the Voronoi region of the triangle's feature they
 /// touch (internal edges) give way to the triangle's own normal or are dropped.
