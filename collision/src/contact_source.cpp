@@ -87,12 +87,14 @@ class CollisionScene::Impl {
   const CollisionOptions& options() const { return options_; }
   const CollisionStats& stats() const { return stats_; }
   const std::vector<Collider>& colliders() const { return colliders_; }
+  std::size_t sensor_count() const { return sensor_count_; }
 
  private:
   CollisionOptions options_;
   CollisionStats stats_;
   std::vector<Collider> colliders_;
   std::vector<std::uint32_t> free_;
+  std::size_t sensor_count_ = 0;
   BroadPhase broad_;
   std::vector<PairCache> caches_;  ///< by slot
   QueryScratch scratch_;
@@ -114,6 +116,7 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   colliders_[index] = make_collider(def, options_);
   colliders_[index].generation = generation;
   broad_.add(index, colliders_[index]);
+  if (def.sensor) ++sensor_count_;
   return {index, generation};
 }
 
@@ -128,6 +131,7 @@ const Collider& CollisionScene::Impl::checked(ColliderId id, const char* what) c
 void CollisionScene::Impl::remove(ColliderId id) {
   checked(id, "remove");
   Collider& collider = colliders_[id.index];
+  if (collider.def.sensor) --sensor_count_;
   broad_.remove(id.index, collider);
   const std::uint32_t generation = collider.generation + 1;
   collider = {};
@@ -286,6 +290,7 @@ ColliderId CollisionScene::collider_at(std::uint32_t index) const {
 std::uint32_t CollisionScene::slot_count() const {
   return static_cast<std::uint32_t>(impl_->colliders().size());
 }
+std::size_t CollisionScene::sensor_count() const { return impl_->sensor_count(); }
 const CollisionOptions& CollisionScene::options() const { return impl_->options(); }
 const CollisionStats& CollisionScene::stats() const { return impl_->stats(); }
 void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& workers,

@@ -99,6 +99,7 @@ class CollisionScene : public pbd::ContactSource {
   /// The collider in slot `index`, or an invalid id; indices are below slot_count().
   ColliderId collider_at(std::uint32_t index) const;
   std::uint32_t slot_count() const;
+  std::size_t sensor_count() const;
 
   const CollisionOptions& options() const;
   /// Of the last collect().

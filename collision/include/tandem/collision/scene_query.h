@@ -126,7 +126,6 @@ class SceneQuery {
                                        double max_distance) const;
 
  private:
-  friend class ContactEvents;
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
