@@ -128,7 +128,7 @@ for library in "$prefix"/lib*/libtandem_*; do
   ignored='^$'
   case $library in
     # FCL's and Asio's headers bring the start-up object of the standard streams.
-    *_collision.* | *_obj.*) ignored=' std::__ioinit$' ;;
+    *_collision.*) ignored=' std::__ioinit$' ;;
     # Asio keeps its own: service ids, thread-local call stacks, error categories.
     *_net.*) ignored=' std::__ioinit$|[[:space:]](guard variable for )?asio::' ;;
   esac
