@@ -13,6 +13,8 @@ namespace {
 constexpr int kMaxIterations = 64;
 /// Share of the size of the difference body below which two cores touch.
 constexpr double kTouching = 1e-12;
+/// Relative size below which the sign of a triple product is not known.
+constexpr double kSign = 1e-13;
 /// Relative difference of upper and lower bound at which the distance is known.
 constexpr double kConverged = 1e-12;
 /// m, and share of the sizes: a gap that counts as closed while casting.
@@ -91,12 +93,18 @@ bool nearest_on_tetrahedron(const Simplex& s, Weights& out) {
       {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}}};
   double best = HUGE_VAL;
   for (const auto& [i, j, k, opposite] : kFaces) {
-    const Vec3 n = (s.w[j] - s.w[i]).cross(s.w[k] - s.w[i]);
-    const double side = n.dot(s.w[opposite] - s.w[i]);
+    const Vec3 u = s.w[j] - s.w[i];
+    const Vec3 v = s.w[k] - s.w[i];
+    const Vec3 up = s.w[opposite] - s.w[i];
+    const Vec3 n = u.cross(v);
+    const double side = n.dot(up);
     const double origin = -n.dot(s.w[i]);
-    // Flat to rounding: every face may be the nearest.
-    const bool flat = std::abs(side) <= 1e-14 * n.norm() * (s.w[opposite] - s.w[i]).norm();
-    if (!flat && side * origin > 0.0) continue;
+    // Where rounding may have turned a sign the face may be the nearest: a flat tetrahedron holds
+    // nothing.
+    const double doubt = kSign * u.norm() * v.norm();
+    const bool known =
+        std::abs(side) > doubt * up.norm() && std::abs(origin) > doubt * s.w[i].norm();
+    if (known && side * origin > 0.0) continue;
     const Weights weights = nearest_on_triangle(s, i, j, k);
     const double distance2 = norm2(s, weights);
     if (distance2 >= best) continue;
@@ -135,12 +143,37 @@ bool reduce(Simplex& s) {
   return true;
 }
 
+/// The nearest point itself. Not as the weighted sum, which loses its direction where it is short
+/// and the simplex long and thin: across an edge or a face it is what the edges leave over.
+Vec3 nearest_point(const Simplex& s) {
+  int closest = 0;
+  for (int i = 1; i < s.count; ++i) {
+    if (s.w[i].squaredNorm() < s.w[closest].squaredNorm()) closest = i;
+  }
+  const Vec3& w = s.w[closest];
+  if (s.count == 2) {
+    const Vec3 d = (s.w[1] - s.w[0]).normalized();
+    const Vec3 across = w - w.dot(d) * d;
+    return across - across.dot(d) * d;
+  }
+  if (s.count == 3) {
+    const Vec3 n = (s.w[1] - s.w[0]).cross(s.w[2] - s.w[0]).normalized();
+    return n.dot(w) * n;
+  }
+  return s.blend(s.w);
+}
+
 /// Cores overlap: the direction that leads out.
 Proximity way_out(const ConvexCore& a, const ConvexCore& b) {
   const bool swapped = b.kind < a.kind;
   const ConvexCore& first = swapped ? b : a;
   const ConvexCore& second = swapped ? a : b;
-  const ContactAxis axis = choose_axis(first, second, {Direction::Status::Unknown, Vec3::UnitZ()});
+  ContactAxis axis = choose_axis(first, second, {Direction::Status::Unknown, Vec3::UnitZ()});
+  if (second.kind == CoreKind::Triangle) {
+    // For contacts a triangle has a front only; here it may be left on either side.
+    const double back = separation(first, second, second.front);
+    if (back > axis.separation) axis = {second.front, back, FaceOwner::B};
+  }
   const Vec3& n = axis.normal;
   Vec3 on_first;
   Vec3 on_second;
@@ -187,7 +220,7 @@ CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b) {
     simplex.add(on_a, on_b);
     const Simplex grown = simplex;
     if (!reduce(simplex)) return {};
-    const Vec3 next = simplex.blend(simplex.w);
+    const Vec3 next = nearest_point(simplex);
     const double distance = next.norm();
     if (!(distance > kTouching * size)) return {};
     if (distance >= nearest) {  // rounding: the last one was as good as it gets

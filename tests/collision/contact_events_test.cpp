@@ -173,6 +173,23 @@ TEST_CASE("contact_events: what flies through a sensor within a step is seen, a 
   CHECK(s.events.in_sensors().empty());
 }
 
+TEST_CASE("contact_events: a sensor that moves sees what it sweeps over", "[collision][events]") {
+  Stage s;
+  s.world.set_gravity(Vec3::Zero());
+  const BodyId arm = s.body(at(-5, 0, 0), BodyType::Kinematic);
+  s.scene.add(s.world, {.body = arm, .shape = Box{Vec3(0.01, 1, 1)}, .sensor = true});
+  const BodyId rock = s.fixed(Sphere{0.05}, at(0, 0, 0));
+  s.fixed(Sphere{0.05}, at(0, 1.2, 0));
+  s.step();
+  s.world.set_twist(arm, {Vec3(400, 0, 0), Vec3::Zero()});
+  s.step();
+  REQUIRE(s.events.sensor_begun().size() == 1);
+  CHECK(s.events.sensor_begun()[0].visitor_body == rock);
+  CHECK(s.events.sensor_ended().size() == 1);
+  s.step(2);
+  CHECK(s.entered == 1);
+}
+
 TEST_CASE("contact_events: filters hold for sensors, of every shape", "[collision][events]") {
   Stage s;
   s.world.set_gravity(Vec3::Zero());
