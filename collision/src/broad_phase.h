@@ -7,6 +7,7 @@
 
 #include "aabb_tree.h"
 #include "collider.h"
+#include "tandem/pbd/workers.h"
 
 namespace tandem::collision {
 
@@ -31,7 +32,7 @@ class BroadPhase {
   void remove(std::uint32_t index, const Collider& collider);
 
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
-  void update(const std::vector<Collider>& colliders, double dt);
+  void update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
 
   std::vector<ColliderPair>& pairs() { return pairs_; }
   const std::vector<ColliderPair>& pairs() const { return pairs_; }
@@ -56,7 +57,9 @@ class BroadPhase {
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
   bool refit(std::uint32_t index, const Collider& collider);
-  void find(const std::vector<Collider>& colliders, double dt);
+  void index_pairs();
+  bool known(std::uint32_t low, std::uint32_t high) const;
+  void find(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
   void merge_found();
   std::uint32_t take_slot();
 
@@ -68,8 +71,15 @@ class BroadPhase {
   std::vector<ColliderPair> found_;
   std::vector<ColliderPair> merged_;
   std::vector<std::uint32_t> moved_;
+  std::vector<std::uint8_t> has_moved_;    ///< by collider
+  std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_
   std::vector<std::uint32_t> free_slots_;
-  std::vector<std::uint32_t> stack_;
+  /// Of one worker.
+  struct Search {
+    std::vector<std::uint32_t> stack;
+    std::vector<ColliderPair> found;
+  };
+  std::vector<Search> searches_;
   std::uint32_t cache_slots_ = 0;
 };
 

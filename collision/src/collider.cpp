@@ -14,22 +14,23 @@ constexpr double kHuge = 1e9;
 struct Sizes {
   double size;
   double reach;  // from the shape's origin
-  int rank;
+  Kind kind;
 };
 
 Sizes sizes_of(const Shape& shape) {
-  if (const auto* s = std::get_if<Sphere>(&shape)) return {2.0 * s->radius, s->radius, 0};
+  if (const auto* s = std::get_if<Sphere>(&shape))
+    return {2.0 * s->radius, s->radius, Kind::Sphere};
   if (const auto* c = std::get_if<Capsule>(&shape)) {
-    return {2.0 * c->radius, c->radius + c->half_height, 1};
+    return {2.0 * c->radius, c->radius + c->half_height, Kind::Capsule};
   }
   if (const auto* b = std::get_if<Box>(&shape)) {
-    return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), 2};
+    return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), Kind::Box};
   }
   if (const auto* m = std::get_if<Mesh>(&shape)) {
     const Aabb& bounds = (*m)->bounds();
-    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), 3};
+    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), Kind::Triangles};
   }
-  return {kHuge, kHuge, 4};
+  return {kHuge, kHuge, Kind::HalfSpace};
 }
 
 Aabb bounds_of(const Collider& c) {
@@ -83,7 +84,9 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   if (auto* plane = std::get_if<HalfSpace>(&c.def.shape)) plane->normal.normalize();
   c.alive = true;
   const Sizes sizes = sizes_of(def.shape);
-  c.rank = sizes.rank;
+  c.kind = sizes.kind;
+  c.local_identity = c.def.local.position.isZero(0.0) && c.def.local.orientation.w() == 1.0 &&
+                     c.def.local.orientation.vec().isZero(0.0);
   c.size = sizes.size;
   c.reach = sizes.reach + def.local.position.norm();
   c.speculative = std::min(options.speculative_margin, options.speculative_size_share * c.size);
@@ -92,18 +95,32 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   return c;
 }
 
+bool same_state(const Collider& c, const pbd::BodyState& state) {
+  return state.pose.position == c.body.position &&
+         state.pose.orientation.coeffs() == c.body.orientation.coeffs() &&
+         state.twist.linear == c.twist.linear && state.twist.angular == c.twist.angular;
+}
+
 void update_collider(Collider& c, const pbd::World& world, double dt) {
   const pbd::BodyState& state = world.states()[c.def.body.index];
   c.dynamic = world.all_props()[c.def.body.index].type == pbd::BodyType::Dynamic;
+  const bool unchanged = c.span > 0.0 && c.finite && same_state(c, state);
+  c.still = unchanged && state.twist.linear.isZero(0.0) && state.twist.angular.isZero(0.0);
+  if (c.still || (unchanged && c.span == dt)) return;
+  c.span = dt;
   c.body = state.pose;
   c.twist = state.twist;
-  c.rotation = state.pose.orientation.toRotationMatrix() * c.local_rotation;
-  c.position = state.pose.to_world(c.def.local.position);
+  c.rotation = state.pose.orientation.toRotationMatrix();
+  if (!c.local_identity) c.rotation *= c.local_rotation;
+  c.position = c.local_identity ? state.pose.position : state.pose.to_world(c.def.local.position);
+  c.turn = c.twist.angular.norm() * dt;
   const double motion = c.motion(dt);
   c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(motion);
-  if (c.finite && !c.is_half_space()) {
-    c.needed = bounds_of(c).expanded(c.speculative + c.recycle + motion);
-  }
+  if (!c.finite || c.is_half_space()) return;
+  // Where it is now, where it will be, and what turning may add on the way.
+  const Vec3 sweep = dt * c.twist.linear;
+  const Aabb bounds = bounds_of(c).expanded(c.speculative + c.recycle + c.turn * c.reach);
+  c.needed = {bounds.min + sweep.cwiseMin(0.0), bounds.max + sweep.cwiseMax(0.0)};
 }
 
 }  // namespace tandem::collision

@@ -19,6 +19,10 @@ namespace {
 
 using pbd::Vec3;
 
+/// Colliders and pairs that one worker takes at a time.
+constexpr std::size_t kColliderGrain = 128;
+constexpr std::size_t kPairGrain = 64;
+
 [[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
   std::ostringstream text;
   text << "ColliderDef: " << field << " = " << value << " breaks the rule: " << rule;
@@ -91,13 +95,31 @@ class CollisionScene::Impl {
   const std::vector<Collider>& colliders() const { return colliders_; }
 
  private:
+  /// What one worker needs and finds.
+  struct Worker {
+    QueryScratch scratch;
+    CollisionStats stats;
+    std::vector<pbd::Manifold> found;
+  };
+  /// Where the manifolds of a chunk of pairs are.
+  struct Chunk {
+    int worker = 0;
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+
+  void collect_pair(ColliderPair& entry, double dt, Worker& worker,
+                    std::vector<pbd::Manifold>& out);
+
   CollisionOptions options_;
   CollisionStats stats_;
   std::vector<Collider> colliders_;
   std::vector<std::uint32_t> free_;
   BroadPhase broad_;
+  PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot
-  QueryScratch scratch_;
+  std::vector<Worker> workers_;
+  std::vector<Chunk> chunks_;
 };
 
 ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef& def) {
@@ -145,38 +167,88 @@ void CollisionScene::Impl::remove_body(pbd::BodyId body) {
   }
 }
 
-void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& /*workers*/,
+void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& worker,
+                                        std::vector<pbd::Manifold>& out) {
+  const Collider& low = colliders_[entry.low];
+  const Collider& high = colliders_[entry.high];
+  const bool fresh = std::exchange(entry.fresh, false);
+  const bool planar = low.is_half_space() || high.is_half_space();
+  const bool apart = !planar && !low.needed.overlaps(high.needed);
+  const QueryPair pair = order_pair(low, high);
+  PairCache& cache = caches_[entry.cache];
+  if (fresh || apart) {
+    if (cache.patches != nullptr) pool_.give(std::exchange(cache.patches, nullptr));
+    if (fresh && cache.triangles != nullptr) cache.triangles->filled = false;
+    cache.valid = false;
+    if (fresh) cache.axis = PairCache::kNoAxis;
+  }
+  if (apart) {
+    ++worker.stats.recycled;
+    return;
+  }
+  const PairReach reach = reach_of(pair, dt);
+  const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
+                            (static_cast<std::uint64_t>(entry.high) << kClusterBits);
+  if (is_direct(pair)) {
+    ++worker.stats.recycled;
+    emit_direct(pair, reach, key, out);
+    return;
+  }
+  if (still_apart(pair, reach, cache) || can_recycle(pair, reach, cache, options_.recycle_angle)) {
+    ++worker.stats.recycled;
+  } else {
+    worker.stats.queries += query_pair(pair, reach, cache, pool_, worker.scratch);
+  }
+  if (cache.patches != nullptr) emit(pair, reach, cache, key, out);
+}
+
+void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                                    std::vector<pbd::Manifold>& out) {
-  stats_ = {};
   const std::size_t first = out.size();
-  for (Collider& collider : colliders_) {
-    if (!collider.alive) continue;
-    update_collider(collider, world, dt);
-    ++stats_.colliders;
+  workers_.resize(static_cast<std::size_t>(workers.count()));
+  for (Worker& worker : workers_) {
+    worker.stats = {};
+    worker.found.clear();
   }
-  broad_.update(colliders_, dt);
+  workers.for_chunks(colliders_.size(), kColliderGrain,
+                     [&](std::size_t begin, std::size_t end, int w) {
+                       std::size_t& count = workers_[static_cast<std::size_t>(w)].stats.colliders;
+                       for (std::size_t i = begin; i < end; ++i) {
+                         if (!colliders_[i].alive) continue;
+                         update_collider(colliders_[i], world, dt);
+                         ++count;
+                       }
+                     });
+  broad_.update(colliders_, dt, workers);
   if (caches_.size() < broad_.cache_slots()) caches_.resize(broad_.cache_slots());
-  for (ColliderPair& entry : broad_.pairs()) {
-    PairCache& cache = caches_[entry.cache];
-    if (std::exchange(entry.fresh, false)) {
-      cache.valid = false;
-      cache.patches.clear();
+
+  std::vector<ColliderPair>& pairs = broad_.pairs();
+  if (workers.count() == 1 || pairs.size() <= kPairGrain) {
+    for (ColliderPair& pair : pairs) collect_pair(pair, dt, workers_[0], out);
+  } else {
+    // Each worker writes to a list of its own; the chunks are then put together in order.
+    chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
+    workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
+      Worker& worker = workers_[static_cast<std::size_t>(w)];
+      Chunk& chunk = chunks_[begin / kPairGrain];
+      chunk = {w, worker.found.size(), 0};
+      for (std::size_t i = begin; i < end; ++i) collect_pair(pairs[i], dt, worker, worker.found);
+      chunk.end = worker.found.size();
+    });
+    for (const Chunk& chunk : chunks_) {
+      const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
+      out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
+                 from + static_cast<std::ptrdiff_t>(chunk.end));
     }
-    const Collider& low = colliders_[entry.low];
-    const Collider& high = colliders_[entry.high];
-    const QueryPair pair = order_pair(low, high);
-    const PairReach reach = reach_of(pair, dt);
-    if (can_recycle(pair, reach, cache, options_.recycle_angle)) {
-      ++stats_.recycled;
-    } else {
-      stats_.queries += query_pair(pair, reach, cache, scratch_);
-    }
-    const std::uint64_t key =
-        (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
-        (static_cast<std::uint64_t>(entry.high) << kClusterBits);
-    emit(pair, reach, cache, key, out);
   }
-  stats_.pairs = broad_.pairs().size();
+
+  stats_ = {};
+  for (const Worker& worker : workers_) {
+    stats_.colliders += worker.stats.colliders;
+    stats_.queries += worker.stats.queries;
+    stats_.recycled += worker.stats.recycled;
+  }
+  stats_.pairs = pairs.size();
   stats_.manifolds = out.size() - first;
   for (std::size_t i = first; i < out.size(); ++i) {
     stats_.points += static_cast<std::size_t>(out[i].count);
@@ -191,7 +263,7 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
     out.u8(collider.alive ? 1 : 0);
     if (!collider.alive) continue;
     out.u32(collider.def.body.index);
-    out.u8(static_cast<std::uint8_t>(collider.rank));
+    out.u8(static_cast<std::uint8_t>(collider.kind));
     out.u8(broad_.placed(i) ? 1 : 0);
     out.vec3(broad_.fat_box(i).min);
     out.vec3(broad_.fat_box(i).max);
@@ -210,7 +282,8 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
     const Collider& collider = colliders_[i];
     if ((in.u8() != 0) != collider.alive) return false;
     if (!collider.alive) continue;
-    if (in.u32() != collider.def.body.index || in.u8() != collider.rank) return false;
+    if (in.u32() != collider.def.body.index || in.u8() != static_cast<std::uint8_t>(collider.kind))
+      return false;
     const bool placed = in.u8() != 0;
     const Aabb fat{in.vec3(), in.vec3()};
     const bool sound = fat.min.allFinite() && fat.max.allFinite();
@@ -234,7 +307,7 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
     }
     const ColliderPair& pair = broad_.append_pair(low, high);
     if (caches_.size() <= pair.cache) caches_.resize(pair.cache + 1);
-    if (!load_cache(in, caches_[pair.cache])) return false;
+    if (!load_cache(in, caches_[pair.cache], pool_)) return false;
   }
   return !in.failed();
 }

@@ -128,7 +128,10 @@ CoreFace face_towards(const ConvexCore& core, const Vec3& direction) {
   face.count = 2;
   face.corners[0] = edge.from;
   face.corners[1] = edge.to;
-  face.corner_ids = {edge.from_id, edge.to_id, 0, 0};
+  face.corner_ids[0] = edge.from_id;
+  face.corner_ids[1] = edge.to_id;
+  face.edge_ids[0] = edge.id;
+  face.edge_ids[1] = edge.id;
   return face;
 }
 

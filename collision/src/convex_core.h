@@ -36,10 +36,11 @@ struct ConvexCore {
 
 /// Face with its corners counter-clockwise seen from outside; a segment is a face of two corners.
 struct CoreFace {
+  static constexpr int kMaxCorners = 12;
   int count = 0;
-  std::array<Vec3, 4> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  std::array<std::uint32_t, 4> corner_ids{};
-  std::array<std::uint32_t, 4> edge_ids{};  ///< edge i runs from corner i to corner i + 1
+  std::array<Vec3, kMaxCorners> corners;
+  std::array<std::uint32_t, kMaxCorners> corner_ids;
+  std::array<std::uint32_t, kMaxCorners> edge_ids;  ///< edge i runs from corner i to corner i + 1
 };
 
 struct CoreEdge {

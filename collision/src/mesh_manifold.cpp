@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sphere_contact.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -22,6 +24,12 @@ constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
+/// m: a centre nearer than this to a point has no direction from it.
+constexpr double kTouching = 1e-7;
+/// m by which a point may lie beside a triangle and still count as over it.
+constexpr double kOver = 1e-6;
+/// By what share of its size the box is wider that triangles are searched for.
+constexpr double kListShare = 0.25;
 
 ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPose& pose) {
   ConvexCore core;
@@ -38,6 +46,12 @@ ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPo
   return core;
 }
 
+bool by_rank(const MeshPoint& l, const MeshPoint& r) {
+  if (l.rank != r.rank) return l.rank < r.rank;
+  if (l.triangle != r.triangle) return l.triangle < r.triangle;
+  return l.point.feature < r.point.feature;
+}
+
 bool was_touched(std::span<const ContactPatch> previous, const Vec3& front_l) {
   return std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& patch) {
     return patch.count > 0 && -patch.normal_l.dot(front_l) > kSameAsBefore;
@@ -49,7 +63,7 @@ bool over_triangle(const ConvexCore& t, const Vec3& p) {
   for (int k = 0; k < 3; ++k) {
     const Vec3 edge = t.corners[(k + 1) % 3] - t.corners[k];
     const Vec3 inwards = t.front.cross(edge);
-    if (inwards.dot(p - t.corners[k]) < -1e-6 * inwards.norm()) return false;
+    if (inwards.dot(p - t.corners[k]) < -kOver * inwards.norm()) return false;
   }
   return true;
 }
@@ -159,10 +173,93 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
   merge_equal(points);
   std::array<std::uint32_t, 4> kept{};
   const int kept_count = before != nullptr ? before->count : 0;
-  for (int i = 0; i < kept_count; ++i) kept[i] = before->points[i].feature;
+  for (int i = 0; i < kept_count; ++i) kept[i] = before->features[i];
   const int count = reduce(points.data(), static_cast<int>(points.size()), manifold.normal,
                            1e-3 * size, kept.data(), kept_count);
   for (int i = 0; i < count; ++i) manifold.add(points[i]);
+}
+
+Aabb triangle_bounds(const TriangleMesh& mesh, std::uint32_t t) {
+  const TriangleMesh::Triangle& corners = mesh.triangles()[t];
+  const Vec3& a = mesh.vertices()[corners[0]];
+  const Vec3& b = mesh.vertices()[corners[1]];
+  const Vec3& c = mesh.vertices()[corners[2]];
+  return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+}
+
+/// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
+void candidates(const TriangleMesh& mesh, const Aabb& bounds, TriangleList& list) {
+  if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
+    const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);
+    if (slack.maxCoeff() < (bounds.max - bounds.min).maxCoeff()) return;
+  }
+  const Aabb wide = bounds.expanded(kListShare * (bounds.max - bounds.min).maxCoeff());
+  list.triangles.clear();
+  mesh.query(wide, list.triangles);
+  list.min = wide.min;
+  list.max = wide.max;
+  list.filled = true;
+}
+
+/// A sphere touches a triangle at its point nearest to the centre, if that lies in the triangle's
+/// own region. A closed form: the library keeps the last edge in reach in place of the nearest one
+/// (see fcl_bridge.cpp).
+void sphere_on_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+                    const Vec3& centre, const Reach& reach, std::span<const ContactPatch> previous,
+                    const TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
+  const double limit = reach.margin + a.radius;
+  for (const std::uint32_t index : list.triangles) {
+    const TriangleMesh::Triangle& corners = mesh.triangles()[index];
+    const Vec3& p = mesh.vertices()[corners[0]];
+    const Vec3& front = mesh.normal(index);
+    const double height = front.dot(centre - p);
+    if (height >= limit) continue;
+    if (height < 0.0 && (height < -a.size || !was_touched(previous, front))) continue;
+    int region = 0;
+    const Vec3 nearest = nearest_on_triangle(centre, p, mesh.vertices()[corners[1]],
+                                             mesh.vertices()[corners[2]], region);
+    Vec3 normal = -front;
+    double distance = height;
+    if (region != 3) {
+      const Vec3 d = nearest - centre;
+      const bool over = (d + height * front).squaredNorm() < kOver * kOver;
+      if (!over) {
+        if (height < 0.0) continue;
+        distance = d.norm();
+        if (distance >= limit || distance < kTouching) continue;
+        if (height <= kIsFront * distance) {
+          normal = d / distance;
+          if (height <= kRegionSlop * distance || !normal_allowed(mesh, index, -normal)) continue;
+        }
+      }
+    }
+    if (distance >= limit) continue;
+    const bool known = std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& q) {
+      return q.normal_l.dot(normal) > kIsFront;
+    });
+    const double gap = distance - a.radius;
+    scratch.points.push_back(
+        {{a.centre, nearest, gap, 0}, normal, gap - (known ? 1e-3 * a.size : 0.0), index, -1});
+  }
+  std::sort(scratch.points.begin(), scratch.points.end(), by_rank);
+  for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
+    const MeshPoint& point = scratch.points[seed];
+    bool taken = false;
+    for (std::size_t i = 0; i < seed && !taken; ++i) {
+      taken = scratch.points[i].cluster >= 0 &&
+              scratch.points[i].normal.dot(point.normal) >= kSameCluster;
+    }
+    if (taken) continue;
+    scratch.points[seed].cluster = 0;
+    const ContactPatch* before = match(point.normal, previous, out);
+    const std::uint32_t number = before != nullptr ? before->cluster : free_number(previous, out);
+    RawManifold& manifold = out.emplace_back();
+    manifold.cluster = number;
+    manifold.normal = pose.rotation * point.normal;
+    manifold.owner = FaceOwner::B;
+    const double distance = point.point.gap + a.radius;
+    manifold.add({a.centre, a.centre + distance * manifold.normal, point.point.gap, 0});
+  }
 }
 
 }  // namespace
@@ -193,19 +290,24 @@ bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3
 
 std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
                          const Reach& reach, std::span<const ContactPatch> previous,
-                         MeshScratch& scratch, std::vector<RawManifold>& out) {
+                         TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
   out.clear();
-  scratch.triangles.clear();
   scratch.points.clear();
   // Bounds of the shape in the mesh frame.
   const Mat3 to_mesh = pose.rotation.transpose();
   const Vec3 centre_l = to_mesh * (a.centre - pose.translation);
   Vec3 extent = Vec3::Constant(a.radius + reach.margin);
   for (int i = 0; i < 3; ++i) extent += a.half[i] * (to_mesh * a.axes.col(i)).cwiseAbs();
-  mesh.query({centre_l - extent, centre_l + extent}, scratch.triangles);
+  const Aabb bounds{centre_l - extent, centre_l + extent};
+  candidates(mesh, bounds, list);
+  if (a.kind == CoreKind::Point) {
+    sphere_on_mesh(a, mesh, pose, centre_l, reach, previous, list, scratch, out);
+    return 0;
+  }
 
   std::size_t queries = 0;
-  for (const std::uint32_t index : scratch.triangles) {
+  for (const std::uint32_t index : list.triangles) {
+    if (!triangle_bounds(mesh, index).overlaps(bounds)) continue;
     const ConvexCore t = triangle_core(mesh, index, pose);
     if (front_axis(a, t).separation - a.radius >= reach.margin) continue;
     // Behind the plane there is no contact, except for a shape that was pushed through just now.
@@ -226,12 +328,7 @@ std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const Me
     }
   }
 
-  std::sort(scratch.points.begin(), scratch.points.end(),
-            [](const MeshPoint& l, const MeshPoint& r) {
-              if (l.rank != r.rank) return l.rank < r.rank;
-              if (l.triangle != r.triangle) return l.triangle < r.triangle;
-              return l.point.feature < r.point.feature;
-            });
+  std::sort(scratch.points.begin(), scratch.points.end(), by_rank);
   for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
     if (scratch.points[seed].cluster >= 0) continue;
     const Vec3 n = scratch.points[seed].normal;

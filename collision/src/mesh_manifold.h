@@ -14,15 +14,14 @@ namespace tandem::collision {
 /// A contact point with one triangle, before points of like normals are put together.
 struct MeshPoint {
   RawPoint point;
-  Vec3 normal = Vec3::UnitZ();  ///< unit, from the convex shape to the mesh
-  double rank = 0.0;            ///< m; the gap, with a head start for normals of the last step
-  std::uint32_t triangle = 0;
-  int cluster = -1;
+  Vec3 normal;  ///< unit, from the convex shape to the mesh
+  double rank;  ///< m; the gap, with a head start for normals of the last step
+  std::uint32_t triangle;
+  int cluster;
 };
 
 /// Memory kept from call to call.
 struct MeshScratch {
-  std::vector<std::uint32_t> triangles;
   std::vector<MeshPoint> points;
   std::vector<RawPoint> cluster;
 };
@@ -36,12 +35,13 @@ struct MeshPose {
 /// Contacts of a convex shape with a mesh: one manifold for each cluster of like normals.
 /// Only fronts touch. Normals that point out of the Voronoi region of the triangle's feature they
 /// touch (internal edges) give way to the triangle's own normal or are dropped.
+/// @param list  triangles found before, which hold as long as the shape stays where they are all
 /// @param previous  the pair's last patches, normals in the mesh frame: clusters keep their
 ///   numbers and points by them
 /// @return number of library queries
 std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
                          const Reach& reach, std::span<const ContactPatch> previous,
-                         MeshScratch& scratch, std::vector<RawManifold>& out);
+                         TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out);
 
 /// Contacts of a mesh (as a) with the half-space normal . x <= offset.
 RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, const Vec3& normal,
