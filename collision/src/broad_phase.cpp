@@ -19,8 +19,11 @@ constexpr std::size_t kGrain = 32;
 bool may_touch(const Collider& a, const Collider& b) {
   if (!a.alive || !b.alive || a.def.body == b.def.body) return false;
   if (!a.dynamic && !b.dynamic) return false;
-  if (!a.is_convex() && !b.is_convex() && (a.kind == b.kind || a.is_surface() == b.is_surface()))
+  // Of those that are not convex, only a mesh and a half-space meet.
+  if (!a.is_convex() && !b.is_convex() && !(a.is_mesh() && b.is_half_space()) &&
+      !(b.is_mesh() && a.is_half_space())) {
     return false;
+  }
   return (a.def.category & b.def.mask) != 0 && (b.def.category & a.def.mask) != 0;
 }
 

@@ -26,6 +26,21 @@ Sizes sizes_of(const Shape& shape) {
   if (const auto* b = std::get_if<Box>(&shape)) {
     return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), Kind::Box};
   }
+  if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    return {2.0 * std::min(c->radius, c->half_height), std::hypot(c->radius, c->half_height),
+            Kind::Cylinder};
+  }
+  if (const auto* c = std::get_if<Cone>(&shape)) {
+    return {std::min(2.0 * c->radius, 2.0 * c->half_height), std::hypot(c->radius, c->half_height),
+            Kind::Cone};
+  }
+  if (const auto* h = std::get_if<Hull>(&shape)) {
+    return {(*h)->extent(), (*h)->centre().norm() + (*h)->reach(), Kind::Polytope};
+  }
+  if (const auto* f = std::get_if<Field>(&shape)) {
+    const Aabb& bounds = (*f)->bounds();
+    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), Kind::Grid};
+  }
   if (const auto* m = std::get_if<Mesh>(&shape)) {
     const Aabb& bounds = (*m)->bounds();
     return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), Kind::Triangles};
@@ -36,6 +51,10 @@ Sizes sizes_of(const Shape& shape) {
 Aabb bounds_of(const Collider& c) {
   Vec3 centre = c.position;
   Vec3 extent = Vec3::Zero();
+  const auto place = [&](const Aabb& bounds) {
+    centre += c.rotation * (0.5 * (bounds.min + bounds.max));
+    extent = c.rotation.cwiseAbs() * (0.5 * (bounds.max - bounds.min));
+  };
   if (const auto* s = std::get_if<Sphere>(&c.def.shape)) {
     extent = Vec3::Constant(s->radius);
   } else if (const auto* k = std::get_if<Capsule>(&c.def.shape)) {
@@ -43,9 +62,17 @@ Aabb bounds_of(const Collider& c) {
   } else if (const auto* b = std::get_if<Box>(&c.def.shape)) {
     extent = c.rotation.cwiseAbs() * b->half_extents;
   } else if (const auto* m = std::get_if<Mesh>(&c.def.shape)) {
-    const Aabb& bounds = (*m)->bounds();
-    centre += c.rotation * (0.5 * (bounds.min + bounds.max));
-    extent = c.rotation.cwiseAbs() * (0.5 * (bounds.max - bounds.min));
+    place((*m)->bounds());
+  } else if (const auto* f = std::get_if<Field>(&c.def.shape)) {
+    place((*f)->bounds());
+  } else if (c.is_convex()) {
+    const ConvexCore core = c.core(c.position);
+    for (int i = 0; i < 3; ++i) {
+      const double high = core.reach(Vec3::Unit(i));
+      const double low = core.reach(-Vec3::Unit(i));
+      centre[i] += 0.5 * (high - low);
+      extent[i] = 0.5 * (high + low);
+    }
   }
   return {centre - extent, centre + extent};
 }
@@ -70,9 +97,19 @@ ConvexCore Collider::core(const Vec3& origin) const {
     core.kind = CoreKind::Segment;
     core.radius = c->radius;
     core.half = Vec3(0.0, 0.0, c->half_height);
-  } else {
+  } else if (const auto* box = std::get_if<Box>(&def.shape)) {
     core.kind = CoreKind::Box;
-    core.half = std::get<Box>(def.shape).half_extents;
+    core.half = box->half_extents;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&def.shape)) {
+    core.kind = CoreKind::Cylinder;
+    core.half = Vec3(cylinder->radius, cylinder->radius, cylinder->half_height);
+  } else if (const auto* cone = std::get_if<Cone>(&def.shape)) {
+    core.kind = CoreKind::Cone;
+    core.half = Vec3(cone->radius, cone->radius, cone->half_height);
+  } else {
+    core.kind = CoreKind::Polytope;
+    core.hull = std::get<Hull>(def.shape).get();
+    core.centre += rotation * core.hull->centre();
   }
   return core;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sphere_contact.h"
+#include "tandem/collision/height_field.h"
 
 namespace tandem::collision {
 namespace {
@@ -31,12 +32,13 @@ constexpr double kOver = 1e-6;
 /// By what share of its size the box is wider that triangles are searched for.
 constexpr double kListShare = 0.25;
 
-ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPose& pose) {
+template <class Surface>
+ConvexCore triangle_core(const Surface& mesh, std::uint32_t t, const MeshPose& pose) {
   ConvexCore core;
   core.kind = CoreKind::Triangle;
   for (int k = 0; k < 3; ++k) {
-    const std::uint32_t v = mesh.triangles()[t][k];
-    core.corners[k] = pose.rotation * mesh.vertices()[v] + pose.translation;
+    const std::uint32_t v = mesh.corners(t)[k];
+    core.corners[k] = pose.rotation * mesh.vertex(v) + pose.translation;
     core.corner_ids[k] = v;
     core.edge_ids[k] = mesh.edge_id(t, k);
   }
@@ -89,7 +91,8 @@ RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach
   return out;
 }
 
-RawManifold triangle_manifold(const ConvexCore& a, const TriangleMesh& mesh, std::uint32_t index,
+template <class Surface>
+RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
                               const ConvexCore& t, const MeshPose& pose, const Reach& reach,
                               const Direction& direction) {
   // The middle is behind the plane, so the nearest way out would be the wrong one.
@@ -179,16 +182,18 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
   for (int i = 0; i < count; ++i) manifold.add(points[i]);
 }
 
-Aabb triangle_bounds(const TriangleMesh& mesh, std::uint32_t t) {
-  const TriangleMesh::Triangle& corners = mesh.triangles()[t];
-  const Vec3& a = mesh.vertices()[corners[0]];
-  const Vec3& b = mesh.vertices()[corners[1]];
-  const Vec3& c = mesh.vertices()[corners[2]];
+template <class Surface>
+Aabb triangle_bounds(const Surface& mesh, std::uint32_t t) {
+  const TriangleMesh::Triangle corners = mesh.corners(t);
+  const Vec3 a = mesh.vertex(corners[0]);
+  const Vec3 b = mesh.vertex(corners[1]);
+  const Vec3 c = mesh.vertex(corners[2]);
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 
 /// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
-void candidates(const TriangleMesh& mesh, const Aabb& bounds, TriangleList& list) {
+template <class Surface>
+void candidates(const Surface& mesh, const Aabb& bounds, TriangleList& list) {
   if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
     const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);
     if (slack.maxCoeff() < (bounds.max - bounds.min).maxCoeff()) return;
@@ -204,20 +209,21 @@ void candidates(const TriangleMesh& mesh, const Aabb& bounds, TriangleList& list
 /// A sphere touches a triangle at its point nearest to the centre, if that lies in the triangle's
 /// own region. A closed form: the library keeps the last edge in reach in place of the nearest one
 /// (see fcl_bridge.cpp).
-void sphere_on_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+template <class Surface>
+void sphere_on_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
                     const Vec3& centre, const Reach& reach, std::span<const ContactPatch> previous,
                     const TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
   const double limit = reach.margin + a.radius;
   for (const std::uint32_t index : list.triangles) {
-    const TriangleMesh::Triangle& corners = mesh.triangles()[index];
-    const Vec3& p = mesh.vertices()[corners[0]];
-    const Vec3& front = mesh.normal(index);
+    const TriangleMesh::Triangle corners = mesh.corners(index);
+    const Vec3 p = mesh.vertex(corners[0]);
+    const Vec3 front = mesh.normal(index);
     const double height = front.dot(centre - p);
     if (height >= limit) continue;
     if (height < 0.0 && (height < -a.size || !was_touched(previous, front))) continue;
     int region = 0;
-    const Vec3 nearest = nearest_on_triangle(centre, p, mesh.vertices()[corners[1]],
-                                             mesh.vertices()[corners[2]], region);
+    const Vec3 nearest =
+        nearest_on_triangle(centre, p, mesh.vertex(corners[1]), mesh.vertex(corners[2]), region);
     Vec3 normal = -front;
     double distance = height;
     if (region != 3) {
@@ -264,9 +270,10 @@ void sphere_on_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPos
 
 }  // namespace
 
-bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n) {
-  const TriangleMesh::Triangle& corners = mesh.triangles()[triangle];
-  const auto corner = [&](int k) -> const Vec3& { return mesh.vertices()[corners[k % 3]]; };
+template <class Surface>
+bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n) {
+  const TriangleMesh::Triangle corners = mesh.corners(triangle);
+  const auto corner = [&](int k) -> Vec3 { return mesh.vertex(corners[k % 3]); };
   if (n.dot(mesh.normal(triangle)) > 1.0 - 1e-7) return true;
   int foremost = 0;
   for (int k = 1; k < 3; ++k) {
@@ -282,13 +289,14 @@ bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3
   }
   const std::uint32_t v = corners[foremost];
   for (const std::uint32_t w : mesh.ring(v)) {
-    const Vec3 along = mesh.vertices()[w] - mesh.vertices()[v];
+    const Vec3 along = mesh.vertex(w) - mesh.vertex(v);
     if (n.dot(along) > kRegionSlop * along.norm()) return false;
   }
   return true;
 }
 
-std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+template <class Surface>
+std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
                          const Reach& reach, std::span<const ContactPatch> previous,
                          TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
   out.clear();
@@ -296,9 +304,14 @@ std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const Me
   // Bounds of the shape in the mesh frame.
   const Mat3 to_mesh = pose.rotation.transpose();
   const Vec3 centre_l = to_mesh * (a.centre - pose.translation);
-  Vec3 extent = Vec3::Constant(a.radius + reach.margin);
-  for (int i = 0; i < 3; ++i) extent += a.half[i] * (to_mesh * a.axes.col(i)).cwiseAbs();
-  const Aabb bounds{centre_l - extent, centre_l + extent};
+  const double round = a.radius + reach.margin;
+  const Vec3 middle = to_mesh * -pose.translation;
+  Aabb bounds;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 axis = pose.rotation.col(i);
+    bounds.min[i] = middle[i] - a.reach(-axis) - round;
+    bounds.max[i] = middle[i] + a.reach(axis) + round;
+  }
   candidates(mesh, bounds, list);
   if (a.kind == CoreKind::Point) {
     sphere_on_mesh(a, mesh, pose, centre_l, reach, previous, list, scratch, out);
@@ -361,7 +374,7 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
                             MeshScratch& scratch) {
   scratch.cluster.clear();
   for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
-    const Vec3 p = pose.rotation * mesh.vertices()[v] + pose.translation;
+    const Vec3 p = pose.rotation * mesh.vertex(v) + pose.translation;
     const double height = normal.dot(p) - offset;
     if (height >= margin) continue;
     scratch.cluster.push_back({p, p - height * normal, height, corner_feature(false, v)});
@@ -373,5 +386,12 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
   finish_cluster(scratch.cluster, out, size, previous.empty() ? nullptr : &previous[0]);
   return out;
 }
+
+template std::size_t collide_mesh(const ConvexCore&, const TriangleMesh&, const MeshPose&,
+                                  const Reach&, std::span<const ContactPatch>, TriangleList&,
+                                  MeshScratch&, std::vector<RawManifold>&);
+template std::size_t collide_mesh(const ConvexCore&, const HeightField&, const MeshPose&,
+                                  const Reach&, std::span<const ContactPatch>, TriangleList&,
+                                  MeshScratch&, std::vector<RawManifold>&);
 
 }  // namespace tandem::collision

@@ -32,14 +32,16 @@ struct MeshPose {
   Vec3 translation = Vec3::Zero();
 };
 
-/// Contacts of a convex shape with a mesh: one manifold for each cluster of like normals.
-/// Only fronts touch. Normals that point out of the Voronoi region of the triangle's feature they
-/// touch (internal edges) give way to the triangle's own normal or are dropped.
+/// Contacts of a convex shape with a TriangleMesh or a HeightField: one manifold for each cluster
+/// of like normals. Only fronts touch. Normals that point out of the Voronoi region of the
+/// triangle's feature they touch (internal edges) give way to the triangle's own normal or are
+/// dropped.
 /// @param list  triangles found before, which hold as long as the shape stays where they are all
 /// @param previous  the pair's last patches, normals in the mesh frame: clusters keep their
 ///   numbers and points by them
 /// @return number of library queries
-std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+template <class Surface>
+std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
                          const Reach& reach, std::span<const ContactPatch> previous,
                          TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out);
 
@@ -50,6 +52,7 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
 
 /// Whether a contact whose normal leaves the front of a triangle in direction n (mesh frame) can
 /// come from the triangle's foremost feature: false where a neighbour lies nearer.
-bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n);
+template <class Surface>
+bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n);
 
 }  // namespace tandem::collision

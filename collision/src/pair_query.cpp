@@ -84,12 +84,15 @@ class PatchWriter {
     patch.in_a =
         raw.owner == FaceOwner::A || (raw.owner == FaceOwner::None && b.dynamic && !a.dynamic);
     patch.normal_l = (patch.in_a ? a : b).direction_to_body(raw.normal);
-    patch.radius_a = radius_of(a);
-    patch.radius_b = radius_of(b);
+    // Of a cylinder on its side: down to its axis.
+    const double roll_a = a.kind == Kind::Cylinder ? rolling(a, raw.normal) : 0.0;
+    const double roll_b = b.kind == Kind::Cylinder ? rolling(b, -raw.normal) : 0.0;
+    patch.radius_a = radius_of(a) + roll_a;
+    patch.radius_b = radius_of(b) + roll_b;
     patch.cluster = static_cast<std::uint16_t>(raw.cluster);
     patch.count = static_cast<std::uint8_t>(std::min<int>(raw.count, ContactPatch::kMaxPoints));
-    const Vec3 to_a = origin - a.position;
-    const Vec3 to_b = origin - b.position;
+    const Vec3 to_a = origin - a.position - roll_a * raw.normal;
+    const Vec3 to_b = origin - b.position + roll_b * raw.normal;
     for (int i = 0; i < patch.count; ++i) {
       patch.anchor_a_l[i] = a.to_body(raw.points[i].on_a + to_a);
       patch.anchor_b_l[i] = b.to_body(raw.points[i].on_b + to_b);
@@ -104,6 +107,10 @@ class PatchWriter {
     if (const auto* s = std::get_if<Sphere>(&c.def.shape)) return s->radius;
     if (const auto* k = std::get_if<Capsule>(&c.def.shape)) return k->radius;
     return 0.0;
+  }
+
+  static double rolling(const Collider& c, const Vec3& direction) {
+    return rolling_radius(c.core(c.position), direction);
   }
 
   const QueryPair& pair_;
@@ -153,6 +160,7 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     const double offset =
         std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
     out = half_space_manifold(pair.a->core(origin), n, offset, reach.margin);
+    reduce_like_before(out, pair.a->size, cache);
     return 1;
   }
   const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
@@ -161,7 +169,13 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     const ConvexCore b = pair.b->core(origin);
     const Direction direction = query_direction(a, b, reach.margin);
     if (direction.status == Direction::Status::Apart) return 1;
-    out = build_manifold(a, b, choose_axis(a, b, direction), reach);
+    Vec3 before;
+    if (cache.patches != nullptr) {
+      const ContactPatch& patch = *cache.patches;
+      before = (patch.in_a ? pair.a : pair.b)->body.orientation * patch.normal_l;
+    }
+    const Vec3* hint = cache.patches != nullptr && !boxes ? &before : nullptr;
+    out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
   }
   reduce_like_before(out, std::min(pair.a->size, pair.b->size), cache);
   return 1;
@@ -170,8 +184,7 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
 void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, QueryScratch& scratch,
                 std::size_t& queries) {
   const Vec3& origin = pair.a->position;
-  const Collider& mesh = pair.a->is_mesh() ? *pair.a : *pair.b;
-  const TriangleMesh& triangles = *std::get<Mesh>(mesh.def.shape);
+  const Collider& mesh = pair.a->is_surface() ? *pair.a : *pair.b;
   const MeshPose pose{mesh.rotation, mesh.position - origin};
   scratch.raw.clear();
   scratch.before.clear();
@@ -179,19 +192,25 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
     scratch.before.push_back(*p);
     // Patches are kept in the body's frame, normals are compared in the mesh's own.
     ContactPatch& patch = scratch.before.back();
-    if (!pair.a->is_mesh()) patch.normal_l = mesh.local_rotation.transpose() * patch.normal_l;
+    if (!pair.a->is_surface()) patch.normal_l = mesh.local_rotation.transpose() * patch.normal_l;
   }
-  if (pair.a->is_mesh()) {
+  if (pair.a->is_surface()) {
     const Vec3 n = pair.b->plane_normal();
     const double offset =
         std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
     scratch.raw.push_back(
-        mesh_half_space(triangles, pose, n, offset, reach.margin, scratch.before, scratch.mesh));
+        mesh_half_space(*std::get<Mesh>(mesh.def.shape), pose, n, offset, reach.margin, scratch.before, scratch.mesh));
     return;
   }
   if (cache.triangles == nullptr) cache.triangles = std::make_unique<TriangleList>();
-  queries += collide_mesh(pair.a->core(origin), triangles, pose, reach, scratch.before,
-                          *cache.triangles, scratch.mesh, scratch.raw);
+  const ConvexCore core = pair.a->core(origin);
+  if (const auto* field = std::get_if<Field>(&mesh.def.shape)) {
+    queries += collide_mesh(core, **field, pose, reach, scratch.before, *cache.triangles,
+                            scratch.mesh, scratch.raw);
+  } else {
+    queries += collide_mesh(core, *std::get<Mesh>(mesh.def.shape), pose, reach, scratch.before,
+                            *cache.triangles, scratch.mesh, scratch.raw);
+  }
 }
 
 /// What the pair's material is.
@@ -265,7 +284,7 @@ std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache&
   const Vec3& origin = pair.a->position;
   std::size_t queries = 0;
   PatchWriter writer(pair, cache, pool);
-  if (pair.b->is_mesh() || pair.a->is_mesh()) {
+  if (pair.b->is_surface() || pair.a->is_surface()) {
     query_mesh(pair, wanted, cache, scratch, queries);
     std::sort(scratch.raw.begin(), scratch.raw.end(),
               [](const RawManifold& l, const RawManifold& r) { return l.cluster < r.cluster; });

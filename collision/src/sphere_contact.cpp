@@ -3,6 +3,7 @@
 #include "sphere_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tandem::collision {
@@ -47,7 +48,7 @@ struct Flat {
 
 /// A solid of revolution about z by the outline of its half section: corners (r, z) from the axis
 /// round to the axis, counter-clockwise with r to the right; the axis is no side.
-[[maybe_unused]] Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
+Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
   const double r = std::hypot(p.x(), p.y());
   const Vec3 radial = r > kTouching ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::UnitX());
   bool inside = true;
@@ -106,6 +107,15 @@ SphereContact sphere_contact(const Vec3& centre, const Collider& b) {
     const double z = std::clamp(p.z(), -capsule->half_height, capsule->half_height);
     nearest = from_point(p, Vec3(0, 0, z), Vec3::UnitX());
     contact.radius_b = capsule->radius;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&b.def.shape)) {
+    const double r = cylinder->radius;
+    const double h = cylinder->half_height;
+    const std::array<Flat, 4> outline{{{0, -h}, {r, -h}, {r, h}, {0, h}}};
+    nearest = on_outline(p, outline.data(), 4);
+  } else if (const auto* cone = std::get_if<Cone>(&b.def.shape)) {
+    const double h = cone->half_height;
+    const std::array<Flat, 3> outline{{{0, -h}, {cone->radius, -h}, {0, h}}};
+    nearest = on_outline(p, outline.data(), 3);
   }
   contact.normal = b.rotation * -nearest.out;
   contact.on_b = b.rotation * nearest.point - between;
