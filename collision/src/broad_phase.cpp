@@ -16,6 +16,8 @@ constexpr double kAhead = 1.5;
 /// Boxes that one worker looks up at a time.
 constexpr std::size_t kGrain = 32;
 
+}  // namespace
+
 bool may_touch(const Collider& a, const Collider& b) {
   if (!a.alive || !b.alive || a.def.body == b.def.body) return false;
   if (!a.dynamic && !b.dynamic) return false;
@@ -26,8 +28,6 @@ bool may_touch(const Collider& a, const Collider& b) {
   }
   return (a.def.category & b.def.mask) != 0 && (b.def.category & a.def.mask) != 0;
 }
-
-}  // namespace
 
 void BroadPhase::add(std::uint32_t index, const Collider& collider) {
   if (proxies_.size() <= index) proxies_.resize(index + 1);
@@ -116,6 +116,7 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
 
 void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {
   moved_.clear();
+  found_.clear();
   has_moved_.assign(colliders.size(), 0);
   bool plane_moves = false;
   bool all_finite = true;

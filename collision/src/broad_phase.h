@@ -23,6 +23,9 @@ struct ColliderPair {
   }
 };
 
+/// Whether two colliders make contacts at all: bodies, kinds, filters.
+bool may_touch(const Collider& a, const Collider& b);
+
 /// Keeps the list of pairs, sorted. Does no work for colliders that stay within their fat boxes.
 class BroadPhase {
  public:
@@ -36,6 +39,14 @@ class BroadPhase {
 
   std::vector<ColliderPair>& pairs() { return pairs_; }
   const std::vector<ColliderPair>& pairs() const { return pairs_; }
+  /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
+  template <class Visit>
+  void query(const Aabb& box, std::vector<std::uint32_t>& stack, Visit&& visit) const {
+    tree_.query(box, stack, visit);
+    for (const std::uint32_t plane : half_spaces_) visit(plane);
+  }
+  /// Pairs that the last update() added; empty where it had nothing to do.
+  const std::vector<ColliderPair>& found() const { return found_; }
   /// Slots in use or free; a pair's `cache` is below this.
   std::uint32_t cache_slots() const { return cache_slots_; }
   const Aabb& fat_box(std::uint32_t index) const { return proxies_[index].fat; }

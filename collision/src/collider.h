@@ -35,6 +35,9 @@ struct Collider {
   double recycle = 0.0;         ///< m
   Mat3 local_rotation = Mat3::Identity();
 
+  /// Steps for which every motion is looked at, not only fast ones: near thin walls, because what
+  /// pushes a body out of one may push it to the wrong side.
+  std::uint8_t guarded = 0;
   bool finite = true;  ///< pose and twist are numbers
   bool dynamic = false;
   bool still = false;                ///< at rest, and where it was in the last step

@@ -11,6 +11,7 @@
 #include "broad_phase.h"
 #include "cache_io.h"
 #include "collider.h"
+#include "core_cast.h"
 #include "pair_query.h"
 #include "tandem/pbd/bytes.h"
 
@@ -19,9 +20,15 @@ namespace {
 
 using pbd::Vec3;
 
+/// Whether a body may be pushed out on the far side.
+bool is_thin(const Collider& target, const Collider& collider) {
+  return !target.dynamic && target.is_convex() && target.size < 2.0 * collider.size;
+}
+
 /// Colliders and pairs that one worker takes at a time.
 constexpr std::size_t kColliderGrain = 128;
 constexpr std::size_t kPairGrain = 64;
+constexpr std::uint8_t kGuardedSteps = 60;
 
 [[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
   std::ostringstream text;
@@ -85,6 +92,8 @@ class CollisionScene::Impl {
   const Collider& checked(ColliderId id, const char* what) const;
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out);
+  void limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                    std::vector<MotionLimit>& limits);
   void remove_body(pbd::BodyId body);
   void save(pbd::ByteWriter& out) const;
   bool load(pbd::ByteReader& in);
@@ -100,6 +109,9 @@ class CollisionScene::Impl {
     QueryScratch scratch;
     CollisionStats stats;
     std::vector<pbd::Manifold> found;
+    std::vector<MotionLimit> limits;
+    std::vector<std::uint32_t> stack;
+    std::vector<std::uint32_t> list;
   };
   /// Where the manifolds of a chunk of pairs are.
   struct Chunk {
@@ -108,6 +120,8 @@ class CollisionScene::Impl {
     std::size_t end = 0;
   };
 
+  double motion_share(Collider& collider, std::span<const pbd::Pose> after, Worker& worker) const;
+  void guard(std::uint32_t index, std::uint32_t near);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,
                     std::vector<pbd::Manifold>& out);
 
@@ -220,6 +234,10 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
                        }
                      });
   broad_.update(colliders_, dt, workers);
+  for (const ColliderPair& pair : broad_.found()) {
+    guard(pair.low, pair.high);
+    guard(pair.high, pair.low);
+  }
   if (caches_.size() < broad_.cache_slots()) caches_.resize(broad_.cache_slots());
 
   std::vector<ColliderPair>& pairs = broad_.pairs();
@@ -255,6 +273,64 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
   }
 }
 
+void CollisionScene::Impl::guard(std::uint32_t index, std::uint32_t near) {
+  Collider& collider = colliders_[index];
+  if (collider.dynamic && is_thin(colliders_[near], collider)) collider.guarded = kGuardedSteps;
+}
+
+double CollisionScene::Impl::motion_share(Collider& collider, std::span<const pbd::Pose> after,
+                                          Worker& worker) const {
+  const double radius = core_radius(collider);
+  const Vec3 from = core_centre(collider, collider.body);
+  const Vec3 to = core_centre(collider, after[collider.def.body.index]);
+  const bool fast = (to - from).squaredNorm() > radius * radius;
+  if ((!fast && collider.guarded == 0) || !to.allFinite()) return 1.0;
+  double share = 1.0;
+  const Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
+  broad_.query(path.expanded(radius), worker.stack, [&](std::uint32_t index) {
+    const Collider& target = colliders_[index];
+    if (!target.finite || !may_touch(collider, target)) return;
+    if (target.dynamic && !collider.def.bullet) return;
+    if (is_thin(target, collider)) collider.guarded = kGuardedSteps;
+    // As seen from the target, which itself moves on (a kinematic one too).
+    const Vec3 moved = after[target.def.body.index].position - target.body.position;
+    if (!moved.allFinite()) return;
+    share = std::min(share, core_cast(from, to - moved, radius, target, worker.list));
+  });
+  return share;
+}
+
+void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                                        std::vector<MotionLimit>& limits) {
+  limits.clear();
+  workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
+  for (Worker& worker : workers_) worker.limits.clear();
+  workers.for_chunks(colliders_.size(), kColliderGrain,
+                     [&](std::size_t begin, std::size_t end, int w) {
+                       Worker& worker = workers_[static_cast<std::size_t>(w)];
+                       for (std::size_t i = begin; i < end; ++i) {
+                         Collider& c = colliders_[i];
+                         if (!c.alive || !c.dynamic || !c.finite || !c.is_convex() || c.span <= 0.0)
+                           continue;
+                         if (c.def.body.index >= after.size()) continue;
+                         if (c.guarded > 0) --c.guarded;
+                         const double share = motion_share(c, after, worker);
+                         if (share >= 1.0) continue;
+                         worker.limits.push_back({c.def.body.index, share});
+                       }
+                     });
+  for (const Worker& worker : workers_) {
+    limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
+  }
+  std::sort(limits.begin(), limits.end(), [](const MotionLimit& l, const MotionLimit& r) {
+    return l.body != r.body ? l.body < r.body : l.share < r.share;
+  });
+  limits.erase(
+      std::unique(limits.begin(), limits.end(),
+                  [](const MotionLimit& l, const MotionLimit& r) { return l.body == r.body; }),
+      limits.end());
+}
+
 void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
   out.u32(kCacheMagic);
   out.u32(static_cast<std::uint32_t>(colliders_.size()));
@@ -264,6 +340,7 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
     if (!collider.alive) continue;
     out.u32(collider.def.body.index);
     out.u8(static_cast<std::uint8_t>(collider.kind));
+    out.u8(collider.guarded);
     out.u8(broad_.placed(i) ? 1 : 0);
     out.vec3(broad_.fat_box(i).min);
     out.vec3(broad_.fat_box(i).max);
@@ -279,11 +356,12 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
 bool CollisionScene::Impl::load(pbd::ByteReader& in) {
   if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
-    const Collider& collider = colliders_[i];
+    Collider& collider = colliders_[i];
     if ((in.u8() != 0) != collider.alive) return false;
     if (!collider.alive) continue;
     if (in.u32() != collider.def.body.index || in.u8() != static_cast<std::uint8_t>(collider.kind))
       return false;
+    collider.guarded = in.u8();
     const bool placed = in.u8() != 0;
     const Aabb fat{in.vec3(), in.vec3()};
     const bool sound = fat.min.allFinite() && fat.max.allFinite();
@@ -343,6 +421,10 @@ const CollisionStats& CollisionScene::stats() const { return impl_->stats(); }
 void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                              std::vector<pbd::Manifold>& out) {
   impl_->collect(world, dt, workers, out);
+}
+void CollisionScene::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                                  std::vector<MotionLimit>& limits) {
+  impl_->limit_motion(after, workers, limits);
 }
 void CollisionScene::remove_body(pbd::BodyId body) { impl_->remove_body(body); }
 void CollisionScene::save(pbd::ByteWriter& out) const { impl_->save(out); }

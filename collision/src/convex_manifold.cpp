@@ -33,14 +33,35 @@ struct Candidates {
   ContactAxis best_other;
   bool has_face = false;
   bool has_other = false;
+  /// Where the middle of one lies outside of the other, a thin box: the way from a to b there. What
+  /// leads to the other side of the wall is no way out.
+  std::array<Vec3, 2> side;
+  int sides = 0;
 
+  void find_sides() {
+    if (b.kind == CoreKind::Box && b.size < 0.5 * a.size) find_side(b, a.centre, -1.0);
+    if (a.kind == CoreKind::Box && a.size < 0.5 * b.size) find_side(a, b.centre, 1.0);
+  }
+  void find_side(const ConvexCore& box, const Vec3& middle, double sign) {
+    const Vec3 p = box.axes.transpose() * (middle - box.centre);
+    const Vec3 out = p - p.cwiseMax(-box.half).cwiseMin(box.half);
+    if (!out.isZero(0.0)) side[sides++] = sign * (box.axes * out);
+  }
+  bool leads_through(const Vec3& n) const {
+    for (int i = 0; i < sides; ++i) {
+      if (n.dot(side[i]) < 0.0) return true;
+    }
+    return false;
+  }
   void face(const Vec3& n, FaceOwner owner, double bias) {
+    if (leads_through(n)) return;
     const double s = separation(a, b, n);
     if (has_face && s <= best_face.separation + bias) return;
     best_face = {n, s, owner};
     has_face = true;
   }
   void other(const Vec3& n, double bias) {
+    if (leads_through(n)) return;
     const double s = separation(a, b, n);
     if (has_other && s <= best_other.separation + bias) return;
     best_other = {n, s, FaceOwner::None};
@@ -219,7 +240,8 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
   const Vec3& n = direction.normal;
   const bool round = a.radius + b.radius > 0.0;
   const double tie = kRoundTolerance;
-  Candidates c{a, b, {}, {}};
+  Candidates c{.a = a, .b = b};
+  if (!known) c.find_sides();
   c.faces_of(a, FaceOwner::A, tie);
   c.faces_of(b, FaceOwner::B, tie);
   if (b.kind == CoreKind::Triangle) c.face(-b.front, FaceOwner::B, tie);

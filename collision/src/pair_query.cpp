@@ -198,8 +198,8 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
     const Vec3 n = pair.b->plane_normal();
     const double offset =
         std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
-    scratch.raw.push_back(
-        mesh_half_space(*std::get<Mesh>(mesh.def.shape), pose, n, offset, reach.margin, scratch.before, scratch.mesh));
+    scratch.raw.push_back(mesh_half_space(*std::get<Mesh>(mesh.def.shape), pose, n, offset,
+                                          reach.margin, scratch.before, scratch.mesh));
     return;
   }
   if (cache.triangles == nullptr) cache.triangles = std::make_unique<TriangleList>();
