@@ -21,6 +21,13 @@ MeshPose mesh_pose(const Collider& c, const Vec3& origin) {
 
 const TriangleMesh& mesh_of(const Collider& c) { return *std::get<Mesh>(c.def.shape); }
 
+/// Calls visit(surface) with the TriangleMesh or HeightField that the collider is.
+template <class Visit>
+auto with_surface(const Collider& c, Visit&& visit) {
+  if (const auto* field = std::get_if<Field>(&c.def.shape)) return visit(**field);
+  return visit(mesh_of(c));
+}
+
 /// Bounds along the axes of a turned frame.
 Aabb bounds_in(const ConvexCore& core, const MeshPose& frame) {
   Aabb box;
@@ -38,13 +45,14 @@ Aabb bounds_in(const ConvexCore& core, const MeshPose& frame) {
 template <class Rank, class Visit>
 void for_pieces(const Collider& c, const ConvexCore& probe, const Vec3& origin,
                 const Vec3& direction, Rank&& rank, Visit&& visit) {
-  if (c.is_mesh()) {
+  if (c.is_surface()) {
     const MeshPose pose = mesh_pose(c, origin);
     const Aabb box = bounds_in(probe, pose);
     const BoxSweep sweep(box, pose.rotation.transpose() * direction);
-    const TriangleMesh& mesh = mesh_of(c);
-    mesh.walk([&](const Aabb& node) { return rank(sweep, box, node); },
-              [&](std::uint32_t t) { visit(triangle_core(mesh, t, pose), t); });
+    with_surface(c, [&](const auto& surface) {
+      surface.walk([&](const Aabb& node) { return rank(sweep, box, node); },
+                   [&](std::uint32_t t) { visit(triangle_core(surface, t, pose), t); });
+    });
   } else {
     visit(c.core(origin), TriangleMesh::kNone);
   }
@@ -94,35 +102,40 @@ SurfaceHit above_plane(const Plane& plane, const ConvexCore& probe) {
           .on_probe = lowest};
 }
 
-bool ray_mesh(const Collider& c, const Vec3& origin, const Vec3& direction, double limit,
-              MeshSides sides, SurfaceHit& out) {
-  const MeshPose pose = mesh_pose(c, origin);
+template <class Surface>
+bool ray_surface(const Surface& surface, const MeshPose& pose, const Vec3& direction, double limit,
+                 MeshSides sides, SurfaceHit& out) {
   const Vec3 start = -(pose.rotation.transpose() * pose.translation);
   const Vec3 d = pose.rotation.transpose() * direction;
   const BoxSweep sweep({start, start}, d);
-  const TriangleMesh& mesh = mesh_of(c);
   double best = limit;
   out.triangle = TriangleMesh::kNone;
-  mesh.walk([&](const Aabb& box) { return sweep.rank(box, best); },
-            [&](std::uint32_t t) {
-              const double facing = d.dot(mesh.normal(t));
-              if (sides == MeshSides::Front && facing >= 0.0) return;
-              std::array<Vec3, 3> corners;
-              for (int k = 0; k < 3; ++k) {
-                corners[k] = mesh.vertices()[mesh.triangles()[t][k]] - start;
-              }
-              double distance = 0.0;
-              if (!ray_triangle(corners, mesh.normal(t), d, best, distance)) return;
-              if (!better(distance, t, best, out.triangle)) return;
-              best = distance;
-              out.triangle = t;
-              out.normal = pose.rotation * mesh.normal(t);
-              if (facing > 0.0) out.normal = -out.normal;
-            });
+  surface.walk([&](const Aabb& box) { return sweep.rank(box, best); },
+               [&](std::uint32_t t) {
+                 const Vec3 front = surface.normal(t);
+                 const double facing = d.dot(front);
+                 if (sides == MeshSides::Front && facing >= 0.0) return;
+                 const TriangleMesh::Triangle ids = surface.corners(t);
+                 std::array<Vec3, 3> corners;
+                 for (int k = 0; k < 3; ++k) corners[k] = surface.vertex(ids[k]) - start;
+                 double distance = 0.0;
+                 if (!ray_triangle(corners, front, d, best, distance)) return;
+                 if (!better(distance, t, best, out.triangle)) return;
+                 best = distance;
+                 out.triangle = t;
+                 out.normal = pose.rotation * (facing > 0.0 ? Vec3(-front) : front);
+               });
   out.distance = best;
   out.depth = 0.0;
   out.point = best * direction;
   return out.triangle != TriangleMesh::kNone;
+}
+
+bool ray_mesh(const Collider& c, const Vec3& origin, const Vec3& direction, double limit,
+              MeshSides sides, SurfaceHit& out) {
+  return with_surface(c, [&](const auto& surface) {
+    return ray_surface(surface, mesh_pose(c, origin), direction, limit, sides, out);
+  });
 }
 
 /// Whether a closed mesh holds the point: the first face that a ray from it meets shows its back.
@@ -155,7 +168,7 @@ Aabb bounds_of(const ConvexCore& core) { return bounds_in(core, {}); }
 
 bool ray_collider(const Collider& c, const Vec3& origin, const Vec3& direction, double limit,
                   MeshSides sides, SurfaceHit& out) {
-  if (c.is_mesh()) return ray_mesh(c, origin, direction, limit, sides, out);
+  if (c.is_surface()) return ray_mesh(c, origin, direction, limit, sides, out);
   out = {};
   if (c.is_half_space()) {
     const Plane plane = plane_of(c, origin);

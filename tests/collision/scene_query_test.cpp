@@ -24,21 +24,45 @@ bool holds(const Shape& shape, const Vec3& p) {
     const double z = std::clamp(p.z(), -c->half_height, c->half_height);
     return (p - Vec3(0, 0, z)).norm() <= c->radius;
   }
+  if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    return std::abs(p.z()) <= c->half_height && std::hypot(p.x(), p.y()) <= c->radius;
+  }
+  if (const auto* c = std::get_if<Cone>(&shape)) {
+    const double share = 0.5 * (1.0 - p.z() / c->half_height);  // of the base's radius
+    return std::abs(p.z()) <= c->half_height && std::hypot(p.x(), p.y()) <= share * c->radius;
+  }
+  if (const auto* h = std::get_if<Hull>(&shape)) {  // those of this test are boxes
+    return (p.cwiseAbs().array() <= (*h)->bounds().max.array()).all();
+  }
   if (const auto* h = std::get_if<HalfSpace>(&shape)) return h->normal.dot(p) <= h->offset;
   return false;
 }
 
+/// A box by its corners.
+Shape box_hull(const Vec3& half) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 1) != 0 ? half.x() : -half.x(), (i & 2) != 0 ? half.y() : -half.y(),
+                         (i & 4) != 0 ? half.z() : -half.z());
+  }
+  return ConvexHull::make(corners);
+}
+
 /// Solids strewn about `centre`, each turned, over a floor.
-struct Field : Fixture {
+struct Scatter : Fixture {
   Vec3 centre;
-  explicit Field(const Vec3& at_centre = Vec3::Zero(), std::uint64_t seed = 5) : centre(at_centre) {
+  explicit Scatter(const Vec3& at_centre = Vec3::Zero(), std::uint64_t seed = 5)
+      : centre(at_centre) {
     Random random(seed);
     fixed(HalfSpace{Vec3::UnitZ(), 0.0}, {centre - 4.0 * Vec3::UnitZ(), Quat::Identity()});
     for (int i = 0; i < 60; ++i) {
       const double size = random.in(0.1, 0.6);
-      const Shape shape = i % 3 == 0   ? Shape(Sphere{size})
-                          : i % 3 == 1 ? Shape(Box{size * random.vec_in(0.5, 1.0)})
-                                       : Shape(Capsule{0.4 * size, size});
+      const Shape shape = i % 6 == 0   ? Shape(Sphere{size})
+                          : i % 6 == 1 ? Shape(Box{size * random.vec_in(0.5, 1.0)})
+                          : i % 6 == 2 ? Shape(Capsule{0.4 * size, size})
+                          : i % 6 == 3 ? Shape(Cylinder{0.5 * size, size})
+                          : i % 6 == 4 ? Shape(Cone{0.8 * size, size})
+                                       : box_hull(size * random.vec_in(0.5, 1.0));
       ColliderDef def;
       def.shape = shape;
       def.local = {0.3 * random.vec(1.0), random.quat()};
@@ -63,7 +87,7 @@ struct Field : Fixture {
 
 TEST_CASE("scene_query: a ray's first hit is where it enters the first solid",
           "[collision][query]") {
-  Field f;
+  Scatter f;
   const SceneQuery query(f.world, f.scene);
   Random random(21);
   int hits = 0;
@@ -167,6 +191,49 @@ TEST_CASE("scene_query: no ray slips between the triangles of a mesh", "[collisi
   }
 }
 
+TEST_CASE("scene_query: a height field answers as the mesh of its triangles",
+          "[collision][query]") {
+  Random random(14);
+  std::vector<double> heights;
+  for (int i = 0; i < 9 * 7; ++i) heights.push_back(random.in(-0.5, 0.5));
+  const Field field = HeightField::make(9, 7, 0.8, 0.6, heights);
+  std::vector<Vec3> vertices;
+  std::vector<TriangleMesh::Triangle> triangles;
+  for (std::uint32_t v = 0; v < field->vertex_count(); ++v) vertices.push_back(field->vertex(v));
+  for (std::uint32_t t = 0; t < field->triangle_count(); ++t) {
+    triangles.push_back(field->corners(t));
+  }
+  const Pose pose{Vec3(1, 2, 3), random.quat()};
+  Fixture one;
+  one.fixed(field, pose);
+  Fixture two;
+  two.fixed(TriangleMesh::make(vertices, triangles), pose);
+  const SceneQuery a(one.world, one.scene);
+  const SceneQuery b(two.world, two.scene);
+  int hits = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 from = pose.to_world(random.vec_in(0.0, 1.0).cwiseProduct(Vec3(6, 4, 3)));
+    const Vec3 way = pose.orientation * Vec3(random.in(-2, 2), random.in(-2, 2), -4);
+    const auto ray_a = a.ray_cast({from, way, 8.0});
+    const auto ray_b = b.ray_cast({from, way, 8.0});
+    REQUIRE(ray_a.has_value() == ray_b.has_value());
+    if (ray_a) {
+      ++hits;
+      REQUIRE(ray_a->triangle == ray_b->triangle);
+      REQUIRE((ray_a->point - ray_b->point).norm() < 1e-9);
+    }
+    const Pose start{from, random.quat()};
+    const auto cast_a = a.shape_cast(Box{Vec3::Constant(0.1)}, start, way);
+    const auto cast_b = b.shape_cast(Box{Vec3::Constant(0.1)}, start, way);
+    REQUIRE(cast_a.has_value() == cast_b.has_value());
+    if (cast_a) REQUIRE(cast_a->fraction == Approx(cast_b->fraction).margin(1e-9));
+    const auto near_a = a.closest(from, 5.0);
+    const auto near_b = b.closest(from, 5.0);
+    REQUIRE(near_a->distance == Approx(near_b->distance).margin(1e-9));
+  }
+  CHECK(hits > 300);
+}
+
 TEST_CASE("scene_query: casts come to rest against what they meet",
           "[collision][query][analytic]") {
   Fixture f;
@@ -208,7 +275,7 @@ TEST_CASE("scene_query: casts come to rest against what they meet",
 }
 
 TEST_CASE("scene_query: overlap and nearest points agree with sampling", "[collision][query]") {
-  Field f;
+  Scatter f;
   const SceneQuery query(f.world, f.scene);
   Random random(31);
   std::vector<ColliderId> found;
@@ -241,7 +308,7 @@ TEST_CASE("scene_query: overlap and nearest points agree with sampling", "[colli
 }
 
 TEST_CASE("scene_query: the nearest of all is the nearest of each", "[collision][query]") {
-  Field f;
+  Scatter f;
   const SceneQuery query(f.world, f.scene);
   Random random(32);
   for (int i = 0; i < 200; ++i) {
@@ -305,7 +372,7 @@ TEST_CASE("scene_query: filters, sensors, an ignored body and a predicate leave 
 
 TEST_CASE("scene_query: queries see where bodies are now, wherever they were",
           "[collision][query]") {
-  Field f;
+  Scatter f;
   f.collect();
   SceneQuery query(f.world, f.scene);
   Random random(77);
@@ -334,8 +401,8 @@ TEST_CASE("scene_query: queries see where bodies are now, wherever they were",
 
 TEST_CASE("scene_query: the same answers 100 km from the origin", "[collision][query]") {
   const Vec3 far(1e5, -1e5, 1e5);
-  Field near_field;
-  Field far_field(far);
+  Scatter near_field;
+  Scatter far_field(far);
   const SceneQuery here(near_field.world, near_field.scene);
   const SceneQuery there(far_field.world, far_field.scene);
   Random random(9);
@@ -376,7 +443,7 @@ TEST_CASE("scene_query: input that cannot be is refused by name, value and rule"
 }
 
 TEST_CASE("scene_query: queries allocate nothing and may run side by side", "[collision][query]") {
-  Field f;
+  Scatter f;
   f.fixed(flat_mesh(8.0, 12), at(0, 0, -3));
   SceneQuery query(f.world, f.scene);
   const auto run = [&](std::uint64_t seed) {

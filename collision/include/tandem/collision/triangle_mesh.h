@@ -58,6 +58,9 @@ class TriangleMesh {
   /// Welded corners; triangles index into these.
   std::span<const pbd::Vec3> vertices() const { return vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }
+  const pbd::Vec3& vertex(std::uint32_t v) const { return vertices_[v]; }
+  const Triangle& corners(std::uint32_t triangle) const { return triangles_[triangle]; }
+  std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(vertices_.size()); }
   /// Unit normal of the front.
   const pbd::Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
   /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border.
