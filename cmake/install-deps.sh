@@ -10,7 +10,7 @@ set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build
-  libeigen3-dev libccd-dev libfcl-dev libasio-dev
+  libeigen3-dev libccd-dev libfcl-dev libtinyobjloader-dev libasio-dev
   catch2
 )
 for argument in "$@"; do

@@ -42,6 +42,37 @@ class AabbTree {
     }
   }
 
+  /// Calls visit(value) for each leaf that is reached through boxes which enter(box) accepts, in
+  /// the order that second_first(first child's box, second child's box) tells. That one must not
+  /// change on the way; enter() may. Allocates nothing.
+  template <class SecondFirst, class Enter, class Visit>
+  void walk(SecondFirst&& second_first, Enter&& enter, Visit&& visit) const {
+    const auto first_of = [&](const Node& node) {
+      return second_first(nodes_[node.child[0]].box, nodes_[node.child[1]].box) ? 1 : 0;
+    };
+    std::uint32_t index = root_;
+    while (index != kNone) {
+      const Node& node = nodes_[index];
+      if (enter(node.box)) {
+        if (!node.leaf()) {
+          index = node.child[first_of(node)];
+          continue;
+        }
+        visit(node.value);
+      }
+      // Up, to the first ancestor whose later child has not been seen. The parents are the stack:
+      // nothing bounds the depth of this tree.
+      for (;;) {
+        const std::uint32_t parent = nodes_[index].parent;
+        if (parent == kNone) return;
+        const int first = first_of(nodes_[parent]);
+        const bool later = nodes_[parent].child[first] == index;
+        index = later ? nodes_[parent].child[1 - first] : parent;
+        if (later) break;
+      }
+    }
+  }
+
  private:
   struct Node {
     Aabb box;

@@ -9,15 +9,26 @@ namespace {
 
 /// A fat box more than this many margins wider than needed is made anew.
 constexpr double kShrink = 8.0;
+/// The margin is at most this share of a collider's least extent.
+constexpr double kMarginShare = 0.125;
+/// Steps ahead that a fat box reaches out in the direction of motion.
+constexpr double kAhead = 1.5;
+/// Boxes that one worker looks up at a time.
+constexpr std::size_t kGrain = 32;
+
+}  // namespace
 
 bool may_touch(const Collider& a, const Collider& b) {
   if (!a.alive || !b.alive || a.def.body == b.def.body) return false;
   if (!a.dynamic && !b.dynamic) return false;
-  if (!a.is_convex() && !b.is_convex() && a.rank == b.rank) return false;
-  return (a.def.category & b.def.mask) != 0 && (b.def.category & a.def.mask) != 0;
+  // Of those that are not convex, only a mesh and a half-space meet.
+  if (!a.is_convex() && !b.is_convex() && !(a.is_mesh() && b.is_half_space()) &&
+      !(b.is_mesh() && a.is_half_space())) {
+    return false;
+  }
+  if (a.def.sensor || b.def.sensor) return false;
+  return may_meet(a.def.filter, b.def.filter);
 }
-
-}  // namespace
 
 void BroadPhase::add(std::uint32_t index, const Collider& collider) {
   if (proxies_.size() <= index) proxies_.resize(index + 1);
@@ -27,17 +38,21 @@ void BroadPhase::add(std::uint32_t index, const Collider& collider) {
   }
 }
 
-void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
+void BroadPhase::look_again(std::uint32_t index) {
   std::erase_if(pairs_, [&](const ColliderPair& pair) {
     const bool gone = pair.low == index || pair.high == index;
     if (gone) free_slots_.push_back(pair.cache);
     return gone;
   });
+  if (placed(index)) tree_.remove(proxies_[index].leaf);
+  proxies_[index] = {};
+}
+
+void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
+  look_again(index);
   if (collider.is_half_space()) {
     half_spaces_.erase(std::find(half_spaces_.begin(), half_spaces_.end(), index));
   }
-  if (placed(index)) tree_.remove(proxies_[index].leaf);
-  proxies_[index] = {};
 }
 
 void BroadPhase::place(std::uint32_t index, const Aabb& fat) {
@@ -72,11 +87,14 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
 
 bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
   const Proxy& proxy = proxies_[index];
+  const double margin = std::min(margin_, kMarginShare * c.size);
+  const Vec3 ahead = (kAhead * c.span) * c.twist.linear;
   if (placed(index) && proxy.fat.contains(c.needed)) {
     const Vec3 slack = (proxy.fat.max - proxy.fat.min) - (c.needed.max - c.needed.min);
-    if (slack.maxCoeff() <= kShrink * margin_) return false;
+    if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
   }
-  place(index, c.needed.expanded(margin_));
+  const Aabb box = c.needed.expanded(margin);
+  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)});
   return true;
 }
 
@@ -101,8 +119,10 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
   return proxies_[pair.low].fat.overlaps(proxies_[pair.high].fat);
 }
 
-void BroadPhase::update(const std::vector<Collider>& colliders, double dt) {
+void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {
   moved_.clear();
+  found_.clear();
+  has_moved_.assign(colliders.size(), 0);
   bool plane_moves = false;
   bool all_finite = true;
   for (std::uint32_t i = 0; i < colliders.size(); ++i) {
@@ -112,6 +132,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt) {
       all_finite = false;
       if (placed(i)) tree_.remove(proxies_[i].leaf);
       proxies_[i] = {};
+      has_moved_[i] = 1;
     } else if (c.is_half_space()) {
       const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.motion(dt), dt)};
       const bool still = plane.min == proxies_[i].fat.min && plane.max == proxies_[i].fat.max &&
@@ -120,53 +141,84 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt) {
       proxies_[i].fat = plane;
     } else if (refit(i, c)) {
       moved_.push_back(i);
+      has_moved_[i] = 1;
     }
   }
   if (moved_.empty() && !plane_moves && all_finite) return;
-  std::erase_if(pairs_, [&](const ColliderPair& pair) {
-    const bool gone = !still_close(pair, colliders, dt);
-    if (gone) free_slots_.push_back(pair.cache);
-    return gone;
-  });
   if (plane_moves) {  // all boxes against the planes
     moved_.clear();
     for (std::uint32_t i = 0; i < colliders.size(); ++i) {
       if (placed(i) && colliders[i].finite) moved_.push_back(i);
+      has_moved_[i] = 1;
     }
   }
-  find(colliders, dt);
+  std::erase_if(pairs_, [&](const ColliderPair& pair) {
+    if (has_moved_[pair.low] == 0 && has_moved_[pair.high] == 0) return false;
+    const bool gone = !still_close(pair, colliders, dt);
+    if (gone) free_slots_.push_back(pair.cache);
+    return gone;
+  });
+  index_pairs();
+  find(colliders, dt, workers);
   merge_found();
 }
 
-void BroadPhase::find(const std::vector<Collider>& colliders, double dt) {
-  found_.clear();
-  const auto propose = [&](std::uint32_t i, std::uint32_t j) {
-    if (!may_touch(colliders[i], colliders[j])) return;
-    found_.push_back({std::min(i, j), std::max(i, j), 0, true});
-  };
-  for (const std::uint32_t i : moved_) {
-    tree_.query(proxies_[i].fat, stack_, [&](std::uint32_t j) {
-      if (i != j && colliders[j].finite) propose(i, j);
-    });
-    for (const std::uint32_t plane : half_spaces_) {
-      if (colliders[plane].finite && in_reach(colliders[plane], proxies_[i].fat, dt)) {
-        propose(i, plane);
+void BroadPhase::index_pairs() {
+  first_pair_.resize(proxies_.size() + 1);
+  std::uint32_t at = 0;
+  for (std::uint32_t low = 0; low < first_pair_.size(); ++low) {
+    while (at < pairs_.size() && pairs_[at].low < low) ++at;
+    first_pair_[low] = at;
+  }
+}
+
+bool BroadPhase::known(std::uint32_t low, std::uint32_t high) const {
+  const auto begin = pairs_.begin() + first_pair_[low];
+  const auto end = pairs_.begin() + first_pair_[low + 1];
+  const ColliderPair pair{low, high, 0, false};
+  const auto at = std::lower_bound(begin, end, pair);
+  return at != end && at->high == high;
+}
+
+void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {
+  searches_.resize(static_cast<std::size_t>(workers.count()));
+  for (Search& search : searches_) search.found.clear();
+  workers.for_chunks(moved_.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
+    Search& search = searches_[static_cast<std::size_t>(worker)];
+    const auto propose = [&](std::uint32_t i, std::uint32_t j) {
+      const std::uint32_t low = std::min(i, j);
+      const std::uint32_t high = std::max(i, j);
+      if (!may_touch(colliders[i], colliders[j]) || known(low, high)) return;
+      search.found.push_back({low, high, 0, true});
+    };
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = moved_[k];
+      tree_.query(proxies_[i].fat, search.stack, [&](std::uint32_t j) {
+        // Of two that moved the lower one proposes.
+        if (i == j || (has_moved_[j] != 0 && j < i) || !colliders[j].finite) return;
+        propose(i, j);
+      });
+      for (const std::uint32_t plane : half_spaces_) {
+        if (colliders[plane].finite && in_reach(colliders[plane], proxies_[i].fat, dt)) {
+          propose(i, plane);
+        }
       }
     }
+  });
+  // Put in order, so that it does not matter who found what.
+  found_.clear();
+  for (const Search& search : searches_) {
+    found_.insert(found_.end(), search.found.begin(), search.found.end());
   }
   std::sort(found_.begin(), found_.end());
-  const auto same = [](const ColliderPair& l, const ColliderPair& r) {
-    return l.low == r.low && l.high == r.high;
-  };
-  found_.erase(std::unique(found_.begin(), found_.end(), same), found_.end());
 }
 
 void BroadPhase::merge_found() {
+  if (found_.empty()) return;
   merged_.clear();
   std::size_t old = 0;
   for (const ColliderPair& pair : found_) {
     while (old < pairs_.size() && pairs_[old] < pair) merged_.push_back(pairs_[old++]);
-    if (old < pairs_.size() && !(pair < pairs_[old])) continue;  // known already
     merged_.push_back({pair.low, pair.high, take_slot(), true});
   }
   while (old < pairs_.size()) merged_.push_back(pairs_[old++]);

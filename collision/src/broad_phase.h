@@ -7,6 +7,7 @@
 
 #include "aabb_tree.h"
 #include "collider.h"
+#include "tandem/pbd/workers.h"
 
 namespace tandem::collision {
 
@@ -22,6 +23,9 @@ struct ColliderPair {
   }
 };
 
+/// Whether two colliders make contacts at all: bodies, kinds, filters.
+bool may_touch(const Collider& a, const Collider& b);
+
 /// Keeps the list of pairs, sorted. Does no work for colliders that stay within their fat boxes.
 class BroadPhase {
  public:
@@ -30,11 +34,22 @@ class BroadPhase {
   void add(std::uint32_t index, const Collider& collider);
   void remove(std::uint32_t index, const Collider& collider);
 
+  /// Forget the collider's box and pairs, so that the next update() finds them anew.
+  void look_again(std::uint32_t index);
+
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
-  void update(const std::vector<Collider>& colliders, double dt);
+  void update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
 
   std::vector<ColliderPair>& pairs() { return pairs_; }
   const std::vector<ColliderPair>& pairs() const { return pairs_; }
+  /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
+  template <class Visit>
+  void query(const Aabb& box, std::vector<std::uint32_t>& stack, Visit&& visit) const {
+    tree_.query(box, stack, visit);
+    for (const std::uint32_t plane : half_spaces_) visit(plane);
+  }
+  /// Pairs that the last update() added; empty where it had nothing to do.
+  const std::vector<ColliderPair>& found() const { return found_; }
   /// Slots in use or free; a pair's `cache` is below this.
   std::uint32_t cache_slots() const { return cache_slots_; }
   const Aabb& fat_box(std::uint32_t index) const { return proxies_[index].fat; }
@@ -56,7 +71,9 @@ class BroadPhase {
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
   bool refit(std::uint32_t index, const Collider& collider);
-  void find(const std::vector<Collider>& colliders, double dt);
+  void index_pairs();
+  bool known(std::uint32_t low, std::uint32_t high) const;
+  void find(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
   void merge_found();
   std::uint32_t take_slot();
 
@@ -68,8 +85,15 @@ class BroadPhase {
   std::vector<ColliderPair> found_;
   std::vector<ColliderPair> merged_;
   std::vector<std::uint32_t> moved_;
+  std::vector<std::uint8_t> has_moved_;    ///< by collider
+  std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_
   std::vector<std::uint32_t> free_slots_;
-  std::vector<std::uint32_t> stack_;
+  /// Of one worker.
+  struct Search {
+    std::vector<std::uint32_t> stack;
+    std::vector<ColliderPair> found;
+  };
+  std::vector<Search> searches_;
   std::uint32_t cache_slots_ = 0;
 };
 

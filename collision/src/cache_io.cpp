@@ -3,6 +3,7 @@
 #include "cache_io.h"
 
 #include <cmath>
+#include <utility>
 
 namespace tandem::collision {
 namespace {
@@ -14,54 +15,62 @@ constexpr std::uint32_t kMaxPatches = 4096;
 
 void save_cache(pbd::ByteWriter& out, const PairCache& cache) {
   out.u8(cache.valid ? 1 : 0);
+  out.u8(cache.axis);
   out.f64(cache.margin);
-  out.vec3(cache.relative.position);
-  out.quat(cache.relative.orientation);
-  out.u32(static_cast<std::uint32_t>(cache.patches.size()));
-  for (const ContactPatch& patch : cache.patches) {
-    out.vec3(patch.normal_l);
-    out.u8(patch.in_a ? 1 : 0);
-    out.u8(patch.central ? 1 : 0);
-    out.f64(patch.radius_a);
-    out.f64(patch.radius_b);
-    out.u32(patch.cluster);
-    out.u8(static_cast<std::uint8_t>(patch.count));
-    for (int i = 0; i < patch.count; ++i) {
-      out.vec3(patch.points[i].anchor_a_l);
-      out.vec3(patch.points[i].anchor_b_l);
-      out.u32(patch.points[i].feature);
+  out.vec3(cache.position);
+  for (const float q : cache.orientation) out.f32(q);
+  std::uint32_t count = 0;
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) ++count;
+  out.u32(count);
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
+    out.vec3(p->normal_l);
+    out.u8(p->in_a ? 1 : 0);
+    out.f64(p->radius_a);
+    out.f64(p->radius_b);
+    out.u32(p->cluster);
+    out.u8(p->count);
+    for (int i = 0; i < p->count; ++i) {
+      out.vec3(p->anchor_a_l[i]);
+      out.vec3(p->anchor_b_l[i]);
+      out.u32(p->features[i]);
     }
   }
 }
 
-bool load_cache(pbd::ByteReader& in, PairCache& cache) {
+bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool) {
+  pool.give(std::exchange(cache.patches, nullptr));
   cache.valid = in.u8() != 0;
+  cache.axis = in.u8();
   cache.margin = in.f64();
-  cache.relative.position = in.vec3();
-  cache.relative.orientation = in.quat();
-  cache.patches.clear();
-  const std::uint32_t count = in.u32();
-  if (in.failed() || count > kMaxPatches || !std::isfinite(cache.margin) ||
-      !cache.relative.position.allFinite() || !cache.relative.orientation.coeffs().allFinite()) {
-    return false;
+  cache.position = in.vec3();
+  bool finite = std::isfinite(cache.margin) && cache.position.allFinite();
+  for (float& q : cache.orientation) {
+    q = in.f32();
+    finite = finite && std::isfinite(q);
   }
+  const std::uint32_t count = in.u32();
+  if (in.failed() || count > kMaxPatches || !finite) return false;
+  ContactPatch** link = &cache.patches;
   for (std::uint32_t k = 0; k < count; ++k) {
-    ContactPatch& patch = cache.patches.emplace_back();
-    patch.normal_l = in.vec3();
-    patch.in_a = in.u8() != 0;
-    patch.central = in.u8() != 0;
-    patch.radius_a = in.f64();
-    patch.radius_b = in.f64();
-    patch.cluster = in.u32();
-    patch.count = in.u8();
-    if (in.failed() || patch.count > pbd::Manifold::kMaxPoints || patch.cluster >= kMaxPatches ||
-        !patch.normal_l.allFinite()) {
+    ContactPatch* patch = pool.take();
+    *link = patch;
+    link = &patch->next;
+    patch->normal_l = in.vec3();
+    patch->in_a = in.u8() != 0;
+    patch->radius_a = in.f64();
+    patch->radius_b = in.f64();
+    const std::uint32_t cluster = in.u32();
+    patch->cluster = static_cast<std::uint16_t>(cluster);
+    patch->count = in.u8();
+    if (in.failed() || patch->count > ContactPatch::kMaxPoints || cluster >= kMaxPatches ||
+        !patch->normal_l.allFinite()) {
+      patch->count = 0;
       return false;
     }
-    for (int i = 0; i < patch.count; ++i) {
-      patch.points[i].anchor_a_l = in.vec3();
-      patch.points[i].anchor_b_l = in.vec3();
-      patch.points[i].feature = in.u32();
+    for (int i = 0; i < patch->count; ++i) {
+      patch->anchor_a_l[i] = in.vec3();
+      patch->anchor_b_l[i] = in.vec3();
+      patch->features[i] = in.u32();
     }
   }
   return !in.failed();

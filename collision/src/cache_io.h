@@ -7,10 +7,10 @@
 
 namespace tandem::collision {
 
-inline constexpr std::uint32_t kCacheMagic = 0x31434354;  // "TCC1"
+inline constexpr std::uint32_t kCacheMagic = 0x32434354;  // "TCC2"
 
 void save_cache(pbd::ByteWriter& out, const PairCache& cache);
 /// @return false where the bytes are no cache; the cache is then of no use
-bool load_cache(pbd::ByteReader& in, PairCache& cache);
+bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool);
 
 }  // namespace tandem::collision

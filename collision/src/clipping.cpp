@@ -19,9 +19,9 @@ constexpr double kBias = 0.95;
 /// Corner of the polygon while it is being clipped. `edge` names the edge to the next corner:
 /// >= 0 an edge of the incident face, else ~k for side k of the reference face.
 struct Corner {
-  Vec3 p = Vec3::Zero();
-  std::uint32_t feature = 0;
-  int edge = 0;
+  Vec3 p;
+  std::uint32_t feature;
+  int edge;
 };
 
 struct Ids {
@@ -88,36 +88,41 @@ ClippedFace clip_segment(const CoreFace& reference, const Vec3& axis, const Core
   return out;
 }
 
-}  // namespace
-
-ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
-                      bool reference_is_a) {
-  const Ids ids{reference, incident, reference_is_a};
-  if (incident.count == 2) return clip_segment(reference, axis, incident, ids);
-  // Sutherland-Hodgman; a convex n-gon gains at most one corner for each side: 4 + 4.
-  std::array<Corner, 12> polygon;
-  std::array<Corner, 12> next;
+/// Sutherland-Hodgman; distance(k, p) is that of p outside side k. A convex n-gon gains at most one
+/// corner for each side.
+template <class Distance>
+ClippedFace clip_polygon(const CoreFace& reference, const CoreFace& incident, const Ids& ids,
+                         Distance&& distance) {
+  constexpr int kMax = 2 * CoreFace::kMaxCorners;
+  std::array<Corner, kMax> one;
+  std::array<Corner, kMax> two;
+  Corner* polygon = one.data();
+  Corner* next = two.data();
   int count = incident.count;
   for (int i = 0; i < count; ++i) {
-    polygon[i] = {incident.corners[i], corner_feature(reference_is_a, incident.corner_ids[i]), i};
+    polygon[i] = {incident.corners[i], corner_feature(ids.reference_is_a, incident.corner_ids[i]),
+                  i};
   }
+  std::array<double, kMax> outside;
   for (int k = 0; k < reference.count && count > 0; ++k) {
-    const Vec3& from = reference.corners[k];
-    const Vec3 out = side_normal(reference, axis, k);
-    std::array<double, 12> distance;
-    for (int i = 0; i < count; ++i) distance[i] = out.dot(polygon[i].p - from);
+    double furthest = -1.0;
+    for (int i = 0; i < count; ++i) {
+      outside[i] = distance(k, polygon[i].p);
+      furthest = std::max(furthest, outside[i]);
+    }
+    if (furthest <= kClipSlop) continue;
     int made = 0;
     const auto push = [&](const Corner& corner) {
-      if (made < static_cast<int>(next.size())) next[made++] = corner;
+      if (made < kMax) next[made++] = corner;
     };
     for (int i = 0; i < count; ++i) {
-      const int j = (i + 1) % count;
-      const bool in_i = distance[i] <= kClipSlop;
-      const bool in_j = distance[j] <= kClipSlop;
+      const int j = i + 1 == count ? 0 : i + 1;
+      const bool in_i = outside[i] <= kClipSlop;
+      const bool in_j = outside[j] <= kClipSlop;
       if (in_i) push(polygon[i]);
       if (in_i != in_j) {
         // Both ends may lie outside the exact plane, one within the slop: stay on the edge.
-        const double t = std::clamp(distance[i] / (distance[i] - distance[j]), 0.0, 1.0);
+        const double t = std::clamp(outside[i] / (outside[i] - outside[j]), 0.0, 1.0);
         const Corner cut{polygon[i].p + t * (polygon[j].p - polygon[i].p),
                          ids.at(polygon[i].edge, k), in_i ? ~k : polygon[i].edge};
         // A corner within the slop is not doubled by the cut next to it.
@@ -136,6 +141,33 @@ ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFac
   result.count = count;
   for (int i = 0; i < count; ++i) result.corners[i] = {polygon[i].p, polygon[i].feature};
   return result;
+}
+
+}  // namespace
+
+ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
+                      bool reference_is_a) {
+  const Ids ids{reference, incident, reference_is_a};
+  if (incident.count == 2) return clip_segment(reference, axis, incident, ids);
+  std::array<Vec3, CoreFace::kMaxCorners> sides;
+  for (int k = 0; k < reference.count; ++k) sides[k] = side_normal(reference, axis, k);
+  return clip_polygon(reference, incident, ids,
+                      [&](int k, const Vec3& p) { return sides[k].dot(p - reference.corners[k]); });
+}
+
+ClippedFace clip_to_rectangle(const CoreFace& reference, int u, int v, const Vec3& half,
+                              const CoreFace& incident, bool reference_is_a) {
+  const Ids ids{reference, incident, reference_is_a};
+  std::array<int, 4> axis;
+  std::array<double, 4> sign;
+  for (int k = 0; k < 4; ++k) {  // the side from corner k to the next one: which coordinate stays
+    const Vec3& from = reference.corners[k];
+    const Vec3& to = reference.corners[(k + 1) % 4];
+    axis[k] = (from[u] > 0.0) == (to[u] > 0.0) ? u : v;
+    sign[k] = from[axis[k]] > 0.0 ? 1.0 : -1.0;
+  }
+  return clip_polygon(reference, incident, ids,
+                      [&](int k, const Vec3& p) { return sign[k] * p[axis[k]] - half[axis[k]]; });
 }
 
 int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double radii,

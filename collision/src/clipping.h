@@ -11,17 +11,16 @@ namespace tandem::collision {
 
 /// A contact point before it is put into the frames of the bodies. Anchors lie on the cores.
 struct RawPoint {
-  Vec3 on_a = Vec3::Zero();
-  Vec3 on_b = Vec3::Zero();
-  double gap = 0.0;  ///< m, between the surfaces (radii taken off)
-  std::uint32_t feature = 0;
+  Vec3 on_a, on_b;
+  double gap;  ///< m, between the surfaces (radii taken off)
+  std::uint32_t feature;
 };
 
 /// The body in whose frame a manifold's normal is constant, where one owns a reference face.
 enum class FaceOwner : std::uint8_t { None, A, B };
 
 struct RawManifold {
-  static constexpr int kMaxPoints = 12;
+  static constexpr int kMaxPoints = 2 * CoreFace::kMaxCorners;
   Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
   FaceOwner owner = FaceOwner::None;
   std::uint32_t cluster = 0;  ///< of a mesh: tells its manifolds apart
@@ -35,19 +34,24 @@ struct RawManifold {
 
 /// A corner of a clipped face.
 struct ClippedCorner {
-  Vec3 position = Vec3::Zero();
-  std::uint32_t feature = 0;
+  Vec3 position;
+  std::uint32_t feature;
 };
 
 struct ClippedFace {
   int count = 0;
-  std::array<ClippedCorner, 12> corners;
+  std::array<ClippedCorner, 2 * CoreFace::kMaxCorners> corners;
 };
 
 /// What of `incident` lies within the prism over the reference face, `axis` being the prism's
 /// direction. `reference_is_a` tells whose ids are whose.
 ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
                       bool reference_is_a);
+
+/// The same for a reference face that is a rectangle about the origin of the frame in which all
+/// positions are given: its corners lie at (+-half[u], +-half[v]).
+ClippedFace clip_to_rectangle(const CoreFace& reference, int u, int v, const Vec3& half,
+                              const CoreFace& incident, bool reference_is_a);
 
 /// The points of two edges between which a contact along `normal` acts: two where the edges run
 /// alongside each other, else the nearest two points of them.

@@ -14,27 +14,47 @@ constexpr double kHuge = 1e9;
 struct Sizes {
   double size;
   double reach;  // from the shape's origin
-  int rank;
+  Kind kind;
 };
 
 Sizes sizes_of(const Shape& shape) {
-  if (const auto* s = std::get_if<Sphere>(&shape)) return {2.0 * s->radius, s->radius, 0};
+  if (const auto* s = std::get_if<Sphere>(&shape))
+    return {2.0 * s->radius, s->radius, Kind::Sphere};
   if (const auto* c = std::get_if<Capsule>(&shape)) {
-    return {2.0 * c->radius, c->radius + c->half_height, 1};
+    return {2.0 * c->radius, c->radius + c->half_height, Kind::Capsule};
   }
   if (const auto* b = std::get_if<Box>(&shape)) {
-    return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), 2};
+    return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), Kind::Box};
+  }
+  if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    return {2.0 * std::min(c->radius, c->half_height), std::hypot(c->radius, c->half_height),
+            Kind::Cylinder};
+  }
+  if (const auto* c = std::get_if<Cone>(&shape)) {
+    return {std::min(2.0 * c->radius, 2.0 * c->half_height), std::hypot(c->radius, c->half_height),
+            Kind::Cone};
+  }
+  if (const auto* h = std::get_if<Hull>(&shape)) {
+    return {(*h)->extent(), (*h)->centre().norm() + (*h)->reach(), Kind::Polytope};
+  }
+  if (const auto* f = std::get_if<Field>(&shape)) {
+    const Aabb& bounds = (*f)->bounds();
+    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), Kind::Grid};
   }
   if (const auto* m = std::get_if<Mesh>(&shape)) {
     const Aabb& bounds = (*m)->bounds();
-    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), 3};
+    return {kHuge, bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(), Kind::Triangles};
   }
-  return {kHuge, kHuge, 4};
+  return {kHuge, kHuge, Kind::HalfSpace};
 }
 
 Aabb bounds_of(const Collider& c) {
   Vec3 centre = c.position;
   Vec3 extent = Vec3::Zero();
+  const auto place = [&](const Aabb& bounds) {
+    centre += c.rotation * (0.5 * (bounds.min + bounds.max));
+    extent = c.rotation.cwiseAbs() * (0.5 * (bounds.max - bounds.min));
+  };
   if (const auto* s = std::get_if<Sphere>(&c.def.shape)) {
     extent = Vec3::Constant(s->radius);
   } else if (const auto* k = std::get_if<Capsule>(&c.def.shape)) {
@@ -42,9 +62,17 @@ Aabb bounds_of(const Collider& c) {
   } else if (const auto* b = std::get_if<Box>(&c.def.shape)) {
     extent = c.rotation.cwiseAbs() * b->half_extents;
   } else if (const auto* m = std::get_if<Mesh>(&c.def.shape)) {
-    const Aabb& bounds = (*m)->bounds();
-    centre += c.rotation * (0.5 * (bounds.min + bounds.max));
-    extent = c.rotation.cwiseAbs() * (0.5 * (bounds.max - bounds.min));
+    place((*m)->bounds());
+  } else if (const auto* f = std::get_if<Field>(&c.def.shape)) {
+    place((*f)->bounds());
+  } else if (c.is_convex()) {
+    const ConvexCore core = c.core(c.position);
+    for (int i = 0; i < 3; ++i) {
+      const double high = core.reach(Vec3::Unit(i));
+      const double low = core.reach(-Vec3::Unit(i));
+      centre[i] += 0.5 * (high - low);
+      extent[i] = 0.5 * (high + low);
+    }
   }
   return {centre - extent, centre + extent};
 }
@@ -69,9 +97,19 @@ ConvexCore Collider::core(const Vec3& origin) const {
     core.kind = CoreKind::Segment;
     core.radius = c->radius;
     core.half = Vec3(0.0, 0.0, c->half_height);
-  } else {
+  } else if (const auto* box = std::get_if<Box>(&def.shape)) {
     core.kind = CoreKind::Box;
-    core.half = std::get<Box>(def.shape).half_extents;
+    core.half = box->half_extents;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&def.shape)) {
+    core.kind = CoreKind::Cylinder;
+    core.half = Vec3(cylinder->radius, cylinder->radius, cylinder->half_height);
+  } else if (const auto* cone = std::get_if<Cone>(&def.shape)) {
+    core.kind = CoreKind::Cone;
+    core.half = Vec3(cone->radius, cone->radius, cone->half_height);
+  } else {
+    core.kind = CoreKind::Polytope;
+    core.hull = std::get<Hull>(def.shape).get();
+    core.centre += rotation * core.hull->centre();
   }
   return core;
 }
@@ -83,7 +121,9 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   if (auto* plane = std::get_if<HalfSpace>(&c.def.shape)) plane->normal.normalize();
   c.alive = true;
   const Sizes sizes = sizes_of(def.shape);
-  c.rank = sizes.rank;
+  c.kind = sizes.kind;
+  c.local_identity = c.def.local.position.isZero(0.0) && c.def.local.orientation.w() == 1.0 &&
+                     c.def.local.orientation.vec().isZero(0.0);
   c.size = sizes.size;
   c.reach = sizes.reach + def.local.position.norm();
   c.speculative = std::min(options.speculative_margin, options.speculative_size_share * c.size);
@@ -92,18 +132,32 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   return c;
 }
 
+bool same_state(const Collider& c, const pbd::BodyState& state) {
+  return state.pose.position == c.body.position &&
+         state.pose.orientation.coeffs() == c.body.orientation.coeffs() &&
+         state.twist.linear == c.twist.linear && state.twist.angular == c.twist.angular;
+}
+
 void update_collider(Collider& c, const pbd::World& world, double dt) {
   const pbd::BodyState& state = world.states()[c.def.body.index];
   c.dynamic = world.all_props()[c.def.body.index].type == pbd::BodyType::Dynamic;
+  const bool unchanged = c.span > 0.0 && c.finite && same_state(c, state);
+  c.still = unchanged && state.twist.linear.isZero(0.0) && state.twist.angular.isZero(0.0);
+  if (c.still || (unchanged && c.span == dt)) return;
+  c.span = dt;
   c.body = state.pose;
   c.twist = state.twist;
-  c.rotation = state.pose.orientation.toRotationMatrix() * c.local_rotation;
-  c.position = state.pose.to_world(c.def.local.position);
+  c.rotation = state.pose.orientation.toRotationMatrix();
+  if (!c.local_identity) c.rotation *= c.local_rotation;
+  c.position = c.local_identity ? state.pose.position : state.pose.to_world(c.def.local.position);
+  c.turn = c.twist.angular.norm() * dt;
   const double motion = c.motion(dt);
   c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(motion);
-  if (c.finite && !c.is_half_space()) {
-    c.needed = bounds_of(c).expanded(c.speculative + c.recycle + motion);
-  }
+  if (!c.finite || c.is_half_space()) return;
+  // Where it is now, where it will be, and what turning may add on the way.
+  const Vec3 sweep = dt * c.twist.linear;
+  const Aabb bounds = bounds_of(c).expanded(c.speculative + c.recycle + c.turn * c.reach);
+  c.needed = {bounds.min + sweep.cwiseMin(0.0), bounds.max + sweep.cwiseMax(0.0)};
 }
 
 }  // namespace tandem::collision

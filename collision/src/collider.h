@@ -8,36 +8,68 @@
 
 namespace tandem::collision {
 
+/// Kinds in the order in which a pair is put before a query.
+enum class Kind : std::uint8_t {
+  Sphere,
+  Capsule,
+  Box,
+  Cylinder,
+  Cone,
+  Polytope,
+  Triangles,
+  Grid,
+  HalfSpace,
+};
+
 /// A collider and what follows from it once (first part) and in each step (second part).
 struct Collider {
   ColliderDef def;
   std::uint32_t generation = 0;
   bool alive = false;
 
-  int rank = 0;        ///< order of kinds within a pair: sphere, capsule, box, mesh, half-space
-  double size = 0.0;   ///< m, least extent; huge for half-spaces and meshes
-  double reach = 0.0;  ///< m, farthest point from the body's origin; huge for half-spaces
-  double speculative = 0.0;  ///< m
-  double recycle = 0.0;      ///< m
+  Kind kind = Kind::Sphere;
+  bool local_identity = false;  ///< the shape's frame is the body's
+  double size = 0.0;            ///< m, least extent; huge for half-spaces and meshes
+  double reach = 0.0;           ///< m, farthest point from the body's origin; huge for half-spaces
+  double speculative = 0.0;     ///< m
+  double recycle = 0.0;         ///< m
   Mat3 local_rotation = Mat3::Identity();
 
+  /// Steps for which every motion is looked at, not only fast ones: near thin walls, because what
+  /// pushes a body out of one may push it to the wrong side.
+  std::uint8_t guarded = 0;
   bool finite = true;  ///< pose and twist are numbers
   bool dynamic = false;
+  bool still = false;                ///< at rest, and where it was in the last step
+  double span = 0.0;                 ///< s, the step that the second part is for
+  double turn = 0.0;                 ///< rad, that it turns within the step
   pbd::Pose body;                    ///< pose of the body
   pbd::Twist twist;                  ///< of the body
   Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
   Vec3 position = Vec3::Zero();      ///< m, of the shape
   Aabb needed;                       ///< bounds, plus all that a contact may need in this step
 
-  bool is_half_space() const { return std::holds_alternative<HalfSpace>(def.shape); }
-  bool is_mesh() const { return std::holds_alternative<Mesh>(def.shape); }
-  bool is_convex() const { return rank < 3; }
+  bool is_half_space() const { return kind == Kind::HalfSpace; }
+  bool is_mesh() const { return kind == Kind::Triangles; }
+  /// A mesh or a height field: triangles whose fronts touch.
+  bool is_surface() const { return kind == Kind::Triangles || kind == Kind::Grid; }
+  bool is_convex() const { return kind < Kind::Triangles; }
 
   /// m that any point of it moves at most within dt.
   double motion(double dt) const;
   Vec3 plane_normal() const { return rotation * std::get<HalfSpace>(def.shape).normal; }
   double plane_offset() const {
     return std::get<HalfSpace>(def.shape).offset + plane_normal().dot(position);
+  }
+  /// From world to the body's frame, of a point given relative to the shape's place, and of a
+  /// direction.
+  Vec3 to_body(const Vec3& from_shape) const {
+    const Vec3 p = rotation.transpose() * from_shape;
+    return local_identity ? p : Vec3(local_rotation * p + def.local.position);
+  }
+  Vec3 direction_to_body(const Vec3& n) const {
+    const Vec3 p = rotation.transpose() * n;
+    return local_identity ? p : Vec3(local_rotation * p);
   }
   /// Convex shapes only; positions relative to `origin`, so that no digits are lost far out.
   ConvexCore core(const Vec3& origin) const;

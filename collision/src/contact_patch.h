@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "clipping.h"
@@ -15,25 +17,82 @@ namespace tandem::collision {
 /// A manifold as it is kept between steps: fixed in the frames of the two bodies. a and b are in
 /// the order of the query (kinds ascending), not of the colliders' indices.
 struct ContactPatch {
-  Vec3 normal_l = Vec3::UnitZ();  ///< from a to b, in the frame of the body that `in_a` names
+  static constexpr int kMaxPoints = pbd::Manifold::kMaxPoints;
+
+  ContactPatch* next = nullptr;    ///< the pair's patch with the next higher cluster
+  Vec3 normal_l = Vec3::UnitZ();   ///< from a to b, in the frame of the body that `in_a` names
+  double radius_a = 0.0;           ///< m
+  double radius_b = 0.0;           ///< m
+  std::array<Vec3, 4> anchor_a_l;  ///< m, frame of body a
+  std::array<Vec3, 4> anchor_b_l;  ///< m, frame of body b
+  std::array<std::uint32_t, 4> features{};
+  std::uint16_t cluster = 0;
+  std::uint8_t count = 0;
   bool in_a = false;
-  /// Two spheres: the normal follows from the anchors (their centres) at any time.
-  bool central = false;
-  double radius_a = 0.0;  ///< m
-  double radius_b = 0.0;  ///< m
-  std::uint32_t cluster = 0;
-  int count = 0;
-  std::array<pbd::ManifoldPoint, pbd::Manifold::kMaxPoints> points;
 };
 
-/// What is known of one pair of colliders.
+/// Memory for patches, handed out one by one and taken back: a contact that comes and goes
+/// allocates nothing. Which memory a pair gets says nothing about results.
+/// @par Thread safety  take() and give() may be called from several threads.
+class PatchPool {
+ public:
+  ContactPatch* take() {
+    const std::lock_guard lock(mutex_);
+    if (free_ == nullptr) grow();
+    ContactPatch* patch = free_;
+    free_ = patch->next;
+    patch->next = nullptr;
+    return patch;
+  }
+  /// Take back a whole list.
+  void give(ContactPatch* first) {
+    if (first == nullptr) return;
+    ContactPatch* last = first;
+    while (last->next != nullptr) last = last->next;
+    const std::lock_guard lock(mutex_);
+    last->next = free_;
+    free_ = first;
+  }
+
+ private:
+  static constexpr std::size_t kChunk = 64;
+
+  void grow() {
+    ContactPatch* chunk = chunks_.emplace_back(std::make_unique<ContactPatch[]>(kChunk)).get();
+    for (std::size_t i = 0; i < kChunk; ++i) {
+      chunk[i].next = free_;
+      free_ = &chunk[i];
+    }
+  }
+
+  std::mutex mutex_;
+  ContactPatch* free_ = nullptr;
+  std::vector<std::unique_ptr<ContactPatch[]>> chunks_;
+};
+
+/// Triangles that a pair's convex part may meet while it stays within a box. A memory of a search
+/// only: what is found does not depend on it.
+struct TriangleList {
+  bool filled = false;
+  Vec3 min = Vec3::Zero();  ///< m, mesh frame
+  Vec3 max = Vec3::Zero();
+  std::vector<std::uint32_t> triangles;
+};
+
+/// What is known of one pair of colliders. Kept small: a heap has ten of them for each body.
 struct PairCache {
-  bool valid = false;
+  /// No face and no pair of edges of two boxes.
+  static constexpr std::uint8_t kNoAxis = 0xff;
+
+  ContactPatch* patches = nullptr;  ///< ascending clusters
+  std::unique_ptr<TriangleList> triangles;
   /// m: surfaces further apart than this were left out.
   double margin = 0.0;
-  /// Pose of the measured body (see PairMotion) in the frame of the other one at the last query.
-  pbd::Pose relative;
-  std::vector<ContactPatch> patches;
+  /// Pose of the measured body (see measures_a()) in the frame of the other one at the last query.
+  Vec3 position = Vec3::Zero();
+  std::array<float, 4> orientation{};  ///< x, y, z, w; only told apart by more than its digits
+  bool valid = false;
+  std::uint8_t axis = kNoAxis;  ///< of two boxes: the one that the last query ended with
 };
 
 }  // namespace tandem::collision

@@ -11,6 +11,8 @@
 #include "broad_phase.h"
 #include "cache_io.h"
 #include "collider.h"
+#include "core_cast.h"
+#include "material_io.h"
 #include "pair_query.h"
 #include "tandem/pbd/bytes.h"
 
@@ -18,6 +20,16 @@ namespace tandem::collision {
 namespace {
 
 using pbd::Vec3;
+
+/// Whether a body may be pushed out on the far side.
+bool is_thin(const Collider& target, const Collider& collider) {
+  return !target.dynamic && target.is_convex() && target.size < 2.0 * collider.size;
+}
+
+/// Colliders and pairs that one worker takes at a time.
+constexpr std::size_t kColliderGrain = 128;
+constexpr std::size_t kPairGrain = 64;
+constexpr std::uint8_t kGuardedSteps = 60;
 
 [[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
   std::ostringstream text;
@@ -39,12 +51,7 @@ void check(const pbd::World& world, const ColliderDef& def) {
   if (!(std::abs(norm - 1.0) < 1e-3)) {
     refuse("local.orientation", norm, "a quaternion of unit norm (within 1e-3)");
   }
-  if (!(def.friction >= 0.0) || !std::isfinite(def.friction)) {
-    refuse("friction", def.friction, "finite and >= 0");
-  }
-  if (!(def.restitution >= 0.0 && def.restitution <= 1.0)) {
-    refuse("restitution", def.restitution, "0 to 1");
-  }
+  if (!def.material.validate(&error)) throw std::invalid_argument("ColliderDef: " + error);
 }
 
 }  // namespace
@@ -74,6 +81,8 @@ class CollisionScene::Impl {
 
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   void remove(ColliderId id);
+  void set_material(ColliderId id, const Material& material);
+  void set_filter(ColliderId id, const Filter& filter);
   bool contains(ColliderId id) const {
     return id.index < colliders_.size() && colliders_[id.index].alive &&
            colliders_[id.index].generation == id.generation;
@@ -81,6 +90,8 @@ class CollisionScene::Impl {
   const Collider& checked(ColliderId id, const char* what) const;
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out);
+  void limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                    std::vector<MotionLimit>& limits);
   void remove_body(pbd::BodyId body);
   void save(pbd::ByteWriter& out) const;
   bool load(pbd::ByteReader& in);
@@ -89,15 +100,40 @@ class CollisionScene::Impl {
   const CollisionOptions& options() const { return options_; }
   const CollisionStats& stats() const { return stats_; }
   const std::vector<Collider>& colliders() const { return colliders_; }
+  std::size_t sensor_count() const { return sensor_count_; }
 
  private:
+  /// What one worker needs and finds.
+  struct Worker {
+    QueryScratch scratch;
+    CollisionStats stats;
+    std::vector<pbd::Manifold> found;
+    std::vector<MotionLimit> limits;
+    std::vector<std::uint32_t> stack;
+    std::vector<std::uint32_t> list;
+  };
+  /// Where the manifolds of a chunk of pairs are.
+  struct Chunk {
+    int worker = 0;
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+
+  double motion_share(Collider& collider, std::span<const pbd::Pose> after, Worker& worker) const;
+  void guard(std::uint32_t index, std::uint32_t near);
+  void collect_pair(ColliderPair& entry, double dt, Worker& worker,
+                    std::vector<pbd::Manifold>& out);
+
   CollisionOptions options_;
   CollisionStats stats_;
   std::vector<Collider> colliders_;
   std::vector<std::uint32_t> free_;
+  std::size_t sensor_count_ = 0;
   BroadPhase broad_;
+  PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot
-  QueryScratch scratch_;
+  std::vector<Worker> workers_;
+  std::vector<Chunk> chunks_;
 };
 
 ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef& def) {
@@ -116,6 +152,7 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   colliders_[index] = make_collider(def, options_);
   colliders_[index].generation = generation;
   broad_.add(index, colliders_[index]);
+  if (def.sensor) ++sensor_count_;
   return {index, generation};
 }
 
@@ -130,11 +167,27 @@ const Collider& CollisionScene::Impl::checked(ColliderId id, const char* what) c
 void CollisionScene::Impl::remove(ColliderId id) {
   checked(id, "remove");
   Collider& collider = colliders_[id.index];
+  if (collider.def.sensor) --sensor_count_;
   broad_.remove(id.index, collider);
   const std::uint32_t generation = collider.generation + 1;
   collider = {};
   collider.generation = generation;
   free_.push_back(id.index);
+}
+
+void CollisionScene::Impl::set_material(ColliderId id, const Material& material) {
+  checked(id, "set_material");
+  std::string error;
+  if (!material.validate(&error)) {
+    throw std::invalid_argument("CollisionScene::set_material: " + error);
+  }
+  colliders_[id.index].def.material = material;
+}
+
+void CollisionScene::Impl::set_filter(ColliderId id, const Filter& filter) {
+  checked(id, "set_filter");
+  colliders_[id.index].def.filter = filter;
+  broad_.look_again(id.index);
 }
 
 void CollisionScene::Impl::remove_body(pbd::BodyId body) {
@@ -145,42 +198,154 @@ void CollisionScene::Impl::remove_body(pbd::BodyId body) {
   }
 }
 
-void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& /*workers*/,
+void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& worker,
+                                        std::vector<pbd::Manifold>& out) {
+  const Collider& low = colliders_[entry.low];
+  const Collider& high = colliders_[entry.high];
+  const bool fresh = std::exchange(entry.fresh, false);
+  const bool planar = low.is_half_space() || high.is_half_space();
+  const bool apart = !planar && !low.needed.overlaps(high.needed);
+  const QueryPair pair = order_pair(low, high);
+  PairCache& cache = caches_[entry.cache];
+  if (fresh || apart) {
+    if (cache.patches != nullptr) pool_.give(std::exchange(cache.patches, nullptr));
+    if (fresh && cache.triangles != nullptr) cache.triangles->filled = false;
+    cache.valid = false;
+    if (fresh) cache.axis = PairCache::kNoAxis;
+  }
+  if (apart) {
+    ++worker.stats.recycled;
+    return;
+  }
+  const PairReach reach = reach_of(pair, dt);
+  const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
+                            (static_cast<std::uint64_t>(entry.high) << kClusterBits);
+  if (is_direct(pair)) {
+    ++worker.stats.recycled;
+    emit_direct(pair, reach, key, out);
+    return;
+  }
+  if (still_apart(pair, reach, cache) || can_recycle(pair, reach, cache, options_.recycle_angle)) {
+    ++worker.stats.recycled;
+  } else {
+    worker.stats.queries += query_pair(pair, reach, cache, pool_, worker.scratch);
+  }
+  if (cache.patches != nullptr) emit(pair, reach, cache, key, out);
+}
+
+void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                                    std::vector<pbd::Manifold>& out) {
-  stats_ = {};
   const std::size_t first = out.size();
-  for (Collider& collider : colliders_) {
-    if (!collider.alive) continue;
-    update_collider(collider, world, dt);
-    ++stats_.colliders;
+  workers_.resize(static_cast<std::size_t>(workers.count()));
+  for (Worker& worker : workers_) {
+    worker.stats = {};
+    worker.found.clear();
   }
-  broad_.update(colliders_, dt);
+  workers.for_chunks(colliders_.size(), kColliderGrain,
+                     [&](std::size_t begin, std::size_t end, int w) {
+                       std::size_t& count = workers_[static_cast<std::size_t>(w)].stats.colliders;
+                       for (std::size_t i = begin; i < end; ++i) {
+                         if (!colliders_[i].alive) continue;
+                         update_collider(colliders_[i], world, dt);
+                         ++count;
+                       }
+                     });
+  broad_.update(colliders_, dt, workers);
+  for (const ColliderPair& pair : broad_.found()) {
+    guard(pair.low, pair.high);
+    guard(pair.high, pair.low);
+  }
   if (caches_.size() < broad_.cache_slots()) caches_.resize(broad_.cache_slots());
-  for (ColliderPair& entry : broad_.pairs()) {
-    PairCache& cache = caches_[entry.cache];
-    if (std::exchange(entry.fresh, false)) {
-      cache.valid = false;
-      cache.patches.clear();
+
+  std::vector<ColliderPair>& pairs = broad_.pairs();
+  if (workers.count() == 1 || pairs.size() <= kPairGrain) {
+    for (ColliderPair& pair : pairs) collect_pair(pair, dt, workers_[0], out);
+  } else {
+    // Each worker writes to a list of its own; the chunks are then put together in order.
+    chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
+    workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
+      Worker& worker = workers_[static_cast<std::size_t>(w)];
+      Chunk& chunk = chunks_[begin / kPairGrain];
+      chunk = {w, worker.found.size(), 0};
+      for (std::size_t i = begin; i < end; ++i) collect_pair(pairs[i], dt, worker, worker.found);
+      chunk.end = worker.found.size();
+    });
+    for (const Chunk& chunk : chunks_) {
+      const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
+      out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
+                 from + static_cast<std::ptrdiff_t>(chunk.end));
     }
-    const Collider& low = colliders_[entry.low];
-    const Collider& high = colliders_[entry.high];
-    const QueryPair pair = order_pair(low, high);
-    const PairReach reach = reach_of(pair, dt);
-    if (can_recycle(pair, reach, cache, options_.recycle_angle)) {
-      ++stats_.recycled;
-    } else {
-      stats_.queries += query_pair(pair, reach, cache, scratch_);
-    }
-    const std::uint64_t key =
-        (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
-        (static_cast<std::uint64_t>(entry.high) << kClusterBits);
-    emit(pair, reach, cache, key, out);
   }
-  stats_.pairs = broad_.pairs().size();
+
+  stats_ = {};
+  for (const Worker& worker : workers_) {
+    stats_.colliders += worker.stats.colliders;
+    stats_.queries += worker.stats.queries;
+    stats_.recycled += worker.stats.recycled;
+  }
+  stats_.pairs = pairs.size();
   stats_.manifolds = out.size() - first;
   for (std::size_t i = first; i < out.size(); ++i) {
     stats_.points += static_cast<std::size_t>(out[i].count);
   }
+}
+
+void CollisionScene::Impl::guard(std::uint32_t index, std::uint32_t near) {
+  Collider& collider = colliders_[index];
+  if (collider.dynamic && is_thin(colliders_[near], collider)) collider.guarded = kGuardedSteps;
+}
+
+double CollisionScene::Impl::motion_share(Collider& collider, std::span<const pbd::Pose> after,
+                                          Worker& worker) const {
+  const double radius = core_radius(collider);
+  const Vec3 from = core_centre(collider, collider.body);
+  const Vec3 to = core_centre(collider, after[collider.def.body.index]);
+  const bool fast = (to - from).squaredNorm() > radius * radius;
+  if ((!fast && collider.guarded == 0) || !to.allFinite()) return 1.0;
+  double share = 1.0;
+  const Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
+  broad_.query(path.expanded(radius), worker.stack, [&](std::uint32_t index) {
+    const Collider& target = colliders_[index];
+    if (!target.finite || !may_touch(collider, target)) return;
+    if (target.dynamic && !collider.def.bullet) return;
+    if (is_thin(target, collider)) collider.guarded = kGuardedSteps;
+    // As seen from the target, which itself moves on (a kinematic one too).
+    const Vec3 moved = after[target.def.body.index].position - target.body.position;
+    if (!moved.allFinite()) return;
+    share = std::min(share, core_cast(from, to - moved, radius, target, worker.list));
+  });
+  return share;
+}
+
+void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                                        std::vector<MotionLimit>& limits) {
+  limits.clear();
+  workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
+  for (Worker& worker : workers_) worker.limits.clear();
+  workers.for_chunks(colliders_.size(), kColliderGrain,
+                     [&](std::size_t begin, std::size_t end, int w) {
+                       Worker& worker = workers_[static_cast<std::size_t>(w)];
+                       for (std::size_t i = begin; i < end; ++i) {
+                         Collider& c = colliders_[i];
+                         if (!c.alive || !c.dynamic || !c.finite || !c.is_convex() || c.span <= 0.0)
+                           continue;
+                         if (c.def.body.index >= after.size()) continue;
+                         if (c.guarded > 0) --c.guarded;
+                         const double share = motion_share(c, after, worker);
+                         if (share >= 1.0) continue;
+                         worker.limits.push_back({c.def.body.index, share});
+                       }
+                     });
+  for (const Worker& worker : workers_) {
+    limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
+  }
+  std::sort(limits.begin(), limits.end(), [](const MotionLimit& l, const MotionLimit& r) {
+    return l.body != r.body ? l.body < r.body : l.share < r.share;
+  });
+  limits.erase(
+      std::unique(limits.begin(), limits.end(),
+                  [](const MotionLimit& l, const MotionLimit& r) { return l.body == r.body; }),
+      limits.end());
 }
 
 void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
@@ -191,7 +356,9 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
     out.u8(collider.alive ? 1 : 0);
     if (!collider.alive) continue;
     out.u32(collider.def.body.index);
-    out.u8(static_cast<std::uint8_t>(collider.rank));
+    out.u8(static_cast<std::uint8_t>(collider.kind));
+    save_surface(out, collider.def.material, collider.def.filter);
+    out.u8(collider.guarded);
     out.u8(broad_.placed(i) ? 1 : 0);
     out.vec3(broad_.fat_box(i).min);
     out.vec3(broad_.fat_box(i).max);
@@ -207,10 +374,13 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
 bool CollisionScene::Impl::load(pbd::ByteReader& in) {
   if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
-    const Collider& collider = colliders_[i];
+    Collider& collider = colliders_[i];
     if ((in.u8() != 0) != collider.alive) return false;
     if (!collider.alive) continue;
-    if (in.u32() != collider.def.body.index || in.u8() != collider.rank) return false;
+    if (in.u32() != collider.def.body.index || in.u8() != static_cast<std::uint8_t>(collider.kind))
+      return false;
+    if (!load_surface(in, collider.def.material, collider.def.filter)) return false;
+    collider.guarded = in.u8();
     const bool placed = in.u8() != 0;
     const Aabb fat{in.vec3(), in.vec3()};
     const bool sound = fat.min.allFinite() && fat.max.allFinite();
@@ -234,7 +404,7 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
     }
     const ColliderPair& pair = broad_.append_pair(low, high);
     if (caches_.size() <= pair.cache) caches_.resize(pair.cache + 1);
-    if (!load_cache(in, caches_[pair.cache])) return false;
+    if (!load_cache(in, caches_[pair.cache], pool_)) return false;
   }
   return !in.failed();
 }
@@ -254,6 +424,12 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   return impl_->add(world, def);
 }
 void CollisionScene::remove(ColliderId id) { impl_->remove(id); }
+void CollisionScene::set_material(ColliderId id, const Material& material) {
+  impl_->set_material(id, material);
+}
+void CollisionScene::set_filter(ColliderId id, const Filter& filter) {
+  impl_->set_filter(id, filter);
+}
 bool CollisionScene::contains(ColliderId id) const { return impl_->contains(id); }
 const ColliderDef& CollisionScene::collider(ColliderId id) const {
   return impl_->checked(id, "collider").def;
@@ -265,11 +441,16 @@ ColliderId CollisionScene::collider_at(std::uint32_t index) const {
 std::uint32_t CollisionScene::slot_count() const {
   return static_cast<std::uint32_t>(impl_->colliders().size());
 }
+std::size_t CollisionScene::sensor_count() const { return impl_->sensor_count(); }
 const CollisionOptions& CollisionScene::options() const { return impl_->options(); }
 const CollisionStats& CollisionScene::stats() const { return impl_->stats(); }
 void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                              std::vector<pbd::Manifold>& out) {
   impl_->collect(world, dt, workers, out);
+}
+void CollisionScene::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                                  std::vector<MotionLimit>& limits) {
+  impl_->limit_motion(after, workers, limits);
 }
 void CollisionScene::remove_body(pbd::BodyId body) { impl_->remove_body(body); }
 void CollisionScene::save(pbd::ByteWriter& out) const { impl_->save(out); }

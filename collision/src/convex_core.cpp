@@ -78,7 +78,198 @@ CoreEdge triangle_edge(const ConvexCore& core, const Vec3& direction) {
           core.corner_ids[next]};
 }
 
+/// Cosine to its axis above which a cylinder touches with a cap.
+constexpr double kCap = 0.7;
+
+/// Unit vector from the axis of a cylinder or cone, across it, furthest along `direction`; a fixed
+/// one where it runs along the axis.
+Vec3 radial(const ConvexCore& core, const Vec3& direction) {
+  const Vec3 axis = core.axes.col(2);
+  const Vec3 across = direction - direction.dot(axis) * axis;
+  const double length = across.norm();
+  return length > 1e-12 * direction.norm() ? Vec3(across / length) : Vec3(core.axes.col(0));
+}
+
+/// Cosine to the axis above which a cone touches with its base (below minus that) or side.
+bool on_base(const ConvexCore& core, const Vec3& direction) {
+  const double cosine = direction.dot(core.axes.col(2));
+  if (core.kind == CoreKind::Cylinder) return std::abs(cosine) > kCap;
+  return cosine < -kCap;
+}
+
+/// Sine of the tilt above which the corners of a cap start at the one furthest along the direction.
+constexpr double kTilted = 0.02;
+
+CoreFace cap(const ConvexCore& core, bool upper, const Vec3& direction) {
+  CoreFace face;
+  face.count = CoreFace::kMaxCorners;
+  // The twelve directions of a clock; the same corners whichever way round.
+  static constexpr double kH = 0.86602540378443864676;  // sqrt(3) / 2
+  static constexpr std::array<std::array<double, 2>, CoreFace::kMaxCorners> kClock{{{1, 0},
+                                                                                    {kH, 0.5},
+                                                                                    {0.5, kH},
+                                                                                    {0, 1},
+                                                                                    {-0.5, kH},
+                                                                                    {-kH, 0.5},
+                                                                                    {-1, 0},
+                                                                                    {-kH, -0.5},
+                                                                                    {-0.5, -kH},
+                                                                                    {0, -1},
+                                                                                    {0.5, -kH},
+                                                                                    {kH, -0.5}}};
+  const Vec3 middle = core.centre + (upper ? core.half[2] : -core.half[2]) * core.axes.col(2);
+  auto base = static_cast<std::uint32_t>(upper ? CoreFace::kMaxCorners : 0);
+  Vec3 x = core.axes.col(0);
+  Vec3 y = core.axes.col(1);
+  const double cosine = direction.dot(core.axes.col(2)) / direction.norm();
+  if (1.0 - cosine * cosine > kTilted * kTilted) {
+    x = radial(core, direction);
+    y = core.axes.col(2).cross(x);
+    base += 32;
+  }
+  for (int i = 0; i < face.count; ++i) {
+    const int k = upper ? i : face.count - 1 - i;
+    face.corners[i] = middle + core.half[0] * (kClock[k][0] * x + kClock[k][1] * y);
+    face.corner_ids[i] = base + static_cast<std::uint32_t>(k);
+    const int edge = upper ? k : (k + face.count - 1) % face.count;
+    face.edge_ids[i] = base + static_cast<std::uint32_t>(edge);
+  }
+  return face;
+}
+
+/// The line on the side of a cylinder or cone that lies furthest along the direction, or a point
+/// (an edge without length) where it touches with its rim or apex.
+CoreEdge side_edge(const ConvexCore& core, const Vec3& direction) {
+  const Vec3 out = core.half[0] * radial(core, direction);
+  const Vec3 arm = core.half[2] * core.axes.col(2);
+  const bool cone = core.kind == CoreKind::Cone;
+  const Vec3 low = core.centre - arm + out;
+  const Vec3 high = cone ? Vec3(core.centre + arm) : Vec3(core.centre + arm + out);
+  // Ids beyond those of the caps: the line, and its two ends.
+  CoreEdge edge{low, high, 24, 24, 25};
+  const Vec3 line = high - low;
+  const double slope = direction.dot(line) / (direction.norm() * line.norm());
+  if (slope > kCap) return {high, high, 24, 25, 25};
+  if (slope < -kCap) return {low, low, 24, 24, 24};
+  return edge;
+}
+
+CoreFace hull_face(const ConvexCore& core, const Vec3& direction) {
+  const Vec3 local = core.axes.transpose() * direction;
+  const auto faces = core.hull->faces();
+  std::size_t best = 0;
+  double most = -HUGE_VAL;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const double value = faces[f].normal.dot(local);
+    if (value <= most) continue;
+    most = value;
+    best = f;
+  }
+  const auto corners = core.hull->face_corners(faces[best]);
+  const auto edges = core.hull->face_edges(faces[best]);
+  CoreFace face;
+  const std::size_t size = corners.size();
+  const std::size_t count = std::min<std::size_t>(size, CoreFace::kMaxCorners);
+  face.count = static_cast<int>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t k = i * size / count;  // of many corners some, evenly
+    face.corners[i] = core.centre + core.axes * core.hull->arms()[corners[k]];
+    face.corner_ids[i] = corners[k];
+    face.edge_ids[i] = edges[k];
+  }
+  return face;
+}
+
+std::uint32_t hull_corner(const ConvexCore& core, const Vec3& local) {
+  const auto arms = core.hull->arms();
+  std::uint32_t best = 0;
+  double most = -HUGE_VAL;
+  for (std::uint32_t v = 0; v < arms.size(); ++v) {
+    const double value = arms[v].dot(local);
+    if (value <= most) continue;
+    most = value;
+    best = v;
+  }
+  return best;
+}
+
+CoreEdge hull_edge(const ConvexCore& core, const Vec3& direction) {
+  const Vec3 local = core.axes.transpose() * direction;
+  const auto arms = core.hull->arms();
+  // Of the edges at the foremost corner the one that falls off least.
+  double least = HUGE_VAL;
+  std::uint32_t best = 0;
+  for (const std::uint32_t e : core.hull->star(hull_corner(core, local))) {
+    const ConvexHull::Edge& edge = core.hull->edges()[e];
+    const Vec3 along = arms[edge.to] - arms[edge.from];
+    const double slope = std::abs(local.dot(along)) / along.norm();
+    if (slope >= least) continue;
+    least = slope;
+    best = e;
+  }
+  const ConvexHull::Edge& edge = core.hull->edges()[best];
+  return {core.centre + core.axes * arms[edge.from], core.centre + core.axes * arms[edge.to], best,
+          edge.from, edge.to};
+}
+
 }  // namespace
+
+int face_count(const ConvexCore& core) {
+  switch (core.kind) {
+    case CoreKind::Box:
+      return 6;
+    case CoreKind::Cylinder:
+      return 2;
+    case CoreKind::Cone:
+      return 1;
+    case CoreKind::Polytope:
+      return static_cast<int>(core.hull->faces().size());
+    default:
+      return 0;
+  }
+}
+
+Vec3 face_normal(const ConvexCore& core, int i) {
+  if (core.kind == CoreKind::Polytope) return core.axes * core.hull->faces()[i].normal;
+  if (core.kind == CoreKind::Box) return (i % 2 == 0 ? 1.0 : -1.0) * core.axes.col(i / 2);
+  return (i == 0 ? -1.0 : 1.0) * core.axes.col(2);
+}
+
+int edge_count(const ConvexCore& core) {
+  switch (core.kind) {
+    case CoreKind::Point:
+      return 0;
+    case CoreKind::Segment:
+    case CoreKind::Cylinder:
+    case CoreKind::Cone:
+      return 1;
+    case CoreKind::Polytope:
+      return static_cast<int>(core.hull->edges().size());
+    default:
+      return 3;
+  }
+}
+
+Vec3 edge_direction(const ConvexCore& core, int i) {
+  switch (core.kind) {
+    case CoreKind::Box:
+      return core.axes.col(i);
+    case CoreKind::Triangle:
+      return core.corners[(i + 1) % 3] - core.corners[i];
+    case CoreKind::Polytope: {
+      const ConvexHull::Edge& edge = core.hull->edges()[i];
+      return core.axes * (core.hull->arms()[edge.to] - core.hull->arms()[edge.from]);
+    }
+    default:
+      return core.axes.col(2);
+  }
+}
+
+double rolling_radius(const ConvexCore& core, const Vec3& direction) {
+  if (core.kind != CoreKind::Cylinder || on_base(core, direction)) return 0.0;
+  const double cosine = direction.dot(core.axes.col(2));
+  return core.half[0] * std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+}
 
 double ConvexCore::reach(const Vec3& direction) const {
   switch (kind) {
@@ -90,6 +281,22 @@ double ConvexCore::reach(const Vec3& direction) const {
       return direction.dot(centre) + half[0] * std::abs(direction.dot(axes.col(0))) +
              half[1] * std::abs(direction.dot(axes.col(1))) +
              half[2] * std::abs(direction.dot(axes.col(2)));
+    case CoreKind::Cylinder:
+    case CoreKind::Cone: {
+      const double along = direction.dot(axes.col(2));
+      const double across =
+          half[0] * std::sqrt(std::max(0.0, direction.squaredNorm() - along * along));
+      const double most = kind == CoreKind::Cylinder
+                              ? half[2] * std::abs(along) + across
+                              : std::max(half[2] * along, across - half[2] * along);
+      return direction.dot(centre) + most;
+    }
+    case CoreKind::Polytope: {
+      const Vec3 local = axes.transpose() * direction;
+      double most = -HUGE_VAL;
+      for (const Vec3& arm : hull->arms()) most = std::max(most, arm.dot(local));
+      return direction.dot(centre) + most;
+    }
     case CoreKind::Triangle:
       return std::max(
           {direction.dot(corners[0]), direction.dot(corners[1]), direction.dot(corners[2])});
@@ -105,6 +312,19 @@ Vec3 ConvexCore::support(const Vec3& direction) const {
     }
     return corners[best];
   }
+  if (kind == CoreKind::Polytope) {
+    return centre + axes * hull->arms()[hull_corner(*this, axes.transpose() * direction)];
+  }
+  if (curved()) {
+    const double along = direction.dot(axes.col(2));
+    const Vec3 out = radial(*this, direction);
+    const Vec3 rim = half[0] * out;
+    const Vec3 arm = half[2] * axes.col(2);
+    if (kind == CoreKind::Cylinder) return centre + rim + (along < 0.0 ? Vec3(-arm) : arm);
+    return half[2] * along > half[0] * out.dot(direction) - half[2] * along
+               ? Vec3(centre + arm)
+               : Vec3(centre + rim - arm);
+  }
   Vec3 p = centre;
   for (int i = 0; i < 3; ++i) {
     p += (direction.dot(axes.col(i)) >= 0.0 ? half[i] : -half[i]) * axes.col(i);
@@ -114,6 +334,11 @@ Vec3 ConvexCore::support(const Vec3& direction) const {
 
 CoreFace face_towards(const ConvexCore& core, const Vec3& direction) {
   if (core.kind == CoreKind::Box) return box_face(core, direction);
+  if (core.kind == CoreKind::Polytope) return hull_face(core, direction);
+  if (core.curved() && on_base(core, direction)) {
+    return cap(core, core.kind == CoreKind::Cylinder && direction.dot(core.axes.col(2)) > 0.0,
+               direction);
+  }
   CoreFace face;
   if (core.kind == CoreKind::Triangle) {
     face.count = 3;
@@ -128,13 +353,18 @@ CoreFace face_towards(const ConvexCore& core, const Vec3& direction) {
   face.count = 2;
   face.corners[0] = edge.from;
   face.corners[1] = edge.to;
-  face.corner_ids = {edge.from_id, edge.to_id, 0, 0};
+  face.corner_ids[0] = edge.from_id;
+  face.corner_ids[1] = edge.to_id;
+  face.edge_ids[0] = edge.id;
+  face.edge_ids[1] = edge.id;
   return face;
 }
 
 CoreEdge edge_towards(const ConvexCore& core, const Vec3& direction) {
   if (core.kind == CoreKind::Box) return box_edge(core, direction);
   if (core.kind == CoreKind::Triangle) return triangle_edge(core, direction);
+  if (core.kind == CoreKind::Polytope) return hull_edge(core, direction);
+  if (core.curved()) return side_edge(core, direction);
   const Vec3 arm = core.half[2] * core.axes.col(2);
   return {core.centre - arm, core.centre + arm, 0, 0, core.kind == CoreKind::Point ? 0u : 1u};
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "tandem/collision/convex_hull.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::collision {
@@ -12,17 +13,19 @@ namespace tandem::collision {
 using pbd::Mat3;
 using pbd::Vec3;
 
-/// Convex body that a round shape is a `radius` around: sphere = point, capsule = segment; boxes
-/// and triangles have no radius. The order is the order in which a pair is put before a query.
-enum class CoreKind : std::uint8_t { Point, Segment, Box, Triangle };
+/// Convex body that a round shape is a `radius` around: sphere = point, capsule = segment; the
+/// others have no radius. The order is the order in which a pair is put before a query.
+enum class CoreKind : std::uint8_t { Point, Segment, Box, Cylinder, Cone, Polytope, Triangle };
 
 struct ConvexCore {
   CoreKind kind = CoreKind::Point;
-  Vec3 centre = Vec3::Zero();    ///< m; a triangle's first corner is corners[0]
+  Vec3 centre = Vec3::Zero();    ///< m, inside; a hull's arms() start here
   Mat3 axes = Mat3::Identity();  ///< columns: local axes; a segment lies along the third
-  Vec3 half = Vec3::Zero();      ///< m, half extents along the axes; (0, 0, h) for a segment
-  double radius = 0.0;           ///< m
-  double size = 0.0;             ///< m, least extent of the whole shape
+  Vec3 half = Vec3::Zero();      ///< m, half extents along the axes; (0, 0, h) for a segment,
+                                 ///< (r, r, h) for a cylinder and a cone
+  const ConvexHull* hull = nullptr;
+  double radius = 0.0;  ///< m
+  double size = 0.0;    ///< m, least extent of the whole shape
   std::array<Vec3, 3> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< of a triangle
   Vec3 front = Vec3::UnitZ();                 ///< unit normal of a triangle
   std::array<std::uint32_t, 3> corner_ids{};  ///< of a triangle, in its mesh
@@ -32,14 +35,28 @@ struct ConvexCore {
   double reach(const Vec3& direction) const;
   /// A point of the core where it is reached.
   Vec3 support(const Vec3& direction) const;
+  bool curved() const { return kind == CoreKind::Cylinder || kind == CoreKind::Cone; }
 };
+
+/// Normals of flat faces, outwards: number of them, and the i-th one. Not for triangles, of which
+/// only the front counts.
+int face_count(const ConvexCore& core);
+Vec3 face_normal(const ConvexCore& core, int i);
+/// Directions in which edges run (a box: its axes): number of them, and the i-th one.
+int edge_count(const ConvexCore& core);
+Vec3 edge_direction(const ConvexCore& core, int i);
+
+/// How far below its surface a cylinder touches along a line, m: taken off the anchors there, so
+/// that they lie on its axis and rolling does not move them. 0 where it touches with a cap.
+double rolling_radius(const ConvexCore& core, const Vec3& direction);
 
 /// Face with its corners counter-clockwise seen from outside; a segment is a face of two corners.
 struct CoreFace {
+  static constexpr int kMaxCorners = 12;
   int count = 0;
-  std::array<Vec3, 4> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  std::array<std::uint32_t, 4> corner_ids{};
-  std::array<std::uint32_t, 4> edge_ids{};  ///< edge i runs from corner i to corner i + 1
+  std::array<Vec3, kMaxCorners> corners;
+  std::array<std::uint32_t, kMaxCorners> corner_ids;
+  std::array<std::uint32_t, kMaxCorners> edge_ids;  ///< edge i runs from corner i to corner i + 1
 };
 
 struct CoreEdge {
@@ -50,7 +67,8 @@ struct CoreEdge {
   std::uint32_t to_id = 0;
 };
 
-/// The face whose outward normal is nearest to `direction` (a segment: itself). Not for points.
+/// The face whose outward normal is nearest to `direction` (a segment: itself; a cylinder on its
+/// side: the line there). Of a round cap twelve corners stand for it. Not for points.
 CoreFace face_towards(const ConvexCore& core, const Vec3& direction);
 /// The edge that lies furthest along `direction`, of several the one most across it; a point gives
 /// an edge without length.
@@ -67,7 +85,7 @@ inline std::uint32_t corner_feature(bool of_b, std::uint32_t id) {
   return (of_b ? 0x40000000u : 0u) | (id & 0x3fffffffu);
 }
 inline std::uint32_t crossing_feature(std::uint32_t edge_a, std::uint32_t edge_b) {
-  return 0x80000000u | ((edge_b * 16u + edge_a) & 0x7fffffffu);
+  return 0x80000000u | ((edge_b * 512u + edge_a) & 0x7fffffffu);
 }
 
 }  // namespace tandem::collision

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace tandem::collision {
 namespace {
@@ -31,27 +33,54 @@ struct Candidates {
   ContactAxis best_other;
   bool has_face = false;
   bool has_other = false;
+  /// Where the middle of one lies outside of the other, a thin box: the way from a to b there. What
+  /// leads to the other side of the wall is no way out.
+  std::array<Vec3, 2> side;
+  int sides = 0;
 
+  void find_sides() {
+    if (b.kind == CoreKind::Box && b.size < 0.5 * a.size) find_side(b, a.centre, -1.0);
+    if (a.kind == CoreKind::Box && a.size < 0.5 * b.size) find_side(a, b.centre, 1.0);
+  }
+  void find_side(const ConvexCore& box, const Vec3& middle, double sign) {
+    const Vec3 p = box.axes.transpose() * (middle - box.centre);
+    const Vec3 out = p - p.cwiseMax(-box.half).cwiseMin(box.half);
+    if (!out.isZero(0.0)) side[sides++] = sign * (box.axes * out);
+  }
+  bool leads_through(const Vec3& n) const {
+    for (int i = 0; i < sides; ++i) {
+      if (n.dot(side[i]) < 0.0) return true;
+    }
+    return false;
+  }
   void face(const Vec3& n, FaceOwner owner, double bias) {
+    if (leads_through(n)) return;
     const double s = separation(a, b, n);
     if (has_face && s <= best_face.separation + bias) return;
     best_face = {n, s, owner};
     has_face = true;
   }
   void other(const Vec3& n, double bias) {
+    if (leads_through(n)) return;
     const double s = separation(a, b, n);
     if (has_other && s <= best_other.separation + bias) return;
     best_other = {n, s, FaceOwner::None};
     has_other = true;
   }
-  /// Both signs of each face normal of a box: with deep overlap the centres do not tell.
+  /// All face normals of a: of b the other way round.
   void faces_of(const ConvexCore& core, FaceOwner owner, double bias) {
+    const double sign = owner == FaceOwner::A ? 1.0 : -1.0;
+    if (core.kind != CoreKind::Box) {
+      for (int i = 0; i < face_count(core); ++i) face(sign * face_normal(core, i), owner, bias);
+      return;
+    }
+    // Both signs: with deep overlap the centres do not tell.
     for (int i = 0; i < 3; ++i) {
       // Towards b first, which then wins a tie.
       const Vec3 n = core.axes.col(i);
-      const double sign = n.dot(b.centre - a.centre) < 0.0 ? -1.0 : 1.0;
-      face(sign * n, owner, bias);
-      face(-sign * n, owner, bias);
+      const double towards = n.dot(b.centre - a.centre) < 0.0 ? -1.0 : 1.0;
+      face(towards * n, owner, bias);
+      face(-towards * n, owner, bias);
     }
   }
   void cross(const Vec3& u, const Vec3& v, double bias) {
@@ -63,15 +92,97 @@ struct Candidates {
   }
 };
 
-std::array<Vec3, 3> edge_directions(const ConvexCore& core) {
-  if (core.kind == CoreKind::Triangle) {
-    return {Vec3(core.corners[1] - core.corners[0]), Vec3(core.corners[2] - core.corners[1]),
-            Vec3(core.corners[0] - core.corners[2])};
+/// More products of edges than this are not searched where there is a hint.
+constexpr int kManyEdges = 64;
+
+/// Climb from a direction to the best one nearby. Steps are halved until they are 1e-6 rad; they
+/// are tried down the slope of the two foremost points first, then around, turned a little each
+/// time, because the separation has ridges.
+Vec3 climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
+  constexpr double kTurn = 0.61;  // rad
+  double best = separation(a, b, n);
+  double angle = 0.0;
+  while (step > 1e-6) {
+    const Vec3 u = n.unitOrthogonal();
+    const Vec3 v = n.cross(u);
+    const Vec3 w = b.support(-n) - a.support(n);
+    const Vec3 slope = w - n.dot(w) * n;
+    const double length = slope.norm();
+    bool better = false;
+    for (int i = length > 1e-12 ? -1 : 0; i < 6 && !better; ++i) {
+      const double direction = angle + i * (std::numbers::pi / 3.0);
+      const Vec3 t =
+          i < 0 ? Vec3(slope / length) : Vec3(std::cos(direction) * u + std::sin(direction) * v);
+      const Vec3 m = (n + step * t).normalized();
+      const double value = separation(a, b, m);
+      if (value <= best) continue;
+      best = value;
+      n = m;
+      better = true;
+    }
+    angle += kTurn;
+    if (!better) step *= 0.6;
   }
-  if (core.kind == CoreKind::Segment) {
-    return {Vec3(core.axes.col(2)), Vec3::Zero(), Vec3::Zero()};
+  return n;
+}
+
+/// Climb from the best of directions all around.
+void look_around(Candidates& c) {
+  constexpr int kCount = 64;
+  constexpr int kClimbs = 4;
+  constexpr double kGolden = 2.399963229728653;  // rad
+  std::array<std::pair<double, Vec3>, kCount> tried;
+  for (int i = 0; i < kCount; ++i) {  // a spiral around the sphere
+    const double z = 1.0 - (2.0 * i + 1.0) / kCount;
+    const double r = std::sqrt(1.0 - z * z);
+    const Vec3 n(r * std::cos(kGolden * i), r * std::sin(kGolden * i), z);
+    tried[i] = {separation(c.a, c.b, n), n};
   }
-  return {Vec3(core.axes.col(0)), Vec3(core.axes.col(1)), Vec3(core.axes.col(2))};
+  std::partial_sort(tried.begin(), tried.begin() + kClimbs, tried.end(),
+                    [](const auto& l, const auto& r) { return l.first > r.first; });
+  for (int i = 0; i < kClimbs; ++i) c.other(climb(c.a, c.b, tried[i].second, 0.2), 0.0);
+}
+
+/// Where the cores overlap: products of edges, and the neighbourhood of what is known.
+void search(Candidates& c, const Vec3* hint, double tie) {
+  const ConvexCore& a = c.a;
+  const ConvexCore& b = c.b;
+  const int count_a = edge_count(a);
+  const int count_b = edge_count(b);
+  const bool curved = a.curved() || b.curved();
+  if (hint != nullptr) {
+    c.other(*hint, 0.0);
+    const CoreEdge edge_a = edge_towards(a, *hint);
+    const CoreEdge edge_b = edge_towards(b, -*hint);
+    c.cross(edge_a.to - edge_a.from, edge_b.to - edge_b.from, tie);
+  }
+  if (hint == nullptr || count_a * count_b <= kManyEdges) {
+    for (int i = 0; i < count_a; ++i) {
+      const Vec3 u = edge_direction(a, i);
+      for (int j = 0; j < count_b; ++j) c.cross(u, edge_direction(b, j), tie);
+    }
+  }
+  if (curved) {
+    // Across each curved side towards the other shape, and between the two centres.
+    for (const ConvexCore* core : {&a, &b}) {
+      if (!core->curved()) continue;
+      const Vec3 axis = core->axes.col(2);
+      const Vec3 between = b.centre - a.centre;
+      const Vec3 across = between - between.dot(axis) * axis;
+      if (across.norm() > 1e-9) c.other(across.normalized(), tie);
+      const Vec3 x = core->axes.col(0);
+      const Vec3 y = core->axes.col(1);
+      for (const Vec3& n : {x, y, Vec3(-x), Vec3(-y)}) c.other(n, tie);
+    }
+    if (c.has_other) c.other(climb(a, b, c.best_other.normal, 0.05), 0.0);
+    if (hint == nullptr) look_around(c);
+  } else if (hint != nullptr && count_a * count_b > kManyEdges) {
+    const Vec3 near = climb(a, b, c.best_other.normal, 0.05);
+    const CoreEdge edge_a = edge_towards(a, near);
+    const CoreEdge edge_b = edge_towards(b, -near);
+    c.other(near, 0.0);
+    c.cross(edge_a.to - edge_a.from, edge_b.to - edge_b.from, -kRoundTolerance);
+  }
 }
 
 /// Whether boxes that are apart along n will touch there: not where, by the time they meet, they
@@ -123,14 +234,16 @@ ContactAxis front_axis(const ConvexCore& a, const ConvexCore& b) {
   return {n, separation(a, b, n), FaceOwner::B};
 }
 
-ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction) {
+ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction,
+                        const Vec3* hint) {
   const bool known = direction.status == Direction::Status::Found;
   const Vec3& n = direction.normal;
   const bool round = a.radius + b.radius > 0.0;
   const double tie = kRoundTolerance;
-  Candidates c{a, b, {}, {}};
-  if (a.kind == CoreKind::Box) c.faces_of(a, FaceOwner::A, tie);
-  if (b.kind == CoreKind::Box) c.faces_of(b, FaceOwner::B, tie);
+  Candidates c{.a = a, .b = b};
+  if (!known) c.find_sides();
+  c.faces_of(a, FaceOwner::A, tie);
+  c.faces_of(b, FaceOwner::B, tie);
   if (b.kind == CoreKind::Triangle) c.face(-b.front, FaceOwner::B, tie);
   if (known) {
     c.other(n, 0.0);
@@ -140,9 +253,7 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
       c.cross(edge_a.to - edge_a.from, edge_b.to - edge_b.from, -kRoundTolerance);
     }
   } else if (a.kind != CoreKind::Point) {
-    for (const Vec3& u : edge_directions(a)) {
-      for (const Vec3& v : edge_directions(b)) c.cross(u, v, tie);
-    }
+    search(c, hint, tie);
   }
   if (!c.has_face) {
     if (c.has_other) return c.best_other;
@@ -223,6 +334,11 @@ RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double 
     if (height - a.radius >= margin) return;
     out.add({p, p - height * normal, height - a.radius, feature});
   };
+  const auto add_face = [&](const CoreFace& face) {
+    for (int i = 0; i < face.count; ++i) {
+      add(face.corners[i], corner_feature(false, face.corner_ids[i]));
+    }
+  };
   if (a.kind == CoreKind::Box) {
     // The four lowest corners; on a face these are the face's, on an edge the other two are far.
     std::array<RawPoint, 8> corners;
@@ -239,12 +355,16 @@ RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double 
     std::sort(corners.begin(), corners.begin() + 4,
               [](const RawPoint& l, const RawPoint& r) { return l.feature < r.feature; });
     for (int i = 0; i < 4; ++i) add(corners[i].on_a, corners[i].feature);
-  } else if (a.kind == CoreKind::Segment) {
-    const CoreEdge edge = edge_towards(a, -normal);
-    add(edge.from, corner_feature(false, edge.from_id));
-    add(edge.to, corner_feature(false, edge.to_id));
-  } else {
+  } else if (a.kind == CoreKind::Polytope) {
+    // All corners in reach, not only those of one face: which one would change as it rolls.
+    const auto arms = a.hull->arms();
+    for (std::uint32_t v = 0; v < arms.size(); ++v) {
+      add(a.centre + a.axes * arms[v], corner_feature(false, v));
+    }
+  } else if (a.kind == CoreKind::Point) {
     add(a.centre, 0);
+  } else {
+    add_face(face_towards(a, -normal));
   }
   return out;
 }

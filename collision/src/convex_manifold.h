@@ -24,8 +24,11 @@ struct ContactAxis {
 /// From the library's direction to the contact's: face normals that separate (nearly) as well are
 /// taken in its place, because a face gives a wide manifold and does not flicker; a direction
 /// between two edges is made exact. Where the direction is unknown all face normals and edge
-/// products are searched (overlapping cores: see fcl_bridge.cpp).
-ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction);
+/// products are searched (overlapping cores: see fcl_bridge.cpp), and from the best of them the
+/// neighbourhood where a side is curved.
+/// @param hint  the last step's normal, or null: shapes with many edges are then searched around it
+ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction,
+                        const Vec3* hint = nullptr);
 
 /// The axis across the given face of a triangle b alone.
 ContactAxis front_axis(const ConvexCore& a, const ConvexCore& b);

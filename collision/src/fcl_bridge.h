@@ -23,8 +23,4 @@ struct Direction {
 /// Allocates (the library does). Does not throw.
 Direction query_direction(const ConvexCore& a, const ConvexCore& b, double margin) noexcept;
 
-/// Whether the shape comes within `margin` of the half-space normal . x <= offset.
-bool near_half_space(const ConvexCore& a, const Vec3& normal, double offset,
-                     double margin) noexcept;
-
 }  // namespace tandem::collision

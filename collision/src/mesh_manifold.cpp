@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sphere_contact.h"
+#include "tandem/collision/height_field.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -22,20 +25,17 @@ constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
+/// m: a centre nearer than this to a point has no direction from it.
+constexpr double kTouching = 1e-7;
+/// m by which a point may lie beside a triangle and still count as over it.
+constexpr double kOver = 1e-6;
+/// By what share of its size the box is wider that triangles are searched for.
+constexpr double kListShare = 0.25;
 
-ConvexCore triangle_core(const TriangleMesh& mesh, std::uint32_t t, const MeshPose& pose) {
-  ConvexCore core;
-  core.kind = CoreKind::Triangle;
-  for (int k = 0; k < 3; ++k) {
-    const std::uint32_t v = mesh.triangles()[t][k];
-    core.corners[k] = pose.rotation * mesh.vertices()[v] + pose.translation;
-    core.corner_ids[k] = v;
-    core.edge_ids[k] = mesh.edge_id(t, k);
-  }
-  core.centre = (core.corners[0] + core.corners[1] + core.corners[2]) / 3.0;
-  core.front = pose.rotation * mesh.normal(t);
-  core.size = 1e9;  // the convex shape's size decides
-  return core;
+bool by_rank(const MeshPoint& l, const MeshPoint& r) {
+  if (l.rank != r.rank) return l.rank < r.rank;
+  if (l.triangle != r.triangle) return l.triangle < r.triangle;
+  return l.point.feature < r.point.feature;
 }
 
 bool was_touched(std::span<const ContactPatch> previous, const Vec3& front_l) {
@@ -49,7 +49,7 @@ bool over_triangle(const ConvexCore& t, const Vec3& p) {
   for (int k = 0; k < 3; ++k) {
     const Vec3 edge = t.corners[(k + 1) % 3] - t.corners[k];
     const Vec3 inwards = t.front.cross(edge);
-    if (inwards.dot(p - t.corners[k]) < -1e-6 * inwards.norm()) return false;
+    if (inwards.dot(p - t.corners[k]) < -kOver * inwards.norm()) return false;
   }
   return true;
 }
@@ -75,7 +75,8 @@ RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach
   return out;
 }
 
-RawManifold triangle_manifold(const ConvexCore& a, const TriangleMesh& mesh, std::uint32_t index,
+template <class Surface>
+RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
                               const ConvexCore& t, const MeshPose& pose, const Reach& reach,
                               const Direction& direction) {
   // The middle is behind the plane, so the nearest way out would be the wrong one.
@@ -159,17 +160,104 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
   merge_equal(points);
   std::array<std::uint32_t, 4> kept{};
   const int kept_count = before != nullptr ? before->count : 0;
-  for (int i = 0; i < kept_count; ++i) kept[i] = before->points[i].feature;
+  for (int i = 0; i < kept_count; ++i) kept[i] = before->features[i];
   const int count = reduce(points.data(), static_cast<int>(points.size()), manifold.normal,
                            1e-3 * size, kept.data(), kept_count);
   for (int i = 0; i < count; ++i) manifold.add(points[i]);
 }
 
+template <class Surface>
+Aabb triangle_bounds(const Surface& mesh, std::uint32_t t) {
+  const TriangleMesh::Triangle corners = mesh.corners(t);
+  const Vec3 a = mesh.vertex(corners[0]);
+  const Vec3 b = mesh.vertex(corners[1]);
+  const Vec3 c = mesh.vertex(corners[2]);
+  return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+}
+
+/// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
+template <class Surface>
+void candidates(const Surface& mesh, const Aabb& bounds, TriangleList& list) {
+  if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
+    const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);
+    if (slack.maxCoeff() < (bounds.max - bounds.min).maxCoeff()) return;
+  }
+  const Aabb wide = bounds.expanded(kListShare * (bounds.max - bounds.min).maxCoeff());
+  list.triangles.clear();
+  mesh.query(wide, list.triangles);
+  list.min = wide.min;
+  list.max = wide.max;
+  list.filled = true;
+}
+
+/// A sphere touches a triangle at its point nearest to the centre, if that lies in the triangle's
+/// own region. A closed form: the library keeps the last edge in reach in place of the nearest one
+/// (see fcl_bridge.cpp).
+template <class Surface>
+void sphere_on_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
+                    const Vec3& centre, const Reach& reach, std::span<const ContactPatch> previous,
+                    const TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
+  const double limit = reach.margin + a.radius;
+  for (const std::uint32_t index : list.triangles) {
+    const TriangleMesh::Triangle corners = mesh.corners(index);
+    const Vec3 p = mesh.vertex(corners[0]);
+    const Vec3 front = mesh.normal(index);
+    const double height = front.dot(centre - p);
+    if (height >= limit) continue;
+    if (height < 0.0 && (height < -a.size || !was_touched(previous, front))) continue;
+    int region = 0;
+    const Vec3 nearest =
+        nearest_on_triangle(centre, p, mesh.vertex(corners[1]), mesh.vertex(corners[2]), region);
+    Vec3 normal = -front;
+    double distance = height;
+    if (region != 3) {
+      const Vec3 d = nearest - centre;
+      const bool over = (d + height * front).squaredNorm() < kOver * kOver;
+      if (!over) {
+        if (height < 0.0) continue;
+        distance = d.norm();
+        if (distance >= limit || distance < kTouching) continue;
+        if (height <= kIsFront * distance) {
+          normal = d / distance;
+          if (height <= kRegionSlop * distance || !normal_allowed(mesh, index, -normal)) continue;
+        }
+      }
+    }
+    if (distance >= limit) continue;
+    const bool known = std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& q) {
+      return q.normal_l.dot(normal) > kIsFront;
+    });
+    const double gap = distance - a.radius;
+    scratch.points.push_back(
+        {{a.centre, nearest, gap, 0}, normal, gap - (known ? 1e-3 * a.size : 0.0), index, -1});
+  }
+  std::sort(scratch.points.begin(), scratch.points.end(), by_rank);
+  for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
+    const MeshPoint& point = scratch.points[seed];
+    bool taken = false;
+    for (std::size_t i = 0; i < seed && !taken; ++i) {
+      taken = scratch.points[i].cluster >= 0 &&
+              scratch.points[i].normal.dot(point.normal) >= kSameCluster;
+    }
+    if (taken) continue;
+    scratch.points[seed].cluster = 0;
+    const ContactPatch* before = match(point.normal, previous, out);
+    const std::uint32_t number = before != nullptr ? before->cluster : free_number(previous, out);
+    RawManifold& manifold = out.emplace_back();
+    manifold.cluster = number;
+    manifold.normal = pose.rotation * point.normal;
+    manifold.owner = FaceOwner::B;
+    const double distance = point.point.gap + a.radius;
+    manifold.add({a.centre, a.centre + distance * manifold.normal, point.point.gap, 0});
+  }
+}
+
 }  // namespace
 
-bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n) {
-  const TriangleMesh::Triangle& corners = mesh.triangles()[triangle];
-  const auto corner = [&](int k) -> const Vec3& { return mesh.vertices()[corners[k % 3]]; };
+template <class Surface>
+bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n) {
+  const TriangleMesh::Triangle corners = mesh.corners(triangle);
+  const auto corner = [&](int k) -> Vec3 { return mesh.vertex(corners[k % 3]); };
   if (n.dot(mesh.normal(triangle)) > 1.0 - 1e-7) return true;
   int foremost = 0;
   for (int k = 1; k < 3; ++k) {
@@ -185,27 +273,38 @@ bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3
   }
   const std::uint32_t v = corners[foremost];
   for (const std::uint32_t w : mesh.ring(v)) {
-    const Vec3 along = mesh.vertices()[w] - mesh.vertices()[v];
+    const Vec3 along = mesh.vertex(w) - mesh.vertex(v);
     if (n.dot(along) > kRegionSlop * along.norm()) return false;
   }
   return true;
 }
 
-std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+template <class Surface>
+std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
                          const Reach& reach, std::span<const ContactPatch> previous,
-                         MeshScratch& scratch, std::vector<RawManifold>& out) {
+                         TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
   out.clear();
-  scratch.triangles.clear();
   scratch.points.clear();
   // Bounds of the shape in the mesh frame.
   const Mat3 to_mesh = pose.rotation.transpose();
   const Vec3 centre_l = to_mesh * (a.centre - pose.translation);
-  Vec3 extent = Vec3::Constant(a.radius + reach.margin);
-  for (int i = 0; i < 3; ++i) extent += a.half[i] * (to_mesh * a.axes.col(i)).cwiseAbs();
-  mesh.query({centre_l - extent, centre_l + extent}, scratch.triangles);
+  const double round = a.radius + reach.margin;
+  const Vec3 middle = to_mesh * -pose.translation;
+  Aabb bounds;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 axis = pose.rotation.col(i);
+    bounds.min[i] = middle[i] - a.reach(-axis) - round;
+    bounds.max[i] = middle[i] + a.reach(axis) + round;
+  }
+  candidates(mesh, bounds, list);
+  if (a.kind == CoreKind::Point) {
+    sphere_on_mesh(a, mesh, pose, centre_l, reach, previous, list, scratch, out);
+    return 0;
+  }
 
   std::size_t queries = 0;
-  for (const std::uint32_t index : scratch.triangles) {
+  for (const std::uint32_t index : list.triangles) {
+    if (!triangle_bounds(mesh, index).overlaps(bounds)) continue;
     const ConvexCore t = triangle_core(mesh, index, pose);
     if (front_axis(a, t).separation - a.radius >= reach.margin) continue;
     // Behind the plane there is no contact, except for a shape that was pushed through just now.
@@ -226,12 +325,7 @@ std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const Me
     }
   }
 
-  std::sort(scratch.points.begin(), scratch.points.end(),
-            [](const MeshPoint& l, const MeshPoint& r) {
-              if (l.rank != r.rank) return l.rank < r.rank;
-              if (l.triangle != r.triangle) return l.triangle < r.triangle;
-              return l.point.feature < r.point.feature;
-            });
+  std::sort(scratch.points.begin(), scratch.points.end(), by_rank);
   for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
     if (scratch.points[seed].cluster >= 0) continue;
     const Vec3 n = scratch.points[seed].normal;
@@ -264,7 +358,7 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
                             MeshScratch& scratch) {
   scratch.cluster.clear();
   for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
-    const Vec3 p = pose.rotation * mesh.vertices()[v] + pose.translation;
+    const Vec3 p = pose.rotation * mesh.vertex(v) + pose.translation;
     const double height = normal.dot(p) - offset;
     if (height >= margin) continue;
     scratch.cluster.push_back({p, p - height * normal, height, corner_feature(false, v)});
@@ -276,5 +370,12 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
   finish_cluster(scratch.cluster, out, size, previous.empty() ? nullptr : &previous[0]);
   return out;
 }
+
+template std::size_t collide_mesh(const ConvexCore&, const TriangleMesh&, const MeshPose&,
+                                  const Reach&, std::span<const ContactPatch>, TriangleList&,
+                                  MeshScratch&, std::vector<RawManifold>&);
+template std::size_t collide_mesh(const ConvexCore&, const HeightField&, const MeshPose&,
+                                  const Reach&, std::span<const ContactPatch>, TriangleList&,
+                                  MeshScratch&, std::vector<RawManifold>&);
 
 }  // namespace tandem::collision

@@ -14,15 +14,14 @@ namespace tandem::collision {
 /// A contact point with one triangle, before points of like normals are put together.
 struct MeshPoint {
   RawPoint point;
-  Vec3 normal = Vec3::UnitZ();  ///< unit, from the convex shape to the mesh
-  double rank = 0.0;            ///< m; the gap, with a head start for normals of the last step
-  std::uint32_t triangle = 0;
-  int cluster = -1;
+  Vec3 normal;  ///< unit, from the convex shape to the mesh
+  double rank;  ///< m; the gap, with a head start for normals of the last step
+  std::uint32_t triangle;
+  int cluster;
 };
 
 /// Memory kept from call to call.
 struct MeshScratch {
-  std::vector<std::uint32_t> triangles;
   std::vector<MeshPoint> points;
   std::vector<RawPoint> cluster;
 };
@@ -33,15 +32,35 @@ struct MeshPose {
   Vec3 translation = Vec3::Zero();
 };
 
-/// Contacts of a convex shape with a mesh: one manifold for each cluster of like normals.
-/// Only fronts touch. Normals that point out of the Voronoi region of the triangle's feature they
-/// touch (internal edges) give way to the triangle's own normal or are dropped.
+/// One triangle of a TriangleMesh or a HeightField, in the frame of the query.
+template <class Surface>
+ConvexCore triangle_core(const Surface& mesh, std::uint32_t t, const MeshPose& pose) {
+  ConvexCore core;
+  core.kind = CoreKind::Triangle;
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t v = mesh.corners(t)[k];
+    core.corners[k] = pose.rotation * mesh.vertex(v) + pose.translation;
+    core.corner_ids[k] = v;
+    core.edge_ids[k] = mesh.edge_id(t, k);
+  }
+  core.centre = (core.corners[0] + core.corners[1] + core.corners[2]) / 3.0;
+  core.front = pose.rotation * mesh.normal(t);
+  core.size = 1e9;  // the convex shape's size decides
+  return core;
+}
+
+/// Contacts of a convex shape with a TriangleMesh or a HeightField: one manifold for each cluster
+/// of like normals. Only fronts touch. Normals that point out of the Voronoi region of the
+/// triangle's feature they touch (internal edges) give way to the triangle's own normal or are
+/// dropped.
+/// @param list  triangles found before, which hold as long as the shape stays where they are all
 /// @param previous  the pair's last patches, normals in the mesh frame: clusters keep their
 ///   numbers and points by them
 /// @return number of library queries
-std::size_t collide_mesh(const ConvexCore& a, const TriangleMesh& mesh, const MeshPose& pose,
+template <class Surface>
+std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
                          const Reach& reach, std::span<const ContactPatch> previous,
-                         MeshScratch& scratch, std::vector<RawManifold>& out);
+                         TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out);
 
 /// Contacts of a mesh (as a) with the half-space normal . x <= offset.
 RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, const Vec3& normal,
@@ -50,6 +69,7 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
 
 /// Whether a contact whose normal leaves the front of a triangle in direction n (mesh frame) can
 /// come from the triangle's foremost feature: false where a neighbour lies nearer.
-bool normal_allowed(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& n);
+template <class Surface>
+bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n);
 
 }  // namespace tandem::collision

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
+#include "box_box.h"
 #include "fcl_bridge.h"
+#include "sphere_contact.h"
 
 namespace tandem::collision {
 namespace {
@@ -14,102 +17,225 @@ namespace {
 using pbd::Pose;
 using pbd::Quat;
 
-bool is_sphere(const Collider& c) { return c.rank == 0; }
-
-/// Two balls about their bodies' origins: turning changes nothing.
-bool is_central(const QueryPair& pair) {
-  return is_sphere(*pair.a) && is_sphere(*pair.b) && pair.a->def.local.position.isZero(0.0) &&
-         pair.b->def.local.position.isZero(0.0);
-}
-
 /// The smaller part is measured in the frame of the larger one.
 bool measures_a(const QueryPair& pair) {
   return !pair.b->is_convex() || pair.a->reach <= pair.b->reach;
 }
 
-Pose relative_pose(const QueryPair& pair) {
-  const Collider& measured = measures_a(pair) ? *pair.a : *pair.b;
-  const Collider& frame = measures_a(pair) ? *pair.b : *pair.a;
-  if (is_central(pair)) {
-    return {measured.body.position - frame.body.position, Quat::Identity()};
-  }
-  const Quat inverse = frame.body.orientation.conjugate();
-  return {inverse * (measured.body.position - frame.body.position),
-          inverse * measured.body.orientation};
+struct Roles {
+  const Collider& measured;
+  const Collider& frame;
+};
+
+Roles roles(const QueryPair& pair) {
+  return measures_a(pair) ? Roles{*pair.a, *pair.b} : Roles{*pair.b, *pair.a};
 }
 
-/// How far the measured part has moved since, m; infinite where it turned by more than max_angle.
-double moved(const QueryPair& pair, const Pose& now, const Pose& then, double max_angle) {
-  const Collider& measured = measures_a(pair) ? *pair.a : *pair.b;
-  const auto displacement = [&](const Vec3& point_l) {
-    return (now.to_world(point_l) - then.to_world(point_l)).norm();
-  };
-  const Pose& local = measured.def.local;
-  // Round shapes by their cores: rolling about the core is no motion.
-  if (is_sphere(measured)) return displacement(local.position);
-  if (const auto* capsule = std::get_if<Capsule>(&measured.def.shape)) {
-    const Vec3 arm = capsule->half_height * measured.local_rotation.col(2);
-    return std::max(displacement(local.position + arm), displacement(local.position - arm));
-  }
-  const double half_sine = (then.orientation.conjugate() * now.orientation).vec().norm();
-  if (half_sine > std::sin(0.5 * max_angle)) return HUGE_VAL;
-  return (now.position - then.position).norm() + 2.0 * half_sine * measured.reach;
+Vec3 relative_position(const Roles& r) {
+  return r.frame.body.orientation.conjugate() * (r.measured.body.position - r.frame.body.position);
+}
+Quat relative_orientation(const Roles& r) {
+  return r.frame.body.orientation.conjugate() * r.measured.body.orientation;
 }
 
-void store(const QueryPair& pair, const RawManifold& raw, const Vec3& origin, PairCache& cache) {
-  const Collider& a = *pair.a;
-  const Collider& b = *pair.b;
-  ContactPatch& patch = cache.patches.emplace_back();
-  patch.in_a =
-      raw.owner == FaceOwner::A || (raw.owner == FaceOwner::None && b.dynamic && !a.dynamic);
-  const Pose& frame = patch.in_a ? a.body : b.body;
-  patch.normal_l = frame.orientation.conjugate() * raw.normal;
-  patch.central = is_central(pair);
-  const auto radius = [](const Collider& c) {
+/// Whether the measured part has moved less than `limit`, m, and how far. A body without a round
+/// core must not have turned by more than an angle either, given as the sine of its half.
+bool moved_less(const Roles& r, const PairCache& cache, double limit, double max_sine,
+                double& distance) {
+  const Collider& measured = r.measured;
+  const auto& q = cache.orientation;
+  const Pose then{cache.position, Quat(q[3], q[0], q[1], q[2])};
+  const Vec3 position = relative_position(r);
+  const auto* capsule = std::get_if<Capsule>(&measured.def.shape);
+  if (measured.kind == Kind::Sphere || capsule != nullptr) {
+    // Round shapes by their cores: rolling about the core is no motion.
+    const Pose now{position, relative_orientation(r)};
+    const auto displacement = [&](const Vec3& point_l) {
+      return (now.to_world(point_l) - then.to_world(point_l)).norm();
+    };
+    const Vec3& middle = measured.def.local.position;
+    const Vec3 arm = capsule != nullptr
+                         ? Vec3(capsule->half_height * measured.local_rotation.col(2))
+                         : Vec3(Vec3::Zero());
+    distance = std::max(displacement(middle + arm), displacement(middle - arm));
+    return distance < limit;
+  }
+  distance = (position - then.position).norm();
+  if (distance >= limit) return false;
+  const double half_sine = (then.orientation.conjugate() * relative_orientation(r)).vec().norm();
+  distance += 2.0 * half_sine * measured.reach;
+  return half_sine <= max_sine && distance < limit;
+}
+
+/// Write the raw manifolds over the cache's patches, in their memory as far as it goes.
+class PatchWriter {
+ public:
+  PatchWriter(const QueryPair& pair, PairCache& cache, PatchPool& pool)
+      : pair_(pair), pool_(pool), link_(&cache.patches) {}
+
+  /// @param origin  m, world: what the manifold's positions are relative to
+  void store(const RawManifold& raw, const Vec3& origin) {
+    if (raw.count == 0 || raw.cluster >= (1u << kClusterBits)) return;
+    if (*link_ == nullptr) *link_ = pool_.take();
+    ContactPatch& patch = **link_;
+    link_ = &patch.next;
+    const Collider& a = *pair_.a;
+    const Collider& b = *pair_.b;
+    patch.in_a =
+        raw.owner == FaceOwner::A || (raw.owner == FaceOwner::None && b.dynamic && !a.dynamic);
+    patch.normal_l = (patch.in_a ? a : b).direction_to_body(raw.normal);
+    // Of a cylinder on its side: down to its axis.
+    const double roll_a = a.kind == Kind::Cylinder ? rolling(a, raw.normal) : 0.0;
+    const double roll_b = b.kind == Kind::Cylinder ? rolling(b, -raw.normal) : 0.0;
+    patch.radius_a = radius_of(a) + roll_a;
+    patch.radius_b = radius_of(b) + roll_b;
+    patch.cluster = static_cast<std::uint16_t>(raw.cluster);
+    patch.count = static_cast<std::uint8_t>(std::min<int>(raw.count, ContactPatch::kMaxPoints));
+    const Vec3 to_a = origin - a.position - roll_a * raw.normal;
+    const Vec3 to_b = origin - b.position + roll_b * raw.normal;
+    for (int i = 0; i < patch.count; ++i) {
+      patch.anchor_a_l[i] = a.to_body(raw.points[i].on_a + to_a);
+      patch.anchor_b_l[i] = b.to_body(raw.points[i].on_b + to_b);
+      patch.features[i] = raw.points[i].feature;
+    }
+  }
+  /// Give back what is left over.
+  void finish() { pool_.give(std::exchange(*link_, nullptr)); }
+
+ private:
+  static double radius_of(const Collider& c) {
     if (const auto* s = std::get_if<Sphere>(&c.def.shape)) return s->radius;
     if (const auto* k = std::get_if<Capsule>(&c.def.shape)) return k->radius;
     return 0.0;
-  };
-  patch.radius_a = radius(a);
-  patch.radius_b = radius(b);
-  patch.cluster = raw.cluster;
-  patch.count = std::min<int>(raw.count, pbd::Manifold::kMaxPoints);
-  for (int i = 0; i < patch.count; ++i) {
-    patch.points[i].anchor_a_l =
-        a.body.orientation.conjugate() * (raw.points[i].on_a + (origin - a.body.position));
-    patch.points[i].anchor_b_l =
-        b.body.orientation.conjugate() * (raw.points[i].on_b + (origin - b.body.position));
-    patch.points[i].feature = raw.points[i].feature;
+  }
+
+  static double rolling(const Collider& c, const Vec3& direction) {
+    return rolling_radius(c.core(c.position), direction);
+  }
+
+  const QueryPair& pair_;
+  PatchPool& pool_;
+  ContactPatch** link_;
+};
+
+void reduce_like_before(RawManifold& manifold, double size, const PairCache& cache) {
+  static constexpr std::array<std::uint32_t, 4> kNone{};
+  const ContactPatch* before = cache.patches;
+  manifold.count = reduce(manifold.points.data(), manifold.count, manifold.normal, 1e-3 * size,
+                          before != nullptr ? before->features.data() : kNone.data(),
+                          before != nullptr ? before->count : 0);
+}
+
+/// @return false: the library has to be asked
+bool refine_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
+  const Collider& a = *pair.a;
+  const Collider& b = *pair.b;
+  const BoxPose pose_a{a.rotation, std::get<Box>(a.def.shape).half_extents};
+  const BoxPose pose_b{b.rotation, std::get<Box>(b.def.shape).half_extents};
+  const BoxPair boxes(pose_a, pose_b, b.position - a.position);
+  const BoxAxis axis = boxes.best(cache.axis, reach.margin);
+  cache.axis = axis.id;
+  if (axis.separation >= reach.margin) return true;
+  if (cache.patches == nullptr) return false;
+  const ContactAxis direction{boxes.normal(axis), axis.separation,
+                              axis.id < 3   ? FaceOwner::A
+                              : axis.id < 6 ? FaceOwner::B
+                                            : FaceOwner::None};
+  if (axis.id < 6) {
+    out.normal = direction.normal;
+    out.owner = direction.owner;
+    if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep)) return true;
+    boxes.face_points(axis, reach.margin, out);
+    if (out.count > 0) return true;
+  }
+  out = build_manifold(a.core(a.position), b.core(a.position), direction, reach);
+  return true;
+}
+
+std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& cache,
+                         RawManifold& out) {
+  const Vec3& origin = pair.a->position;
+  if (pair.b->is_half_space()) {
+    const Vec3 n = pair.b->plane_normal();
+    const double offset =
+        std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
+    out = half_space_manifold(pair.a->core(origin), n, offset, reach.margin);
+    reduce_like_before(out, pair.a->size, cache);
+    return 1;
+  }
+  const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
+  if (!boxes || !refine_boxes(pair, reach, cache, out)) {
+    const ConvexCore a = pair.a->core(origin);
+    const ConvexCore b = pair.b->core(origin);
+    const Direction direction = query_direction(a, b, reach.margin);
+    if (direction.status == Direction::Status::Apart) return 1;
+    Vec3 before;
+    if (cache.patches != nullptr) {
+      const ContactPatch& patch = *cache.patches;
+      before = (patch.in_a ? pair.a : pair.b)->body.orientation * patch.normal_l;
+    }
+    const Vec3* hint = cache.patches != nullptr && !boxes ? &before : nullptr;
+    out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
+  }
+  reduce_like_before(out, std::min(pair.a->size, pair.b->size), cache);
+  return 1;
+}
+
+void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, QueryScratch& scratch,
+                std::size_t& queries) {
+  const Vec3& origin = pair.a->position;
+  const Collider& mesh = pair.a->is_surface() ? *pair.a : *pair.b;
+  const MeshPose pose{mesh.rotation, mesh.position - origin};
+  scratch.raw.clear();
+  scratch.before.clear();
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
+    scratch.before.push_back(*p);
+    // Patches are kept in the body's frame, normals are compared in the mesh's own.
+    ContactPatch& patch = scratch.before.back();
+    if (!pair.a->is_surface()) patch.normal_l = mesh.local_rotation.transpose() * patch.normal_l;
+  }
+  if (pair.a->is_surface()) {
+    const Vec3 n = pair.b->plane_normal();
+    const double offset =
+        std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
+    scratch.raw.push_back(mesh_half_space(*std::get<Mesh>(mesh.def.shape), pose, n, offset,
+                                          reach.margin, scratch.before, scratch.mesh));
+    return;
+  }
+  if (cache.triangles == nullptr) cache.triangles = std::make_unique<TriangleList>();
+  const ConvexCore core = pair.a->core(origin);
+  if (const auto* field = std::get_if<Field>(&mesh.def.shape)) {
+    queries += collide_mesh(core, **field, pose, reach, scratch.before, *cache.triangles,
+                            scratch.mesh, scratch.raw);
+  } else {
+    queries += collide_mesh(core, *std::get<Mesh>(mesh.def.shape), pose, reach, scratch.before,
+                            *cache.triangles, scratch.mesh, scratch.raw);
   }
 }
 
-std::size_t query_convex(const QueryPair& pair, const Reach& reach, const PairCache& cache,
-                         const Vec3& origin, RawManifold& out) {
-  const ConvexCore a = pair.a->core(origin);
-  if (pair.b->is_half_space()) {
-    const Vec3 n = pair.b->plane_normal();
-    const double offset = pair.b->plane_offset() - n.dot(origin);
-    if (near_half_space(a, n, offset, reach.margin)) {
-      out = half_space_manifold(a, n, offset, reach.margin);
-    }
-    return 1;
-  }
-  const ConvexCore b = pair.b->core(origin);
-  const Direction direction = query_direction(a, b, reach.margin);
-  if (direction.status == Direction::Status::Apart) return 1;
-  out = build_manifold(a, b, choose_axis(a, b, direction), reach);
-  std::array<std::uint32_t, 4> kept{};
-  const int kept_count = cache.patches.empty() ? 0 : cache.patches[0].count;
-  for (int i = 0; i < kept_count; ++i) kept[i] = cache.patches[0].points[i].feature;
-  out.count = reduce(out.points.data(), out.count, out.normal, 1e-3 * std::min(a.size, b.size),
-                     kept.data(), kept_count);
-  return 1;
+/// What the pair's material is.
+void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
+  m.friction = combined_friction(a.def.material, b.def.material);
+  m.restitution = combined_restitution(a.def.material, b.def.material);
+}
+
+/// Into the order of the colliders' indices.
+void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m) {
+  m.key = key;
+  set_material(*pair.a, *pair.b, m);
+  m.body_a = pair.a->def.body.index;
+  m.body_b = pair.b->def.body.index;
+  if (!pair.swapped) return;
+  std::swap(m.body_a, m.body_b);
+  std::swap(m.radius_a, m.radius_b);
+  m.normal = -m.normal;
+  for (int i = 0; i < m.count; ++i) std::swap(m.points[i].anchor_a_l, m.points[i].anchor_b_l);
 }
 
 }  // namespace
 
 QueryPair order_pair(const Collider& low, const Collider& high) {
-  const auto order = [](const Collider& c) { return std::tuple(c.rank, c.def.body.index); };
+  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.def.body.index); };
   if (order(high) < order(low)) return {&high, &low, true};
   return {&low, &high, false};
 }
@@ -125,54 +251,54 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   const double distance = (b.body.position - a.body.position).norm();
   const double arm_a = std::min(a.reach, distance + b.reach);
   const double arm_b = std::min(b.reach, distance + a.reach);
-  reach.turning = dt * (a.twist.angular.norm() * arm_a + b.twist.angular.norm() * arm_b);
+  reach.turning = a.turn * arm_a + b.turn * arm_b;
   reach.margin = reach.speculative + reach.sweep.norm() + reach.turning;
   return reach;
+}
+
+bool is_direct(const QueryPair& pair) {
+  return pair.a->kind == Kind::Sphere && has_sphere_contact(pair.b->kind);
+}
+
+bool still_apart(const QueryPair& pair, const PairReach& reach, const PairCache& cache) {
+  if (cache.patches != nullptr || cache.axis >= 15) return false;
+  const BoxPose a{pair.a->rotation, std::get<Box>(pair.a->def.shape).half_extents};
+  const BoxPose b{pair.b->rotation, std::get<Box>(pair.b->def.shape).half_extents};
+  return box_separation(a, b, pair.b->position - pair.a->position, cache.axis) >= reach.margin;
 }
 
 bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
                  double max_angle) {
   if (!cache.valid || reach.recycle <= 0.0) return false;
-  const double distance = moved(pair, relative_pose(pair), cache.relative, max_angle);
+  if (pair.a->still && pair.b->still) return true;
+  // The sine is within 1e-3 of itself for angles up to 0.1 rad, which is all that is asked.
+  double distance = 0.0;
   // Within what was asked then lies all that matters now.
-  return distance < reach.recycle && distance + reach.margin <= cache.margin;
+  return moved_less(roles(pair), cache, reach.recycle, 0.5 * max_angle, distance) &&
+         distance + reach.margin <= cache.margin;
 }
 
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
-                       QueryScratch& scratch) {
-  const Vec3 origin = pair.a->position;
+                       PatchPool& pool, QueryScratch& scratch) {
   const Reach wanted{reach.margin + reach.recycle, reach.sweep};
+  const Vec3& origin = pair.a->position;
   std::size_t queries = 0;
-  scratch.raw.clear();
-  if (pair.b->is_mesh() || pair.a->is_mesh()) {
-    const Collider& mesh = pair.a->is_mesh() ? *pair.a : *pair.b;
-    const TriangleMesh& triangles = *std::get<Mesh>(mesh.def.shape);
-    const MeshPose pose{mesh.rotation, mesh.position - origin};
-    if (pair.a->is_mesh()) {
-      const Vec3 n = pair.b->plane_normal();
-      scratch.raw.push_back(mesh_half_space(triangles, pose, n,
-                                            pair.b->plane_offset() - n.dot(origin), wanted.margin,
-                                            cache.patches, scratch.mesh));
-    } else {
-      // Patches are kept in the body's frame, normals are compared in the mesh's own.
-      for (ContactPatch& patch : cache.patches) {
-        patch.normal_l = mesh.local_rotation.transpose() * patch.normal_l;
-      }
-      queries = collide_mesh(pair.a->core(origin), triangles, pose, wanted, cache.patches,
-                             scratch.mesh, scratch.raw);
-    }
+  PatchWriter writer(pair, cache, pool);
+  if (pair.b->is_surface() || pair.a->is_surface()) {
+    query_mesh(pair, wanted, cache, scratch, queries);
+    std::sort(scratch.raw.begin(), scratch.raw.end(),
+              [](const RawManifold& l, const RawManifold& r) { return l.cluster < r.cluster; });
+    for (const RawManifold& raw : scratch.raw) writer.store(raw, origin);
   } else {
     RawManifold manifold;
-    queries = query_convex(pair, wanted, cache, origin, manifold);
-    scratch.raw.push_back(manifold);
+    queries = query_convex(pair, wanted, cache, manifold);
+    writer.store(manifold, origin);
   }
-  cache.patches.clear();
-  for (const RawManifold& raw : scratch.raw) {
-    if (raw.count > 0 && raw.cluster < (1u << kClusterBits)) store(pair, raw, origin, cache);
-  }
-  std::sort(cache.patches.begin(), cache.patches.end(),
-            [](const ContactPatch& l, const ContactPatch& r) { return l.cluster < r.cluster; });
-  cache.relative = relative_pose(pair);
+  writer.finish();
+  const Roles r = roles(pair);
+  const Quat orientation = relative_orientation(r);
+  cache.position = relative_position(r);
+  for (int i = 0; i < 4; ++i) cache.orientation[i] = static_cast<float>(orientation.coeffs()[i]);
   cache.margin = wanted.margin;
   cache.valid = true;
   return queries;
@@ -182,42 +308,53 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
           std::uint64_t key_base, std::vector<pbd::Manifold>& out) {
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
-  for (const ContactPatch& patch : cache.patches) {
-    Vec3 normal = (patch.in_a ? a.body : b.body).orientation * patch.normal_l;
-    if (patch.central) {
-      const Vec3 between = b.position - a.position;
-      const double distance = between.norm();
-      if (distance > 1e-9) normal = between / distance;
-    }
-    pbd::Manifold m;
-    m.key = key_base + patch.cluster;
-    m.normal = normal;
-    m.radius_a = patch.radius_a;
-    m.radius_b = patch.radius_b;
-    m.friction = std::sqrt(a.def.friction * b.def.friction);
-    m.restitution = std::max(a.def.restitution, b.def.restitution);
+  for (const ContactPatch* patch = cache.patches; patch != nullptr; patch = patch->next) {
+    const Collider& frame = patch->in_a ? a : b;
+    const Collider& other = patch->in_a ? b : a;
+    const Vec3 normal = frame.body.orientation * patch->normal_l;
+    const Vec3 in_other = other.body.orientation.conjugate() * normal;
+    const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
+    const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
     const double margin =
         reach.speculative + std::max(0.0, -normal.dot(reach.sweep)) + reach.turning;
-    for (int i = 0; i < patch.count; ++i) {
-      const pbd::ManifoldPoint& point = patch.points[i];
-      // Between the bodies' origins first: far from the world's origin no digits are lost.
-      const Vec3 between =
-          (b.body.position - a.body.position) +
-          (b.body.orientation * point.anchor_b_l - a.body.orientation * point.anchor_a_l);
-      if (normal.dot(between) - patch.radius_a - patch.radius_b >= margin) continue;
-      m.points[m.count++] = point;
+    // Between the bodies' origins first: far from the world's origin no digits are lost.
+    const double between =
+        normal.dot(b.body.position - a.body.position) - patch->radius_a - patch->radius_b - margin;
+    std::array<bool, ContactPatch::kMaxPoints> near{};
+    bool any = false;
+    for (int i = 0; i < patch->count; ++i) {
+      near[i] = between + (n_b.dot(patch->anchor_b_l[i]) - n_a.dot(patch->anchor_a_l[i])) < 0.0;
+      any = any || near[i];
     }
-    if (m.count == 0) continue;
-    m.body_a = a.def.body.index;
-    m.body_b = b.def.body.index;
-    if (pair.swapped) {
-      std::swap(m.body_a, m.body_b);
-      std::swap(m.radius_a, m.radius_b);
-      m.normal = -m.normal;
-      for (int i = 0; i < m.count; ++i) std::swap(m.points[i].anchor_a_l, m.points[i].anchor_b_l);
+    if (!any) continue;
+    pbd::Manifold& m = out.emplace_back();
+    m.normal = normal;
+    m.radius_a = patch->radius_a;
+    m.radius_b = patch->radius_b;
+    for (int i = 0; i < patch->count; ++i) {
+      if (!near[i]) continue;
+      m.points[m.count++] = {patch->anchor_a_l[i], patch->anchor_b_l[i], patch->features[i]};
     }
-    out.push_back(m);
+    finish_manifold(pair, key_base + patch->cluster, m);
   }
+}
+
+void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t key_base,
+                 std::vector<pbd::Manifold>& out) {
+  const Collider& a = *pair.a;
+  const Collider& b = *pair.b;
+  const SphereContact contact = sphere_contact(a.position, b);
+  const double radius = std::get<Sphere>(a.def.shape).radius;
+  const double margin =
+      reach.speculative + std::max(0.0, -contact.normal.dot(reach.sweep)) + reach.turning;
+  if (contact.distance - radius - contact.radius_b >= margin) return;
+  pbd::Manifold& m = out.emplace_back();
+  m.normal = contact.normal;
+  m.radius_a = radius;
+  m.radius_b = contact.radius_b;
+  m.count = 1;
+  m.points[0] = {a.def.local.position, b.to_body(contact.on_b + (a.position - b.position)), 0};
+  finish_manifold(pair, key_base, m);
 }
 
 }  // namespace tandem::collision

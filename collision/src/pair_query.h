@@ -34,25 +34,36 @@ struct PairReach {
 
 PairReach reach_of(const QueryPair& pair, double dt);
 
+/// A sphere with a convex shape or a half-space has a closed form that costs less than looking at
+/// a cache; see sphere_contact.h.
+bool is_direct(const QueryPair& pair);
+
+/// Whether two boxes are apart in the direction in which they were apart in the last step.
+bool still_apart(const QueryPair& pair, const PairReach& reach, const PairCache& cache);
+
 /// Whether the last contacts still hold.
 bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
                  double max_angle);
 
-/// Memory of the narrow phase, kept from pair to pair.
+/// Memory of the narrow phase, one for each worker, kept from pair to pair.
 struct QueryScratch {
   MeshScratch mesh;
   std::vector<RawManifold> raw;
+  std::vector<ContactPatch> before;
 };
 
 /// Ask the narrow phase and renew the cache. The cache's old patches, where valid, give ids.
-/// @return number of library queries
+/// @return number of narrow-phase queries
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
-                       QueryScratch& scratch);
+                       PatchPool& pool, QueryScratch& scratch);
 
-/// Append the cache's manifolds as they stand now; points too far away are left out.
+/// Append the pair's manifolds as they stand now; points too far away are left out.
 /// @param key_base  key of cluster 0
 void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
           std::uint64_t key_base, std::vector<pbd::Manifold>& out);
+/// The same for a pair that is_direct().
+void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t key_base,
+                 std::vector<pbd::Manifold>& out);
 
 /// Clusters of one pair, and so the bits that keys keep for them.
 inline constexpr int kClusterBits = 12;

@@ -46,6 +46,20 @@ struct Validator {
     }
     return true;
   }
+  bool operator()(const Cylinder& c) const {
+    if (!size_ok(c.radius)) return fail(error, "Cylinder.radius", c.radius, kSizeRule);
+    return size_ok(c.half_height) || fail(error, "Cylinder.half_height", c.half_height, kSizeRule);
+  }
+  bool operator()(const Cone& c) const {
+    if (!size_ok(c.radius)) return fail(error, "Cone.radius", c.radius, kSizeRule);
+    return size_ok(c.half_height) || fail(error, "Cone.half_height", c.half_height, kSizeRule);
+  }
+  bool operator()(const Hull& h) const {
+    return h != nullptr || fail(error, "Hull", 0.0, "a hull made by ConvexHull::make, not null");
+  }
+  bool operator()(const Field& f) const {
+    return f != nullptr || fail(error, "Field", 0.0, "a field made by HeightField::make, not null");
+  }
   bool operator()(const HalfSpace& h) const {
     const double norm = h.normal.norm();
     if (!(std::abs(norm - 1.0) < 1e-6)) {
@@ -88,6 +102,28 @@ struct Weigher {
                         ball * (0.4 * r2 + 0.25 * length * length + 0.375 * length * c.radius);
     const double axial = 0.5 * cylinder * r2 + 0.4 * ball * r2;
     return {cylinder + ball, Vec3::Zero(), diagonal(side, side, axial)};
+  }
+  MassProperties operator()(const Cylinder& c) const {
+    const double r2 = c.radius * c.radius;
+    const double mass = density * std::numbers::pi * r2 * 2.0 * c.half_height;
+    const double side = mass * (0.25 * r2 + c.half_height * c.half_height / 3.0);
+    return {mass, Vec3::Zero(), diagonal(side, side, 0.5 * mass * r2)};
+  }
+  MassProperties operator()(const Cone& c) const {
+    const double r2 = c.radius * c.radius;
+    const double height = 2.0 * c.half_height;
+    const double mass = density * std::numbers::pi * r2 * height / 3.0;
+    // 3/80 m (4 r^2 + H^2) about the centre of mass, a quarter of the height above the base.
+    const double side = 0.0375 * mass * (4.0 * r2 + height * height);
+    return {mass, Vec3(0, 0, -0.5 * c.half_height), diagonal(side, side, 0.3 * mass * r2)};
+  }
+  MassProperties operator()(const Hull& h) const {
+    const Mat3 covariance = density * h->second_moment();
+    return {density * h->volume(), h->centre(), covariance.trace() * Mat3::Identity() - covariance};
+  }
+  MassProperties operator()(const Field&) const {
+    throw std::invalid_argument(
+        "mass_properties: shape = HeightField breaks the rule: a shape with a finite volume");
   }
   MassProperties operator()(const HalfSpace&) const {
     throw std::invalid_argument(

@@ -40,7 +40,7 @@ void add_ground(Scene& scene, double friction) {
   collision::ColliderDef collider;
   collider.body = scene.world->add_body(def);
   collider.shape = collision::HalfSpace{pbd::Vec3::UnitZ(), 0.0};
-  collider.friction = friction;
+  collider.material.friction = friction;
   scene.contacts->add(*scene.world, collider);
 }
 
@@ -105,7 +105,7 @@ Scene SceneBuilder::build(const SceneOptions& options, double friction) const {
     collision::ColliderDef collider;
     collider.body = body.body;
     collider.shape = collision::Box{box.half_extents};
-    collider.friction = friction;
+    collider.material.friction = friction;
     scene.contacts->add(*scene.world, collider);
   }
   scene.world->set_contact_source(scene.contacts.get());

@@ -31,9 +31,9 @@ TEST_CASE("contact_source: input that cannot be is refused by name, value and ru
   CHECK_THAT(refused([](ColliderDef& d) { d.body = {7, 3}; }), Contains("body = 7"));
   CHECK_THAT(refused([](ColliderDef& d) { d.shape = Sphere{-2}; }),
              Contains("Sphere.radius = -2") && Contains("> 0"));
-  CHECK_THAT(refused([](ColliderDef& d) { d.friction = -0.1; }),
+  CHECK_THAT(refused([](ColliderDef& d) { d.material.friction = -0.1; }),
              Contains("friction = -0.1") && Contains(">= 0"));
-  CHECK_THAT(refused([](ColliderDef& d) { d.restitution = 1.5; }),
+  CHECK_THAT(refused([](ColliderDef& d) { d.material.restitution = 1.5; }),
              Contains("restitution = 1.5") && Contains("0 to 1"));
   CHECK_THAT(refused([](ColliderDef& d) { d.local.position.y() = NAN; }),
              Contains("local.position = nan"));
@@ -63,12 +63,12 @@ TEST_CASE("contact_source: friction combines by the geometric mean, restitution 
   ColliderDef def;
   def.shape = Sphere{0.5};
   def.body = f.body(at(0, 0, 0));
-  def.friction = 0.2;
-  def.restitution = 0.1;
+  def.material.friction = 0.2;
+  def.material.restitution = 0.1;
   f.scene.add(f.world, def);
   def.body = f.body(at(0.9, 0, 0));
-  def.friction = 0.8;
-  def.restitution = 0.6;
+  def.material.friction = 0.8;
+  def.material.restitution = 0.6;
   f.scene.add(f.world, def);
   REQUIRE(f.collect().size() == 1);
   CHECK(f.manifolds[0].friction == Approx(0.4));
@@ -87,12 +87,12 @@ TEST_CASE("contact_source: filters, one body's parts and immovable pairs make no
   CHECK(f.collect().empty());
   def.local = {};
   def.body = f.body(at(0, 0.6, 0));
-  def.category = 2;
-  def.mask = 2;
+  def.filter.category = 2;
+  def.filter.mask = 2;
   f.scene.add(f.world, def);  // sees only category 2
   CHECK(f.collect().empty());
   def.body = f.body(at(0, 1.2, 0), BodyType::Static);
-  def.mask = 1 | 2;
+  def.filter.mask = 1 | 2;
   f.scene.add(f.world, def);
   def.body = f.body(at(0, 1.3, 0), BodyType::Kinematic);
   f.scene.add(f.world, def);

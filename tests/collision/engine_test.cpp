@@ -18,14 +18,15 @@ BodyId dynamic_box(Fixture& f, const Vec3& half, const Vec3& at, double friction
   const auto properties = mass_properties(Box{half}, 1.0 / (8.0 * half.prod()));
   const BodyId id =
       f.world.add_body({.pose = {.position = at}, .mass = 1.0, .inertia = properties.inertia_l});
-  f.scene.add(f.world, {.body = id, .shape = Box{half}, .friction = friction});
+  f.scene.add(f.world, {.body = id, .shape = Box{half}, .material = {.friction = friction}});
   return id;
 }
 
 void ground(Fixture& f, double friction = 0.5, double restitution = 0.0) {
   const BodyId id = f.world.add_body({.type = BodyType::Static});
-  f.scene.add(f.world,
-              {.body = id, .shape = HalfSpace{}, .friction = friction, .restitution = restitution});
+  f.scene.add(f.world, {.body = id,
+                        .shape = HalfSpace{},
+                        .material = {.friction = friction, .restitution = restitution}});
   f.world.set_contact_source(&f.scene);
 }
 
@@ -91,7 +92,7 @@ TEST_CASE("engine: a ball bounces to e^2 of its height and never gains", "[colli
   Fixture f;
   ground(f, 0.5, e);
   const BodyId ball = f.world.add_body({.pose = {.position = {0.0, 0.0, 1.1}}});
-  f.scene.add(f.world, {.body = ball, .shape = Sphere{0.1}, .restitution = e});
+  f.scene.add(f.world, {.body = ball, .shape = Sphere{0.1}, .material = {.restitution = e}});
   pbd::Solver solver;
   double height = 0.0;
   bool bounced = false;

@@ -286,7 +286,7 @@ TEST_CASE("mesh: bodies slide and roll over a flat mesh as over a half-space",
       ColliderDef collider;
       collider.body = id;
       collider.shape = slide.shape;
-      collider.friction = 0.3;
+      collider.material.friction = 0.3;
       f.scene.add(f.world, collider);
       f.world.set_contact_source(&f.scene);
       tandem::pbd::Solver solver;

@@ -28,6 +28,7 @@ fail() {
 # Names that a dependency leaves in an executable, defined or wanted.
 fcl='(^|[^A-Za-z_])(fcl::|octomap::|ccd[A-Z]|_ccd)'
 asio='(^|[^A-Za-z_])asio::'
+obj='(^|[^A-Za-z_])tinyobj::|NEEDED libtinyobj'
 
 # consumer COMPONENT PACKAGE...: configure (with these packages out of reach), build and run.
 consumer() {
@@ -67,20 +68,25 @@ with() {
     fail "no $what in the consumer of $component: the check for its absence sees nothing"
 }
 
-consumer pbd fcl ccd octomap Asio Threads
+consumer pbd fcl ccd octomap tinyobjloader Asio Threads
 without pbd FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without pbd Asio "$asio"
 
-consumer consensus fcl ccd octomap Asio Threads
+consumer consensus fcl ccd octomap tinyobjloader Asio Threads
 without consensus FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without consensus Asio "$asio"
 
-consumer collision Asio Threads
+consumer collision tinyobjloader Asio Threads
 without collision Asio "$asio"
+without collision tinyobjloader "$obj"
 with collision FCL "$fcl"
 with collision FCL "NEEDED libfcl"
 
-consumer net fcl ccd octomap Asio
+consumer obj Asio Threads
+without obj Asio "$asio"
+with obj tinyobjloader "$obj"
+
+consumer net fcl ccd octomap tinyobjloader Asio
 without net FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 with net Asio "$asio"
 

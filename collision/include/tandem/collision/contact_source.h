@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "tandem/collision/material.h"
 #include "tandem/collision/shape.h"
 #include "tandem/pbd/manifold.h"
 
@@ -28,12 +30,19 @@ struct ColliderId {
 struct ColliderDef {
   pbd::BodyId body;
   Shape shape;
-  pbd::Pose local;           ///< of the shape in the body's frame
-  double friction = 0.5;     ///< Coulomb, >= 0; a pair has sqrt(a b)
-  double restitution = 0.0;  ///< 0 to 1; a pair has the larger one
-  /// Two colliders touch where each one's category is in the other one's mask.
-  std::uint32_t category = 1;
-  std::uint32_t mask = ~0u;
+  pbd::Pose local;  ///< of the shape in the body's frame
+  Material material;
+  Filter filter;
+  /// Makes no contacts: ContactEvents reports what passes through it.
+  bool sensor = false;
+  /// Fast and small: does not get through moving bodies either, see limit_motion().
+  bool bullet = false;
+};
+
+/// How far a body may go in the step that was just solved.
+struct MotionLimit {
+  std::uint32_t body = 0;  ///< slot
+  double share = 1.0;      ///< of the way from where the step began, below 1
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
@@ -89,12 +98,17 @@ class CollisionScene : public pbd::ContactSource {
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   /// @throws std::invalid_argument where the id names no collider
   void remove(ColliderId id);
+  /// From the next step on.
+  /// @throws std::invalid_argument where the id names no collider or a value breaks its rule
+  void set_material(ColliderId id, const Material& material);
+  void set_filter(ColliderId id, const Filter& filter);
   bool contains(ColliderId id) const;
   /// @throws std::invalid_argument where the id names no collider
   const ColliderDef& collider(ColliderId id) const;
   /// The collider in slot `index`, or an invalid id; indices are below slot_count().
   ColliderId collider_at(std::uint32_t index) const;
   std::uint32_t slot_count() const;
+  std::size_t sensor_count() const;
 
   const CollisionOptions& options() const;
   /// Of the last collect().
@@ -102,6 +116,16 @@ class CollisionScene : public pbd::ContactSource {
 
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out) override;
+  /// The last word against tunnelling: bodies whose middle would get through something, whatever
+  /// the contacts did. Of each collider that moved further than a quarter of its least extent the
+  /// ball of that size in its middle is cast along the way; immovable colliders stop it, and moving
+  /// ones where it is a bullet. Where the step began is where the last collect() saw the bodies.
+  /// @param after   poses at the end of the step, by body slot
+  /// @param limits  set to the bodies that have to stop on the way, ascending, each once
+  /// Allocates only where `limits` or scratch grow.
+  void limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
+                    std::vector<MotionLimit>& limits);
+
   /// Removes the body's colliders.
   void remove_body(pbd::BodyId body) override;
   void save(pbd::ByteWriter& out) const override;

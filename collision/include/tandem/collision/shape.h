@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "tandem/collision/convex_hull.h"
+#include "tandem/collision/height_field.h"
 #include "tandem/collision/triangle_mesh.h"
 #include "tandem/pbd/types.h"
 
@@ -29,6 +31,18 @@ struct Capsule {
   double half_height = 0.5;  ///< m, > 0; half the length of the segment, caps not included
 };
 
+/// Round about z, from (0, 0, -half_height) to (0, 0, half_height).
+struct Cylinder {
+  double radius = 0.5;       ///< m, > 0
+  double half_height = 0.5;  ///< m, > 0
+};
+
+/// Round about z: base of the given radius at (0, 0, -half_height), apex at (0, 0, half_height).
+struct Cone {
+  double radius = 0.5;       ///< m, > 0
+  double half_height = 0.5;  ///< m, > 0; the centre of mass lies half of it below the origin
+};
+
 /// Everything behind a plane: a point x is inside where normal . x <= offset.
 struct HalfSpace {
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the solid
@@ -37,7 +51,10 @@ struct HalfSpace {
 
 using Mesh = std::shared_ptr<const TriangleMesh>;
 
-using Shape = std::variant<Sphere, Capsule, Box, HalfSpace, Mesh>;
+using Hull = std::shared_ptr<const ConvexHull>;
+using Field = std::shared_ptr<const HeightField>;
+
+using Shape = std::variant<Sphere, Capsule, Box, HalfSpace, Mesh, Cylinder, Cone, Hull, Field>;
 
 /// Whether the shape is within the rules above; if not, `error` names field, value and rule.
 bool validate(const Shape& shape, std::string* error = nullptr);
@@ -51,7 +68,8 @@ struct MassProperties {
 
 /// @param density  kg/m^3, > 0
 /// @throws std::invalid_argument  where the shape does not validate, the density is not positive,
-///   or the shape has no finite volume (half-space, mesh with a border or turned inside out)
+///   or the shape has no finite volume (half-space, height field, mesh with a border or turned
+///   inside out)
 MassProperties mass_properties(const Shape& shape, double density);
 
 }  // namespace tandem::collision

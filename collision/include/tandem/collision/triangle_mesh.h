@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -56,6 +58,9 @@ class TriangleMesh {
   /// Welded corners; triangles index into these.
   std::span<const pbd::Vec3> vertices() const { return vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }
+  const pbd::Vec3& vertex(std::uint32_t v) const { return vertices_[v]; }
+  const Triangle& corners(std::uint32_t triangle) const { return triangles_[triangle]; }
+  std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(vertices_.size()); }
   /// Unit normal of the front.
   const pbd::Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
   /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border.
@@ -73,6 +78,12 @@ class TriangleMesh {
 
   /// Append to `out`, ascending, the triangles whose bounds meet `box` (mesh frame).
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
+
+  /// Call visit(triangle) for those in leaves of the search tree whose boxes (mesh frame) have a
+  /// finite rank(box), lower ranks first where that is known; the rank may change on the way.
+  /// Allocates nothing.
+  template <class Rank, class Visit>
+  void walk(Rank&& rank, Visit&& visit) const;
 
  private:
   struct Node {
@@ -98,5 +109,23 @@ class TriangleMesh {
   Aabb bounds_;
   bool closed_ = false;
 };
+
+template <class Rank, class Visit>
+void TriangleMesh::walk(Rank&& rank, Visit&& visit) const {
+  std::array<std::uint32_t, 128> stack;  // the tree is balanced: depth below 32
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (!std::isfinite(rank(node.box))) continue;
+    if (node.count == 0) {
+      const bool second_first = rank(nodes_[node.begin + 1].box) < rank(nodes_[node.begin].box);
+      stack[top++] = node.begin + (second_first ? 0 : 1);
+      stack[top++] = node.begin + (second_first ? 1 : 0);
+      continue;
+    }
+    for (std::uint32_t j = node.begin; j < node.begin + node.count; ++j) visit(order_[j]);
+  }
+}
 
 }  // namespace tandem::collision

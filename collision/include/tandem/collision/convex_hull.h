@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tandem/collision/triangle_mesh.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::collision {
+
+/// The convex hull of points: flat faces of any number of corners. Immutable once made, and
+/// shared: many colliders may use one hull.
+/// @par Thread safety  Safe, all methods are const.
+class ConvexHull {
+ public:
+  static constexpr std::uint32_t kMaxVertices = 128;
+
+  /// A run of corners in face_corners(), counter-clockwise seen from outside.
+  struct Face {
+    std::uint32_t begin = 0;
+    std::uint32_t count = 0;
+    pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, outwards
+    double offset = 0.0;                    ///< m: normal . x on the face, x from centre()
+  };
+  struct Edge {
+    std::uint32_t from = 0;
+    std::uint32_t to = 0;
+    std::array<std::uint32_t, 2> faces{};  ///< left and right of it, seen from outside
+  };
+
+  /// Points inside the hull, and points that differ from another one by less than 1e-7 of the
+  /// extent, are left out.
+  /// @param points  m, in the shape's frame
+  /// @throws std::invalid_argument  naming the point or count: a coordinate that is not finite,
+  ///   fewer than four points, points that lie (within 1e-4 of their extent) in a plane, on a line
+  ///   or in one place, or a hull of more than kMaxVertices corners
+  static std::shared_ptr<const ConvexHull> make(std::span<const pbd::Vec3> points);
+
+  /// m, centre of mass, in the shape's frame.
+  const pbd::Vec3& centre() const { return centre_; }
+  /// Corners, m, from centre() and along the axes of the shape's frame.
+  std::span<const pbd::Vec3> arms() const { return arms_; }
+  std::span<const Face> faces() const { return faces_; }
+  std::span<const std::uint32_t> face_corners(const Face& face) const {
+    return std::span(corners_).subspan(face.begin, face.count);
+  }
+  /// Number of the edge from each corner of the face to the next one.
+  std::span<const std::uint32_t> face_edges(const Face& face) const {
+    return std::span(edge_ids_).subspan(face.begin, face.count);
+  }
+  std::span<const Edge> edges() const { return edges_; }
+  /// Numbers of the edges that meet in a corner.
+  std::span<const std::uint32_t> star(std::uint32_t vertex) const {
+    return std::span(star_).subspan(star_start_[vertex],
+                                    star_start_[vertex + 1] - star_start_[vertex]);
+  }
+  const Aabb& bounds() const { return bounds_; }
+  double reach() const { return reach_; }    ///< m, of the farthest corner from centre()
+  double extent() const { return extent_; }  ///< m, least distance of two parallel planes about it
+  double volume() const { return volume_; }  ///< m^3
+  /// m^5, integral of x x^T over the solid, x from centre().
+  const pbd::Mat3& second_moment() const { return second_; }
+
+ private:
+  ConvexHull() = default;
+  void build(std::span<const pbd::Vec3> points);
+  void merge_faces(const std::vector<std::array<std::uint32_t, 3>>& triangles, double tolerance);
+  void weigh();
+
+  pbd::Vec3 centre_ = pbd::Vec3::Zero();
+  std::vector<pbd::Vec3> arms_;
+  std::vector<Face> faces_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<std::uint32_t> edge_ids_;
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> star_;
+  std::vector<std::uint32_t> star_start_;
+  Aabb bounds_;
+  double reach_ = 0.0;
+  double extent_ = 0.0;
+  double volume_ = 0.0;
+  pbd::Mat3 second_ = pbd::Mat3::Zero();
+};
+
+}  // namespace tandem::collision

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace tandem::collision {
+
+/// How the values of two colliders become that of their contact. Of two rules the later one in
+/// this list counts; `Default` gives way to every other one.
+enum class Combine : std::uint8_t {
+  Default,        ///< friction: GeometricMean; restitution: Maximum
+  GeometricMean,  ///< sqrt(a b)
+  Average,        ///< (a + b) / 2
+  Minimum,
+  Multiply,
+  Maximum,
+};
+
+/// What a collider's surface is like.
+struct Material {
+  double friction = 0.5;     ///< Coulomb, >= 0
+  double restitution = 0.0;  ///< 0 to 1
+  Combine friction_rule = Combine::Default;
+  Combine restitution_rule = Combine::Default;
+
+  /// Whether all fields are within their rules; if not, `error` names field, value and rule.
+  bool validate(std::string* error = nullptr) const;
+};
+
+/// Friction of the contact between two materials, >= 0.
+double combined_friction(const Material& a, const Material& b);
+/// Restitution of the contact between two materials, 0 to 1.
+double combined_restitution(const Material& a, const Material& b);
+
+/// Who meets whom. Equal groups other than 0 decide alone, else category and mask do.
+struct Filter {
+  std::uint32_t category = 1;  ///< what the collider is, as bits
+  std::uint32_t mask = ~0u;    ///< which categories it meets
+  std::int32_t group = 0;      ///< equal and > 0: always meet; equal and < 0: never; 0: no group
+};
+
+/// Whether the two meet; the same either way round.
+inline bool may_meet(const Filter& a, const Filter& b) {
+  if (a.group == b.group && a.group != 0) return a.group > 0;
+  return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+}
+
+}  // namespace tandem::collision

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/collision/compound.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace tandem::collision {
+
+using pbd::Mat3;
+using pbd::Vec3;
+
+MassProperties mass_properties(std::span<const CompoundPart> parts) {
+  if (parts.empty()) {
+    throw std::invalid_argument("mass_properties: parts = none breaks the rule: at least one");
+  }
+  std::vector<MassProperties> placed;
+  MassProperties all;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    MassProperties p;
+    try {
+      p = mass_properties(parts[i].shape, parts[i].density);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("parts[" + std::to_string(i) + "]: " + error.what());
+    }
+    const Mat3 turn = parts[i].local.orientation.normalized().toRotationMatrix();
+    p.com = parts[i].local.position + turn * p.com;
+    p.inertia_l = turn * p.inertia_l * turn.transpose();
+    all.mass += p.mass;
+    all.com += p.mass * p.com;
+    placed.push_back(p);
+  }
+  all.com /= all.mass;
+  for (const MassProperties& p : placed) {
+    const Vec3 d = p.com - all.com;
+    all.inertia_l +=
+        p.inertia_l + p.mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+  }
+  return all;
+}
+
+std::vector<ColliderId> add_compound(CollisionScene& scene, const pbd::World& world,
+                                     const ColliderDef& def, std::span<const CompoundPart> parts) {
+  std::vector<ColliderId> ids;
+  ColliderDef part = def;
+  try {
+    for (const CompoundPart& p : parts) {
+      part.shape = p.shape;
+      part.local.position = def.local.to_world(p.local.position);
+      part.local.orientation = def.local.orientation * p.local.orientation;
+      ids.push_back(scene.add(world, part));
+    }
+  } catch (...) {
+    for (const ColliderId id : ids) scene.remove(id);
+    throw;
+  }
+  return ids;
+}
+
+}  // namespace tandem::collision

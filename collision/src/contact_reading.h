@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "pair_query.h"
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::collision {
+
+/// What events want to know of one contact of the last step.
+struct ContactReading {
+  const pbd::Manifold* manifold = nullptr;
+  bool loaded = false;          ///< carried a load in the step
+  double approach_speed = 0.0;  ///< m/s, fastest that was stopped
+  double impulse = 0.0;         ///< N s, sum of the normals over the step
+
+  std::uint32_t low() const {
+    return static_cast<std::uint32_t>(manifold->key >> (kIndexBits + kClusterBits));
+  }
+  std::uint32_t high() const {
+    constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
+    return static_cast<std::uint32_t>((manifold->key >> kClusterBits) & kIndexMask);
+  }
+};
+
+/// Calls visit(ContactReading) by ascending key. The only place that knows how pbd keeps contacts.
+template <class Block, class Visit>
+void read_contacts(const Block& block, Visit&& visit) {
+  if constexpr (requires { block.contacts(); }) {
+    for (const auto& contact : block.contacts()) {
+      visit(ContactReading{&contact.manifold, contact.loaded() || contact.impulse > 0.0,
+                           contact.approach_speed, contact.impulse});
+    }
+  } else {
+    for (const auto& row : block.rows()) {
+      ContactReading reading{&row.manifold};
+      for (int i = 0; i < row.manifold.count; ++i) {
+        if (row.lambda[i] <= 0.0) continue;
+        reading.loaded = true;
+        reading.approach_speed = std::max(reading.approach_speed, -row.speed[i]);
+        reading.impulse += std::max(0.0, row.impulse[i]);
+      }
+      visit(reading);
+    }
+  }
+}
+
+/// Gap of a manifold's nearest point as the bodies stand, m, and where that is.
+struct ManifoldGap {
+  double gap = HUGE_VAL;
+  pbd::Vec3 point = pbd::Vec3::Zero();  ///< m, world, half-way between the surfaces
+};
+
+inline ManifoldGap gap_of(const pbd::Manifold& m, const pbd::World& world) {
+  const pbd::Pose& a = world.states()[m.body_a].pose;
+  const pbd::Pose& b = world.states()[m.body_b].pose;
+  ManifoldGap out;
+  for (int i = 0; i < m.count; ++i) {
+    const pbd::Vec3 arm_a = a.orientation * m.points[i].anchor_a_l + m.radius_a * m.normal;
+    const pbd::Vec3 arm_b = b.orientation * m.points[i].anchor_b_l - m.radius_b * m.normal;
+    const pbd::Vec3 between = (b.position - a.position) + (arm_b - arm_a);
+    const double gap = m.normal.dot(between);
+    if (gap < out.gap) out = {gap, a.position + arm_a + 0.5 * between};
+  }
+  return out;
+}
+
+}  // namespace tandem::collision

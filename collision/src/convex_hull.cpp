@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Quickhull in its plainest form: the farthest point outside goes in next. With at most 128 corners
+// no list of who sees whom is worth its upkeep; faces are searched one by one.
+// Neither FCL nor libccd nor Eigen builds hulls.
+#include "tandem/collision/convex_hull.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace tandem::collision {
+namespace {
+
+using pbd::Mat3;
+using pbd::Vec3;
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Shares of the extent: a point nearer than this to a face is no corner; a hull thinner than this
+/// is flat; faces whose corners lie this near to one plane are one face.
+constexpr double kOutside = 1e-7;
+constexpr double kFlat = 1e-4;
+constexpr double kCoplanar = 1e-6;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& rule) {
+  throw std::invalid_argument("ConvexHull: " + what + " breaks the rule: " + rule);
+}
+
+struct Plane {
+  Vec3 normal;
+  double offset;
+  double above(const Vec3& p) const { return normal.dot(p) - offset; }
+};
+
+Plane plane_of(std::span<const Vec3> points, const Triangle& t) {
+  const Vec3& a = points[t[0]];
+  const Vec3 n = (points[t[1]] - a).cross(points[t[2]] - a).normalized();
+  return {n, n.dot(a)};
+}
+
+template <class Score>
+std::uint32_t furthest(std::size_t count, Score&& score) {
+  std::uint32_t best = 0;
+  double most = -HUGE_VAL;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double value = score(i);
+    if (value <= most) continue;
+    most = value;
+    best = i;
+  }
+  return best;
+}
+
+/// Four points that span a tetrahedron as large as can be had, fronts outside.
+std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double extent) {
+  const std::uint32_t a = furthest(points.size(), [&](std::uint32_t i) { return -points[i].x(); });
+  const auto from_a = [&](std::uint32_t i) { return Vec3(points[i] - points[a]); };
+  const std::uint32_t b =
+      furthest(points.size(), [&](std::uint32_t i) { return from_a(i).squaredNorm(); });
+  const Vec3 u = from_a(b).normalized();
+  const std::uint32_t c =
+      furthest(points.size(), [&](std::uint32_t i) { return u.cross(from_a(i)).squaredNorm(); });
+  const char* rule = "points that span a volume (1e-4 of their extent in each direction)";
+  if (!(u.cross(from_a(c)).norm() > kFlat * extent)) refuse("points on a line", rule);
+  const Vec3 n = u.cross(from_a(c)).normalized();
+  const std::uint32_t d =
+      furthest(points.size(), [&](std::uint32_t i) { return std::abs(n.dot(from_a(i))); });
+  const double height = n.dot(from_a(d));
+  if (!(std::abs(height) > kFlat * extent)) refuse("points in a plane", rule);
+  if (height > 0.0) return {{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}};
+  return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
+}
+
+std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
+  std::vector<Triangle> faces = first_tetrahedron(points, extent);
+  std::vector<Plane> planes;
+  for (const Triangle& t : faces) planes.push_back(plane_of(points, t));
+  std::vector<Triangle> kept;
+  std::vector<Plane> kept_planes;
+  std::vector<std::array<std::uint32_t, 2>> seen;  // directed edges of the faces that see the point
+  for (std::size_t round = 0; round <= points.size(); ++round) {
+    std::uint32_t next = 0;
+    double most = kOutside * extent;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      for (const Plane& plane : planes) {
+        const double above = plane.above(points[i]);
+        if (above <= most) continue;
+        most = above;
+        next = i;
+      }
+    }
+    if (most <= kOutside * extent) break;
+    kept.clear();
+    kept_planes.clear();
+    seen.clear();
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      // Faces in whose plane the point lies go as well, so that no sliver is left beside them.
+      if (planes[f].above(points[next]) > -0.1 * kOutside * extent) {
+        for (int k = 0; k < 3; ++k) seen.push_back({faces[f][k], faces[f][(k + 1) % 3]});
+      } else {
+        kept.push_back(faces[f]);
+        kept_planes.push_back(planes[f]);
+      }
+    }
+    for (const auto& [from, to] : seen) {
+      const bool inner =
+          std::any_of(seen.begin(), seen.end(),
+                      [from = from, to = to](const auto& e) { return e[0] == to && e[1] == from; });
+      if (inner) continue;
+      kept.push_back({from, to, next});
+      kept_planes.push_back(plane_of(points, kept.back()));
+    }
+    faces.swap(kept);
+    planes.swap(kept_planes);
+  }
+  return faces;
+}
+
+}  // namespace
+
+std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points) {
+  if (points.size() < 4) refuse("points = " + std::to_string(points.size()), "at least 4");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite() || !(points[i].norm() < 1e6)) {
+      refuse("points[" + std::to_string(i) + "]", "finite and within 1e6 m");
+    }
+  }
+  const std::shared_ptr<ConvexHull> hull(new ConvexHull);
+  hull->build(points);
+  return hull;
+}
+
+void ConvexHull::build(std::span<const Vec3> points) {
+  Vec3 low = points[0];
+  Vec3 high = points[0];
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  bounds_ = {low, high};
+  const double extent = (high - low).maxCoeff();
+  if (!(extent > 0.0)) refuse("points in one place", "points that span a volume");
+  // About the middle, so that no digits are lost where the points are far from the origin.
+  centre_ = 0.5 * (low + high);
+  std::vector<Vec3> local;
+  for (const Vec3& p : points) local.push_back(p - centre_);
+  std::vector<Triangle> triangles = quickhull(local, extent);
+
+  std::vector<std::uint32_t> index(local.size(), kMaxVertices);
+  for (Triangle& t : triangles) {
+    for (std::uint32_t& v : t) {
+      if (index[v] == kMaxVertices) {
+        index[v] = static_cast<std::uint32_t>(arms_.size());
+        arms_.push_back(local[v]);
+        if (arms_.size() > kMaxVertices) refuse("corners = more", "at most 128 corners");
+      }
+      v = index[v];
+    }
+  }
+  merge_faces(triangles, kCoplanar * extent);
+  weigh();
+}
+
+void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tolerance) {
+  std::vector<Plane> planes;
+  for (const Triangle& t : triangles) planes.push_back(plane_of(arms_, t));
+  // The triangle across each directed edge.
+  const auto across = [&](std::uint32_t from, std::uint32_t to) {
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (triangles[t][k] == to && triangles[t][(k + 1) % 3] == from) return t;
+      }
+    }
+    refuse("points too near to each other", "corners further apart than round-off");
+  };
+  constexpr std::uint32_t kFree = 0xffffffffu;
+  std::vector<std::uint32_t> owner(triangles.size(), kFree);
+  std::vector<std::uint32_t> members;
+  std::vector<std::array<std::uint32_t, 2>> border;
+  // The largest triangles first: theirs are the best planes.
+  std::vector<std::uint32_t> order(triangles.size());
+  std::vector<double> area(triangles.size());
+  for (std::uint32_t t = 0; t < order.size(); ++t) {
+    order[t] = t;
+    const Vec3& a = arms_[triangles[t][0]];
+    area[t] = (arms_[triangles[t][1]] - a).cross(arms_[triangles[t][2]] - a).norm();
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t l, std::uint32_t r) { return area[l] > area[r]; });
+  for (const std::uint32_t seed : order) {
+    if (owner[seed] != kFree) continue;
+    const auto number = static_cast<std::uint32_t>(faces_.size());
+    const Plane plane = planes[seed];
+    owner[seed] = number;
+    members.assign(1, seed);
+    border.clear();
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      const Triangle t = triangles[members[m]];
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t from = t[k];
+        const std::uint32_t to = t[(k + 1) % 3];
+        const std::uint32_t other = across(from, to);
+        if (owner[other] == number) continue;
+        const Triangle& o = triangles[other];
+        const bool flat = std::all_of(o.begin(), o.end(), [&](std::uint32_t v) {
+          return std::abs(plane.above(arms_[v])) <= tolerance;
+        });
+        if (owner[other] == kFree && flat) {
+          owner[other] = number;
+          members.push_back(other);
+        }
+      }
+    }
+    for (const std::uint32_t m : members) {
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t from = triangles[m][k];
+        const std::uint32_t to = triangles[m][(k + 1) % 3];
+        if (owner[across(from, to)] != number) border.push_back({from, to});
+      }
+    }
+    Face face;
+    face.begin = static_cast<std::uint32_t>(corners_.size());
+    face.normal = plane.normal;
+    std::uint32_t at = border[0][0];
+    for (std::size_t n = 0; n < border.size(); ++n) {
+      corners_.push_back(at);
+      const auto step =
+          std::find_if(border.begin(), border.end(), [&](const auto& e) { return e[0] == at; });
+      if (step == border.end()) refuse("points too near to each other", "a hull of simple faces");
+      at = (*step)[1];
+      if (at == border[0][0]) break;
+    }
+    face.count = static_cast<std::uint32_t>(corners_.size()) - face.begin;
+    if (face.count != border.size()) {
+      refuse("points too near to each other", "a hull of simple faces");
+    }
+    faces_.push_back(face);
+  }
+  edge_ids_.assign(corners_.size(), 0);
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+    const Face& face = faces_[f];
+    for (std::uint32_t i = 0; i < face.count; ++i) {
+      const std::uint32_t from = corners_[face.begin + i];
+      const std::uint32_t to = corners_[face.begin + (i + 1) % face.count];
+      const auto twin = std::find_if(edges_.begin(), edges_.end(),
+                                     [&](const Edge& e) { return e.from == to && e.to == from; });
+      edge_ids_[face.begin + i] = static_cast<std::uint32_t>(twin - edges_.begin());
+      if (twin != edges_.end()) {
+        twin->faces[1] = f;
+      } else {
+        edges_.push_back({from, to, {f, f}});
+      }
+    }
+  }
+  star_start_.assign(arms_.size() + 1, 0);
+  for (std::uint32_t v = 0; v < arms_.size(); ++v) {
+    star_start_[v] = static_cast<std::uint32_t>(star_.size());
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      if (edges_[e].from == v || edges_[e].to == v) star_.push_back(e);
+    }
+  }
+  star_start_.back() = static_cast<std::uint32_t>(star_.size());
+}
+
+void ConvexHull::weigh() {
+  Vec3 first = Vec3::Zero();
+  for (const Face& face : faces_) {
+    const auto loop = face_corners(face);
+    for (std::size_t i = 2; i < loop.size(); ++i) {
+      const Vec3& a = arms_[loop[0]];
+      const Vec3& b = arms_[loop[i - 1]];
+      const Vec3& c = arms_[loop[i]];
+      const double v = a.dot(b.cross(c)) / 6.0;
+      const Vec3 sum = a + b + c;
+      volume_ += v;
+      first += 0.25 * v * sum;
+      // Integral of x x^T over a tetrahedron with one corner at the origin.
+      second_ +=
+          v / 20.0 *
+          (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+    }
+  }
+  const Vec3 com = first / volume_;
+  second_ -= volume_ * com * com.transpose();
+  centre_ += com;
+  for (Vec3& arm : arms_) {
+    arm -= com;
+    reach_ = std::max(reach_, arm.norm());
+  }
+  extent_ = HUGE_VAL;
+  for (Face& face : faces_) {
+    face.offset = -HUGE_VAL;
+    double back = HUGE_VAL;
+    for (const Vec3& arm : arms_) {
+      face.offset = std::max(face.offset, face.normal.dot(arm));
+      back = std::min(back, face.normal.dot(arm));
+    }
+    extent_ = std::min(extent_, face.offset - back);
+  }
+}
+
+}  // namespace tandem::collision

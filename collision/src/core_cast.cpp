@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "core_cast.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sphere_contact.h"
+
+namespace tandem::collision {
+namespace {
+
+/// Of the collider's least extent: a body that rests or is pushed into something never comes so
+/// far that its core touches.
+constexpr double kCoreShare = 0.25;
+constexpr int kMaxSteps = 32;
+/// Share by which triangles are larger than they are, so that a path through an edge hits one.
+constexpr double kSeam = 1e-6;
+
+/// Share of the way at which a plane that is `start` away, and `end` at the end, is `radius` away.
+double stop_before(double start, double end, double radius) {
+  return std::max(0.0, (start - std::min(radius, 0.5 * start)) / (start - end));
+}
+
+double cast_on_convex(const Vec3& from, const Vec3& path, double radius, const Collider& target) {
+  double t = 0.0;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const SphereContact contact = sphere_contact(from + t * path, target);
+    const double distance = contact.distance - contact.radius_b;
+    if (i == 0) {
+      if (distance <= 0.0) return 1.0;
+      radius = std::min(radius, 0.5 * distance);
+    }
+    const double gap = distance - radius;
+    if (gap <= 1e-3 * radius) return t;
+    const double approach = contact.normal.dot(path);
+    if (approach <= 0.0) return 1.0;
+    t += gap / approach;
+    if (t >= 1.0) return 1.0;
+  }
+  return t;
+}
+
+/// Between the planes of all faces.
+double cast_on_hull(const Vec3& from, const Vec3& path, double radius, const ConvexHull& hull) {
+  double enter = -1.0;
+  double leave = 1.0;
+  double stop = 1.0;
+  for (const ConvexHull::Face& face : hull.faces()) {
+    const double start = face.normal.dot(from) - face.offset;
+    const double speed = face.normal.dot(path);
+    if (start > 0.0 && speed >= 0.0) return 1.0;
+    if (speed == 0.0) continue;
+    const double t = -start / speed;
+    if (speed > 0.0) {
+      leave = std::min(leave, t);
+    } else if (t > enter) {
+      enter = t;
+      stop = stop_before(start, start + speed, radius);
+    }
+  }
+  return enter >= 0.0 && enter <= leave ? stop : 1.0;
+}
+
+template <class Surface>
+double cast_on_surface(const Vec3& from, const Vec3& path, double radius, const Surface& surface,
+                       std::vector<std::uint32_t>& list) {
+  const Vec3 to = from + path;
+  list.clear();
+  surface.query({from.cwiseMin(to), from.cwiseMax(to)}, list);
+  double first = 1.0;
+  for (const std::uint32_t t : list) {
+    const auto corners = surface.corners(t);
+    const Vec3 a = surface.vertex(corners[0]);
+    const Vec3 normal = surface.normal(t);
+    const double start = normal.dot(from - a);
+    const double end = normal.dot(to - a);
+    if (start <= 0.0 || end > 0.0) continue;
+    const Vec3 p = from + start / (start - end) * path;
+    bool inside = true;
+    for (int k = 0; k < 3 && inside; ++k) {
+      const Vec3 v = surface.vertex(corners[k]);
+      const Vec3 edge = surface.vertex(corners[(k + 1) % 3]) - v;
+      inside = normal.dot(edge.cross(p - v)) >= -kSeam * edge.squaredNorm();
+    }
+    if (inside) first = std::min(first, stop_before(start, end, radius));
+  }
+  return first;
+}
+
+}  // namespace
+
+double core_radius(const Collider& c) { return kCoreShare * c.size; }
+
+Vec3 core_centre(const Collider& c, const pbd::Pose& body) {
+  Vec3 middle = Vec3::Zero();
+  if (const auto* hull = std::get_if<Hull>(&c.def.shape)) middle = (*hull)->centre();
+  return body.to_world(c.def.local.position + c.local_rotation * middle);
+}
+
+double core_cast(const Vec3& from, const Vec3& to, double radius, const Collider& target,
+                 std::vector<std::uint32_t>& list) {
+  const Vec3 path = to - from;
+  if (has_sphere_contact(target.kind)) return cast_on_convex(from, path, radius, target);
+  const Mat3 turn = target.rotation.transpose();
+  const Vec3 from_l = turn * (from - target.position);
+  const Vec3 path_l = turn * path;
+  if (const auto* hull = std::get_if<Hull>(&target.def.shape)) {
+    return cast_on_hull(from_l - (*hull)->centre(), path_l, radius, **hull);
+  }
+  if (const auto* field = std::get_if<Field>(&target.def.shape)) {
+    return cast_on_surface(from_l, path_l, radius, **field, list);
+  }
+  return cast_on_surface(from_l, path_l, radius, *std::get<Mesh>(target.def.shape), list);
+}
+
+}  // namespace tandem::collision

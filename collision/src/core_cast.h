@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <vector>
+
+#include "collider.h"
+
+namespace tandem::collision {
+
+/// m: radius of the ball in the middle of a collider that must not get through anything.
+double core_radius(const Collider& c);
+/// m, world: where that ball is when the body is at `body`.
+Vec3 core_centre(const Collider& c, const pbd::Pose& body);
+
+/// Share of the way from `from` to `to` (m, world) that a ball may go until it touches `target` as
+/// it stands; 1 where it does not. A ball that starts nearer than its radius is taken as half that
+/// near, so that its centre stays outside; one that starts inside is let go. Conservative
+/// advancement; on convex targets the distance is a convex function of time, so that Newton's
+/// steps never go too far. A surface stops centres that come from its front.
+/// @param list  scratch
+double core_cast(const Vec3& from, const Vec3& to, double radius, const Collider& target,
+                 std::vector<std::uint32_t>& list);
+
+}  // namespace tandem::collision

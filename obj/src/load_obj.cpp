@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/obj/load_obj.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "obj_parser.h"
+#include "triangulate.h"
+
+namespace tandem::obj {
+namespace {
+
+using collision::Mesh;
+using collision::TriangleMesh;
+
+/// The number that follows `marker` in the message, or -1.
+std::ptrdiff_t number_after(const std::string& message, const std::string& marker) {
+  const std::size_t at = message.find(marker);
+  if (at == std::string::npos) return -1;
+  return std::strtol(message.c_str() + at + marker.size(), nullptr, 10);
+}
+
+Mesh build(const std::string& text, std::string_view name, const ObjOptions& options) {
+  if (!(options.scale > 0.0) || !std::isfinite(options.scale)) {
+    refuse(name, 0, "ObjOptions.scale = " + std::to_string(options.scale), "finite and > 0");
+  }
+  ObjText obj = parse(text, name);
+  for (pbd::Vec3& vertex : obj.vertices) vertex *= options.scale;
+  std::vector<TriangleMesh::Triangle> triangles;
+  std::vector<std::size_t> lines;  // of each triangle
+  for (const Face& face : obj.faces) {
+    if (!triangulate(obj.vertices, face.corners, triangles)) {
+      refuse(name, face.line, "face", "has an area and does not cross itself");
+    }
+    lines.resize(triangles.size(), face.line);
+  }
+  try {
+    return TriangleMesh::make(obj.vertices, triangles);
+  } catch (const std::invalid_argument& error) {
+    // It names a triangle; whoever wrote the file knows lines.
+    const std::ptrdiff_t t = number_after(error.what(), "triangles[");
+    const bool known = t >= 0 && t < static_cast<std::ptrdiff_t>(lines.size());
+    const std::string line = known ? ":" + std::to_string(lines[static_cast<std::size_t>(t)]) : "";
+    throw std::invalid_argument(std::string(name) + line + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+Mesh load_obj(const std::filesystem::path& path, const ObjOptions& options) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) {
+    refuse(path.string(), 0, "file", "exists and can be read");
+  }
+  return read_obj(in, path.string(), options);
+}
+
+Mesh read_obj(std::istream& in, std::string_view name, const ObjOptions& options) {
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad()) refuse(name, 0, "file", "can be read to its end");
+  return build(text, name, options);
+}
+
+Mesh parse_obj(std::string_view text, std::string_view name, const ObjOptions& options) {
+  return build(std::string(text), name, options);
+}
+
+}  // namespace tandem::obj

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::obj {
+
+/// One `f` line.
+struct Face {
+  std::size_t line = 0;
+  std::vector<std::uint32_t> corners;  ///< indices into the vertices
+};
+
+struct ObjText {
+  std::vector<pbd::Vec3> vertices;
+  std::vector<Face> faces;
+};
+
+/// @throws std::invalid_argument  see load_obj.h
+ObjText parse(const std::string& text, std::string_view name);
+
+/// Throws std::invalid_argument: "name:line: what breaks the rule: rule"; line 0 is left out.
+[[noreturn]] void refuse(std::string_view name, std::size_t line, const std::string& what,
+                         const std::string& rule);
+
+}  // namespace tandem::obj

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/obj/load_obj.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "support/catch.h"
+
+using namespace tandem;
+using Catch::Contains;
+using collision::Mesh;
+using collision::TriangleMesh;
+using pbd::Vec3;
+
+namespace {
+
+constexpr const char* kCube = R"(# a cube of edge 2
+mtllib none.mtl
+o cube
+v -1 -1 -1
+v  1 -1 -1
+v  1  1 -1
+v -1  1 -1
+v -1 -1  1
+v  1 -1  1 0.5 0.5 0.5
+v  1  1  1
+v -1  1  1
+vn 0 0 1
+vt 0 0
+g ends
+f 4 3 2 1
+f 5/1/1 6/1/1 7/1/1 8/1/1
+usemtl nothing
+g sides
+s off
+f 1//1 2//1 6//1 5//1
+f -6 -5 -1 -2
+f 2 3 7 6
+f 1/1 5/1 8/1 4/1
+)";
+
+Mesh parse(const std::string& text) { return obj::parse_obj(text, "test.obj"); }
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0.0;
+  for (const auto& t : mesh.triangles()) {
+    const Vec3& a = mesh.vertices()[t[0]];
+    sum += 0.5 * (mesh.vertices()[t[1]] - a).cross(mesh.vertices()[t[2]] - a).norm();
+  }
+  return sum;
+}
+
+std::string refused(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("load_obj: a cube of quads in groups, with all forms of corners", "[obj]") {
+  const std::string text = kCube;
+  const Mesh mesh = parse(text);
+  CHECK(mesh->vertices().size() == 8);
+  CHECK(mesh->triangles().size() == 12);
+  CHECK(mesh->closed());
+  const auto weight = collision::mass_properties(collision::Shape(mesh), 1000.0);
+  CHECK(weight.mass == Approx(8000.0));
+  CHECK(weight.com.norm() < 1e-12);
+
+  // Windows line ends, no line end at the end.
+  std::string windows;
+  for (const char c : text) {
+    if (c == '\n') windows.push_back('\r');
+    windows.push_back(c);
+  }
+  windows.resize(windows.size() - 2);
+  CHECK(parse(windows)->triangles().size() == 12);
+}
+
+TEST_CASE("load_obj: polygons keep their area and front, convex or not", "[obj]") {
+  // An arrow head, whose shorter diagonal lies outside.
+  const Mesh arrow = parse("v 0 0 0\nv 2 -2 0\nv 1 0 0\nv 2 2 0\nf 1 2 3 4\n");
+  CHECK(arrow->triangles().size() == 2);
+  CHECK(area(*arrow) == Approx(2.0));
+  for (std::uint32_t t = 0; t < 2; ++t) CHECK(arrow->normal(t).z() == Approx(1.0));
+  // The letter L, far from the origin, standing on its side, with a corner on a straight edge.
+  const Mesh l = parse(
+      "v 100 0 50\nv 101 0 50\nv 102 0 50\nv 102 0 51\nv 101 0 51\nv 101 0 53\nv 100 0 53\n"
+      "f 1 2 3 4 5 6 7");
+  CHECK(l->triangles().size() == 5);
+  CHECK(area(*l) == Approx(4.0));
+  for (std::uint32_t t = 0; t < 5; ++t) CHECK(l->normal(t).y() == Approx(-1.0));
+  // A regular 40-gon.
+  std::ostringstream many;
+  for (int i = 0; i < 40; ++i) {
+    many << "v " << std::cos(i * M_PI / 20) << " " << std::sin(i * M_PI / 20) << " 0\n";
+  }
+  many << "f";
+  for (int i = 1; i <= 40; ++i) many << " " << i;
+  const Mesh disc = parse(many.str());
+  CHECK(disc->triangles().size() == 38);
+  CHECK(area(*disc) == Approx(20.0 * std::sin(M_PI / 20)).epsilon(1e-5));
+}
+
+TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  CHECK_THAT(refused(v), Contains("test.obj: faces = none"));
+  CHECK_THAT(refused(""), Contains("faces = none"));
+  CHECK_THAT(refused(v + "f 1 2 4"), Contains("test.obj:4: vertex number 4") && Contains("3"));
+  CHECK_THAT(refused(v + "f 1 2 -4"), Contains("test.obj:4: vertex number -4"));
+  CHECK_THAT(refused("f 1 2 3\n" + v), Contains("test.obj:1: vertex number 1"));
+  CHECK_THAT(refused(v + "\nf 0 1 2"), Contains("test.obj:5: corner \"0\""));
+  CHECK_THAT(refused(v + "f 1 two 3"), Contains("test.obj:4: corner \"two\""));
+  CHECK_THAT(refused(v + "f 1 2"), Contains("test.obj:4: face of 2 corners"));
+  CHECK_THAT(refused("v 0 nan 0\n"), Contains("test.obj:1: y = \"nan\""));
+  CHECK_THAT(refused("v 0 0 1e999\n"), Contains("test.obj:1: z = \"1e999\""));
+  CHECK_THAT(refused("# x\nv 0 0\n"), Contains("test.obj:2: z = \"\""));
+  CHECK_THAT(refused("v 0 0 zero\n"), Contains("z = \"zero\"") && Contains("finite number"));
+  CHECK_THAT(refused(v + "v 2 0 0\nf 1 2 4"), Contains("test.obj:5: face") && Contains("an area"));
+  CHECK_THAT(refused("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 2 1 0\nf 1 2 3 4"), Contains("cross itself"));
+  CHECK_THAT(refused(v + "f 1 2 3\nf 1 2 3"), Contains("test.obj:5") && Contains("edge"));
+  CHECK_THROWS_WITH(obj::load_obj("no/such/file.obj"),
+                    Contains("no/such/file.obj: file") && Contains("can be read"));
+  CHECK_THROWS_WITH(obj::parse_obj(v + "f 1 2 3", "test.obj", {.scale = 0.0}),
+                    Contains("scale = 0"));
+}
+
+TEST_CASE("load_obj: a file, a stream and a string give the same mesh", "[obj]") {
+  const auto path = std::filesystem::temp_directory_path() / "tandem_load_obj_test.obj";
+  std::ofstream(path) << kCube;
+  const Mesh file = obj::load_obj(path, {.scale = 0.5});
+  std::filesystem::remove(path);
+  std::istringstream stream(kCube);
+  const Mesh streamed = obj::read_obj(stream, "stream", {.scale = 0.5});
+  REQUIRE(file->triangles().size() == streamed->triangles().size());
+  for (std::size_t t = 0; t < file->triangles().size(); ++t) {
+    CHECK(file->triangles()[t] == streamed->triangles()[t]);
+  }
+  CHECK(file->bounds().max == Vec3(0.5, 0.5, 0.5));
+}
