@@ -11,12 +11,16 @@ constexpr std::uint32_t kNone = JointGraph::kNone;
 /// Rows that may repeat each other share their load as if they had this much compliance, relative
 /// to their own mobility. A rope of 50 links held at both ends sags by less than 1e-8 m from it.
 constexpr double kRedundancy = 1e-9;
-/// Share of the geometric stiffness that is added to inertia where the substep does not resolve it:
+/// Part of the geometric stiffness that is added to inertia where the substep does not resolve it:
 /// from 1/4 on no rate is too high (the average acceleration method of Newmark).
 constexpr double kStiffShare = 0.3;
-/// It comes in over this range of (rate h)^2; leapfrog is stable below 4.
-constexpr double kStiffFrom = 0.25;
-constexpr double kStiffTo = 1.0;
+/// How much of it brakes neighbours that turn against each other.
+constexpr double kStiffDamping = 0.1;
+/// Both come in over this range of (rate h)^2; leapfrog is stable below 4.
+constexpr double kStiffFrom = 2.0;
+constexpr double kStiffTo = 8.0;
+/// Moves that shrink less than this from iteration to iteration call for a better matrix.
+constexpr double kSlow = 0.3;
 
 const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies, const SolverBody& ground) {
   return id.valid() ? bodies[id.index] : ground;
@@ -133,43 +137,17 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
     const SixDofJointDef& def = record.def;
     const SolverBody& a = body_of(def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(def.b, ctx.bodies, ground);
-    const JointPlace place = JointPlace::of(def, a, b);
     if (channel == Channel::Real && !a.total && !b.total) {
       for (double& gap : record.gap) gap *= kGapDecay;
     }
-    node.r_a = place.r_a;
-    node.r_b = place.r_b;
     node.lambda.fill(0.0);
     node.simple = record.point && record.used == 7u;
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
     if ((record.used >> kTwist & 1u) != 0 && channel == Channel::Real) record.twist = c[kTwist];
-    // Gradients.
-    if (record.point) {
-      node.dir.leftCols<3>().setIdentity();
-      node.arm_a.leftCols<3>() = skew(place.r_a);
-      node.arm_b.leftCols<3>() = skew(place.r_b);
-    }
-    if (!node.simple) {
-      const Quat basis_a = a.q * def.frame_a.basis;
-      const Mat3 axes = basis_a.toRotationMatrix();
-      if (!record.point) {
-        for (int i = 0; i < 3; ++i) {
-          node.dir.col(i) = axes.col(i);
-          node.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
-          node.arm_b.col(i) = place.r_b.cross(axes.col(i));
-        }
-      }
-      if ((record.used >> 3) != 0) {
-        const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
-        node.dir.rightCols<4>().setZero();
-        node.arm_b.col(kTwist) = axes * turn.twist_gradient();
-        node.arm_b.col(4) = axes * turn.swing_gradient(1);
-        node.arm_b.col(5) = axes * turn.swing_gradient(2);
-        node.arm_b.col(kCone) = axes * turn.u;
-        node.arm_a.rightCols<4>() = node.arm_b.rightCols<4>();
-      }
-    }
+    take_gradients(node, record, a, b);
+    node.pull_a = node.pull_b = 0.0;
+    add_pull(plan, node, ctx.h * ctx.h * record.state.force);
     // Force laws.
     for_bits(record.used, [&](int i) {
       JointAxis axis;
@@ -214,6 +192,67 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
   }
 }
 
+void JointSystem::take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
+                                 const SolverBody& b) {
+  const SixDofJointDef& def = record.def;
+  const JointPlace place = JointPlace::of(def, a, b);
+  node.r_a = place.r_a;
+  node.r_b = place.r_b;
+  if (record.point) {
+    node.dir.leftCols<3>().setIdentity();
+    node.arm_a.leftCols<3>() = skew(place.r_a);
+    node.arm_b.leftCols<3>() = skew(place.r_b);
+  }
+  if (!node.simple) {
+    const Quat basis_a = a.q * def.frame_a.basis;
+    const Mat3 axes = basis_a.toRotationMatrix();
+    if (!record.point) {
+      for (int i = 0; i < 3; ++i) {
+        node.dir.col(i) = axes.col(i);
+        node.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
+        node.arm_b.col(i) = place.r_b.cross(axes.col(i));
+      }
+    }
+    if ((record.used >> 3) != 0) {
+      const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+      node.dir.rightCols<4>().setZero();
+      node.arm_b.col(kTwist) = axes * turn.twist_gradient();
+      node.arm_b.col(4) = axes * turn.swing_gradient(1);
+      node.arm_b.col(5) = axes * turn.swing_gradient(2);
+      node.arm_b.col(kCone) = axes * turn.u;
+      node.arm_a.rightCols<4>() = node.arm_b.rightCols<4>();
+    }
+  }
+}
+
+void JointSystem::add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda) {
+  if (plan.slot_a != kNone) node.pull_a = std::max(node.pull_a, -node.r_a.dot(lambda));
+  if (plan.slot_b != kNone) node.pull_b = std::max(node.pull_b, node.r_b.dot(lambda));
+}
+
+/// Start the substep anew, now that the load is known.
+void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRecord> records,
+                          const SubstepContext& ctx) {
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.x -= slot.sum_dx;
+    body.dx -= slot.sum_dx;
+    body.q = rotated(body.q, -slot.sum_dtheta);
+    body.dtheta -= slot.sum_dtheta;
+  }
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    Vec3 lambda = Vec3::Zero();
+    for_bits(records[plan.joint].used & 7u,
+             [&](int i) { lambda += node.lambda[i] * node.dir.col(i); });
+    add_pull(plan, node, lambda);
+    node.lambda.fill(0.0);
+  }
+}
+
 double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> records,
                             const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
@@ -226,10 +265,28 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     state.factored = true;
   }
   solve(part);
-  apply(part, ctx, state);
-  // The factorisation is that of the first iteration, so errors shrink by a nearly constant factor:
-  // at first about the angle by which bodies have turned, later that of the last two moves.
-  const double move = state.last_move;
+  const double before = state.last_move;
+  const double move = apply(part, ctx);
+  state.last_move = move;
+  if (++state.iteration > 1 && move > kSlow * before && !state.restarted &&
+      state.channel == Channel::Real) {
+    restart(part, records, ctx);
+    state.restarted = true;
+    state.prepared = state.factored = false;
+    state.iteration = 0;
+  } else if (state.iteration > 1 && move > kSlow * before) {
+    // The factorisation of the start does not fit the poses any more.
+    const SolverBody ground;
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      const std::uint32_t joint = graph_.nodes()[k].joint;
+      if (joint == kNone || nodes_[k].off) continue;
+      const SixDofJointDef& def = records[joint].def;
+      take_gradients(nodes_[k], records[joint], body_of(def.a, ctx.bodies, ground),
+                     body_of(def.b, ctx.bodies, ground));
+    }
+    weigh(part, records);
+    state.factored = false;
+  }
   return move;
 }
 
@@ -242,8 +299,14 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].inv_inertia = body.inv_inertia_w;
     slots_[s].dx.setZero();
     slots_[s].dtheta.setZero();
+    slots_[s].sum_dx.setZero();
+    slots_[s].sum_dtheta.setZero();
   }
-  if (state.channel == Channel::Real) stiffen(part, state, records, ctx);
+  if (state.channel == Channel::Real) stiffen(part, state, ctx);
+  weigh(part, records);
+}
+
+void JointSystem::weigh(const JointGraph::Part& part, std::span<const JointRecord> records) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
     NodeState& node = nodes_[k];
@@ -285,52 +348,64 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
 /// (Newmark's average acceleration). As the change of a lever arm against uniform turning is the
 /// correction's own, the share adds to inertia: (I + share K) dtheta = r x lambda.
 void JointSystem::stiffen(const JointGraph::Part& part, PartState& state,
-                          std::span<const JointRecord> records, const SubstepContext& ctx) {
-  const double h2 = ctx.h * ctx.h;
-  // dx is free until the first iteration: its x holds the body's largest (rate h)^2.
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    if (plan.joint == kNone || nodes_[k].off) continue;
-    const Vec3 lambda = h2 * records[plan.joint].state.force;
-    const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
-      if (s == kNone || pull <= 0.0) return;
-      const Mat3& inv = slots_[s].inv_inertia;
-      const double r2 = r.squaredNorm();
-      slots_[s].dx.x() += pull * (inv.trace() - r.dot(inv * r) / r2);
-    };
-    rate(plan.slot_a, nodes_[k].r_a, -nodes_[k].r_a.dot(lambda));
-    rate(plan.slot_b, nodes_[k].r_b, nodes_[k].r_b.dot(lambda));
-  }
+                          const SubstepContext& ctx) {
+  // Until the first iteration dx and dtheta are free: dx.x holds the body's (rate h)^2.
+  const auto for_pulls = [&](auto&& visit) {
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      const JointGraph::Node& plan = graph_.nodes()[k];
+      const NodeState& node = nodes_[k];
+      if (plan.joint != kNone && !node.off) visit(plan, node, node.pull_a, node.pull_b);
+    }
+  };
+  const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
+    if (pull <= 0.0) return;
+    const Mat3& inv = slots_[s].inv_inertia;
+    slots_[s].dx.x() += pull * (inv.trace() - r.dot(inv * r) / r.squaredNorm());
+  };
+  for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
+    rate(plan.slot_a, node.r_a, a);
+    rate(plan.slot_b, node.r_b, b);
+  });
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     state.stiffness_ratio = std::max(state.stiffness_ratio, slots_[s].dx.x());
   }
   if (state.stiffness_ratio > kStiffFrom) {
-    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-      const JointGraph::Node& plan = graph_.nodes()[k];
-      if (plan.joint == kNone || nodes_[k].off) continue;
-      const Vec3 lambda = h2 * records[plan.joint].state.force;
-      const auto add = [&](std::uint32_t s, const Vec3& r, double pull) {
-        if (s == kNone || pull <= 0.0) return;
-        Slot& slot = slots_[s];
-        const double share =
-            kStiffShare *
-            std::clamp((slot.dx.x() - kStiffFrom) / (kStiffTo - kStiffFrom), 0.0, 1.0);
-        if (share == 0.0) return;
-        slot.stiffness += share * pull * (Mat3::Identity() - r * r.transpose() / r.squaredNorm());
-      };
-      add(plan.slot_a, nodes_[k].r_a, -nodes_[k].r_a.dot(lambda));
-      add(plan.slot_b, nodes_[k].r_b, nodes_[k].r_b.dot(lambda));
-    }
+    const auto share = [&](std::uint32_t s) {
+      return std::clamp((slots_[s].dx.x() - kStiffFrom) / (kStiffTo - kStiffFrom), 0.0, 1.0);
+    };
+    const auto add = [&](std::uint32_t s, const Vec3& r, double pull) {
+      if (pull <= 0.0) return;
+      slots_[s].stiffness +=
+          share(s) * pull * (Mat3::Identity() - r * r.transpose() / r.squaredNorm());
+    };
+    for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
+      add(plan.slot_a, node.r_a, a);
+      add(plan.slot_b, node.r_b, b);
+      if (plan.slot_a == kNone || plan.slot_b == kNone) return;
+      // Neighbours that turn against each other at a rate that is not resolved are braked.
+      const Vec3 turn = ctx.h * (ctx.bodies[graph_.bodies()[plan.slot_b]].w -
+                                 ctx.bodies[graph_.bodies()[plan.slot_a]].w);
+      slots_[plan.slot_a].dtheta += kStiffDamping * share(plan.slot_a) * std::max(a, 0.0) * turn;
+      slots_[plan.slot_b].dtheta -= kStiffDamping * share(plan.slot_b) * std::max(b, 0.0) * turn;
+    });
   }
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     Slot& slot = slots_[s];
     if (slot.dx.x() > kStiffFrom) {
+      SolverBody& body = ctx.bodies[graph_.bodies()[s]];
       const Mat3 inv =
-          (Mat3::Identity() + slot.inv_inertia * slot.stiffness).inverse() * slot.inv_inertia;
+          (Mat3::Identity() + (kStiffShare + kStiffDamping) * slot.inv_inertia * slot.stiffness)
+              .inverse() *
+          slot.inv_inertia;
       slot.inv_inertia = 0.5 * (inv + inv.transpose());
+      const Vec3 dtheta = slot.inv_inertia * slot.dtheta;
+      body.q = rotated(body.q, dtheta);
+      body.dtheta += dtheta;
+      slot.sum_dtheta += dtheta;
       slot.stiffness.setZero();
     }
     slot.dx.setZero();
+    slot.dtheta.setZero();
   }
 }
 
@@ -552,7 +627,7 @@ void JointSystem::solve(const JointGraph::Part& part) {
   }
 }
 
-void JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx, PartState& state) {
+double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
     NodeState& node = nodes_[k];
@@ -594,12 +669,13 @@ void JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx,
     body.dx += slot.dx;
     body.q = rotated(body.q, slot.dtheta);
     body.dtheta += slot.dtheta;
+    slot.sum_dx += slot.dx;
+    slot.sum_dtheta += slot.dtheta;
     largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});
     slot.dx.setZero();
     slot.dtheta.setZero();
   }
-  state.last_move = std::sqrt(largest);
-  ++state.iteration;
+  return std::sqrt(largest);
 }
 
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,

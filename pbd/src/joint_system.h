@@ -79,6 +79,8 @@ class JointSystem {
     std::array<std::uint8_t, kCoordinates> coordinate{};
     std::array<Segment::Kind, kCoordinates> kind{};
     std::array<double, kCoordinates> lambda{}, w{}, at{}, twist_near{};
+    double pull_a = 0.0,
+           pull_b = 0.0;          ///< N m s^2, how much the ends are pulled away from the centres
     Vec3 r_a, r_b;                ///< m, world
     Rows arm_a, arm_b, b_a, b_b;  ///< b = inverse inertia times arm
     Rows dir;
@@ -90,11 +92,14 @@ class JointSystem {
     Mat3 stiffness = Mat3::Zero();  ///< see stiffen()
     Vec3 dx = Vec3::Zero();
     Vec3 dtheta = Vec3::Zero();
+    Vec3 sum_dx = Vec3::Zero();  ///< of this substep
+    Vec3 sum_dtheta = Vec3::Zero();
   };
   struct PartState {
     bool prepared = false;
     bool factored = false;
     int iteration = 0;
+    bool restarted = false;
     double last_move = 0.0;
     double stiffness_ratio = 0.0;
     Channel channel = Channel::Real;
@@ -110,9 +115,16 @@ class JointSystem {
   void assemble(const JointGraph::Part& part);
   void factor(const JointGraph::Part& part);
   void solve(const JointGraph::Part& part);
-  void apply(const JointGraph::Part& part, const SubstepContext& ctx, PartState& state);
-  void stiffen(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
+  /// @return the largest move of a body, m or rad
+  double apply(const JointGraph::Part& part, const SubstepContext& ctx);
+  static void take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
+                             const SolverBody& b);
+  /// Inverse inertia times gradients, and the mobility of each row by itself.
+  void weigh(const JointGraph::Part& part, std::span<const JointRecord> records);
+  void stiffen(const JointGraph::Part& part, PartState& state, const SubstepContext& ctx);
+  void restart(const JointGraph::Part& part, std::span<const JointRecord> records,
                const SubstepContext& ctx);
+  static void add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda);
 
   JointGraph graph_;
   std::vector<NodeState> nodes_;
