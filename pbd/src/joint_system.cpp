@@ -21,6 +21,8 @@ constexpr double kStiffFrom = 2.0;
 constexpr double kStiffTo = 8.0;
 /// Moves that shrink less than this from iteration to iteration call for a better matrix.
 constexpr double kSlow = 0.3;
+/// m; smaller moves are rounding as like as not.
+constexpr double kFine = 1e-7;
 
 const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies, const SolverBody& ground) {
   return id.valid() ? bodies[id.index] : ground;
@@ -258,24 +260,20 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
   const JointGraph::Part& part = graph_.parts()[p];
   PartState& state = state_[p];
   if (!state.prepared) prepare(part, state, records, ctx);
-  const bool changed = evaluate(part, records, ctx);
-  if (changed || !state.factored) {
-    assemble(part);
-    factor(part);
-    state.factored = true;
-  }
-  solve(part);
   const double before = state.last_move;
-  const double move = apply(part, ctx);
-  state.last_move = move;
-  if (++state.iteration > 1 && move > kSlow * before && !state.restarted &&
-      state.channel == Channel::Real) {
+  state.last_move = newton(part, state, records, ctx);
+  const auto is_slow = [&] {
+    return state.iteration > 1 && state.last_move > kSlow * before && state.last_move > kFine;
+  };
+  if (is_slow() && !state.restarted && state.channel == Channel::Real) {
     restart(part, records, ctx);
     state.restarted = true;
-    state.prepared = state.factored = false;
+    state.factored = false;
     state.iteration = 0;
-  } else if (state.iteration > 1 && move > kSlow * before) {
-    // The factorisation of the start does not fit the poses any more.
+    prepare(part, state, records, ctx);
+    state.last_move = newton(part, state, records, ctx);
+  } else if (is_slow()) {
+    // The gradients of the start do not fit the poses any more.
     const SolverBody ground;
     for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
       const std::uint32_t joint = graph_.nodes()[k].joint;
@@ -287,7 +285,20 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     weigh(part, records);
     state.factored = false;
   }
-  return move;
+  return state.last_move;
+}
+
+double JointSystem::newton(const JointGraph::Part& part, PartState& state,
+                           std::span<const JointRecord> records, const SubstepContext& ctx) {
+  const bool changed = evaluate(part, records, ctx);
+  if (changed || !state.factored) {
+    assemble(part);
+    factor(part);
+    state.factored = true;
+  }
+  solve(part);
+  ++state.iteration;
+  return apply(part, ctx);
 }
 
 void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
