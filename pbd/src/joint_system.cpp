@@ -87,6 +87,13 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
   slots_.assign(graph_.bodies().size(), {});
   state_.assign(graph_.parts().size(), {});
   order_.assign(graph_.parts().size(), {});
+  primary_.assign(graph_.bodies().size(), 0);
+  std::vector<std::uint8_t> seen(bodies.size(), 0);
+  for (std::size_t s = 0; s < primary_.size(); ++s) {
+    std::uint8_t& before = seen[graph_.bodies()[s]];
+    primary_[s] = before == 0 ? 1 : 0;
+    before = 1;
+  }
   values_.assign(graph_.value_count(), 0.0);
   right_.assign(graph_.right_count(), 0.0);
 }
@@ -692,6 +699,11 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
+  for (std::uint32_t slot = part.body; slot < part.body + part.body_count; ++slot) {
+    if (primary_[slot] == 0) continue;
+    SolverBody& body = ctx.bodies[graph_.bodies()[slot]];
+    body.w = transported_spin(body);
+  }
   const double inverse_h2 = 1.0 / (ctx.h * ctx.h);
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];

@@ -131,6 +131,7 @@ class JointSystem {
   JointGraph graph_;
   std::vector<NodeState> nodes_;
   std::vector<Slot> slots_;
+  std::vector<std::uint8_t> primary_;  ///< by slot: the first one of its body
   std::vector<PartState> state_;
   std::vector<GroupPart> order_;
   std::vector<double> values_;
