@@ -204,12 +204,13 @@ const JointState& JointBlock::at(JointId id) const {
 int JointBlock::size() const { return impl_->count; }
 bool JointBlock::empty() const { return impl_->count == 0; }
 
-double JointBlock::stiffness_ratio(const SubstepContext& ctx) const {
-  double largest = 0.0;
+double JointBlock::wanted_substeps(const SubstepContext& ctx) const {
+  constexpr double kTurn = 0.05;  // rad: swinging chains keep their energy to about 1 %
+  double rate = 0.0;
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
-    largest = std::max(largest, impl_->system.stiffness_ratio(part));
+    rate = std::max(rate, impl_->system.turn_rate(part, impl_->records, ctx.bodies));
   });
-  return largest;
+  return std::max(1.0, ctx.h * rate / kTurn);
 }
 
 void JointBlock::begin_step(const SubstepContext& ctx) {

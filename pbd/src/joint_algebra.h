@@ -112,8 +112,32 @@ inline void subtract_product(const double* a, const double* b, int n, int k, int
   }
 }
 
+/// y = sign a x, a: n x n.
+inline void times(const double* a, const double* x, int n, double sign, double* y) {
+  if (n == 3) {
+    const double x0 = sign * x[0];
+    const double x1 = sign * x[1];
+    const double x2 = sign * x[2];
+    y[0] = a[0] * x0 + a[1] * x1 + a[2] * x2;
+    y[1] = a[3] * x0 + a[4] * x1 + a[5] * x2;
+    y[2] = a[6] * x0 + a[7] * x1 + a[8] * x2;
+    return;
+  }
+  for (int i = 0; i < n; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < n; ++j) sum += a[i * n + j] * x[j];
+    y[i] = sign * sum;
+  }
+}
+
 /// y -= a x, a: n x m.
 inline void subtract(const double* a, const double* x, int n, int m, double* y) {
+  if (n == 3 && m == 3) {
+    y[0] -= a[0] * x[0] + a[1] * x[1] + a[2] * x[2];
+    y[1] -= a[3] * x[0] + a[4] * x[1] + a[5] * x[2];
+    y[2] -= a[6] * x[0] + a[7] * x[1] + a[8] * x[2];
+    return;
+  }
   for (int i = 0; i < n; ++i) {
     double sum = 0.0;
     for (int j = 0; j < m; ++j) sum += a[i * m + j] * x[j];
@@ -123,6 +147,12 @@ inline void subtract(const double* a, const double* x, int n, int m, double* y) 
 
 /// y -= a^T x, a: n x m.
 inline void subtract_transposed(const double* a, const double* x, int n, int m, double* y) {
+  if (n == 3 && m == 3) {
+    y[0] -= a[0] * x[0] + a[3] * x[1] + a[6] * x[2];
+    y[1] -= a[1] * x[0] + a[4] * x[1] + a[7] * x[2];
+    y[2] -= a[2] * x[0] + a[5] * x[1] + a[8] * x[2];
+    return;
+  }
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < m; ++j) y[j] -= a[i * m + j] * x[i];
   }

@@ -606,13 +606,7 @@ void JointSystem::factor(const JointGraph::Part& part) {
 
 void JointSystem::solve(const JointGraph::Part& part) {
   const auto times_inverse = [&](const JointGraph::Node& plan, int n, const double* x, double* y) {
-    const double* inverse = &values_[plan.diagonal];
-    const double sign = plan.joint == kNone ? -1.0 : 1.0;
-    for (int i = 0; i < n; ++i) {
-      double sum = 0.0;
-      for (int j = 0; j < n; ++j) sum += inverse[i * n + j] * x[j];
-      y[i] = sign * sum;
-    }
+    block::times(&values_[plan.diagonal], x, n, plan.joint == kNone ? -1.0 : 1.0, y);
   };
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
@@ -692,6 +686,31 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
     largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});
     slot.dx.setZero();
     slot.dtheta.setZero();
+  }
+  return std::sqrt(largest);
+}
+
+double JointSystem::turn_rate(std::uint32_t p, std::span<const JointRecord> records,
+                              std::span<const SolverBody> bodies) const {
+  const JointGraph::Part& part = graph_.parts()[p];
+  const SolverBody ground;
+  double largest = 0.0;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    if (plan.joint == kNone) continue;
+    const SixDofJointDef& def = records[plan.joint].def;
+    const SolverBody& a = body_of(def.a, bodies, ground);
+    const SolverBody& b = body_of(def.b, bodies, ground);
+    const Vec3 spin = b.w - a.w;
+    // An arm much shorter than the radius of gyration says little.
+    const auto rate = [&](const SolverBody& body, const Vec3& anchor) {
+      if (body.inv_mass == 0.0) return;
+      const double gyration2 = 3.0 * body.inv_mass / body.inv_inertia_w.trace();
+      const double turn2 = spin.cross(body.q * anchor).squaredNorm();
+      largest = std::max(largest, turn2 / (anchor.squaredNorm() + gyration2));
+    };
+    rate(a, def.frame_a.anchor);
+    rate(b, def.frame_b.anchor);
   }
   return std::sqrt(largest);
 }

@@ -67,7 +67,9 @@ class JointSystem {
                  const SubstepContext& ctx);
   /// Forces of the substep into the records; joints that they are too much for break.
   void finish(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
-  double stiffness_ratio(std::uint32_t part) const { return state_[part].stiffness_ratio; }
+  /// rad/s, how fast joints turn the lever arms of their bodies against each other.
+  double turn_rate(std::uint32_t part, std::span<const JointRecord> records,
+                   std::span<const SolverBody> bodies) const;
 
  private:
   using Rows = Eigen::Matrix<double, 3, kCoordinates>;

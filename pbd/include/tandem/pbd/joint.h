@@ -54,9 +54,11 @@ class JointBlock final : public ConstraintBlock {
   const JointState& at(JointId id) const;
   int size() const;
 
-  /// Largest (rate h)^2 with which joints of the group turn bodies, h the last substep: above about
-  /// 1 the substep no longer resolves them. For choosing the number of substeps; 0 without joints.
-  double stiffness_ratio(const SubstepContext& ctx) const;
+  /// How many substeps a step of ctx.h needs for the joints of the group, >= 1: as many as keep the
+  /// bodies of a joint from turning by more than 0.05 rad against each other in one of them. Taut
+  /// chains need no more for their stiffness; only fast folding does (a cracking whip).
+  /// Call it after begin_step().
+  double wanted_substeps(const SubstepContext& ctx) const;
 
   std::string_view name() const override { return "joint"; }
   int order() const override { return static_cast<int>(SolveOrder::Joint); }
