@@ -263,20 +263,7 @@ void JointBlock::end_total(const SubstepContext& ctx) {
     double c[kCoordinates];
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
-      record.gap[i] = 0.0;
-      if ((record.used >> i & 1u) == 0) continue;
-      const bool cone = i == kCone;
-      const Freedom freedom = cone ? Freedom::Limited : record.axis(i).freedom;
-      // A soft row keeps no debt: its stretch is a force.
-      if ((cone ? record.def.cone_compliance : record.axis(i).compliance) > 0.0) continue;
-      const double bound = record.bound[i];
-      if (freedom == Freedom::Locked) {
-        record.gap[i] = c[i] - bound;
-      } else if (freedom == Freedom::Limited) {
-        const double lower = cone ? -kUnlimited : record.axis(i).lower;
-        const double upper = cone ? record.def.cone : record.axis(i).upper;
-        record.gap[i] = c[i] - std::clamp(c[i], std::min(lower, bound), std::max(upper, bound));
-      }
+      record.gap[i] = ForceLaw::gap(record.axis(i), c[i], record.bound[i]);
     }
   });
 }
@@ -306,17 +293,8 @@ void JointBlock::end_step(const SubstepContext& ctx) {
       state.load.fill(0.0);
       continue;
     }
-    for (int i = 0; i < 6; ++i) {
-      const JointAxis& axis = record.axis(i);
-      if (axis.compliance > 0.0) continue;
-      if (axis.freedom == Freedom::Locked) {
-        state.residual = std::max(state.residual, std::abs(c[i]));
-      } else if (axis.freedom == Freedom::Limited) {
-        state.residual = std::max({state.residual, axis.lower - c[i], c[i] - axis.upper});
-      }
-    }
-    if (record.def.cone_compliance == 0.0) {
-      state.residual = std::max(state.residual, c[kCone] - record.def.cone);
+    for (int i = 0; i < kCoordinates; ++i) {
+      state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
     }
     // What a spoiled step leaves behind must not spoil the next one.
     if (!state.force.allFinite()) state.force.setZero();

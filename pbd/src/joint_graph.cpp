@@ -10,7 +10,6 @@
 namespace tandem::pbd {
 namespace {
 
-constexpr std::uint32_t kNone = JointGraph::kNone;
 /// A body with more joints than this becomes an unknown of its own.
 constexpr std::size_t kHubDegree = 8;
 constexpr int kHubRows = 6;

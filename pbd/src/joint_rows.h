@@ -141,6 +141,38 @@ struct ForceLaw {
     return law;
   }
 
+  /// The same for the total channel: keep `bound`, what Real has, no more and no less. Springs
+  /// resist; motors do where they could hold against anything.
+  static ForceLaw of_total(const JointAxis& axis, double bound, double h) {
+    ForceLaw law;
+    if (axis.freedom == Freedom::Locked) {
+      law.locked = true;
+      law.target = bound;
+      law.at = axis.compliance / (h * h);
+      return law;
+    }
+    if (axis.freedom == Freedom::Limited && axis.compliance == 0.0) {
+      law.limited = true;
+      law.lower = law.lower_target = std::min(axis.lower, bound);
+      law.upper = law.upper_target = std::max(axis.upper, bound);
+    }
+    law.spring_k = h * h * axis.spring.stiffness;
+    law.spring_target = bound;
+    if (axis.motor.mode != MotorMode::Off && axis.motor.max_force == kUnlimited) {
+      law.motor_max = kUnlimited;
+      law.motor_target = bound;
+    }
+    return law;
+  }
+
+  /// What the total channel left of a rigid row that should have kept `bound`. A soft row keeps no
+  /// debt: its stretch is a force.
+  static double gap(const JointAxis& axis, double c, double bound) {
+    if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
+    if (axis.freedom == Freedom::Locked) return c - bound;
+    return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
+  }
+
   /// The piece of the graph on which the row by itself would end: that of c with
   /// c - w lambda(c) = c_now - w lambda_now. Alone it is the exact projection; in a system of rows
   /// it is the guess of a semismooth Newton step.
@@ -170,6 +202,20 @@ struct ForceLaw {
     // A force that is known: a row so soft that nothing else moves it.
     if (push != 0.0 || lambda_now != 0.0) return {Kind::Force, c_now, 1e9 * w, push};
     return {};
+  }
+
+  /// The change of the multiplier that a row by itself calls for.
+  double multiplier(double c, double lambda, double w) const {
+    const Segment s = segment(c, lambda, w);
+    if (s.kind == Segment::Kind::None || w + s.at <= 0.0) return 0.0;
+    return (-(c - s.target) - s.at * (lambda - s.offset)) / (w + s.at);
+  }
+
+  /// How far c is beyond a rigid lock or limit, m or rad.
+  static double violation(const JointAxis& axis, double c) {
+    if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
+    if (axis.freedom == Freedom::Locked) return std::abs(c);
+    return std::max({0.0, axis.lower - c, c - axis.upper});
   }
 };
 

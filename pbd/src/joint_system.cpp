@@ -39,16 +39,26 @@ void for_bits(std::uint32_t bits, Visit&& visit) {
 
 }  // namespace
 
+JointAxis JointRecord::axis(int c) const {
+  if (c < 3) return def.linear[static_cast<std::size_t>(c)];
+  if (c < kCone) return def.angular[static_cast<std::size_t>(c - 3)];
+  JointAxis cone;
+  if (def.cone < kUnlimited) cone.freedom = Freedom::Limited;
+  cone.lower = -kUnlimited;
+  cone.upper = def.cone;
+  cone.compliance = def.cone_compliance;
+  return cone;
+}
+
 void JointRecord::refresh() {
   used = 0;
-  for (int c = 0; c < 6; ++c) {
-    const JointAxis& a = axis(c);
+  for (int c = 0; c < kCoordinates; ++c) {
+    const JointAxis a = axis(c);
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
         a.spring.damping > 0.0) {
       used |= 1u << c;
     }
   }
-  if (def.cone < kUnlimited) used |= 1u << kCone;
   point = true;
   for (const JointAxis& a : def.linear) {
     point = point && a.freedom == Freedom::Locked && a.compliance == def.linear[0].compliance &&
@@ -159,44 +169,9 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
     add_pull(plan, node, ctx.h * ctx.h * record.state.force);
     // Force laws.
     for_bits(record.used, [&](int i) {
-      JointAxis axis;
-      if (i == kCone) {
-        axis.freedom = Freedom::Limited;
-        axis.lower = -kUnlimited;
-        axis.upper = def.cone;
-        axis.compliance = def.cone_compliance;
-      } else {
-        axis = record.axis(i);
-      }
-      if (channel == Channel::Real) {
-        node.law[i] = ForceLaw::of(axis, c[i], record.gap[i], ctx.h);
-        return;
-      }
-      // Total: keep what Real has, no more and no less. Springs resist, motors do where they could
-      // hold against anything.
-      const double bound = record.bound[i];
-      axis.damping = 0.0;
-      axis.spring.rest = bound;
-      axis.spring.damping = 0.0;
-      ForceLaw law;
-      if (axis.freedom == Freedom::Locked) {
-        law.locked = true;
-        law.target = bound;
-        law.at = axis.compliance / (ctx.h * ctx.h);
-      } else {
-        if (axis.freedom == Freedom::Limited && axis.compliance == 0.0) {
-          law.limited = true;
-          law.lower = law.lower_target = std::min(axis.lower, bound);
-          law.upper = law.upper_target = std::max(axis.upper, bound);
-        }
-        law.spring_k = ctx.h * ctx.h * axis.spring.stiffness;
-        law.spring_target = bound;
-        if (axis.motor.mode != MotorMode::Off && axis.motor.max_force == kUnlimited) {
-          law.motor_max = kUnlimited;
-          law.motor_target = bound;
-        }
-      }
-      node.law[i] = law;
+      const JointAxis axis = record.axis(i);
+      node.law[i] = channel == Channel::Real ? ForceLaw::of(axis, c[i], record.gap[i], ctx.h)
+                                             : ForceLaw::of_total(axis, record.bound[i], ctx.h);
     });
   }
 }

@@ -26,7 +26,8 @@ struct JointRecord {
   bool active() const { return alive && def.enabled && !state.broken; }
   /// Recompute `used` and `point` from the definition.
   void refresh();
-  const JointAxis& axis(int c) const { return c < 3 ? def.linear[c] : def.angular[c - 3]; }
+  /// The settings of coordinate c, 0 to 6.
+  JointAxis axis(int c) const;
   int rows() const { return __builtin_popcount(used); }
 };
 
