@@ -244,17 +244,19 @@ void JointBlock::finish_velocity(const SubstepContext& ctx) {
 void JointBlock::begin_total(const SubstepContext& ctx) {
   impl_->for_total(ctx.bodies, [&](JointRecord& record) {
     impl_->place(record, ctx.bodies, record.bound.data());
-    for (int i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
+    for (std::size_t i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
   });
+  for (std::uint32_t part = 0; part < impl_->system.part_count(); ++part) {
+    if (!impl_->system.is_total(part, ctx.bodies)) continue;
+    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Total);
+  }
 }
 
 void JointBlock::project_total(const SubstepContext& ctx) {
   JointSystem& system = impl_->system;
   for (std::uint32_t k = 0; k < system.part_count(); ++k) {
     const std::uint32_t part = ctx.reverse ? system.part_count() - 1 - k : k;
-    if (!system.is_total(part, ctx.bodies)) continue;
-    system.begin(part, impl_->records, ctx, Impl::Channel::Total);
-    system.iterate(part, impl_->records, ctx);
+    if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
   }
 }
 

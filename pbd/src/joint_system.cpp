@@ -241,13 +241,20 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
                             const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
   PartState& state = state_[p];
+  if (state.channel == Channel::Total) {
+    // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
+    // the clean-up, which comes last, has the bodies' own masses again.
+    prepare(part, state, records, ctx);
+    turn_gradients(part, state, records, ctx);
+    return newton(part, state, records, ctx);
+  }
   if (!state.prepared) prepare(part, state, records, ctx);
   const double before = state.last_move;
   state.last_move = newton(part, state, records, ctx);
   const auto is_slow = [&] {
     return state.iteration > 1 && state.last_move > kSlow * before && state.last_move > kFine;
   };
-  if (is_slow() && !state.restarted && state.channel == Channel::Real) {
+  if (is_slow() && !state.restarted) {
     restart(part, records, ctx);
     state.restarted = true;
     state.factored = false;
@@ -255,19 +262,24 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     prepare(part, state, records, ctx);
     state.last_move = newton(part, state, records, ctx);
   } else if (is_slow()) {
-    // The gradients of the start do not fit the poses any more.
-    const SolverBody ground;
-    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-      const std::uint32_t joint = graph_.nodes()[k].joint;
-      if (joint == kNone || nodes_[k].off) continue;
-      const SixDofJointDef& def = records[joint].def;
-      take_gradients(nodes_[k], records[joint], body_of(def.a, ctx.bodies, ground),
-                     body_of(def.b, ctx.bodies, ground));
-    }
-    weigh(part, records);
-    state.factored = false;
+    turn_gradients(part, state, records, ctx);
   }
   return state.last_move;
+}
+
+/// Take the gradients anew, from the poses as they are.
+void JointSystem::turn_gradients(const JointGraph::Part& part, PartState& state,
+                                 std::span<const JointRecord> records, const SubstepContext& ctx) {
+  const SolverBody ground;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const std::uint32_t joint = graph_.nodes()[k].joint;
+    if (joint == kNone || nodes_[k].off) continue;
+    const SixDofJointDef& def = records[joint].def;
+    take_gradients(nodes_[k], records[joint], body_of(def.a, ctx.bodies, ground),
+                   body_of(def.b, ctx.bodies, ground));
+  }
+  weigh(part, records);
+  state.factored = false;
 }
 
 double JointSystem::newton(const JointGraph::Part& part, PartState& state,

@@ -113,6 +113,8 @@ class JointSystem {
 
   void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
                const SubstepContext& ctx);
+  void turn_gradients(const JointGraph::Part& part, PartState& state,
+                      std::span<const JointRecord> records, const SubstepContext& ctx);
   double newton(const JointGraph::Part& part, PartState& state,
                 std::span<const JointRecord> records, const SubstepContext& ctx);
   bool evaluate(const JointGraph::Part& part, std::span<const JointRecord> records,

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_fixture.h"
 #include "support/catch.h"
+#include "support/targets.h"
 #include "tandem/pbd/ball_joint.h"
 
 using namespace tandem::pbd;
@@ -282,4 +283,50 @@ TEST_CASE("joint chain: a snapshot goes on bit for bit", "[pbd][joint][unit]") {
   run(two, solver, 0.5);
   CHECK(one.hash() == two.hash());
   CHECK(one.snapshot() == two.snapshot());
+}
+
+TEST_CASE("joint chain: agreement moves it without motion and without parting it",
+          "[pbd][joint][consensus]") {
+  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+    World world(weightless());
+    FixedTargets source;
+    auto& joints = world.add_block<JointBlock>();
+    std::vector<BodyId> bodies;
+    std::vector<JointId> ids;
+    for (int i = 0; i < 4; ++i) {
+      bodies.push_back(world.add_body(box_def(1.0 + i, Vec3(0.5, 0.2, 0.3), Vec3(i, 0.0, 0.0))));
+      if (i == 0) continue;
+      const Vec3 anchor(i - 0.5, 0.1, 0.0);
+      const BodyId a = bodies[bodies.size() - 2];
+      if (i == 1) ids.push_back(joints.add(world, fixed_joint_at(world, a, bodies.back(), anchor)));
+      if (i == 2) {
+        HingeJointDef def = hinge_joint_at(world, a, bodies.back(), anchor, Vec3::UnitZ());
+        def.axis.freedom = Freedom::Limited;  // at its stop
+        def.axis.upper = 0.5;
+        ids.push_back(joints.add(world, def));
+      }
+      if (i == 3) {
+        ids.push_back(
+            joints.add(world, ball_joint_at(world, a, bodies.back(), anchor, Vec3::UnitX())));
+      }
+    }
+    source.targets = {{.body = bodies[0],
+                       .pose = {Vec3(0.0, 0.1, 0.05), turn(Vec3(0.1, 0.2, 0.3))},
+                       .share = 0.3}};
+    world.set_target_source(&source);
+    Solver solver({.form = form});
+    double parted = 0.0;
+    double energy = 0.0;
+    run(world, solver, 1.0, [&] {
+      for (const JointId id : ids) parted = std::max(parted, joints.at(id).residual);
+      energy = std::max(energy, world.kinetic_energy());
+    });
+    INFO("parted " << parted << ", energy " << energy);
+    CHECK(parted < 1e-5);
+    CHECK(energy < 1e-12);
+    CHECK((world.pose(bodies[0]).position - Vec3(0.0, 0.1, 0.05)).norm() < 0.01);
+    source.targets.clear();
+    run(world, solver, 0.5);
+    CHECK(world.kinetic_energy() < 1e-8);
+  }
 }
