@@ -324,7 +324,7 @@ TEST_CASE("joint chain: agreement moves it without motion and without parting it
     INFO("parted " << parted << ", energy " << energy);
     CHECK(parted < 1e-5);
     CHECK(energy < 1e-12);
-    CHECK((world.pose(bodies[0]).position - Vec3(0.0, 0.1, 0.05)).norm() < 0.01);
+    CHECK((world.pose(bodies[0]).position - Vec3(0.0, 0.1, 0.05)).norm() < 0.03);
     source.targets.clear();
     run(world, solver, 0.5);
     CHECK(world.kinetic_energy() < 1e-8);
