@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/distance_joint.h"
 
-#include "tandem/pbd/corrections.h"
+#include "joint_rows.h"
 
 namespace tandem::pbd {
 
@@ -18,6 +18,32 @@ void DistanceJoint::check(const World& world, const Def& def) {
                   def.compliance, "finite and >= 0");
   detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
                   "finite and >= 0");
+  detail::require(def.min_length >= 0.0 && std::isfinite(def.min_length), kName, "min_length",
+                  def.min_length, "finite and >= 0");
+  detail::require(def.max_length >= def.min_length, kName, "max_length", def.max_length,
+                  ">= min_length");
+  if (!def.elastic) return;
+  detail::require(def.rest_length >= def.min_length && def.rest_length <= def.max_length, kName,
+                  "rest_length", def.rest_length, "from min_length to max_length");
+}
+
+JointAxis DistanceJoint::axis() const {
+  const bool rod = def_.elastic && def_.compliance == 0.0;
+  const bool ranged = def_.min_length > 0.0 || def_.max_length < kUnlimited;
+  JointAxis axis;
+  if (rod || (def_.elastic && !ranged)) {
+    axis.freedom = Freedom::Locked;
+    axis.compliance = def_.compliance;
+    axis.damping = def_.damping;
+    return axis;
+  }
+  if (ranged) {
+    axis.freedom = Freedom::Limited;
+    axis.lower = def_.min_length - def_.rest_length;
+    axis.upper = def_.max_length - def_.rest_length;
+  }
+  if (def_.elastic) axis.spring = {.stiffness = 1.0 / def_.compliance, .damping = def_.damping};
+  return axis;
 }
 
 DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& ground) const {
@@ -51,8 +77,7 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   // Points that have swung past each other within the substep have lost the old direction.
   if (n_.dot(arm.n) < 0.5) n_ = arm.n;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
-  const double dlambda = row_multiplier(
-      c - gap_, lambda_, w, RowSoftness::of(def_.compliance, def_.damping, ctx.h), c - c_start_);
+  const double dlambda = ForceLaw::of(axis(), c_start_, gap_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   force_ = lambda_ / (ctx.h * ctx.h);
   apply_pair(*arm.a, *arm.b, dlambda * n_, r_a_, r_b_);
@@ -68,23 +93,21 @@ void DistanceJoint::begin_total(const SubstepContext& ctx) {
 void DistanceJoint::project_total(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  const double c = arm.length - def_.rest_length - bound_;
+  const double c = arm.length - def_.rest_length;
   const double w = inverse_mass(*arm.a, arm.r_a, arm.n) + inverse_mass(*arm.b, arm.r_b, arm.n);
-  const double dlambda =
-      row_multiplier(c, lambda_, w, RowSoftness::of(def_.compliance, 0.0, ctx.h), 0.0);
+  const double dlambda = ForceLaw::of_total(axis(), bound_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   apply_pair(*arm.a, *arm.b, dlambda * arm.n, arm.r_a, arm.r_b);
 }
 
 void DistanceJoint::end_total(const SubstepContext& ctx) {
-  if (def_.compliance > 0.0) return;  // a soft row keeps no debt: its stretch is a force
   SolverBody ground;
-  gap_ = arms(ctx, ground).length - def_.rest_length - bound_;
+  gap_ = ForceLaw::gap(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
 }
 
 void DistanceJoint::end_step(const SubstepContext& ctx) {
   SolverBody ground;
-  residual_ = def_.compliance > 0.0 ? 0.0 : std::abs(arms(ctx, ground).length - def_.rest_length);
+  residual_ = ForceLaw::violation(axis(), arms(ctx, ground).length - def_.rest_length);
   // What a spoiled step leaves behind must not spoil the next one.
   if (!std::isfinite(gap_)) gap_ = 0.0;
 }
@@ -99,6 +122,9 @@ void DistanceJoint::save(ByteWriter& out) const {
   out.f64(def_.rest_length);
   out.f64(def_.compliance);
   out.f64(def_.damping);
+  out.u8(def_.elastic ? 1 : 0);
+  out.f64(def_.min_length);
+  out.f64(def_.max_length);
   out.f64(gap_);
   out.f64(force_);
 }
@@ -113,6 +139,9 @@ void DistanceJoint::load(ByteReader& in) {
   def_.rest_length = in.f64();
   def_.compliance = in.f64();
   def_.damping = in.f64();
+  def_.elastic = in.u8() != 0;
+  def_.min_length = in.f64();
+  def_.max_length = in.f64();
   gap_ = in.f64();
   force_ = in.f64();
 }

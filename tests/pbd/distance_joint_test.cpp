@@ -329,3 +329,40 @@ TEST_CASE("distance_joint: a bad definition is refused naming field, value and r
   refused("damping", "nan", "finite", [&](Def& d) { d.damping = kNan; });
   CHECK(joints.size() == 0);
 }
+
+TEST_CASE("distance_joint: a rope is slack up to its length and holds there", "[pbd][analytic]") {
+  World world;
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -0.5)));
+  const ConstraintId id = joints.add(world, {.b = body, .elastic = false, .max_length = 1.0});
+  Solver solver;
+  run(world, solver, 0.25);
+  CHECK(world.twist(body).linear.z() == Approx(-0.25 * kGravity).epsilon(1e-9));
+  CHECK(joints.at(id).force() == 0.0);
+  run(world, solver, 1.0);
+  CHECK(world.pose(body).position.z() == Approx(-1.0).margin(1e-9));
+  CHECK(joints.at(id).force() == Approx(-2.0 * kGravity).epsilon(1e-6));
+  world.set_twist(body, {Vec3(0.0, 0.0, 2.0), Vec3::Zero()});
+  run(world, solver, 0.1);
+  CHECK(joints.at(id).force() == 0.0);
+  CHECK(world.pose(body).position.z() > -0.9);
+}
+
+TEST_CASE("distance_joint: a spring stops at the ends of its range", "[pbd][analytic]") {
+  World world;
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -1.0)));
+  const ConstraintId id = joints.add(
+      world,
+      {.b = body, .rest_length = 1.0, .compliance = 0.1, .min_length = 0.9, .max_length = 1.2});
+  Solver solver;
+  double longest = 0.0;
+  run(world, solver, 3.0, [&] { longest = std::max(longest, -world.pose(body).position.z()); });
+  CHECK(longest == Approx(1.2).margin(1e-9));
+  // The weight alone would stretch it by 1.96 m: the stop carries what the spring does not.
+  CHECK(world.pose(body).position.z() == Approx(-1.2).margin(1e-9));
+  CHECK(joints.at(id).force() == Approx(-2.0 * kGravity).epsilon(1e-6));
+  const DistanceJoint::Def bad{.b = body, .rest_length = 2.0, .max_length = 1.0};
+  CHECK(names(refusal([&] { joints.add(world, bad); }), "distance_joint: rest_length", "2.0",
+              "max_length"));
+}

@@ -2,11 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include "tandem/pbd/joint_def.h"
 #include "tandem/pbd/typed_block.h"
 
 namespace tandem::pbd {
 
-/// Keeps two points at a distance, rigidly or as a spring with damping.
+/// Keeps two points at a distance, rigidly or as a spring with damping, and within a range: a rope
+/// is a range from 0 to its length without a spring.
 /// C = |p_b - p_a| - rest_length [m];  n = (p_b - p_a) / |p_b - p_a|, dC/dx_b = n,
 /// dC/dtheta_b = r_b x n, mirrored for a. Rigid limit (compliance 0): a rod. Infinitely soft: none.
 /// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs:
@@ -24,6 +26,9 @@ class DistanceJoint {
     double rest_length = 0.0;        ///< m, >= 0
     double compliance = 0.0;         ///< m/N, >= 0; 0 = rigid; 1 / stiffness
     double damping = 0.0;            ///< N s/m, >= 0; without effect on a rigid joint
+    bool elastic = true;             ///< false: only the range holds, rigidly
+    double min_length = 0.0;         ///< m, >= 0; around rest_length where that holds
+    double max_length = kUnlimited;  ///< m, >= min_length
   };
 
   // CONFIGURATION PROPERTIES FOLLOW
@@ -56,6 +61,8 @@ class DistanceJoint {
     double length;
   };
   Arms arms(const SubstepContext& ctx, SolverBody& ground) const;
+  /// The joint's force as that of one coordinate, C.
+  JointAxis axis() const;
 
   Def def_;
   double lambda_ = 0.0;      ///< N s^2

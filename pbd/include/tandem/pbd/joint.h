@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+
+#include "tandem/pbd/joint_def.h"
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::pbd {
+
+using JointId = ConstraintId;
+
+/// What a joint did in the last step.
+struct JointState {
+  /// Coordinates of frame b in frame a: three displacements (m), then twist about x and the swing
+  /// components about y and z (rad). Twist counts turns unless it is locked; swing is the rotation
+  /// vector that carries the x axis of a to that of b, so it ends at pi.
+  std::array<double, 6> position{};
+  double swing = 0.0;            ///< rad, >= 0, angle between the x axes: what the cone limits
+  std::array<double, 6> load{};  ///< N and N m, of each coordinate, on body b
+  Vec3 force = Vec3::Zero();     ///< N, world, on body b at its frame, last substep
+  Vec3 torque = Vec3::Zero();    ///< N m, world, on body b, last substep
+  double residual = 0.0;         ///< m (linear) or rad (angular), largest violation of a rigid row
+  bool broken = false;           ///< by break_force or break_torque; enable it to use it again
+};
+
+/// All rigid, limited, sprung and driven joints of a world as one kind: six coordinates, each with
+/// a force law (joint_def.h). Joints that share bodies are solved together by a sparse block LDL^T
+/// factorisation, so that a chain costs O(n) and holds at once; trees have no fill-in, loops
+/// little.
+///
+/// Rows use the gradients of the substep's start, which makes a converged step that of SHAKE
+/// [ryckaert1977]. Taut joints whose own force would turn a body faster than the substep resolves
+/// add a part of their geometric stiffness to its inertia: stable at any step, and without effect
+/// on slow motion.
+/// @par Thread safety  As World. Rows of distinct groups may be solved at the same time.
+class JointBlock final : public ConstraintBlock {
+ public:
+  JointBlock();
+  ~JointBlock() override;
+
+  /// @throws std::invalid_argument naming the field, its value and the rule
+  JointId add(const World& world, const SixDofJointDef& def);
+  bool contains(JointId id) const;
+  /// All of these throw std::invalid_argument where the id names no joint.
+  void remove(JointId id);
+  /// Change parameters; carried state stays. The bodies may not change.
+  void set(const World& world, JointId id, const SixDofJointDef& def);
+  void set_enabled(JointId id, bool enabled);
+  const SixDofJointDef& def(JointId id) const;
+  const JointState& at(JointId id) const;
+  int size() const;
+
+  /// How many substeps a step of ctx.h needs for the joints of the group, >= 1: as many as keep the
+  /// bodies of a joint from turning by more than 0.05 rad against each other in one of them. Taut
+  /// chains need no more for their stiffness; only fast folding does (a cracking whip).
+  /// Call it after begin_step().
+  double wanted_substeps(const SubstepContext& ctx) const;
+
+  std::string_view name() const override { return "joint"; }
+  int order() const override { return static_cast<int>(SolveOrder::Joint); }
+  bool empty() const override;
+  void begin_step(const SubstepContext& ctx) override;
+  void begin_substep(const SubstepContext& ctx) override;
+  double project(const SubstepContext& ctx) override;
+  void finish_velocity(const SubstepContext& ctx) override;
+  void begin_total(const SubstepContext& ctx) override;
+  void project_total(const SubstepContext& ctx) override;
+  void end_total(const SubstepContext& ctx) override;
+  void clean_up(const SubstepContext& ctx) override { project_total(ctx); }
+  void end_step(const SubstepContext& ctx) override;
+  void links(LinkVisitor& visitor) const override;
+  void remove_body(BodyId body) override;
+  BlockReport report() const override;
+  void save(ByteWriter& out) const override;
+  void load(ByteReader& in) override;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <limits>
+#include <numbers>
+
+#include "tandem/pbd/body.h"
+
+namespace tandem::pbd {
+
+class World;
+
+/// No bound on a force, speed or angle.
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+/// A point and three axes of a body. Hinges turn about x, sliders move along x, and twist is the
+/// rotation about x.
+struct JointFrame {
+  Vec3 anchor = Vec3::Zero();     ///< m, frame of the body (world frame for the world)
+  Quat basis = Quat::Identity();  ///< axes to the frame of the body
+};
+
+enum class Freedom : std::uint8_t { Free, Locked, Limited };
+enum class MotorMode : std::uint8_t { Off, Velocity, Position };
+
+/// Pulls a coordinate to `rest`. Units: N/m, m, N s/m for displacements; N m/rad, rad, N m s/rad.
+struct JointSpring {
+  double stiffness = 0.0;  ///< >= 0; 0 = no spring
+  double rest = 0.0;
+  double damping = 0.0;  ///< >= 0; works without stiffness as well
+};
+
+/// Drives a coordinate with as much force as it takes, up to max_force. A limit is stronger than
+/// any motor.
+struct JointMotor {
+  MotorMode mode = MotorMode::Off;
+  double target = 0.0;            ///< m/s or rad/s (Velocity), m or rad (Position)
+  double max_force = kUnlimited;  ///< N or N m, > 0
+  double max_speed = kUnlimited;  ///< m/s or rad/s, > 0: on the way to a position
+};
+
+/// One coordinate. Compliance (m/N or rad/(N m)) and damping (N s/m or N m s/rad) are those of the
+/// lock or of the stops; 0 compliance is rigid, and damping has no effect on a rigid row.
+struct JointAxis {
+  Freedom freedom = Freedom::Free;
+  double lower = 0.0;  ///< m or rad, where Limited; <= upper
+  double upper = 0.0;
+  double compliance = 0.0;
+  double damping = 0.0;
+  JointSpring spring;  ///< none where Locked
+  JointMotor motor;    ///< none where Locked
+};
+
+/// The general joint; the others are short forms of it. Body b moves in the frame of body a.
+struct SixDofJointDef {
+  BodyId a;  ///< the invalid id stands for the world
+  BodyId b;
+  JointFrame frame_a, frame_b;
+  std::array<JointAxis, 3> linear;   ///< along the axes of frame a
+  std::array<JointAxis, 3> angular;  ///< twist about x, swing about y, swing about z
+  /// rad, > 0: largest angle between the x axes; in place of limits on the two swings.
+  double cone = kUnlimited;
+  double cone_compliance = 0.0;  ///< rad/(N m), >= 0
+  double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
+  double break_torque = 0.0;     ///< N m, likewise
+  bool enabled = true;
+};
+
+/// Holds b in a: no freedom.
+struct FixedJointDef {
+  BodyId a, b;
+  JointFrame frame_a, frame_b;
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
+  operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor): a short form of it
+};
+
+/// Holds a point of b at a point of a.
+struct BallJointDef {
+  BodyId a, b;
+  JointFrame frame_a, frame_b;
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double cone = kUnlimited;         ///< rad, largest swing of the x axis
+  bool limit_twist = false;         ///< by the next two
+  double lower_twist = 0.0;         ///< rad
+  double upper_twist = 0.0;         ///< rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
+  operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
+};
+
+/// Lets b turn about the x axis of a. Limits, spring and motor are those of `axis`.
+struct HingeJointDef {
+  BodyId a, b;
+  JointFrame frame_a, frame_b;
+  JointAxis axis;                   ///< rad, N m
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
+  operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
+};
+
+/// Lets b move along the x axis of a, without turning. Limits, spring and motor are those of
+/// `axis`.
+struct SliderJointDef {
+  BodyId a, b;
+  JointFrame frame_a, frame_b;
+  JointAxis axis;                   ///< m, N
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
+  operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
+};
+
+/// Frames at the world point `anchor_w` (m) with x along `axis_w` (any length > 0), as the bodies
+/// stand now: all coordinates are 0 there. They throw std::invalid_argument on a bad body or axis.
+SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                                const Vec3& axis_w = Vec3::UnitX());
+FixedJointDef fixed_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w);
+BallJointDef ball_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                           const Vec3& twist_axis_w);
+HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                             const Vec3& axis_w);
+SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                               const Vec3& axis_w);
+
+/// @throws std::invalid_argument naming the field, its value and the rule
+void check_joint(const World& world, const SixDofJointDef& def);
+
+}  // namespace tandem::pbd

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/joint.h"
+
+#include <string>
+#include <vector>
+
+#include "joint_system.h"
+
+namespace tandem::pbd {
+namespace {
+
+void save_frame(ByteWriter& out, const JointFrame& frame) {
+  out.vec3(frame.anchor);
+  out.quat(frame.basis);
+}
+
+void load_frame(ByteReader& in, JointFrame& frame) {
+  frame.anchor = in.vec3();
+  frame.basis = in.quat();
+}
+
+void save_axis(ByteWriter& out, const JointAxis& axis) {
+  out.u8(static_cast<std::uint8_t>(axis.freedom));
+  out.u8(static_cast<std::uint8_t>(axis.motor.mode));
+  for (const double value : {axis.lower, axis.upper, axis.compliance, axis.damping,
+                             axis.spring.stiffness, axis.spring.rest, axis.spring.damping,
+                             axis.motor.target, axis.motor.max_force, axis.motor.max_speed}) {
+    out.f64(value);
+  }
+}
+
+void load_axis(ByteReader& in, JointAxis& axis) {
+  axis.freedom = static_cast<Freedom>(in.u8());
+  axis.motor.mode = static_cast<MotorMode>(in.u8());
+  for (double* value : {&axis.lower, &axis.upper, &axis.compliance, &axis.damping,
+                        &axis.spring.stiffness, &axis.spring.rest, &axis.spring.damping,
+                        &axis.motor.target, &axis.motor.max_force, &axis.motor.max_speed}) {
+    *value = in.f64();
+  }
+}
+
+void save_record(ByteWriter& out, const JointRecord& record) {
+  const SixDofJointDef& def = record.def;
+  for (const BodyId id : {def.a, def.b}) {
+    out.u32(id.index);
+    out.u32(id.generation);
+  }
+  save_frame(out, def.frame_a);
+  save_frame(out, def.frame_b);
+  for (const JointAxis& axis : def.linear) save_axis(out, axis);
+  for (const JointAxis& axis : def.angular) save_axis(out, axis);
+  out.f64(def.cone);
+  out.f64(def.cone_compliance);
+  out.f64(def.break_force);
+  out.f64(def.break_torque);
+  out.u8(def.enabled ? 1 : 0);
+  out.u8(record.alive ? 1 : 0);
+  for (const double gap : record.gap) out.f64(gap);
+  out.f64(record.twist);
+  for (const double position : record.state.position) out.f64(position);
+  out.f64(record.state.swing);
+  for (const double load : record.state.load) out.f64(load);
+  out.vec3(record.state.force);
+  out.vec3(record.state.torque);
+  out.f64(record.state.residual);
+  out.u8(record.state.broken ? 1 : 0);
+}
+
+void load_record(ByteReader& in, JointRecord& record) {
+  SixDofJointDef& def = record.def;
+  for (BodyId* id : {&def.a, &def.b}) {
+    id->index = in.u32();
+    id->generation = in.u32();
+  }
+  load_frame(in, def.frame_a);
+  load_frame(in, def.frame_b);
+  for (JointAxis& axis : def.linear) load_axis(in, axis);
+  for (JointAxis& axis : def.angular) load_axis(in, axis);
+  def.cone = in.f64();
+  def.cone_compliance = in.f64();
+  def.break_force = in.f64();
+  def.break_torque = in.f64();
+  def.enabled = in.u8() != 0;
+  record.alive = in.u8() != 0;
+  for (double& gap : record.gap) gap = in.f64();
+  record.twist = in.f64();
+  for (double& position : record.state.position) position = in.f64();
+  record.state.swing = in.f64();
+  for (double& load : record.state.load) load = in.f64();
+  record.state.force = in.vec3();
+  record.state.torque = in.vec3();
+  record.state.residual = in.f64();
+  record.state.broken = in.u8() != 0;
+  record.refresh();
+}
+
+}  // namespace
+
+class JointBlock::Impl {
+ public:
+  using Channel = JointSystem::Channel;
+
+  std::uint32_t checked(JointId id) const {
+    if (!contains(id)) {
+      throw std::invalid_argument("joint: id " + std::to_string(id.index) + " (generation " +
+                                  std::to_string(id.generation) + ") names no joint of this block");
+    }
+    return id.index;
+  }
+  bool contains(JointId id) const {
+    return id.index < records.size() && records[id.index].alive &&
+           generations[id.index] == id.generation;
+  }
+  void erase(std::uint32_t index) {
+    records[index].alive = false;
+    ++generations[index];
+    free.push_back(index);
+    --count;
+    dirty = true;
+  }
+
+  /// The coordinates as they are into `c`; the ends of the joint where the caller wants them.
+  void place(const JointRecord& record, std::span<const SolverBody> bodies, double* c) const {
+    const SolverBody ground;
+    const SixDofJointDef& def = record.def;
+    coordinates(record, def.a.valid() ? bodies[def.a.index] : ground, bodies[def.b.index],
+                record.twist, c);
+  }
+  bool is_total(const JointRecord& record, std::span<const SolverBody> bodies) const {
+    return (record.def.a.valid() && bodies[record.def.a.index].total) ||
+           bodies[record.def.b.index].total;
+  }
+  template <class Visit>
+  void for_total(std::span<const SolverBody> bodies, Visit&& visit) {
+    for (JointRecord& record : records) {
+      if (record.active() && is_total(record, bodies)) visit(record);
+    }
+  }
+
+  std::vector<JointRecord> records;
+  std::vector<std::uint32_t> generations;
+  std::vector<std::uint32_t> free;
+  JointSystem system;
+  int count = 0;
+  bool dirty = true;
+};
+
+JointBlock::JointBlock() : impl_(std::make_unique<Impl>()) {}
+JointBlock::~JointBlock() = default;
+
+JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
+  check_joint(world, def);
+  JointRecord record;
+  record.def = def;
+  record.def.frame_a.basis.normalize();
+  record.def.frame_b.basis.normalize();
+  record.alive = true;
+  record.refresh();
+  impl_->dirty = true;
+  ++impl_->count;
+  if (!impl_->free.empty()) {
+    const std::uint32_t index = impl_->free.back();
+    impl_->free.pop_back();
+    impl_->records[index] = record;
+    return {index, impl_->generations[index]};
+  }
+  impl_->records.push_back(record);
+  impl_->generations.push_back(0);
+  impl_->free.reserve(impl_->records.size());
+  return {static_cast<std::uint32_t>(impl_->records.size() - 1), 0};
+}
+
+bool JointBlock::contains(JointId id) const { return impl_->contains(id); }
+void JointBlock::remove(JointId id) { impl_->erase(impl_->checked(id)); }
+
+void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) {
+  JointRecord& record = impl_->records[impl_->checked(id)];
+  check_joint(world, def);
+  detail::require(def.a == record.def.a, "joint", "a", def.a.index, "the body it was added with");
+  detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
+  const std::uint32_t used = record.used;
+  const bool enabled = record.def.enabled;
+  record.def = def;
+  record.def.frame_a.basis.normalize();
+  record.def.frame_b.basis.normalize();
+  record.refresh();
+  if (used != record.used || enabled != def.enabled) impl_->dirty = true;
+}
+
+void JointBlock::set_enabled(JointId id, bool enabled) {
+  JointRecord& record = impl_->records[impl_->checked(id)];
+  record.def.enabled = enabled;
+  if (enabled) record.state.broken = false;
+  impl_->dirty = true;
+}
+
+const SixDofJointDef& JointBlock::def(JointId id) const {
+  return impl_->records[impl_->checked(id)].def;
+}
+const JointState& JointBlock::at(JointId id) const {
+  return impl_->records[impl_->checked(id)].state;
+}
+int JointBlock::size() const { return impl_->count; }
+bool JointBlock::empty() const { return impl_->count == 0; }
+
+double JointBlock::wanted_substeps(const SubstepContext& ctx) const {
+  constexpr double kTurn = 0.05;  // rad: swinging chains keep their energy to about 1 %
+  double rate = 0.0;
+  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
+    rate = std::max(rate, impl_->system.turn_rate(part, impl_->records, ctx.bodies));
+  });
+  return std::max(1.0, ctx.h * rate / kTurn);
+}
+
+void JointBlock::begin_step(const SubstepContext& ctx) {
+  if (impl_->dirty || !impl_->system.fits(impl_->records, ctx.bodies)) {
+    impl_->system.build(impl_->records, ctx.bodies);
+    impl_->dirty = false;
+  }
+  impl_->system.sort_groups(ctx.bodies);
+}
+
+void JointBlock::begin_substep(const SubstepContext& ctx) {
+  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
+    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Real);
+  });
+}
+
+double JointBlock::project(const SubstepContext& ctx) {
+  double largest = 0.0;
+  impl_->system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
+    largest = std::max(largest, impl_->system.iterate(part, impl_->records, ctx));
+  });
+  return largest;
+}
+
+void JointBlock::finish_velocity(const SubstepContext& ctx) {
+  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
+    impl_->system.finish(part, impl_->records, ctx);
+  });
+}
+
+void JointBlock::begin_total(const SubstepContext& ctx) {
+  impl_->for_total(ctx.bodies, [&](JointRecord& record) {
+    impl_->place(record, ctx.bodies, record.bound.data());
+    for (std::size_t i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
+  });
+  for (std::uint32_t part = 0; part < impl_->system.part_count(); ++part) {
+    if (!impl_->system.is_total(part, ctx.bodies)) continue;
+    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Total);
+  }
+}
+
+void JointBlock::project_total(const SubstepContext& ctx) {
+  JointSystem& system = impl_->system;
+  for (std::uint32_t k = 0; k < system.part_count(); ++k) {
+    const std::uint32_t part = ctx.reverse ? system.part_count() - 1 - k : k;
+    if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
+  }
+}
+
+void JointBlock::end_total(const SubstepContext& ctx) {
+  impl_->for_total(ctx.bodies, [&](JointRecord& record) {
+    double c[kCoordinates];
+    impl_->place(record, ctx.bodies, c);
+    for (int i = 0; i < kCoordinates; ++i) {
+      record.gap[i] = ForceLaw::gap(record.axis(i), c[i], record.bound[i]);
+    }
+  });
+}
+
+void JointBlock::end_step(const SubstepContext& ctx) {
+  for (JointRecord& record : impl_->records) {
+    if (!record.alive) continue;
+    JointState& state = record.state;
+    double c[kCoordinates] = {};
+    const std::uint32_t used = record.used;
+    record.used = ~0u;  // all coordinates are reported
+    impl_->place(record, ctx.bodies, c);
+    record.used = used;
+    for (std::size_t i = 0; i < 6; ++i) state.position[i] = c[i];
+    if (record.point) {
+      const BodyId a = record.def.a;
+      const Quat q = a.valid() ? ctx.bodies[a.index].q : Quat(Quat::Identity());
+      Eigen::Map<Vec3>{state.position.data()} =
+          (q * record.def.frame_a.basis).conjugate() * Vec3(c[0], c[1], c[2]);
+    }
+    state.swing = c[kCone];
+    record.twist = c[kTwist];
+    state.residual = 0.0;
+    if (!record.active()) {
+      state.force.setZero();
+      state.torque.setZero();
+      state.load.fill(0.0);
+      continue;
+    }
+    for (int i = 0; i < kCoordinates; ++i) {
+      state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
+    }
+    // What a spoiled step leaves behind must not spoil the next one.
+    if (!state.force.allFinite()) state.force.setZero();
+    if (!std::isfinite(record.twist)) record.twist = 0.0;
+    for (double& gap : record.gap) {
+      if (!std::isfinite(gap)) gap = 0.0;
+    }
+  }
+}
+
+void JointBlock::links(LinkVisitor& visitor) const {
+  for (const JointRecord& record : impl_->records) {
+    if (record.active() && record.def.a.valid()) {
+      visitor.link(record.def.a.index, record.def.b.index);
+    }
+  }
+}
+
+void JointBlock::remove_body(BodyId body) {
+  for (std::uint32_t i = 0; i < impl_->records.size(); ++i) {
+    const JointRecord& record = impl_->records[i];
+    if (record.alive && (record.def.a == body || record.def.b == body)) impl_->erase(i);
+  }
+}
+
+BlockReport JointBlock::report() const {
+  BlockReport report{.name = name(), .rows = impl_->count};
+  for (const JointRecord& record : impl_->records) {
+    if (!record.active()) continue;
+    report.residual = std::max(report.residual, record.state.residual);
+    for (const double gap : record.gap) {
+      report.total_residual = std::max(report.total_residual, std::abs(gap));
+    }
+  }
+  return report;
+}
+
+void JointBlock::save(ByteWriter& out) const {
+  out.u32(static_cast<std::uint32_t>(impl_->records.size()));
+  for (std::size_t i = 0; i < impl_->records.size(); ++i) {
+    out.u32(impl_->generations[i]);
+    save_record(out, impl_->records[i]);
+  }
+  out.u32(static_cast<std::uint32_t>(impl_->free.size()));
+  for (const std::uint32_t index : impl_->free) out.u32(index);
+}
+
+void JointBlock::load(ByteReader& in) {
+  const std::uint32_t size = in.u32();
+  impl_->records.clear();
+  impl_->generations.clear();
+  impl_->free.clear();
+  impl_->count = 0;
+  for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
+    impl_->generations.push_back(in.u32());
+    impl_->records.emplace_back();
+    load_record(in, impl_->records.back());
+    if (impl_->records.back().alive) ++impl_->count;
+  }
+  const std::uint32_t free_count = in.u32();
+  impl_->free.reserve(impl_->records.size());
+  for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) impl_->free.push_back(in.u32());
+  impl_->dirty = true;
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/joint_def.h"
+
+#include <cmath>
+#include <string>
+
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::pbd {
+namespace {
+
+constexpr std::string_view kKind = "joint";
+
+void check_frame(const JointFrame& frame, const std::string& field) {
+  detail::require_finite(frame.anchor, kKind, field + ".anchor");
+  const double norm = frame.basis.norm();
+  detail::require(std::abs(norm - 1.0) < 1e-3, kKind, field + ".basis", norm,
+                  "a quaternion of unit norm (within 1e-3)");
+}
+
+void check_at_least_0(double value, const std::string& field) {
+  detail::require(value >= 0.0 && std::isfinite(value), kKind, field, value, "finite and >= 0");
+}
+
+void check_axis(const JointAxis& axis, const std::string& field) {
+  check_at_least_0(axis.compliance, field + ".compliance");
+  check_at_least_0(axis.damping, field + ".damping");
+  check_at_least_0(axis.spring.stiffness, field + ".spring.stiffness");
+  check_at_least_0(axis.spring.damping, field + ".spring.damping");
+  detail::require(std::isfinite(axis.spring.rest), kKind, field + ".spring.rest", axis.spring.rest,
+                  "finite");
+  detail::require(std::isfinite(axis.motor.target), kKind, field + ".motor.target",
+                  axis.motor.target, "finite");
+  detail::require(axis.motor.max_force > 0.0, kKind, field + ".motor.max_force",
+                  axis.motor.max_force, "> 0");
+  detail::require(axis.motor.max_speed > 0.0, kKind, field + ".motor.max_speed",
+                  axis.motor.max_speed, "> 0");
+  if (axis.freedom == Freedom::Limited) {
+    detail::require(!std::isnan(axis.lower), kKind, field + ".lower", axis.lower, "a number");
+    detail::require(axis.upper >= axis.lower, kKind, field + ".upper", axis.upper, ">= lower");
+  }
+  if (axis.freedom == Freedom::Locked) {
+    detail::require(axis.motor.mode == MotorMode::Off, kKind, field + ".motor.mode",
+                    static_cast<double>(axis.motor.mode), "off on a locked axis");
+    detail::require(axis.spring.stiffness == 0.0 && axis.spring.damping == 0.0, kKind,
+                    field + ".spring.stiffness", axis.spring.stiffness, "none on a locked axis");
+  }
+}
+
+JointAxis locked(double compliance, double damping) {
+  return {.freedom = Freedom::Locked, .compliance = compliance, .damping = damping};
+}
+
+/// Everything locked, from the fields that all short forms share.
+template <class Def>
+SixDofJointDef base(const Def& def) {
+  SixDofJointDef six;
+  six.a = def.a;
+  six.b = def.b;
+  six.frame_a = def.frame_a;
+  six.frame_b = def.frame_b;
+  six.linear.fill(locked(def.compliance, def.damping));
+  six.break_force = def.break_force;
+  six.break_torque = def.break_torque;
+  return six;
+}
+
+/// The same for frames that stand at one place of the world.
+template <class Def>
+Def at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w, const Quat& basis_w) {
+  detail::require_body(world, b, kKind, "b");
+  if (a.valid()) detail::require_body(world, a, kKind, "a");
+  const auto frame = [&](BodyId id) -> JointFrame {
+    if (!id.valid()) return {anchor_w, basis_w};
+    const Pose& pose = world.pose(id);
+    return {pose.to_local(anchor_w), (pose.orientation.conjugate() * basis_w).normalized()};
+  };
+  Def def;
+  def.a = a;
+  def.b = b;
+  def.frame_a = frame(a);
+  def.frame_b = frame(b);
+  return def;
+}
+
+Quat basis_along(const Vec3& axis_w) {
+  detail::require_finite(axis_w, kKind, "axis_w");
+  const double length = axis_w.norm();
+  detail::require(length > 1e-9, kKind, "axis_w", length, "longer than 1e-9");
+  Mat3 basis;
+  Vec3 y;
+  Vec3 z;
+  basis.col(0) = axis_w / length;
+  tangent_frame(basis.col(0), y, z);
+  basis.col(1) = y;
+  basis.col(2) = z;
+  return Quat(basis).normalized();
+}
+
+}  // namespace
+
+FixedJointDef::operator SixDofJointDef() const {
+  SixDofJointDef six = base(*this);
+  six.angular.fill(locked(angular_compliance, angular_damping));
+  return six;
+}
+
+BallJointDef::operator SixDofJointDef() const {
+  SixDofJointDef six = base(*this);
+  six.cone = cone;
+  if (limit_twist) {
+    six.angular[0].freedom = Freedom::Limited;
+    six.angular[0].lower = lower_twist;
+    six.angular[0].upper = upper_twist;
+  }
+  return six;
+}
+
+HingeJointDef::operator SixDofJointDef() const {
+  SixDofJointDef six = base(*this);
+  six.angular.fill(locked(angular_compliance, angular_damping));
+  six.angular[0] = axis;
+  return six;
+}
+
+SliderJointDef::operator SixDofJointDef() const {
+  SixDofJointDef six = base(*this);
+  six.angular.fill(locked(angular_compliance, angular_damping));
+  six.linear[0] = axis;
+  return six;
+}
+
+SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                                const Vec3& axis_w) {
+  return at<SixDofJointDef>(world, a, b, anchor_w, basis_along(axis_w));
+}
+FixedJointDef fixed_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w) {
+  return at<FixedJointDef>(world, a, b, anchor_w, Quat::Identity());
+}
+BallJointDef ball_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                           const Vec3& twist_axis_w) {
+  return at<BallJointDef>(world, a, b, anchor_w, basis_along(twist_axis_w));
+}
+HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                             const Vec3& axis_w) {
+  return at<HingeJointDef>(world, a, b, anchor_w, basis_along(axis_w));
+}
+SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                               const Vec3& axis_w) {
+  return at<SliderJointDef>(world, a, b, anchor_w, basis_along(axis_w));
+}
+
+void check_joint(const World& world, const SixDofJointDef& def) {
+  if (def.a.valid()) detail::require_body(world, def.a, kKind, "a");
+  detail::require_body(world, def.b, kKind, "b");
+  detail::require(def.a != def.b, kKind, "b", def.b.index, "must differ from a");
+  check_frame(def.frame_a, "frame_a");
+  check_frame(def.frame_b, "frame_b");
+  for (std::size_t i = 0; i < 3; ++i) {
+    check_axis(def.linear[i], "linear[" + std::to_string(i) + "]");
+    check_axis(def.angular[i], "angular[" + std::to_string(i) + "]");
+  }
+  detail::require(def.cone > 0.0, kKind, "cone", def.cone, "> 0");
+  if (def.cone < kUnlimited) {
+    for (std::size_t i = 1; i < 3; ++i) {
+      detail::require(def.angular[i].freedom == Freedom::Free, kKind,
+                      "angular[" + std::to_string(i) + "].freedom",
+                      static_cast<double>(def.angular[i].freedom), "free where a cone limits");
+    }
+  }
+  check_at_least_0(def.cone_compliance, "cone_compliance");
+  check_at_least_0(def.break_force, "break_force");
+  check_at_least_0(def.break_torque, "break_torque");
+}
+
+}  // namespace tandem::pbd

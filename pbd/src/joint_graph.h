@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tandem::pbd {
+
+/// The plan of a sparse block elimination over joints: which blocks there are, in which order they
+/// are eliminated, and which block each elimination changes. Made anew when joints come or go.
+///
+/// A node is a joint (its rows) or a hub: a body of so many joints that joining each of them with
+/// each other would cost more than keeping the body's six unknowns. Two joints are neighbours where
+/// they share a body that is no hub; a hub is the neighbour of its joints. Parts are solved one
+/// after the other; joints of different parts share a body only where a loop was cut because its
+/// fill-in would cost too much.
+class JointGraph {
+ public:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  /// What the plan is made from. Bodies that cannot move are kNone.
+  struct Edge {
+    std::uint32_t joint, a, b;
+    int rows;  ///< at most
+  };
+  struct Node {
+    std::uint32_t joint = kNone;                   ///< kNone for a hub
+    std::uint32_t slot_a = kNone, slot_b = kNone;  ///< into bodies(); a hub's own is slot_b
+    std::uint32_t diagonal = 0;                    ///< into the values
+    std::uint32_t later = 0, later_count = 0;      ///< into later()
+    std::uint32_t update = 0;  ///< into updates(), (count + 1) count / 2 of them
+    std::uint32_t right = 0;   ///< into the right-hand side
+    int rows = 0;              ///< at most
+  };
+  /// A neighbour that is eliminated later, and the block (its rows x the node's) between the two.
+  struct Later {
+    std::uint32_t node, block;
+  };
+  /// Two nodes coupled by a body: `later` is eliminated after `earlier`.
+  struct Link {
+    std::uint32_t earlier, later, block, slot;
+  };
+  struct Part {
+    std::uint32_t node, node_count;
+    std::uint32_t body, body_count;
+    std::uint32_t link, link_count;
+    std::uint32_t value, value_count;
+    bool regular;  ///< neither a loop nor two ways to what cannot move: rows are independent
+  };
+
+  void build(std::span<const Edge> edges);
+
+  const std::vector<Node>& nodes() const { return nodes_; }  ///< by part, in elimination order
+  const std::vector<Later>& later() const { return later_; }
+  const std::vector<std::uint32_t>& updates() const { return updates_; }
+  const std::vector<Link>& links() const { return links_; }
+  const std::vector<std::uint32_t>& bodies() const { return bodies_; }  ///< by part, ascending
+  const std::vector<std::uint8_t>& hubs() const { return hubs_; }       ///< by slot
+  const std::vector<Part>& parts() const { return parts_; }
+  std::uint32_t value_count() const { return value_count_; }
+  std::uint32_t right_count() const { return right_count_; }
+
+ private:
+  /// @return whether the fill-in stayed within what a part of this size may cost
+  bool add_part(std::span<const Edge> edges, bool may_refuse);
+
+  std::vector<Node> nodes_;
+  std::vector<Later> later_;
+  std::vector<std::uint32_t> updates_;
+  std::vector<Link> links_;
+  std::vector<std::uint32_t> bodies_;
+  std::vector<std::uint8_t> hubs_;
+  std::vector<Part> parts_;
+  std::uint32_t value_count_ = 0;
+  std::uint32_t right_count_ = 0;
+};
+
+}  // namespace tandem::pbd

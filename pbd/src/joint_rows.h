@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "tandem/pbd/corrections.h"
+#include "tandem/pbd/joint_def.h"
+
+/// The coordinates of a joint, their gradients and their force laws.
+/// Legend: rel = rotation of frame b in frame a = swing * twist about x; e = x axis of b in frame
+/// a; phi = angle between the x axes; u = unit axis of the swing.
+namespace tandem::pbd {
+
+/// Displacements x y z, twist, swing y, swing z, cone (= phi).
+inline constexpr int kCoordinates = 7;
+inline constexpr int kTwist = 3;
+inline constexpr int kCone = 6;
+
+/// Angle equal to `angle` up to whole turns, nearest to `near`.
+inline double nearest_turn(double angle, double near) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  return angle + kTurn * std::round((near - angle) / kTurn);
+}
+
+/// Where the frames of a joint stand, in the world.
+struct JointPlace {
+  Vec3 r_a, r_b;  ///< m, from the centres of mass to the anchors
+  Vec3 d;         ///< m, from the anchor of a to that of b
+  Quat basis_a;   ///< axes of frame a to world
+
+  static JointPlace of(const SixDofJointDef& def, const SolverBody& a, const SolverBody& b) {
+    JointPlace place;
+    place.r_a = a.q * def.frame_a.anchor;
+    place.r_b = b.q * def.frame_b.anchor;
+    place.d = (b.x + place.r_b) - (a.x + place.r_a);
+    return place;
+  }
+};
+
+/// Rotation of frame b in frame a, as twist and swing.
+struct JointTurn {
+  double twist;  ///< rad, -pi to pi
+  double phi;    ///< rad, 0 to pi
+  Vec3 e;        ///< x axis of b in frame a
+  Vec3 u;        ///< axis of the swing, in frame a; any one across x where there is none
+  double scale;  ///< phi / sin(phi), bounded
+
+  static JointTurn of(const Quat& rel) {
+    JointTurn turn;
+    turn.twist = nearest_turn(2.0 * std::atan2(rel.x(), rel.w()), 0.0);
+    const double sine = std::sqrt(rel.y() * rel.y() + rel.z() * rel.z());
+    const double cosine = std::sqrt(rel.w() * rel.w() + rel.x() * rel.x());
+    turn.phi = 2.0 * std::atan2(sine, cosine);
+    turn.e = Vec3(cosine * cosine - sine * sine, 2.0 * (rel.x() * rel.y() + rel.w() * rel.z()),
+                  2.0 * (rel.x() * rel.z() - rel.w() * rel.y()));
+    const double across = 2.0 * sine * cosine;  // sin(phi)
+    constexpr double kSmall = 1e-9;
+    turn.u = across > kSmall ? Vec3(0.0, -turn.e.z() / across, turn.e.y() / across) : Vec3::UnitY();
+    turn.scale =
+        across > kSmall ? std::min(turn.phi / across, 1e3) : (turn.e.x() > 0.0 ? 1.0 : 1e3);
+    return turn;
+  }
+  /// Component of the rotation vector of the swing, axis 1 (y) or 2 (z).
+  double swing(int axis) const { return phi * u[axis]; }
+  /// d twist / d(rotation of b against a), in frame a.
+  Vec3 twist_gradient() const { return (Vec3::UnitX() + e) / std::max(1.0 + e.x(), 1e-6); }
+  /// The same for the swing's component: along u the angle changes, across it the direction.
+  Vec3 swing_gradient(int axis) const {
+    return u[axis] * u + scale * Vec3::UnitX().cross(u)[axis] * e.cross(u);
+  }
+};
+
+/// What a row of the linear system stands for: (c - target) + at (lambda - offset) = 0.
+struct Segment {
+  enum class Kind : std::uint8_t { None, Lock, Lower, Upper, Motor, Spring, Force };
+  Kind kind = Kind::None;
+  double target = 0.0;  ///< m or rad
+  double at = 0.0;      ///< compliance / h^2
+  double offset = 0.0;  ///< N s^2 or N m s^2
+};
+
+/// Multiplier as a function of the coordinate at the end of the substep: a decreasing graph of
+/// straight pieces (spring and damper), steps (motor) and walls (lock, limits).
+struct ForceLaw {
+  bool locked = false;
+  bool limited = false;
+  double target = 0.0;  ///< locked: where
+  double at = 0.0;      ///< locked: compliance / h^2
+  double lower = -kUnlimited, upper = kUnlimited;
+  double stop_k = 0.0;  ///< h^2 / compliance + h damping of the stops; 0 = rigid
+  double lower_target = 0.0, upper_target = 0.0;  ///< where a soft stop's force is 0
+  double spring_k = 0.0;                          ///< h^2 stiffness + h damping; 0 = none
+  double spring_target = 0.0;
+  double motor_max = 0.0;  ///< h^2 max_force; 0 = none
+  double motor_target = 0.0;
+
+  /// @param c_start  coordinate at the start of the substep     @param gap  what agreement left
+  static ForceLaw of(const JointAxis& axis, double c_start, double gap, double h) {
+    ForceLaw law;
+    const double h2 = h * h;
+    const bool rigid = axis.compliance == 0.0;
+    const double k = rigid ? 0.0 : h2 / axis.compliance + h * axis.damping;
+    // Where a spring to `rest` with that damping pulls to: the damper holds on to the start.
+    const auto soft = [&](double rest) {
+      return (h2 / axis.compliance * rest + h * axis.damping * c_start) / k;
+    };
+    if (axis.freedom == Freedom::Locked) {
+      law.locked = true;
+      law.target = (rigid ? 0.0 : soft(0.0)) + gap;
+      law.at = rigid ? 0.0 : 1.0 / k;
+      return law;
+    }
+    if (axis.freedom == Freedom::Limited) {
+      law.limited = true;
+      law.lower = axis.lower + std::min(gap, 0.0);
+      law.upper = axis.upper + std::max(gap, 0.0);
+      law.stop_k = k;
+      law.lower_target = rigid ? law.lower : soft(law.lower);
+      law.upper_target = rigid ? law.upper : soft(law.upper);
+    }
+    law.spring_k = h2 * axis.spring.stiffness + h * axis.spring.damping;
+    if (law.spring_k > 0.0) {
+      law.spring_target =
+          (h2 * axis.spring.stiffness * axis.spring.rest + h * axis.spring.damping * c_start) /
+          law.spring_k;
+    }
+    if (axis.motor.mode != MotorMode::Off) {
+      law.motor_max = h2 * axis.motor.max_force;
+      double move = h * axis.motor.target;
+      if (axis.motor.mode == MotorMode::Position) {
+        const double reach = h * axis.motor.max_speed;
+        move = std::clamp(axis.motor.target - c_start, -reach, reach);
+      }
+      // A limit is stronger than any motor: it never aims beyond.
+      law.motor_target = std::clamp(c_start + move, law.lower, law.upper);
+    }
+    return law;
+  }
+
+  /// The same for the total channel: keep `bound`, what Real has, no more and no less. Springs
+  /// resist; motors do where they could hold against anything.
+  static ForceLaw of_total(const JointAxis& axis, double bound, double h) {
+    ForceLaw law;
+    if (axis.freedom == Freedom::Locked) {
+      law.locked = true;
+      law.target = bound;
+      law.at = axis.compliance / (h * h);
+      return law;
+    }
+    if (axis.freedom == Freedom::Limited && axis.compliance == 0.0) {
+      law.limited = true;
+      law.lower = law.lower_target = std::min(axis.lower, bound);
+      law.upper = law.upper_target = std::max(axis.upper, bound);
+    }
+    law.spring_k = h * h * axis.spring.stiffness;
+    law.spring_target = bound;
+    if (axis.motor.mode != MotorMode::Off && axis.motor.max_force == kUnlimited) {
+      law.motor_max = kUnlimited;
+      law.motor_target = bound;
+    }
+    return law;
+  }
+
+  /// What the total channel left of a rigid row that should have kept `bound`. A soft row keeps no
+  /// debt: its stretch is a force.
+  static double gap(const JointAxis& axis, double c, double bound) {
+    if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
+    if (axis.freedom == Freedom::Locked) return c - bound;
+    return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
+  }
+
+  /// The piece of the graph on which the row by itself would end: that of c with
+  /// c - w lambda(c) = c_now - w lambda_now. Alone it is the exact projection; in a system of rows
+  /// it is the guess of a semismooth Newton step.
+  Segment segment(double c_now, double lambda_now, double w) const {
+    using Kind = Segment::Kind;
+    if (locked) return {Kind::Lock, target, at, 0.0};
+    if (!(w > 0.0)) return {};
+    const double z = c_now - w * lambda_now;
+    const auto spring = [&](double c) { return -spring_k * (c - spring_target); };
+    double push = 0.0;
+    if (motor_max > 0.0) {
+      const double force = spring(motor_target);
+      const double low = motor_target - w * (force + motor_max);
+      const double high = motor_target - w * (force - motor_max);
+      if (low <= z && z <= high) return {Kind::Motor, motor_target, 0.0, 0.0};
+      push = z < low ? motor_max : -motor_max;
+    }
+    const double c = (z + w * (spring_k * spring_target + push)) / (1.0 + w * spring_k);
+    if (limited && (c < lower || c > upper)) {
+      const Kind kind = c < lower ? Kind::Lower : Kind::Upper;
+      const double stop = c < lower ? lower_target : upper_target;
+      if (stop_k == 0.0) return {kind, stop, 0.0, 0.0};
+      const double k = spring_k + stop_k;
+      return {kind, (spring_k * spring_target + stop_k * stop) / k, 1.0 / k, push};
+    }
+    if (spring_k > 0.0) return {Kind::Spring, spring_target, 1.0 / spring_k, push};
+    // A force that is known: a row so soft that nothing else moves it.
+    if (push != 0.0 || lambda_now != 0.0) return {Kind::Force, c_now, 1e9 * w, push};
+    return {};
+  }
+
+  /// The change of the multiplier that a row by itself calls for.
+  double multiplier(double c, double lambda, double w) const {
+    const Segment s = segment(c, lambda, w);
+    if (s.kind == Segment::Kind::None || w + s.at <= 0.0) return 0.0;
+    return (-(c - s.target) - s.at * (lambda - s.offset)) / (w + s.at);
+  }
+
+  /// How far c is beyond a rigid lock or limit, m or rad.
+  static double violation(const JointAxis& axis, double c) {
+    if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
+    if (axis.freedom == Freedom::Locked) return std::abs(c);
+    return std::max({0.0, axis.lower - c, c - axis.upper});
+  }
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,737 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "joint_system.h"
+
+#include <bit>
+
+namespace tandem::pbd {
+namespace {
+
+constexpr std::uint32_t kNone = JointGraph::kNone;
+/// Rows that may repeat each other share their load as if they had this much compliance, relative
+/// to their own mobility. A rope of 50 links held at both ends sags by less than 1e-8 m from it.
+constexpr double kRedundancy = 1e-9;
+/// Part of the geometric stiffness that is added to inertia where the substep does not resolve it:
+/// from 1/4 on no rate is too high (the average acceleration method of Newmark).
+constexpr double kStiffShare = 0.3;
+/// How much of it brakes neighbours that turn against each other.
+constexpr double kStiffDamping = 0.1;
+/// Both come in over this range of (rate h)^2; leapfrog is stable below 4.
+constexpr double kStiffFrom = 2.0;
+constexpr double kStiffTo = 8.0;
+/// Moves that shrink less than this from iteration to iteration call for a better matrix.
+constexpr double kSlow = 0.3;
+/// m; smaller moves are rounding as like as not.
+constexpr double kFine = 1e-7;
+
+const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies, const SolverBody& ground) {
+  return id.valid() ? bodies[id.index] : ground;
+}
+
+std::uint32_t movable(BodyId id, std::span<const SolverBody> bodies) {
+  return id.valid() && bodies[id.index].inv_mass > 0.0 ? id.index : kNone;
+}
+
+template <class Visit>
+void for_bits(std::uint32_t bits, Visit&& visit) {
+  for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
+}
+
+}  // namespace
+
+JointAxis JointRecord::axis(int c) const {
+  if (c < 3) return def.linear[static_cast<std::size_t>(c)];
+  if (c < kCone) return def.angular[static_cast<std::size_t>(c - 3)];
+  JointAxis cone;
+  if (def.cone < kUnlimited) cone.freedom = Freedom::Limited;
+  cone.lower = -kUnlimited;
+  cone.upper = def.cone;
+  cone.compliance = def.cone_compliance;
+  return cone;
+}
+
+void JointRecord::refresh() {
+  used = 0;
+  for (int c = 0; c < kCoordinates; ++c) {
+    const JointAxis a = axis(c);
+    if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
+        a.spring.damping > 0.0) {
+      used |= 1u << c;
+    }
+  }
+  point = true;
+  for (const JointAxis& a : def.linear) {
+    point = point && a.freedom == Freedom::Locked && a.compliance == def.linear[0].compliance &&
+            a.damping == def.linear[0].damping;
+  }
+}
+
+void coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b, double near,
+                 double* c) {
+  const SixDofJointDef& def = record.def;
+  const JointPlace place = JointPlace::of(def, a, b);
+  if (record.point) {
+    Eigen::Map<Vec3>{c} = place.d;
+    if ((record.used >> 3) == 0) return;
+  }
+  const Quat basis_a = a.q * def.frame_a.basis;
+  if (!record.point) Eigen::Map<Vec3>{c} = basis_a.conjugate() * place.d;
+  const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+  c[kTwist] =
+      def.angular[0].freedom == Freedom::Locked ? turn.twist : nearest_turn(turn.twist, near);
+  c[4] = turn.swing(1);
+  c[5] = turn.swing(2);
+  c[kCone] = turn.phi;
+}
+
+void JointSystem::build(std::span<const JointRecord> records, std::span<const SolverBody> bodies) {
+  std::vector<JointGraph::Edge> edges;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const JointRecord& r = records[i];
+    if (!r.active() || r.used == 0) continue;
+    edges.push_back({static_cast<std::uint32_t>(i), movable(r.def.a, bodies),
+                     movable(r.def.b, bodies), r.rows()});
+  }
+  graph_.build(edges);
+  nodes_.assign(graph_.nodes().size(), {});
+  slots_.assign(graph_.bodies().size(), {});
+  state_.assign(graph_.parts().size(), {});
+  order_.assign(graph_.parts().size(), {});
+  primary_.assign(graph_.bodies().size(), 0);
+  std::vector<std::uint8_t> seen(bodies.size(), 0);
+  for (std::size_t s = 0; s < primary_.size(); ++s) {
+    std::uint8_t& before = seen[graph_.bodies()[s]];
+    primary_[s] = before == 0 ? 1 : 0;
+    before = 1;
+  }
+  values_.assign(graph_.value_count(), 0.0);
+  right_.assign(graph_.right_count(), 0.0);
+}
+
+bool JointSystem::fits(std::span<const JointRecord> records,
+                       std::span<const SolverBody> bodies) const {
+  for (const JointGraph::Node& node : graph_.nodes()) {
+    if (node.joint == kNone) continue;
+    if (!records[node.joint].active()) return false;  // it broke
+    const SixDofJointDef& def = records[node.joint].def;
+    if ((movable(def.a, bodies) == kNone) != (node.slot_a == kNone)) return false;
+    if ((movable(def.b, bodies) == kNone) != (node.slot_b == kNone)) return false;
+  }
+  return true;
+}
+
+void JointSystem::sort_groups(std::span<const SolverBody> bodies) {
+  for (std::uint32_t p = 0; p < part_count(); ++p) {
+    order_[p] = {bodies[graph_.bodies()[graph_.parts()[p].body]].group, p};
+  }
+  std::sort(order_.begin(), order_.end(), [](const GroupPart& x, const GroupPart& y) {
+    return x.group != y.group ? x.group < y.group : x.part < y.part;
+  });
+}
+
+bool JointSystem::is_total(std::uint32_t p, std::span<const SolverBody> bodies) const {
+  const JointGraph::Part& part = graph_.parts()[p];
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    if (bodies[graph_.bodies()[s]].total) return true;
+  }
+  return false;
+}
+
+void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const SubstepContext& ctx,
+                        Channel channel) {
+  const JointGraph::Part& part = graph_.parts()[p];
+  state_[p] = {.channel = channel};
+  const SolverBody ground;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    node.n = 0;
+    if (plan.joint == kNone) {
+      node.n = plan.rows;
+      continue;
+    }
+    JointRecord& record = records[plan.joint];
+    node.off = !record.active();
+    if (node.off) continue;
+    const SixDofJointDef& def = record.def;
+    const SolverBody& a = body_of(def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(def.b, ctx.bodies, ground);
+    if (channel == Channel::Real && !a.total && !b.total) {
+      for (double& gap : record.gap) gap *= kGapDecay;
+    }
+    node.lambda.fill(0.0);
+    node.simple = record.point && record.used == 7u;
+    double c[kCoordinates];
+    coordinates(record, a, b, record.twist, c);
+    if ((record.used >> kTwist & 1u) != 0 && channel == Channel::Real) record.twist = c[kTwist];
+    take_gradients(node, record, a, b);
+    node.pull_a = node.pull_b = 0.0;
+    add_pull(plan, node, ctx.h * ctx.h * record.state.force);
+    // Force laws.
+    for_bits(record.used, [&](int i) {
+      const JointAxis axis = record.axis(i);
+      node.law[i] = channel == Channel::Real ? ForceLaw::of(axis, c[i], record.gap[i], ctx.h)
+                                             : ForceLaw::of_total(axis, record.bound[i], ctx.h);
+    });
+  }
+}
+
+void JointSystem::take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
+                                 const SolverBody& b) {
+  const SixDofJointDef& def = record.def;
+  const JointPlace place = JointPlace::of(def, a, b);
+  node.r_a = place.r_a;
+  node.r_b = place.r_b;
+  if (record.point) {
+    node.dir.leftCols<3>().setIdentity();
+    node.arm_a.leftCols<3>() = skew(place.r_a);
+    node.arm_b.leftCols<3>() = skew(place.r_b);
+  }
+  if (!node.simple) {
+    const Quat basis_a = a.q * def.frame_a.basis;
+    const Mat3 axes = basis_a.toRotationMatrix();
+    if (!record.point) {
+      for (int i = 0; i < 3; ++i) {
+        node.dir.col(i) = axes.col(i);
+        node.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
+        node.arm_b.col(i) = place.r_b.cross(axes.col(i));
+      }
+    }
+    if ((record.used >> 3) != 0) {
+      const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+      node.dir.rightCols<4>().setZero();
+      node.arm_b.col(kTwist) = axes * turn.twist_gradient();
+      node.arm_b.col(4) = axes * turn.swing_gradient(1);
+      node.arm_b.col(5) = axes * turn.swing_gradient(2);
+      node.arm_b.col(kCone) = axes * turn.u;
+      node.arm_a.rightCols<4>() = node.arm_b.rightCols<4>();
+    }
+  }
+}
+
+void JointSystem::add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda) {
+  if (plan.slot_a != kNone) node.pull_a = std::max(node.pull_a, -node.r_a.dot(lambda));
+  if (plan.slot_b != kNone) node.pull_b = std::max(node.pull_b, node.r_b.dot(lambda));
+}
+
+/// Start the substep anew, now that the load is known.
+void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRecord> records,
+                          const SubstepContext& ctx) {
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.x -= slot.sum_dx;
+    body.dx -= slot.sum_dx;
+    body.q = rotated(body.q, -slot.sum_dtheta);
+    body.dtheta -= slot.sum_dtheta;
+  }
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    Vec3 lambda = Vec3::Zero();
+    for_bits(records[plan.joint].used & 7u,
+             [&](int i) { lambda += node.lambda[i] * node.dir.col(i); });
+    add_pull(plan, node, lambda);
+    node.lambda.fill(0.0);
+  }
+}
+
+double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> records,
+                            const SubstepContext& ctx) {
+  const JointGraph::Part& part = graph_.parts()[p];
+  PartState& state = state_[p];
+  if (state.channel == Channel::Total) {
+    // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
+    // the clean-up, which comes last, has the bodies' own masses again.
+    prepare(part, state, records, ctx);
+    turn_gradients(part, state, records, ctx);
+    return newton(part, state, records, ctx);
+  }
+  if (!state.prepared) prepare(part, state, records, ctx);
+  const double before = state.last_move;
+  state.last_move = newton(part, state, records, ctx);
+  const auto is_slow = [&] {
+    return state.iteration > 1 && state.last_move > kSlow * before && state.last_move > kFine;
+  };
+  if (is_slow() && !state.restarted) {
+    restart(part, records, ctx);
+    state.restarted = true;
+    state.factored = false;
+    state.iteration = 0;
+    prepare(part, state, records, ctx);
+    state.last_move = newton(part, state, records, ctx);
+  } else if (is_slow()) {
+    turn_gradients(part, state, records, ctx);
+  }
+  return state.last_move;
+}
+
+/// Take the gradients anew, from the poses as they are.
+void JointSystem::turn_gradients(const JointGraph::Part& part, PartState& state,
+                                 std::span<const JointRecord> records, const SubstepContext& ctx) {
+  const SolverBody ground;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const std::uint32_t joint = graph_.nodes()[k].joint;
+    if (joint == kNone || nodes_[k].off) continue;
+    const SixDofJointDef& def = records[joint].def;
+    take_gradients(nodes_[k], records[joint], body_of(def.a, ctx.bodies, ground),
+                   body_of(def.b, ctx.bodies, ground));
+  }
+  weigh(part, records);
+  state.factored = false;
+}
+
+double JointSystem::newton(const JointGraph::Part& part, PartState& state,
+                           std::span<const JointRecord> records, const SubstepContext& ctx) {
+  const bool changed = evaluate(part, records, ctx);
+  if (changed || !state.factored) {
+    assemble(part);
+    factor(part);
+    state.factored = true;
+  }
+  solve(part);
+  ++state.iteration;
+  return apply(part, ctx);
+}
+
+void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
+                          std::span<const JointRecord> records, const SubstepContext& ctx) {
+  state.prepared = true;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    slots_[s].inv_mass = body.inv_mass;
+    slots_[s].inv_inertia = body.inv_inertia_w;
+    slots_[s].dx.setZero();
+    slots_[s].dtheta.setZero();
+    slots_[s].sum_dx.setZero();
+    slots_[s].sum_dtheta.setZero();
+  }
+  if (state.channel == Channel::Real) stiffen(part, state, ctx);
+  weigh(part, records);
+}
+
+void JointSystem::weigh(const JointGraph::Part& part, std::span<const JointRecord> records) {
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    double inv_mass = 0.0;
+    if (plan.slot_a != kNone) inv_mass += slots_[plan.slot_a].inv_mass;
+    if (plan.slot_b != kNone) inv_mass += slots_[plan.slot_b].inv_mass;
+    if (node.simple) {
+      if (plan.slot_a != kNone) {
+        node.b_a.leftCols<3>().noalias() =
+            slots_[plan.slot_a].inv_inertia.lazyProduct(node.arm_a.leftCols<3>());
+      }
+      if (plan.slot_b != kNone) {
+        node.b_b.leftCols<3>().noalias() =
+            slots_[plan.slot_b].inv_inertia.lazyProduct(node.arm_b.leftCols<3>());
+      }
+    } else {
+      for_bits(records[plan.joint].used, [&](int i) {
+        if (plan.slot_a != kNone) {
+          node.b_a.col(i) = slots_[plan.slot_a].inv_inertia * node.arm_a.col(i);
+        }
+        if (plan.slot_b != kNone) {
+          node.b_b.col(i) = slots_[plan.slot_b].inv_inertia * node.arm_b.col(i);
+        }
+      });
+    }
+    for_bits(records[plan.joint].used, [&](int i) {
+      double w = inv_mass * node.dir.col(i).squaredNorm();
+      if (plan.slot_a != kNone) w += node.arm_a.col(i).dot(node.b_a.col(i));
+      if (plan.slot_b != kNone) w += node.arm_b.col(i).dot(node.b_b.col(i));
+      node.w[i] = w;
+    });
+  }
+}
+
+/// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
+/// back at a rate that its step may not resolve. With the stiffness of the end of the substep
+/// weighted by a share of at least 1/4, any rate is stable and slow turning is not braked
+/// (Newmark's average acceleration). As the change of a lever arm against uniform turning is the
+/// correction's own, the share adds to inertia: (I + share K) dtheta = r x lambda.
+void JointSystem::stiffen(const JointGraph::Part& part, PartState& state,
+                          const SubstepContext& ctx) {
+  // Until the first iteration dx and dtheta are free: dx.x holds the body's (rate h)^2.
+  const auto for_pulls = [&](auto&& visit) {
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      const JointGraph::Node& plan = graph_.nodes()[k];
+      const NodeState& node = nodes_[k];
+      if (plan.joint != kNone && !node.off) visit(plan, node, node.pull_a, node.pull_b);
+    }
+  };
+  const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
+    if (pull <= 0.0) return;
+    const Mat3& inv = slots_[s].inv_inertia;
+    slots_[s].dx.x() += pull * (inv.trace() - r.dot(inv * r) / r.squaredNorm());
+  };
+  for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
+    rate(plan.slot_a, node.r_a, a);
+    rate(plan.slot_b, node.r_b, b);
+  });
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    state.stiffness_ratio = std::max(state.stiffness_ratio, slots_[s].dx.x());
+  }
+  if (state.stiffness_ratio > kStiffFrom) {
+    const auto share = [&](std::uint32_t s) {
+      return std::clamp((slots_[s].dx.x() - kStiffFrom) / (kStiffTo - kStiffFrom), 0.0, 1.0);
+    };
+    const auto add = [&](std::uint32_t s, const Vec3& r, double pull) {
+      if (pull <= 0.0) return;
+      slots_[s].stiffness +=
+          share(s) * pull * (Mat3::Identity() - r * r.transpose() / r.squaredNorm());
+    };
+    for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
+      add(plan.slot_a, node.r_a, a);
+      add(plan.slot_b, node.r_b, b);
+      if (plan.slot_a == kNone || plan.slot_b == kNone) return;
+      // Neighbours that turn against each other at a rate that is not resolved are braked.
+      const Vec3 turn = ctx.h * (ctx.bodies[graph_.bodies()[plan.slot_b]].w -
+                                 ctx.bodies[graph_.bodies()[plan.slot_a]].w);
+      slots_[plan.slot_a].dtheta += kStiffDamping * share(plan.slot_a) * std::max(a, 0.0) * turn;
+      slots_[plan.slot_b].dtheta -= kStiffDamping * share(plan.slot_b) * std::max(b, 0.0) * turn;
+    });
+  }
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    if (slot.dx.x() > kStiffFrom) {
+      SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+      const Mat3 inv =
+          (Mat3::Identity() + (kStiffShare + kStiffDamping) * slot.inv_inertia * slot.stiffness)
+              .inverse() *
+          slot.inv_inertia;
+      slot.inv_inertia = 0.5 * (inv + inv.transpose());
+      const Vec3 dtheta = slot.inv_inertia * slot.dtheta;
+      body.q = rotated(body.q, dtheta);
+      body.dtheta += dtheta;
+      slot.sum_dtheta += dtheta;
+      slot.stiffness.setZero();
+    }
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  }
+}
+
+bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRecord> records,
+                           const SubstepContext& ctx) {
+  bool changed = false;
+  const SolverBody ground;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    double* right = &right_[plan.right];
+    if (plan.joint == kNone) {
+      std::fill_n(right, plan.rows, 0.0);
+      continue;
+    }
+    if (node.off) continue;
+    const JointRecord& record = records[plan.joint];
+    const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
+    if (node.simple) {
+      const JointPlace place = JointPlace::of(record.def, a, b);
+      changed = changed || node.n != 3;
+      node.n = 3;
+      for (int i = 0; i < 3; ++i) {
+        node.coordinate[i] = static_cast<std::uint8_t>(i);
+        const ForceLaw& law = node.law[i];
+        node.at[i] = part.regular ? law.at : std::max(law.at, kRedundancy * node.w[i]);
+        right[i] = -(place.d[i] - law.target) - node.at[i] * node.lambda[i];
+      }
+      continue;
+    }
+    double c[kCoordinates];
+    coordinates(record, a, b, record.twist, c);
+    int n = 0;
+    for_bits(record.used, [&](int i) {
+      const Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
+      if (segment.kind == Segment::Kind::None) return;
+      changed = changed || n >= node.n || node.coordinate[n] != i || node.kind[n] != segment.kind;
+      node.coordinate[n] = static_cast<std::uint8_t>(i);
+      node.kind[n] = segment.kind;
+      node.at[n] = part.regular ? segment.at : std::max(segment.at, kRedundancy * node.w[i]);
+      right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
+      ++n;
+    });
+    changed = changed || n != node.n;
+    node.n = n;
+  }
+  return changed;
+}
+
+void JointSystem::assemble(const JointGraph::Part& part) {
+  std::fill_n(values_.begin() + part.value, part.value_count, 0.0);
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    const NodeState& node = nodes_[k];
+    double* diagonal = &values_[plan.diagonal];
+    if (plan.joint == kNone) {
+      // A hub's own rows, with the sign turned: its mass. One that is held counts as a unit mass
+      // that no joint can reach.
+      const Slot& slot = slots_[plan.slot_b];
+      Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
+      mass.setIdentity();
+      if (slot.inv_mass > 0.0) {
+        mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
+        mass.bottomRightCorner<3, 3>() = slot.inv_inertia.inverse();
+      }
+      continue;
+    }
+    const auto is_hub = [&](std::uint32_t s) { return s == kNone || graph_.hubs()[s] != 0; };
+    const bool with_a = !is_hub(plan.slot_a);
+    const bool with_b = !is_hub(plan.slot_b);
+    double inv_mass = 0.0;
+    if (with_a) inv_mass += slots_[plan.slot_a].inv_mass;
+    if (with_b) inv_mass += slots_[plan.slot_b].inv_mass;
+    if (node.simple) {
+      block::Map3 a(diagonal);
+      if (with_a)
+        a.noalias() += node.arm_a.leftCols<3>().transpose().lazyProduct(node.b_a.leftCols<3>());
+      if (with_b)
+        a.noalias() += node.arm_b.leftCols<3>().transpose().lazyProduct(node.b_b.leftCols<3>());
+      for (int i = 0; i < 3; ++i) a(i, i) += inv_mass + node.at[i];
+      continue;
+    }
+    for (int r = 0; r < node.n; ++r) {
+      const int i = node.coordinate[r];
+      for (int s = 0; s <= r; ++s) {
+        const int j = node.coordinate[s];
+        double sum = inv_mass * node.dir.col(i).dot(node.dir.col(j));
+        if (with_a) sum += node.arm_a.col(i).dot(node.b_a.col(j));
+        if (with_b) sum += node.arm_b.col(i).dot(node.b_b.col(j));
+        if (r == s) sum += node.at[r];
+        diagonal[r * node.n + s] = sum;
+        diagonal[s * node.n + r] = sum;
+      }
+    }
+  }
+  for (std::uint32_t l = part.link; l < part.link + part.link_count; ++l) {
+    const JointGraph::Link& link = graph_.links()[l];
+    double* out = &values_[link.block];
+    const JointGraph::Node& plan_x = graph_.nodes()[link.later];
+    const JointGraph::Node& plan_y = graph_.nodes()[link.earlier];
+    const NodeState& x = nodes_[link.later];
+    const NodeState& y = nodes_[link.earlier];
+    const Slot& slot = slots_[link.slot];
+    if (plan_x.joint == kNone || plan_y.joint == kNone) {
+      if (slot.inv_mass == 0.0) continue;
+      const bool hub_later = plan_x.joint == kNone;
+      const NodeState& joint = hub_later ? y : x;
+      const bool is_b = (hub_later ? plan_y : plan_x).slot_b == link.slot;
+      const double sign = is_b ? 1.0 : -1.0;
+      const Rows& arm = is_b ? joint.arm_b : joint.arm_a;
+      for (int r = 0; r < joint.n; ++r) {
+        for (int i = 0; i < 3; ++i) {
+          const double linear = sign * joint.dir(i, joint.coordinate[r]);
+          const double angular = sign * arm(i, joint.coordinate[r]);
+          out[hub_later ? i * joint.n + r : r * 6 + i] += linear;
+          out[hub_later ? (i + 3) * joint.n + r : r * 6 + i + 3] += angular;
+        }
+      }
+      continue;
+    }
+    const bool x_is_b = plan_x.slot_b == link.slot;
+    const bool y_is_b = plan_y.slot_b == link.slot;
+    const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
+    const Rows& arm = x_is_b ? x.arm_b : x.arm_a;
+    const Rows& b = y_is_b ? y.b_b : y.b_a;
+    if (x.simple && y.simple) {
+      block::Map3 a(out);
+      a.noalias() += sign * arm.leftCols<3>().transpose().lazyProduct(b.leftCols<3>());
+      a.diagonal().array() += sign * slot.inv_mass;
+      continue;
+    }
+    for (int r = 0; r < x.n; ++r) {
+      const int i = x.coordinate[r];
+      for (int s = 0; s < y.n; ++s) {
+        const int j = y.coordinate[s];
+        out[r * y.n + s] +=
+            sign * (slot.inv_mass * x.dir.col(i).dot(y.dir.col(j)) + arm.col(i).dot(b.col(j)));
+      }
+    }
+  }
+}
+
+/// Block LDL^T, right-looking; the diagonal blocks end as inverses. Joints have positive pivots,
+/// hubs negative ones, stored with their sign turned.
+void JointSystem::factor(const JointGraph::Part& part) {
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    const int n = nodes_[k].n;
+    if (n == 0) continue;
+    double* inverse = &values_[plan.diagonal];
+    if (n == 3) {
+      block::invert3(inverse);
+    } else {
+      block::invert(inverse, n);
+    }
+    const double sign = plan.joint == kNone ? -1.0 : 1.0;
+    std::uint32_t update = plan.update;
+    for (std::uint32_t i = 0; i < plan.later_count; ++i) {
+      const JointGraph::Later& to = graph_.later()[plan.later + i];
+      const int rows = nodes_[to.node].n;
+      double product[block::kMaxRows * block::kMaxRows];
+      block::multiply(&values_[to.block], inverse, rows, n, n, product);
+      if (sign < 0.0) {
+        for (int e = 0; e < rows * n; ++e) product[e] = -product[e];
+      }
+      for (std::uint32_t j = 0; j <= i; ++j) {
+        const JointGraph::Later& other = graph_.later()[plan.later + j];
+        const std::uint32_t target = graph_.updates()[update++];
+        if (i == j && graph_.nodes()[to.node].joint == kNone) {
+          // A hub's diagonal is stored with its sign turned.
+          for (int e = 0; e < rows * n; ++e) product[e] = -product[e];
+        }
+        block::subtract_product(product, &values_[other.block], rows, n, nodes_[other.node].n,
+                                &values_[target]);
+      }
+    }
+  }
+}
+
+void JointSystem::solve(const JointGraph::Part& part) {
+  const auto times_inverse = [&](const JointGraph::Node& plan, int n, const double* x, double* y) {
+    block::times(&values_[plan.diagonal], x, n, plan.joint == kNone ? -1.0 : 1.0, y);
+  };
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    const int n = nodes_[k].n;
+    if (n == 0) continue;
+    double* right = &right_[plan.right];
+    double x[block::kMaxRows];
+    times_inverse(plan, n, right, x);
+    std::copy_n(x, n, right);
+    for (std::uint32_t l = plan.later; l < plan.later + plan.later_count; ++l) {
+      const JointGraph::Later& to = graph_.later()[l];
+      block::subtract(&values_[to.block], x, nodes_[to.node].n, n,
+                      &right_[graph_.nodes()[to.node].right]);
+    }
+  }
+  for (std::uint32_t k = part.node + part.node_count; k-- > part.node;) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    const int n = nodes_[k].n;
+    if (n == 0 || plan.later_count == 0) continue;
+    double sum[block::kMaxRows] = {};
+    for (std::uint32_t l = plan.later; l < plan.later + plan.later_count; ++l) {
+      const JointGraph::Later& to = graph_.later()[l];
+      block::subtract_transposed(&values_[to.block], &right_[graph_.nodes()[to.node].right],
+                                 nodes_[to.node].n, n, sum);
+    }
+    double x[block::kMaxRows];
+    times_inverse(plan, n, sum, x);
+    double* right = &right_[plan.right];
+    for (int i = 0; i < n; ++i) right[i] += x[i];
+  }
+}
+
+double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx) {
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.n == 0) continue;
+    const double* dlambda = &right_[plan.right];
+    Vec3 p = Vec3::Zero();
+    Vec3 turn_a = Vec3::Zero();
+    Vec3 turn_b = Vec3::Zero();
+    if (node.simple) {
+      p = Eigen::Map<const Vec3>(dlambda);
+      for (int i = 0; i < 3; ++i) node.lambda[i] += dlambda[i];
+      if (plan.slot_a != kNone) turn_a = node.b_a.leftCols<3>().lazyProduct(p);
+      if (plan.slot_b != kNone) turn_b = node.b_b.leftCols<3>().lazyProduct(p);
+    } else {
+      for (int r = 0; r < node.n; ++r) {
+        const int i = node.coordinate[r];
+        node.lambda[i] += dlambda[r];
+        p += dlambda[r] * node.dir.col(i);
+        if (plan.slot_a != kNone) turn_a += dlambda[r] * node.b_a.col(i);
+        if (plan.slot_b != kNone) turn_b += dlambda[r] * node.b_b.col(i);
+      }
+    }
+    if (plan.slot_a != kNone) {
+      Slot& slot = slots_[plan.slot_a];
+      slot.dx -= slot.inv_mass * p;
+      slot.dtheta -= turn_a;
+    }
+    if (plan.slot_b != kNone) {
+      Slot& slot = slots_[plan.slot_b];
+      slot.dx += slot.inv_mass * p;
+      slot.dtheta += turn_b;
+    }
+  }
+  double largest = 0.0;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.x += slot.dx;
+    body.dx += slot.dx;
+    body.q = rotated(body.q, slot.dtheta);
+    body.dtheta += slot.dtheta;
+    slot.sum_dx += slot.dx;
+    slot.sum_dtheta += slot.dtheta;
+    largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  }
+  return std::sqrt(largest);
+}
+
+double JointSystem::turn_rate(std::uint32_t p, std::span<const JointRecord> records,
+                              std::span<const SolverBody> bodies) const {
+  const JointGraph::Part& part = graph_.parts()[p];
+  const SolverBody ground;
+  double largest = 0.0;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    if (plan.joint == kNone) continue;
+    const SixDofJointDef& def = records[plan.joint].def;
+    const SolverBody& a = body_of(def.a, bodies, ground);
+    const SolverBody& b = body_of(def.b, bodies, ground);
+    const Vec3 spin = b.w - a.w;
+    // An arm much shorter than the radius of gyration says little.
+    const auto rate = [&](const SolverBody& body, const Vec3& anchor) {
+      if (body.inv_mass == 0.0) return;
+      const double gyration2 = 3.0 * body.inv_mass / body.inv_inertia_w.trace();
+      const double turn2 = spin.cross(body.q * anchor).squaredNorm();
+      largest = std::max(largest, turn2 / (anchor.squaredNorm() + gyration2));
+    };
+    rate(a, def.frame_a.anchor);
+    rate(b, def.frame_b.anchor);
+  }
+  return std::sqrt(largest);
+}
+
+void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
+                         const SubstepContext& ctx) {
+  const JointGraph::Part& part = graph_.parts()[p];
+  for (std::uint32_t slot = part.body; slot < part.body + part.body_count; ++slot) {
+    if (primary_[slot] == 0) continue;
+    SolverBody& body = ctx.bodies[graph_.bodies()[slot]];
+    body.w = transported_spin(body);
+  }
+  const double inverse_h2 = 1.0 / (ctx.h * ctx.h);
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    const NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    JointRecord& record = records[plan.joint];
+    JointState& state = record.state;
+    state.force.setZero();
+    state.torque.setZero();
+    for_bits(record.used, [&](int i) {
+      const double load = inverse_h2 * node.lambda[i];
+      if (i < 6) state.load[i] = load;
+      if (i < 3) {
+        state.force += load * node.dir.col(i);
+      } else {
+        state.torque += load * node.arm_b.col(i);
+      }
+    });
+    const SixDofJointDef& def = record.def;
+    state.broken = (def.break_force > 0.0 && state.force.norm() > def.break_force) ||
+                   (def.break_torque > 0.0 && state.torque.norm() > def.break_torque);
+  }
+}
+
+}  // namespace tandem::pbd

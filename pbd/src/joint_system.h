@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "joint_algebra.h"
+#include "joint_graph.h"
+#include "joint_rows.h"
+#include "tandem/pbd/joint.h"
+
+namespace tandem::pbd {
+
+/// A joint as the block stores it.
+struct JointRecord {
+  SixDofJointDef def;
+  JointState state;
+  std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
+  std::array<double, kCoordinates> bound{};  ///< where the total channel holds it
+  double twist = 0.0;                        ///< rad, counting turns
+  std::uint32_t used = 0;                    ///< bit per coordinate that may get a row
+  bool point = false;  ///< all displacements locked alike: rows along the world's axes
+  bool alive = false;
+
+  bool active() const { return alive && def.enabled && !state.broken; }
+  /// Recompute `used` and `point` from the definition.
+  void refresh();
+  /// The settings of coordinate c, 0 to 6.
+  JointAxis axis(int c) const;
+  int rows() const { return __builtin_popcount(used); }
+};
+
+/// Coordinates of a joint as its bodies stand now; twist within half a turn of `near`.
+void coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b, double near,
+                 double* c);
+
+/// The rows of all joints as one sparse system for each part of the joint graph: what is needed to
+/// project them together. Scratch memory only.
+class JointSystem {
+ public:
+  enum class Channel { Real, Total };
+
+  /// Plan for the joints that are active; allocates.
+  void build(std::span<const JointRecord> records, std::span<const SolverBody> bodies);
+  /// Whether the plan still fits which bodies can move.
+  bool fits(std::span<const JointRecord> records, std::span<const SolverBody> bodies) const;
+  /// Sort parts by group for for_parts().
+  void sort_groups(std::span<const SolverBody> bodies);
+
+  template <class Visit>
+  void for_parts(std::uint32_t group, bool reverse, Visit&& visit) {
+    const auto before = [](const GroupPart& part, std::uint32_t g) { return part.group < g; };
+    const auto first = std::lower_bound(order_.begin(), order_.end(), group, before);
+    const auto last = std::find_if(first, order_.end(),
+                                   [&](const GroupPart& part) { return part.group != group; });
+    const std::ptrdiff_t count = last - first;
+    for (std::ptrdiff_t k = 0; k < count; ++k) visit(first[reverse ? count - 1 - k : k].part);
+  }
+  std::uint32_t part_count() const { return static_cast<std::uint32_t>(graph_.parts().size()); }
+  bool is_total(std::uint32_t part, std::span<const SolverBody> bodies) const;
+
+  /// Take gradients and force laws from the poses as they are; multipliers start at 0.
+  void begin(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx,
+             Channel channel);
+  /// One Newton iteration. Returns how far the bodies may still be from where they belong, m.
+  double iterate(std::uint32_t part, std::span<const JointRecord> records,
+                 const SubstepContext& ctx);
+  /// Forces of the substep into the records; joints that they are too much for break.
+  void finish(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
+  /// rad/s, how fast joints turn the lever arms of their bodies against each other.
+  double turn_rate(std::uint32_t part, std::span<const JointRecord> records,
+                   std::span<const SolverBody> bodies) const;
+
+ private:
+  using Rows = Eigen::Matrix<double, 3, kCoordinates>;
+  /// Column k belongs to coordinate k: dC/dt = dir (v_b - v_a) + arm_b w_b - arm_a w_a.
+  struct NodeState {
+    int n = 0;
+    bool simple = false;  ///< three rows of a point and no others
+    bool off = false;     ///< broken in this step
+    std::array<std::uint8_t, kCoordinates> coordinate{};
+    std::array<Segment::Kind, kCoordinates> kind{};
+    std::array<double, kCoordinates> lambda{}, w{}, at{}, twist_near{};
+    double pull_a = 0.0,
+           pull_b = 0.0;          ///< N m s^2, how much the ends are pulled away from the centres
+    Vec3 r_a, r_b;                ///< m, world
+    Rows arm_a, arm_b, b_a, b_b;  ///< b = inverse inertia times arm
+    Rows dir;
+    std::array<ForceLaw, kCoordinates> law;
+  };
+  struct Slot {
+    double inv_mass = 0.0;
+    Mat3 inv_inertia = Mat3::Zero();
+    Mat3 stiffness = Mat3::Zero();  ///< see stiffen()
+    Vec3 dx = Vec3::Zero();
+    Vec3 dtheta = Vec3::Zero();
+    Vec3 sum_dx = Vec3::Zero();  ///< of this substep
+    Vec3 sum_dtheta = Vec3::Zero();
+  };
+  struct PartState {
+    bool prepared = false;
+    bool factored = false;
+    int iteration = 0;
+    bool restarted = false;
+    double last_move = 0.0;
+    double stiffness_ratio = 0.0;
+    Channel channel = Channel::Real;
+  };
+  struct GroupPart {
+    std::uint32_t group, part;
+  };
+
+  void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
+               const SubstepContext& ctx);
+  void turn_gradients(const JointGraph::Part& part, PartState& state,
+                      std::span<const JointRecord> records, const SubstepContext& ctx);
+  double newton(const JointGraph::Part& part, PartState& state,
+                std::span<const JointRecord> records, const SubstepContext& ctx);
+  bool evaluate(const JointGraph::Part& part, std::span<const JointRecord> records,
+                const SubstepContext& ctx);
+  void assemble(const JointGraph::Part& part);
+  void factor(const JointGraph::Part& part);
+  void solve(const JointGraph::Part& part);
+  /// @return the largest move of a body, m or rad
+  double apply(const JointGraph::Part& part, const SubstepContext& ctx);
+  static void take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
+                             const SolverBody& b);
+  /// Inverse inertia times gradients, and the mobility of each row by itself.
+  void weigh(const JointGraph::Part& part, std::span<const JointRecord> records);
+  void stiffen(const JointGraph::Part& part, PartState& state, const SubstepContext& ctx);
+  void restart(const JointGraph::Part& part, std::span<const JointRecord> records,
+               const SubstepContext& ctx);
+  static void add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda);
+
+  JointGraph graph_;
+  std::vector<NodeState> nodes_;
+  std::vector<Slot> slots_;
+  std::vector<std::uint8_t> primary_;  ///< by slot: the first one of its body
+  std::vector<PartState> state_;
+  std::vector<GroupPart> order_;
+  std::vector<double> values_;
+  std::vector<double> right_;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/joint.h"
+
+#include <functional>
+#include <limits>
+
+#include "joint_fixture.h"
+#include "support/catch.h"
+#include "support/gradient.h"
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+namespace {
+
+JointAxis lock() { return {.freedom = Freedom::Locked}; }
+JointAxis limit(double lower, double upper) {
+  return {.freedom = Freedom::Limited, .lower = lower, .upper = upper};
+}
+
+/// Coordinates of frame b in frame a, written down again: displacement along the axes of a, then
+/// twist and swing by taking the rotation apart as swing times twist about x.
+Eigen::Matrix<double, 7, 1> coordinates_of(const Pose& a, const Pose& b,
+                                           const SixDofJointDef& def) {
+  Eigen::Matrix<double, 7, 1> c;
+  const Quat qa = a.orientation * def.frame_a.basis;
+  const Quat qb = b.orientation * def.frame_b.basis;
+  c.head<3>() = qa.conjugate() * (b.to_world(def.frame_b.anchor) - a.to_world(def.frame_a.anchor));
+  const Quat rel = qa.conjugate() * qb;
+  const Vec3 e = rel * Vec3::UnitX();
+  const double angle = std::acos(std::clamp(e.x(), -1.0, 1.0));
+  Vec3 axis = Vec3::UnitX().cross(e);
+  if (axis.norm() > 0.0) axis.normalize();
+  const Quat swing = turn(angle * axis);
+  const Quat twist = swing.conjugate() * rel;
+  c[3] = 2.0 * std::atan(twist.x() / twist.w());
+  c[4] = angle * axis.y();
+  c[5] = angle * axis.z();
+  c[6] = angle;
+  return c;
+}
+
+}  // namespace
+
+TEST_CASE("joint: one projection follows the numerical gradient, whatever is locked",
+          "[pbd][joint][gradient]") {
+  // Which coordinates hold: fixed, ball, hinge, slider, universal, planar, and oblique limits.
+  for (const std::uint32_t held : {0b111111u, 0b000111u, 0b110111u, 0b111110u, 0b011111u, 0b111100u,
+                                   0b000001u, 0b010000u, 0b001000u, 0b100101u, 0b1000000u}) {
+    World world;
+    const BodyId a = world.add_body({.mass = 1.5, .inertia = box_inertia(1.5, Vec3(.1, .3, .2))});
+    const BodyId b = world.add_body({.mass = 0.7, .inertia = box_inertia(0.7, Vec3(.3, .1, .1))});
+    world.set_pose(a, {Vec3(0.1, 0.2, 0.3), turn(Vec3(0.5, -0.2, 0.9))});
+    world.set_pose(b, {Vec3(0.4, 0.4, -0.2), turn(Vec3(0.1, 0.3, 0.2))});
+    SixDofJointDef def{.a = a,
+                       .b = b,
+                       .frame_a = {Vec3(0.2, 0.1, -0.3), turn(Vec3(0.4, 0.2, 0.3))},
+                       .frame_b = {Vec3(-0.1, 0.4, 0.2), turn(Vec3(-0.3, 0.1, 0.6))}};
+    for (unsigned i = 0; i < 6; ++i) {
+      if ((held >> i & 1u) == 0) continue;
+      (i < 3 ? def.linear[i] : def.angular[i - 3]) = lock();
+    }
+    if (held == 0b1000000u) def.cone = 0.2;
+    std::vector<SolverBody> bodies;
+    for (const BodyId id : {a, b}) {
+      const Mat3 inertia = world.props(id).inertia_l;
+      bodies.push_back(solver_body(world.pose(id), world.props(id).mass, inertia));
+      bodies.back().group = 0;
+    }
+    const auto c = [&](const std::vector<Pose>& poses) {
+      auto all = coordinates_of(poses[0], poses[1], def);
+      if ((held & 7u) == 7u) {  // a point is a point in any axes; the world's are cheapest
+        all.head<3>() =
+            poses[1].to_world(def.frame_b.anchor) - poses[0].to_world(def.frame_a.anchor);
+      }
+      std::vector<double> rows;
+      for (unsigned i = 0; i < 6; ++i) {
+        if ((held >> i & 1u) != 0) rows.push_back(all[i]);
+      }
+      if (held == 0b1000000u) rows.push_back(all[6] - def.cone);
+      return Eigen::VectorXd(
+          Eigen::Map<Eigen::VectorXd>(rows.data(), static_cast<Eigen::Index>(rows.size())));
+    };
+    const Eigen::VectorXd expected = expected_projection(c, bodies);
+    JointBlock joints;
+    joints.add(world, def);
+    const SubstepContext context{.bodies = bodies, .h = 0.01};
+    joints.begin_step(context);
+    joints.begin_substep(context);
+    joints.project(context);
+    INFO("held " << held);
+    CHECK((corrections_of(bodies) - expected).norm() < 1e-8 * expected.norm());
+  }
+}
+
+TEST_CASE("joint: a free pair keeps linear and angular momentum, in either order of its bodies",
+          "[pbd][joint][analytic]") {
+  for (const int kind : {0, 1, 2, 3}) {
+    for (const bool swapped : {false, true}) {
+      World world(weightless());
+      auto& joints = world.add_block<JointBlock>();
+      BodyDef def = box_def(1.0, kHalf, Vec3::Zero());
+      def.twist = {Vec3(0.2, -0.1, 0.3), Vec3(0.0, 2.0, 1.0)};
+      BodyId a = world.add_body(def);
+      def = box_def(3.0, kHalf, Vec3(0.6, 0.2, 0.0), turn(Vec3(0.3, 0.2, 0.1)));
+      def.twist = {Vec3(-0.1, 0.4, 0.0), Vec3(1.0, 0.0, -2.0)};
+      BodyId b = world.add_body(def);
+      if (swapped) std::swap(a, b);
+      const Vec3 anchor(0.3, 0.1, 0.05);
+      const Vec3 axis(1.0, 2.0, -1.0);
+      if (kind == 0) joints.add(world, fixed_joint_at(world, a, b, anchor));
+      if (kind == 1) joints.add(world, ball_joint_at(world, a, b, anchor, axis));
+      if (kind == 2) joints.add(world, hinge_joint_at(world, a, b, anchor, axis));
+      if (kind == 3) joints.add(world, slider_joint_at(world, a, b, anchor, axis));
+      const Vec3 p = linear_momentum(world);
+      const Vec3 l = angular_momentum(world);
+      Solver solver({.joint_iterations = 100, .joint_tolerance = 1e-14});
+      solver.step(world, kFrame);  // the velocities fit the joint from here on
+      const double energy = world.kinetic_energy();
+      double drift = 0.0;
+      run(world, solver, 3.0,
+          [&] { drift = std::max(drift, std::abs(world.kinetic_energy() - energy)); });
+      INFO("kind " << kind << (swapped ? " swapped" : "") << ", energy drift " << drift / energy);
+      CHECK((linear_momentum(world) - p).norm() < 1e-11);
+      CHECK((angular_momentum(world) - l).norm() < 1e-6 * l.norm());
+      CHECK(drift < 1e-4 * energy);
+    }
+  }
+}
+
+TEST_CASE("joint: forces and torques of a shelf are those of statics", "[pbd][joint][analytic]") {
+  Mounted m(WorldDef{});
+  m.add_box(2.0, Vec3(0.5, 0.0, 0.0));
+  m.add_joint(fixed_joint_at(m.world, {}, m.body, Vec3::Zero()));
+  m.run(0.5);
+  CHECK((m.state().force - Vec3(0.0, 0.0, 2.0 * kGravity)).norm() < 1e-6);
+  CHECK((m.state().torque - Vec3(0.0, -0.5 * 2.0 * kGravity, 0.0)).norm() < 1e-6);
+  CHECK((m.world.pose(m.body).position - Vec3(0.5, 0.0, 0.0)).norm() < 1e-6);
+  CHECK(m.state().residual < 1e-6);
+}
+
+TEST_CASE("joint: a fixed joint of given compliance gives way by load times compliance",
+          "[pbd][joint][analytic]") {
+  Mounted m(WorldDef{});
+  m.add_box(2.0, Vec3(0.5, 0.0, 0.0));
+  FixedJointDef def = fixed_joint_at(m.world, {}, m.body, Vec3::Zero());
+  def.compliance = 1e-4;
+  def.damping = 200.0;
+  def.angular_compliance = 1e-3;
+  def.angular_damping = 10.0;
+  m.add_joint(def);
+  m.run(5.0);
+  CHECK(m.state().position[2] == Approx(-2.0 * kGravity * 1e-4).epsilon(1e-3));
+  // The lever arm shortens by 1 - cos, 5e-5 here.
+  CHECK(m.state().position[4] == Approx(0.5 * 2.0 * kGravity * 1e-3).epsilon(1e-3));
+}
+
+TEST_CASE("joint: a hinge is a physical pendulum with the period of the elliptic integral",
+          "[pbd][joint][analytic]") {
+  for (const double amplitude : {10.0, 170.0}) {
+    const double start = amplitude * kPi / 180.0;
+    Mounted m(WorldDef{});
+    m.add_box(1.0, Vec3(0.5 * std::sin(start), 0.0, -0.5 * std::cos(start)),
+              turn(Vec3(0.0, -start, 0.0)));
+    m.add_joint(hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitY()));
+    const double inertia = m.world.props(m.body).inertia_l(1, 1) + 0.25;
+    const double energy = m.world.mechanical_energy();
+    const double scale = energy + 0.5 * kGravity;
+    // The energy of a half-step velocity swings with the body, so ends are compared by their peaks.
+    double first = 0.0;
+    double last = 0.0;
+    std::vector<double> angles;
+    m.run(10.0, [&] {
+      const double now = m.world.mechanical_energy() - energy;
+      double& peak = m.world.time() < 4.0 ? first : last;
+      if (m.world.time() < 4.0 || m.world.time() > 6.0) peak = std::max(peak, now);
+      const Vec3& p = m.world.pose(m.body).position;
+      angles.push_back(std::atan2(p.x(), -p.z()));
+    });
+    const double period = pendulum_period(std::sqrt(0.5 * kGravity / inertia), start);
+    INFO("amplitude " << amplitude << ", energy " << (last - first) / scale << ", period "
+                      << mean_period(angles, kFrame) / period - 1.0);
+    CHECK(std::abs(last - first) < 0.003 * scale);
+    CHECK(last < 0.01 * scale);
+    CHECK(std::abs(mean_period(angles, kFrame) / period - 1.0) < 1e-3);
+  }
+}
+
+TEST_CASE("joint: a hinge counts turns", "[pbd][joint][unit]") {
+  Mounted m;
+  m.add_box(1.0, Vec3(0.3, 0.0, 0.0));
+  m.add_joint(hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ()));
+  m.world.set_twist(m.body, {Vec3(0.0, 3.0, 0.0), Vec3(0.0, 0.0, 10.0)});
+  m.run(2.0);
+  CHECK(m.state().position[3] == Approx(20.0).epsilon(1e-4));
+}
+
+TEST_CASE("joint: a slider runs without friction and without turning", "[pbd][joint][analytic]") {
+  Mounted m(WorldDef{});
+  m.add_box(1.0, Vec3(0.3, 0.1, 0.2));
+  const Vec3 axis = Vec3(1.0, 0.0, -1.0).normalized();
+  m.add_joint(slider_joint_at(m.world, {}, m.body, Vec3::Zero(), axis));
+  const Vec3 start = m.world.pose(m.body).position;
+  m.run(1.0);
+  // Symplectic Euler: x = a t (t + h) / 2.
+  const double way = 0.5 * kGravity / std::sqrt(2.0) * 1.0 * (1.0 + kFrame / 10.0);
+  CHECK((m.world.pose(m.body).position - start - way * axis).norm() < 1e-5);
+  CHECK(m.state().position[0] == Approx(way).epsilon(1e-6));
+  CHECK(angle_between(m.world.pose(m.body).orientation, Quat::Identity()) < 1e-7);
+}
+
+TEST_CASE("joint: a velocity motor of limited torque accelerates by torque over inertia",
+          "[pbd][joint][analytic]") {
+  Mounted m;
+  m.add_box(2.0, Vec3::Zero());
+  HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+  def.axis.motor = {.mode = MotorMode::Velocity, .target = 5.0, .max_force = 0.1};
+  m.add_joint(def);
+  const double inertia = m.world.props(m.body).inertia_l(2, 2);
+  m.run(1.0);
+  CHECK(m.world.twist(m.body).angular.z() == Approx(0.1 / inertia * 1.0).epsilon(1e-6));
+  CHECK(m.state().load[3] == Approx(0.1).epsilon(1e-6));
+  m.run(5.0);
+  CHECK(m.world.twist(m.body).angular.z() == Approx(5.0).epsilon(1e-9));
+  CHECK(std::abs(m.state().load[3]) < 1e-6);
+}
+
+TEST_CASE("joint: a position motor goes at its speed and stays against a load",
+          "[pbd][joint][analytic]") {
+  Mounted m(WorldDef{});
+  m.add_box(2.0, Vec3::Zero());
+  SliderJointDef def = slider_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+  def.axis.motor = {
+      .mode = MotorMode::Position, .target = 0.5, .max_force = 100.0, .max_speed = 1.0};
+  m.add_joint(def);
+  m.run(0.25);
+  // Less the way that it took to reach the speed.
+  const double a = 100.0 / 2.0 - kGravity;
+  CHECK(m.state().position[0] == Approx(0.25 - 0.5 / a).epsilon(5e-3));
+  m.run(1.0);
+  CHECK(m.state().position[0] == Approx(0.5).epsilon(1e-9));
+  CHECK(m.state().load[0] == Approx(2.0 * kGravity).epsilon(1e-6));
+  def.axis.motor.max_force = 10.0;  // less than the weight
+  m.joints->set(m.world, m.joint, def);
+  m.run(0.5);
+  const double g = kGravity - 10.0 / 2.0;
+  CHECK(m.state().position[0] == Approx(0.5 - 0.5 * g * 0.5 * (0.5 + kFrame / 10.0)).epsilon(1e-6));
+}
+
+TEST_CASE("joint: a motor of unlimited torque does not break a limit, at any angle",
+          "[pbd][joint][fault]") {
+  for (const double bound : {0.5, kPi - 0.01, kPi, kPi + 0.3, 7.0}) {
+    Mounted m;
+    m.add_box(2.0, Vec3(0.3, 0.0, 0.0));
+    HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+    def.axis = limit(-bound, bound);
+    def.axis.motor = {.mode = MotorMode::Velocity, .target = 20.0};
+    m.add_joint(def);
+    double largest = 0.0;
+    m.run(1.0, [&] { largest = std::max(largest, m.state().position[3]); });
+    INFO("bound " << bound << " reached " << largest);
+    CHECK(largest < bound + 1e-6);
+    CHECK(m.state().position[3] == Approx(bound).margin(1e-6));
+    def.axis.motor.target = -20.0;
+    m.joints->set(m.world, m.joint, def);
+    m.run(1.0);
+    CHECK(m.state().position[3] == Approx(-bound).margin(1e-6));
+    CHECK(m.world.twist(m.body).angular.norm() < 1e-6);
+  }
+}
+
+TEST_CASE("joint: a rigid limit stops and a sprung one oscillates about statics",
+          "[pbd][joint][analytic]") {
+  Mounted m(WorldDef{});
+  m.add_box(2.0, Vec3::Zero());
+  SliderJointDef def = slider_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+  def.axis = limit(-0.2, 0.1);
+  m.add_joint(def);
+  m.run(1.0);
+  CHECK(m.state().position[0] == Approx(-0.2).margin(1e-9));
+  CHECK(m.state().load[0] == Approx(2.0 * kGravity).epsilon(1e-6));
+  def.axis.compliance = 1e-3;
+  def.axis.damping = 60.0;
+  m.joints->set(m.world, m.joint, def);
+  m.run(3.0);
+  CHECK(m.state().position[0] == Approx(-0.2 - 2.0 * kGravity * 1e-3).epsilon(1e-6));
+}
+
+TEST_CASE("joint: a spring on a hinge swings with its period", "[pbd][joint][analytic]") {
+  Mounted m;
+  m.add_box(2.0, Vec3::Zero());
+  HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitX());
+  def.axis.spring = {.stiffness = 0.5, .rest = 0.4};
+  m.add_joint(def);
+  const double inertia = m.world.props(m.body).inertia_l(0, 0);
+  std::vector<double> angles;
+  m.run(8.0, [&] { angles.push_back(m.state().position[3] - 0.4); });
+  CHECK(mean_period(angles, kFrame) == Approx(2.0 * kPi * std::sqrt(inertia / 0.5)).epsilon(5e-3));
+}
+
+TEST_CASE("joint: cone and twist limits hold a tumbling body", "[pbd][joint][analytic]") {
+  Mounted m(WorldDef{});
+  m.add_box(1.0, Vec3(0.4, 0.0, 0.0));
+  BallJointDef def = ball_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitX());
+  def.cone = 0.6;
+  def.limit_twist = true;
+  def.lower_twist = -0.3;
+  def.upper_twist = 0.5;
+  m.add_joint(def);
+  m.world.set_twist(m.body, {Vec3::Zero(), Vec3(4.0, 2.0, 3.0)});
+  const double energy = m.world.mechanical_energy();
+  double swing = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+  double gain = 0.0;
+  m.run(4.0, [&] {
+    swing = std::max(swing, m.state().swing);
+    low = std::min(low, m.state().position[3]);
+    high = std::max(high, m.state().position[3]);
+    gain = std::max(gain, m.world.mechanical_energy() - energy);
+  });
+  CHECK(swing == Approx(0.6).margin(1e-4));
+  CHECK(high == Approx(0.5).margin(1e-4));
+  CHECK(low > -0.3 - 1e-4);
+  CHECK(gain < 1e-3);
+}
+
+TEST_CASE("joint: it breaks at its force and at its torque, and not below",
+          "[pbd][joint][analytic]") {
+  for (const bool torque : {false, true}) {
+    for (const double part : {0.99, 1.01}) {
+      Mounted m(WorldDef{});
+      m.add_box(2.0, Vec3(0.5, 0.0, 0.0));
+      FixedJointDef def = fixed_joint_at(m.world, {}, m.body, Vec3::Zero());
+      if (torque) {
+        def.break_torque = part * 2.0 * kGravity * 0.5;
+      } else {
+        def.break_force = part * 2.0 * kGravity;
+      }
+      m.add_joint(def);
+      m.run(0.5);
+      CHECK(m.state().broken == (part < 1.0));
+      CHECK((m.world.pose(m.body).position.z() < -0.5) == (part < 1.0));
+      if (part > 1.0) continue;
+      CHECK(m.state().force.norm() == 0.0);
+      m.joints->set_enabled(m.joint, true);
+      m.solver.step(m.world, kFrame);
+      CHECK(m.joints->size() == 1);
+    }
+  }
+}
+
+TEST_CASE("joint: switched off it does nothing, switched on it holds again", "[pbd][joint][unit]") {
+  Mounted m(WorldDef{});
+  m.add_box(1.0, Vec3::Zero());
+  m.add_joint(fixed_joint_at(m.world, {}, m.body, Vec3::Zero()));
+  m.joints->set_enabled(m.joint, false);
+  m.run(0.1);
+  CHECK(m.world.twist(m.body).linear.z() == Approx(-0.1 * kGravity).epsilon(1e-9));
+  m.joints->set_enabled(m.joint, true);
+  m.run(0.5);
+  CHECK(m.world.pose(m.body).position.norm() < 1e-6);
+}
+
+TEST_CASE("joint: a bad definition is refused naming field, value and rule",
+          "[pbd][joint][fault]") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  World world;
+  auto& joints = world.add_block<JointBlock>();
+  const BodyId a = world.add_body({});
+  const BodyId b = world.add_body({});
+  const BodyId stale = world.add_body({});
+  world.remove_body(stale);
+  const auto refused = [&](const char* field, const char* value, const char* rule,
+                           const std::function<void(SixDofJointDef&)>& spoil) {
+    SixDofJointDef def{.a = a, .b = b};
+    spoil(def);
+    const std::string message = refusal([&] { joints.add(world, def); });
+    INFO("\"" << message << "\"");
+    CHECK(names(message, std::string("joint: ") + field, value, rule));
+  };
+  using Def = SixDofJointDef;
+  refused("a", "body 2", "no body", [&](Def& d) { d.a = stale; });
+  refused("b", "1.0", "differ from a", [&](Def& d) { d.a = b; });
+  refused("frame_a.anchor", "nan", "finite", [&](Def& d) { d.frame_a.anchor.x() = kNan; });
+  refused("frame_b.basis", "2.0", "unit", [&](Def& d) { d.frame_b.basis.w() = 2.0; });
+  refused("linear[1].compliance", "-1.0", ">= 0", [&](Def& d) { d.linear[1].compliance = -1.0; });
+  refused("angular[0].upper", "-1.0", ">= lower", [&](Def& d) { d.angular[0] = limit(1.0, -1.0); });
+  refused("angular[2].motor.max_force", "0.0", "> 0",
+          [&](Def& d) { d.angular[2].motor.max_force = 0.0; });
+  refused("linear[0].spring.stiffness", "5.0", "locked", [&](Def& d) {
+    d.linear[0] = lock();
+    d.linear[0].spring.stiffness = 5.0;
+  });
+  refused("cone", "-1.0", "> 0", [&](Def& d) { d.cone = -1.0; });
+  refused("angular[1].freedom", "1.0", "cone", [&](Def& d) {
+    d.cone = 1.0;
+    d.angular[1] = lock();
+  });
+  refused("break_torque", "nan", ">= 0", [&](Def& d) { d.break_torque = kNan; });
+  CHECK(joints.size() == 0);
+  const JointId id = joints.add(world, SixDofJointDef{.a = a, .b = b});
+  joints.remove(id);
+  CHECK(names(refusal([&] { joints.at(id); }), "joint: id 0", "generation 0", "no joint"));
+  CHECK(names(refusal([&] { hinge_joint_at(world, a, b, Vec3::Zero(), Vec3::Zero()); }),
+              "joint: axis_w", "0.0", "longer"));
+  joints.add(world, SixDofJointDef{.a = a, .b = b});
+  world.remove_body(a);
+  CHECK(joints.size() == 0);
+}
