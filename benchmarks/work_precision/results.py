@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""The CSV of runs: reading it, medians over repeats, fronts of error against time."""
+import csv
+import math
+import statistics
+
+ENGINES = {"tandem": "Tandem", "bullet64": "Bullet double", "bullet32": "Bullet single"}
+
+# What each scene is judged by: (measure, factor to the unit, unit). The first is plotted first.
+ERRORS = {
+    "stacks": [("drift_end", 1e3, "top drift, mm"),
+               ("penetration_mean_end", 1e3, "mean overlap, mm")],
+    "chain": [("separation_max", 1e3, "largest separation, mm"),
+              ("ball_error_max", 1.0, "largest ball error, m")],
+    "ratio": [("top_error", 1e3, "top error, mm")],
+    "pyramid": [("drift_end", 1e3, "largest drift, mm"),
+                ("penetration_mean_end", 1e3, "mean overlap, mm")],
+    "katamari": [("penetration_mean_end", 1e3, "mean overlap, mm"),
+                 ("penetration_max_run", 1e3, "largest overlap, mm")],
+    "cliff": [("penetration_mean_end", 1e3, "mean overlap, mm"),
+              ("penetration_max_run", 1e3, "largest overlap, mm")],
+    "heap": [("penetration_mean_end", 1e3, "mean overlap, mm"),
+             ("penetration_max_run", 1e3, "largest overlap, mm")],
+}
+
+
+class Point:
+    """One engine at one setting: times over the repeats, and what came out of it."""
+
+    def __init__(self, rows):
+        first = rows[0]
+        self.engine, self.scene, self.setting = first["engine"], first["scene"], first["setting"]
+        self.frames = first["frames"]
+        self.values = {k: number(v) for k, v in first.items()
+                       if k not in ("engine", "scene", "setting")}
+        # Mean over the frames: where an engine works harder in some of them, that counts.
+        self.times = sorted(number(r["cpu_ms_mean"]) for r in rows)
+        self.median_times = sorted(number(r["cpu_ms_p50"]) for r in rows)
+
+    @property
+    def time(self):
+        """ms for a frame of 1/60 s: mean over the frames, median over the repeats."""
+        return statistics.median(self.times)
+
+    @property
+    def median_time(self):
+        """ms: median over the frames and over the repeats."""
+        return statistics.median(self.median_times)
+
+    def value(self, name):
+        return self.values.get(name, math.nan)
+
+    def error(self, name, factor=1.0):
+        return abs(self.value(name)) * factor
+
+
+def number(text):
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return math.nan
+
+
+def read(path):
+    groups = {}
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            groups.setdefault((row["engine"], row["scene"], row["setting"]), []).append(row)
+    return [Point(rows) for rows in groups.values()]
+
+
+def write(path, rows):
+    names = []
+    for row in rows:
+        names += [k for k in row if k not in names]
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, names, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def select(points, engine=None, scene=None, setting=None):
+    return [p for p in points
+            if (engine is None or p.engine == engine) and (scene is None or p.scene == scene)
+            and (setting is None or p.setting == setting)]
+
+
+def default_of(points, engine, scene):
+    found = select(points, engine, scene, "default")
+    return found[0] if found else None
+
+
+def front(points, measure):
+    """Those that no other beats in both time and error, by rising time."""
+    best = math.inf
+    result = []
+    for p in sorted(points, key=lambda p: (p.time, p.error(measure))):
+        if p.error(measure) < best:
+            best = p.error(measure)
+            result.append(p)
+    return result
+
+
+def compare_fronts(ours, theirs, measure):
+    """(theirs that ours beats, theirs in the overlap): a point of theirs is beaten where ours has
+    less error in no more time; points faster than our fastest do not overlap."""
+    our_front = front(ours, measure)
+    if not our_front:
+        return 0, 0
+    overlap = [p for p in front(theirs, measure) if p.time >= our_front[0].time]
+    beaten = sum(
+        1 for p in overlap
+        if min(q.error(measure) for q in our_front if q.time <= p.time) <= p.error(measure))
+    return beaten, len(overlap)
