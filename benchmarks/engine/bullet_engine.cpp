@@ -62,6 +62,7 @@ class BulletEngine final : public Engine {
     state.twist = {from(b.getLinearVelocity()), from(b.getAngularVelocity())};
     return state;
   }
+  EngineStats stats() const override { return {.stage_s = {}, .substeps = substeps_}; }
   void set_twist(int body, const Twist& twist) override {
     btRigidBody& b = *bodies_[static_cast<std::size_t>(body)];
     b.setLinearVelocity(bt(twist.linear));
