@@ -124,9 +124,11 @@ class BulletEngine final : public Engine {
   }
 
   void add_joint(const SceneJoint& joint) {
-    if (joint.rest_length >= 0.0 || joint.compliance > 0.0) {
-      throw std::invalid_argument("bullet: no distance joint");
+    if (joint.rest_length >= 0.0) {
+      add_spring(joint);
+      return;
     }
+    if (joint.compliance > 0.0) throw std::invalid_argument("bullet: no soft ball joint");
     btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
     if (joint.a < 0) {
       joints_.push_back(std::make_unique<btPoint2PointConstraint>(b, bt(joint.anchor_b_l)));
@@ -135,6 +137,24 @@ class BulletEngine final : public Engine {
           std::make_unique<btPoint2PointConstraint>(*bodies_[static_cast<std::size_t>(joint.a)], b,
                                                     bt(joint.anchor_a_l), bt(joint.anchor_b_l)));
     }
+    world_.addConstraint(joints_.back().get(), true);
+  }
+
+  /// A spring to the world along x, which is all that the scenes ask for.
+  void add_spring(const SceneJoint& joint) {
+    if (joint.a >= 0 || joint.compliance <= 0.0) throw std::invalid_argument("bullet: no rod");
+    btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
+    btTransform frame = btTransform::getIdentity();
+    frame.setOrigin(bt(joint.anchor_b_l));
+    auto spring = std::make_unique<btGeneric6DofSpring2Constraint>(b, frame);
+    for (int axis = 0; axis < 6; ++axis) spring->setLimit(axis, 1, -1);  // free
+    spring->enableSpring(0, true);
+    spring->setStiffness(0, static_cast<btScalar>(1.0 / joint.compliance));
+    spring->setDamping(0, static_cast<btScalar>(joint.damping));
+    // Measured from where the body is made to stand now.
+    const double now = b.getWorldTransform().getOrigin().x() - joint.anchor_a_l.x();
+    spring->setEquilibriumPoint(0, static_cast<btScalar>(joint.rest_length - now));
+    joints_.push_back(std::move(spring));
     world_.addConstraint(joints_.back().get(), true);
   }
 

@@ -60,7 +60,7 @@ class TandemEngine final : public Engine {
   pbd::BodyState state(int body) const override { return world_.state(id(body)); }
   void set_twist(int body, const Twist& twist) override { world_.set_twist(id(body), twist); }
   EngineStats stats() const override {
-    EngineStats stats;
+    EngineStats stats{.stage_s = {}, .substeps = solver_.options().substeps};
     if (report_ == nullptr) return stats;
     stats.substeps = report_->substeps;
     for (std::size_t i = 0; i < pbd::kStageNames.size(); ++i) {

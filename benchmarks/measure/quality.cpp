@@ -31,10 +31,12 @@ double kinetic_energy(const Scene& scene, const Engine& engine) {
 
 double mechanical_energy(const Scene& scene, const Engine& engine) {
   double sum = kinetic_energy(scene, engine);
+  const double half_step = 0.5 * scene.dt / std::max(1, engine.stats().substeps);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (!moves(scene.bodies[i])) continue;
-    sum -=
-        scene.bodies[i].mass * scene.gravity.dot(engine.state(static_cast<int>(i)).pose.position);
+    const pbd::BodyState state = engine.state(static_cast<int>(i));
+    sum -= scene.bodies[i].mass *
+           scene.gravity.dot(state.pose.position - half_step * state.twist.linear);
   }
   return sum;
 }

@@ -17,7 +17,9 @@ using Measures = std::vector<std::pair<std::string, double>>;
 
 /// Kinetic energy (J) of the scene's moving bodies.
 double kinetic_energy(const Scene& scene, const Engine& engine);
-/// Kinetic and gravitational energy (J), zero height at the origin.
+/// Kinetic and gravitational energy (J), zero height at the origin. Heights are taken half a
+/// substep back, which is when the velocity of x += h v is that of the motion: a free fall then
+/// keeps its energy to the last digit, and what changes in other scenes is the engine's doing.
 double mechanical_energy(const Scene& scene, const Engine& engine);
 /// Largest distance (m) between the two anchors of a ball joint.
 double joint_separation(const Scene& scene, const Engine& engine);

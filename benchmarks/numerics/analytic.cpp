@@ -95,10 +95,11 @@ void fast_spin(Sheet& sheet, double speed) {
 /// A symmetric top on a ball joint at its tip.
 void heavy_top(Sheet& sheet) {
   Scene scene;
+  // Fast: (I3 w)^2 is 5 times 4 I1 m g h, so that it precesses and does not fall over.
   const double tilt = 0.5;
-  const double height = 0.2;
+  const double height = 0.3;
   const Quat q = pbd::exp_map(Vec3(tilt, 0.0, 0.0));
-  const int top = scene.add(BoxShape{Vec3(0.1, 0.1, 0.02)}, 1.0,
+  const int top = scene.add(BoxShape{Vec3(0.5, 0.5, 0.05)}, 1.0,
                             {.position = q * Vec3(0.0, 0.0, height), .orientation = q});
   scene.bodies.back().twist.angular = q * Vec3(0.0, 0.0, 20.0);
   scene.add_ball(-1, top, Vec3::Zero());

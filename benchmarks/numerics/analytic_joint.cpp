@@ -12,14 +12,13 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
+/// A rod of 1 m, hung up at its end.
 void pendulum(Sheet& sheet, double degrees) {
   Scene scene;
   const double angle = degrees * M_PI / 180.0;
-  const double length = 1.0;
-  const double radius = 0.05;
-  // Hangs along -z; turned about y.
+  const double length = 0.5;  // m, from the nail to the centre
   const Quat q = pbd::exp_map(Vec3(0.0, -angle, 0.0));
-  const int bob = scene.add(SphereShape{radius}, 1.0,
+  const int bob = scene.add(BoxShape{Vec3(0.02, 0.02, length)}, 1.0,
                             {.position = q * Vec3(0.0, 0.0, -length), .orientation = q});
   scene.add_ball(-1, bob, Vec3::Zero());
   const auto engine = sheet.make(scene);

@@ -83,5 +83,7 @@ Outcome run_case(const Case& which, const MakeEngine& make);
 
 /// Why a line of Tandem is known not to hold, empty where it ought to. The only list of exceptions.
 std::string_view known_failure(const std::string& name, const std::string& measure);
+/// The cases on that list.
+std::vector<std::string_view> known_cases();
 
 }  // namespace tandem::bench

@@ -74,17 +74,17 @@ inline double elliptic_k(double k) {
   return M_PI / (2.0 * a);
 }
 
-/// Period (s) of a signal about 0 sampled each dt: between upward crossings, interpolated. 0 where
-/// there are fewer than two.
+/// Period (s) of a symmetric signal about 0 sampled each dt: twice the time between its crossings,
+/// interpolated. 0 where there are fewer than two.
 inline double crossing_period(const std::vector<double>& x, double dt) {
   std::vector<double> times;
   for (std::size_t i = 1; i < x.size(); ++i) {
-    if (x[i - 1] < 0.0 && x[i] >= 0.0) {
+    if ((x[i - 1] < 0.0) != (x[i] < 0.0)) {
       times.push_back(dt * (static_cast<double>(i) - x[i] / (x[i] - x[i - 1])));
     }
   }
   if (times.size() < 2) return 0.0;
-  return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  return 2.0 * (times.back() - times.front()) / static_cast<double>(times.size() - 1);
 }
 
 /// Period (s) of a damped sinusoid, sampled more often than twice in each: least squares on
