@@ -17,17 +17,20 @@ void check_family(const std::string& family) {
     const Outcome outcome = run_case(c, make_tandem);
     INFO(c.name);
     CHECK(outcome.not_built.empty());
+    int known = 0;
+    int known_failing = 0;
     for (const Check& check : outcome.checks) {
-      const std::string_view known = known_failure(c.name, check.measure);
       INFO(check.measure << " = " << check.value << ", reference " << check.reference << " ("
                          << check.source << "), error " << check.error << " > " << check.bound
                          << ' ' << check.unit);
-      if (known.empty()) {
+      if (known_failure(c.name, check.measure).empty()) {
         CHECK(check.holds());
-      } else if (check.holds()) {
-        WARN(c.name << ", " << check.measure << ": holds now, take it off the list");
+      } else {
+        ++known;
+        known_failing += check.holds() ? 0 : 1;
       }
     }
+    if (known > 0 && known_failing == 0) WARN(c.name << ": holds now, take it off the list");
   }
 }
 
