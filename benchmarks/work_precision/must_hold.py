@@ -63,10 +63,10 @@ def curve_rows(points):
             if not ours or not theirs:
                 continue
             for measure, _, unit in results.ERRORS[scene]:
-                beaten, overlap = results.compare_fronts(ours, theirs, measure)
+                below, compared = results.compare_fronts(ours, theirs, measure)
                 yield (f"{scene}: {unit.split(',')[0]} at equal time",
-                       f"below {beaten} of {overlap} points of {results.ENGINES[engine]}",
-                       "all", beaten == overlap)
+                       f"not above {results.ENGINES[engine]} at {below} of {compared} times",
+                       "all", below == compared)
 
 
 def table(points):

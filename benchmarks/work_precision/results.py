@@ -102,14 +102,18 @@ def front(points, measure):
     return result
 
 
+def best_until(line, measure, time):
+    return min(p.error(measure) for p in line if p.time <= time)
+
+
 def compare_fronts(ours, theirs, measure):
-    """(theirs that ours beats, theirs in the overlap): a point of theirs is beaten where ours has
-    less error in no more time; points faster than our fastest do not overlap."""
-    our_front = front(ours, measure)
-    if not our_front:
+    """(times at which our front has no more error than theirs, times compared): every step of
+    either front from where both have a point."""
+    fronts = [front(ours, measure), front(theirs, measure)]
+    if not all(fronts):
         return 0, 0
-    overlap = [p for p in front(theirs, measure) if p.time >= our_front[0].time]
-    beaten = sum(
-        1 for p in overlap
-        if min(q.error(measure) for q in our_front if q.time <= p.time) <= p.error(measure))
-    return beaten, len(overlap)
+    start = max(line[0].time for line in fronts)
+    times = [start] + [p.time for line in fronts for p in line if p.time > start]
+    below = sum(best_until(fronts[0], measure, t) <= best_until(fronts[1], measure, t)
+                for t in times)
+    return below, len(times)
