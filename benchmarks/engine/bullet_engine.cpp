@@ -124,38 +124,87 @@ class BulletEngine final : public Engine {
   }
 
   void add_joint(const SceneJoint& joint) {
-    if (joint.rest_length >= 0.0) {
-      add_spring(joint);
-      return;
-    }
-    if (joint.compliance > 0.0) throw std::invalid_argument("bullet: no soft ball joint");
-    btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
-    if (joint.a < 0) {
-      joints_.push_back(std::make_unique<btPoint2PointConstraint>(b, bt(joint.anchor_b_l)));
-    } else {
-      joints_.push_back(
-          std::make_unique<btPoint2PointConstraint>(*bodies_[static_cast<std::size_t>(joint.a)], b,
-                                                    bt(joint.anchor_a_l), bt(joint.anchor_b_l)));
-    }
+    joints_.push_back(joint.a < 0 ? world_joint(joint) : pair_joint(joint));
     world_.addConstraint(joints_.back().get(), true);
   }
 
+  std::unique_ptr<btTypedConstraint> world_joint(const SceneJoint& joint) {
+    btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
+    switch (joint.kind) {
+      case JointKind::Ball:
+        refuse_compliance(joint);
+        return std::make_unique<btPoint2PointConstraint>(b, bt(joint.anchor_b_l));
+      case JointKind::Distance:
+        return spring(joint);
+      case JointKind::Hinge:
+        return driven(
+            joint, std::make_unique<btHingeConstraint>(b, bt(joint.anchor_b_l), axis_in(b, joint)));
+      case JointKind::Slider: {
+        auto slider = std::make_unique<btSliderConstraint>(b, slider_frame(b, joint), true);
+        slider->setLowerLinLimit(1);  // free
+        slider->setUpperLinLimit(-1);
+        slider->setLowerAngLimit(0);
+        slider->setUpperAngLimit(0);
+        return slider;
+      }
+    }
+    return nullptr;
+  }
+
+  std::unique_ptr<btTypedConstraint> pair_joint(const SceneJoint& joint) {
+    btRigidBody& a = *bodies_[static_cast<std::size_t>(joint.a)];
+    btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
+    refuse_compliance(joint);
+    if (joint.kind == JointKind::Ball) {
+      return std::make_unique<btPoint2PointConstraint>(a, b, bt(joint.anchor_a_l),
+                                                       bt(joint.anchor_b_l));
+    }
+    if (joint.kind == JointKind::Hinge) {
+      return driven(joint, std::make_unique<btHingeConstraint>(
+                               a, b, bt(joint.anchor_a_l), bt(joint.anchor_b_l), axis_in(a, joint),
+                               axis_in(b, joint)));
+    }
+    throw std::invalid_argument("bullet: no such joint between two bodies");
+  }
+
+  static void refuse_compliance(const SceneJoint& joint) {
+    if (joint.compliance > 0.0) throw std::invalid_argument("bullet: no soft ball joint");
+  }
+
+  static btVector3 axis_in(const btRigidBody& body, const SceneJoint& joint) {
+    return body.getWorldTransform().getBasis().transpose() * bt(joint.axis_w);
+  }
+
+  static std::unique_ptr<btTypedConstraint> driven(const SceneJoint& joint,
+                                                   std::unique_ptr<btHingeConstraint> hinge) {
+    if (joint.limited) {
+      hinge->setLimit(static_cast<btScalar>(-joint.limit), static_cast<btScalar>(joint.limit));
+    }
+    if (joint.driven) hinge->enableAngularMotor(true, static_cast<btScalar>(joint.speed), 1e20f);
+    return hinge;
+  }
+
+  /// x along the joint's axis.
+  static btTransform slider_frame(const btRigidBody& body, const SceneJoint& joint) {
+    const btQuaternion turn = shortestArcQuat(btVector3(1, 0, 0), axis_in(body, joint));
+    return btTransform(turn, bt(joint.anchor_b_l));
+  }
+
   /// A spring to the world along x, which is all that the scenes ask for.
-  void add_spring(const SceneJoint& joint) {
-    if (joint.a >= 0 || joint.compliance <= 0.0) throw std::invalid_argument("bullet: no rod");
+  std::unique_ptr<btTypedConstraint> spring(const SceneJoint& joint) {
+    if (joint.compliance <= 0.0) throw std::invalid_argument("bullet: no rod");
     btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
     btTransform frame = btTransform::getIdentity();
     frame.setOrigin(bt(joint.anchor_b_l));
-    auto spring = std::make_unique<btGeneric6DofSpring2Constraint>(b, frame);
-    for (int axis = 0; axis < 6; ++axis) spring->setLimit(axis, 1, -1);  // free
-    spring->enableSpring(0, true);
-    spring->setStiffness(0, static_cast<btScalar>(1.0 / joint.compliance));
-    spring->setDamping(0, static_cast<btScalar>(joint.damping));
+    auto made = std::make_unique<btGeneric6DofSpring2Constraint>(b, frame);
+    for (int axis = 0; axis < 6; ++axis) made->setLimit(axis, 1, -1);  // free
+    made->enableSpring(0, true);
+    made->setStiffness(0, static_cast<btScalar>(1.0 / joint.compliance));
+    made->setDamping(0, static_cast<btScalar>(joint.damping));
     // Measured from where the body is made to stand now.
     const double now = b.getWorldTransform().getOrigin().x() - joint.anchor_a_l.x();
-    spring->setEquilibriumPoint(0, static_cast<btScalar>(joint.rest_length - now));
-    joints_.push_back(std::move(spring));
-    world_.addConstraint(joints_.back().get(), true);
+    made->setEquilibriumPoint(0, static_cast<btScalar>(joint.rest_length - now));
+    return made;
   }
 
   btDefaultCollisionConfiguration configuration_;

@@ -2,9 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 
 #include "engine/engine.h"
+#include "engine/tandem_joints.h"
 #include "tandem/collision/contact_source.h"
-#include "tandem/pbd/ball_joint.h"
-#include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/solver.h"
 
 namespace tandem::bench {
@@ -52,7 +51,7 @@ class TandemEngine final : public Engine {
       touches |= body.collides && !std::holds_alternative<NoShape>(body.shape);
     }
     if (touches) world_.set_contact_source(&shapes_);
-    add_joints(scene);
+    add_joints(world_, scene, ids_);
   }
 
   std::string name() const override { return "tandem"; }
@@ -86,31 +85,6 @@ class TandemEngine final : public Engine {
                          .shape = std::visit(ToShape{}, body.shape),
                          .friction = body.friction,
                          .restitution = body.restitution});
-  }
-
-  void add_joints(const Scene& scene) {
-    pbd::BallJoints* balls = nullptr;
-    pbd::DistanceJoints* rods = nullptr;
-    for (const SceneJoint& joint : scene.joints) {
-      if (joint.rest_length < 0.0) {
-        if (balls == nullptr) balls = &world_.add_block<pbd::BallJoints>();
-        balls->add(world_, {.a = id(joint.a),
-                            .b = id(joint.b),
-                            .anchor_a_l = joint.anchor_a_l,
-                            .anchor_b_l = joint.anchor_b_l,
-                            .compliance = joint.compliance,
-                            .damping = joint.damping});
-      } else {
-        if (rods == nullptr) rods = &world_.add_block<pbd::DistanceJoints>();
-        rods->add(world_, {.a = id(joint.a),
-                           .b = id(joint.b),
-                           .anchor_a_l = joint.anchor_a_l,
-                           .anchor_b_l = joint.anchor_b_l,
-                           .rest_length = joint.rest_length,
-                           .compliance = joint.compliance,
-                           .damping = joint.damping});
-      }
-    }
   }
 
   pbd::World world_;

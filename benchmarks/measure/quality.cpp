@@ -44,7 +44,7 @@ double mechanical_energy(const Scene& scene, const Engine& engine) {
 double joint_separation(const Scene& scene, const Engine& engine) {
   double worst = 0.0;
   for (const SceneJoint& joint : scene.joints) {
-    if (joint.rest_length >= 0.0) continue;
+    if (joint.kind != JointKind::Ball && joint.kind != JointKind::Hinge) continue;
     const Vec3 a =
         joint.a < 0 ? joint.anchor_a_l : engine.state(joint.a).pose.to_world(joint.anchor_a_l);
     const Vec3 b = engine.state(joint.b).pose.to_world(joint.anchor_b_l);

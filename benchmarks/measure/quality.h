@@ -21,7 +21,7 @@ double kinetic_energy(const Scene& scene, const Engine& engine);
 /// substep back, which is when the velocity of x += h v is that of the motion: a free fall then
 /// keeps its energy to the last digit, and what changes in other scenes is the engine's doing.
 double mechanical_energy(const Scene& scene, const Engine& engine);
-/// Largest distance (m) between the two anchors of a ball joint.
+/// Largest distance (m) between the two anchors of a ball joint or hinge.
 double joint_separation(const Scene& scene, const Engine& engine);
 
 /// What a scene's run is judged by, watched frame by frame and told at the end. Lengths in m,

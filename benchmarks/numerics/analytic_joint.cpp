@@ -49,7 +49,11 @@ SpringRun run_spring(const Sheet& sheet, double stiffness, double mass, double a
   Scene scene;
   scene.gravity = Vec3::Zero();
   const int ball = scene.add(SphereShape{0.1}, mass, at(1.0 + amplitude, 0.0, 0.0));
-  scene.joints.push_back({.a = -1, .b = ball, .rest_length = 1.0, .compliance = 1.0 / stiffness});
+  scene.joints.push_back({.kind = JointKind::Distance,
+                          .a = -1,
+                          .b = ball,
+                          .compliance = 1.0 / stiffness,
+                          .rest_length = 1.0});
   const auto engine = sheet.make(scene);
   SpringRun run;
   run_scene(scene, *engine, [&](double t) {

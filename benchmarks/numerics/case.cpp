@@ -40,8 +40,9 @@ void Sheet::at_least(std::string measure, double value, double bound, std::strin
 
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
-  for (const auto& family : {analytic_cases, analytic_joint_cases, analytic_contact_cases,
-                             stiff_cases, extreme_cases, extreme_contact_cases, refusal_cases}) {
+  for (const auto& family :
+       {analytic_cases, analytic_joint_cases, analytic_contact_cases, stiff_cases, mechanism_cases,
+        extreme_cases, extreme_contact_cases, refusal_cases}) {
     for (Case& c : family()) cases.push_back(std::move(c));
   }
   return cases;

@@ -67,6 +67,7 @@ std::vector<Case> analytic_cases();
 std::vector<Case> analytic_joint_cases();
 std::vector<Case> analytic_contact_cases();
 std::vector<Case> stiff_cases();
+std::vector<Case> mechanism_cases();
 std::vector<Case> extreme_cases();
 std::vector<Case> extreme_contact_cases();
 std::vector<Case> refusal_cases();

@@ -39,6 +39,8 @@ constexpr Known kKnown[] = {
     {"cube of 10 cm, 1000 m/s, wall of 1 cm", "", kBullet},
     {"ball of 1 cm, 1000 m/s, wall of 1 cm", "", kBullet},
     {"1 mm and 100 m in one scene", "drift of a small cube", kPile},
+    {"slider-crank", "", "hinges and sliders are on their way"},
+    {"motor of unlimited torque against a limit", "", "hinges and sliders are on their way"},
     {"bad input", "mesh with a corner at NaN", "the message says where, not what"},
 };
 

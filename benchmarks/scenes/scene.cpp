@@ -52,11 +52,12 @@ int Scene::add_static(const SceneShape& shape, const Pose& pose) {
   return static_cast<int>(bodies.size()) - 1;
 }
 
-void Scene::add_ball(int a, int b, const Vec3& anchor_w) {
+SceneJoint& Scene::add_joint(JointKind kind, int a, int b, const Vec3& anchor_w) {
   const auto local = [&](int i) {
     return i < 0 ? anchor_w : bodies[static_cast<std::size_t>(i)].pose.to_local(anchor_w);
   };
-  joints.push_back({.a = a, .b = b, .anchor_a_l = local(a), .anchor_b_l = local(b)});
+  joints.push_back({.kind = kind, .a = a, .b = b, .anchor_a_l = local(a), .anchor_b_l = local(b)});
+  return joints.back();
 }
 
 int Scene::frames() const { return static_cast<int>(std::lround(seconds / dt)); }

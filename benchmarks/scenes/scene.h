@@ -62,15 +62,28 @@ struct SceneBody {
   bool collides = true;         ///< false: has a size, touches nothing
 };
 
-/// Ball joint where rest_length < 0, else a distance joint (rod or spring).
+enum class JointKind {
+  Ball,
+  Distance,  ///< rod or spring between the anchors
+  Hinge,     ///< turns about `axis`
+  Slider,    ///< moves along `axis`, does not turn
+};
+
+/// Anchors and axis coincide at the start, but for the distance joint.
 struct SceneJoint {
+  JointKind kind = JointKind::Ball;
   int a = -1;                      ///< index into the bodies, -1 = the world
   int b = 0;                       ///< index into the bodies
   Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of a (of the world for -1)
   Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of b
-  double rest_length = -1.0;       ///< m
-  double compliance = 0.0;         ///< m/N
-  double damping = 0.0;            ///< N s/m
+  double compliance = 0.0;         ///< m/N; ball and distance
+  double damping = 0.0;            ///< N s/m; ball and distance
+  double rest_length = 0.0;        ///< m; distance
+  Vec3 axis_w = Vec3::UnitX();     ///< world, as the bodies stand at the start; hinge and slider
+  bool limited = false;            ///< hinge: to the angles +-limit
+  double limit = 0.0;              ///< rad
+  bool driven = false;             ///< hinge: with unlimited torque, at the speed
+  double speed = 0.0;              ///< rad/s
 };
 
 struct Scene {
@@ -84,8 +97,9 @@ struct Scene {
   /// Adds a body of the shape with its analytic inertia; returns its index.
   int add(const SceneShape& shape, double mass, const Pose& pose);
   int add_static(const SceneShape& shape, const Pose& pose = {});
-  /// A ball joint at the world point `anchor_w` as the bodies stand now.
-  void add_ball(int a, int b, const Vec3& anchor_w);
+  /// A joint at the world point `anchor_w` as the bodies stand now.
+  SceneJoint& add_joint(JointKind kind, int a, int b, const Vec3& anchor_w);
+  void add_ball(int a, int b, const Vec3& anchor_w) { add_joint(JointKind::Ball, a, b, anchor_w); }
   int frames() const;
 };
 

