@@ -148,8 +148,8 @@ std::vector<Case> stiff_cases() {
   cases.push_back({family, "masses 1 to 10000 kg, light below", ratio});
   for (const auto& [height, bound] :
        {std::pair(10, 1.0), std::pair(20, 5.0), std::pair(50, 20.0)}) {
-    cases.push_back(
-        {family, "tower of " + std::to_string(height), [=](Sheet& s) { tower(s, height, bound); }});
+    cases.push_back({family, "tower of " + std::to_string(height),
+                     [height = height, bound = bound](Sheet& s) { tower(s, height, bound); }});
   }
   for (const int base : {15, 30}) {
     cases.push_back(

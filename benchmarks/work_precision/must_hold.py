@@ -55,6 +55,21 @@ def chain_rows(points):
            f"{ours.time:.3g} ms against {theirs.time:.3g} ms: {ratio:.1f} x", "<= 8 x", ratio <= 8)
 
 
+def heap_rows(points):
+    ours = results.default_of(points, "tandem", "heap")
+    two = results.select(points, "tandem", "heap", "2 threads")
+    if not ours:
+        return
+    memory = ours.value("memory_kb_per_body")
+    yield ("heap: memory", f"{memory:.2f} KB for each body", "<= 4 KB", memory <= 4.0)
+    if two:
+        faster = ours.wall_time / two[0].wall_time
+        yield ("heap: two threads", f"{faster:.2f} x as fast on the clock", ">= 1.6 x",
+               faster >= 1.6)
+        same = len(ours.hashes | two[0].hashes) == 1
+        yield ("heap: two threads", "the same bits" if same else "other bits", "the same", same)
+
+
 def curve_rows(points):
     for scene in CURVES:
         ours = results.select(points, "tandem", scene)
@@ -71,7 +86,7 @@ def curve_rows(points):
 
 def table(points):
     lines = ["| what | measured | bound | holds |", "|---|---|---|---|"]
-    for rows in (speed_rows, chain_rows, curve_rows):
+    for rows in (speed_rows, heap_rows, chain_rows, curve_rows):
         lines += [f"| {a} | {b} | {c} | {verdict(d)} |" for a, b, c, d in rows(points)]
     return lines
 

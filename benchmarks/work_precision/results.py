@@ -33,7 +33,9 @@ class Point:
         self.engine, self.scene, self.setting = first["engine"], first["scene"], first["setting"]
         self.frames = first["frames"]
         self.values = {k: number(v) for k, v in first.items()
-                       if k not in ("engine", "scene", "setting")}
+                       if k not in ("engine", "scene", "setting", "hash")}
+        self.hashes = {r.get("hash", "") for r in rows}  # of the last frame's states: one
+        self.wall_times = sorted(number(r["wall_ms_mean"]) for r in rows)
         # Mean over the frames: where an engine works harder in some of them, that counts.
         self.times = sorted(number(r["cpu_ms_mean"]) for r in rows)
         self.median_times = sorted(number(r["cpu_ms_p50"]) for r in rows)
@@ -47,6 +49,11 @@ class Point:
     def median_time(self):
         """ms: median over the frames and over the repeats."""
         return statistics.median(self.median_times)
+
+    @property
+    def wall_time(self):
+        """ms on the clock: mean over the frames, median over the repeats."""
+        return statistics.median(self.wall_times)
 
     def value(self, name):
         return self.values.get(name, math.nan)
@@ -81,9 +88,10 @@ def write(path, rows):
 
 
 def select(points, engine=None, scene=None, setting=None):
+    """Those with these names; runs on several threads only where the setting is asked for."""
     return [p for p in points
-            if (engine is None or p.engine == engine) and (scene is None or p.scene == scene)
-            and (setting is None or p.setting == setting)]
+            if engine in (None, p.engine) and scene in (None, p.scene)
+            and (p.setting == setting if setting else "threads" not in p.setting)]
 
 
 def default_of(points, engine, scene):

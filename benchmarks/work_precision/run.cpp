@@ -2,9 +2,14 @@
 // Copyright (c) 2026 The Tandem authors
 #include "work_precision/run.h"
 
+#include <unistd.h>
+
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <map>
 
 #include "measure/clock.h"
@@ -36,8 +41,39 @@ Measures summary(const Times& times) {
   return out;
 }
 
-void print_json(const std::string& engine, const RunOptions& options, const Measures& measures) {
-  std::printf("{\"engine\": \"%s\", \"scene\": \"%s\"", engine.c_str(), options.scene.c_str());
+/// FNV-1a over the bits of all states: equal bits, equal hash.
+std::string hash_of(const Scene& scene, const Engine& engine) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  const auto mix = [&](const double* values, int count) {
+    for (int i = 0; i < count; ++i) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(values[i])) * 0x100000001b3ull;
+    }
+  };
+  for (int i = 0; i < static_cast<int>(scene.bodies.size()); ++i) {
+    const pbd::BodyState s = engine.state(i);
+    mix(s.pose.position.data(), 3);
+    mix(s.pose.orientation.coeffs().data(), 4);
+    mix(s.twist.linear.data(), 3);
+    mix(s.twist.angular.data(), 3);
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+/// KB that the process holds in memory; 0 where the system does not say.
+double resident_kb() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0;
+  double resident = 0.0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1024.0;
+}
+
+void print_json(const std::string& engine, const RunOptions& options, const Measures& measures,
+                const std::string& hash) {
+  std::printf("{\"engine\": \"%s\", \"scene\": \"%s\", \"hash\": \"%s\"", engine.c_str(),
+              options.scene.c_str(), hash.c_str());
   for (const auto& [name, value] : measures) {
     if (std::isfinite(value)) {
       std::printf(", \"%s\": %.9g", name.c_str(), value);
@@ -48,8 +84,9 @@ void print_json(const std::string& engine, const RunOptions& options, const Meas
   std::printf("}\n");
 }
 
-void print_text(const std::string& engine, const RunOptions& options, const Measures& measures) {
-  std::printf("%s %s\n", engine.c_str(), options.scene.c_str());
+void print_text(const std::string& engine, const RunOptions& options, const Measures& measures,
+                const std::string& hash) {
+  std::printf("%s %s, hash %s\n", engine.c_str(), options.scene.c_str(), hash.c_str());
   for (const auto& [name, value] : measures) std::printf("  %-26s %.6g\n", name.c_str(), value);
 }
 
@@ -63,6 +100,7 @@ void print_frames(const Times& times) {
 void run(const RunOptions& options, const MakeEngine& make) {
   Scene scene = peer_scene(options.scene);
   if (options.frames > 0) scene.seconds = options.frames * scene.dt;
+  const double memory_kb = resident_kb();
   const std::unique_ptr<Engine> engine = make(scene, options.settings);
   Quality quality(
       scene, *engine,
@@ -82,12 +120,15 @@ void run(const RunOptions& options, const MakeEngine& make) {
     quality.after_frame(frame, *engine);
   }
   Measures measures = summary(times);
+  measures.emplace_back("memory_kb_per_body",
+                        (resident_kb() - memory_kb) / static_cast<double>(scene.bodies.size()));
   for (const auto& m : quality.finish(*engine)) measures.push_back(m);
   for (const auto& [name, s] : times.stage_s) {
     measures.emplace_back("stage_" + name + "_ms_mean", 1e3 * mean(s));
   }
   if (options.per_frame) print_frames(times);
-  (options.json ? print_json : print_text)(engine->name(), options, measures);
+  (options.json ? print_json : print_text)(engine->name(), options, measures,
+                                           hash_of(scene, *engine));
 }
 
 }  // namespace

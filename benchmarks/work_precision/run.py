@@ -25,19 +25,22 @@ SMALL = ("stacks", "ratio", "pyramid", "chain")
 LARGE = ("katamari", "cliff", "heap")
 REFERENCE = Path(__file__).resolve().parent.parent / "data" / "chain_reference.txt"
 
-# (substeps, iterations); None = the engine's default, all None = the default row.
+# (substeps, iterations); None = the engine's default, all None = the default row. The heap runs with
+# two threads as well.
 DEFAULT = (None, None)
+TWO_THREADS = "2 threads"
 FULL = {
     "tandem": {"small": [(n, i) for n in (1, 2, 4, 8, 16, 32) for i in (1, 2, 4)],
                "large": [(1, 1), (2, 1), (4, 1), (8, 1), (2, 2), (4, 2)],
-               "heap": [(2, 1), (4, 1), (8, 1)]},
+               "heap": [TWO_THREADS, (2, 1), (4, 1), (8, 1)]},
     "bullet": {"small": [(n, i) for n in (1, 2, 4, 8, 16, 32) for i in (3, 10, 40)],
                "large": [(1, 3), (1, 40), (2, 10), (4, 3), (4, 10)],
                "heap": [(1, 40), (2, 10)]},
 }
 QUICK = {
-    "tandem": {"small": [(2, 1), (4, 1), (8, 1), (16, 1)], "large": [(4, 1)], "heap": []},
-    "bullet": {"small": [(1, 40), (4, 10), (16, 10)], "large": [(4, 10)], "heap": []},
+    "tandem": {"small": [(2, 1), (4, 1), (8, 1), (16, 1)], "large": [(4, 1)],
+               "heap": [TWO_THREADS]},
+    "bullet": {"small": [(1, 40), (4, 10)], "large": [(1, 40)], "heap": []},
 }
 # Large scenes cut short in the quick mode, frames.
 QUICK_FRAMES = {"cliff": 180, "katamari": 180, "heap": 45}
@@ -50,15 +53,19 @@ def settings_of(engine, scene, quick):
 
 
 def label(setting):
-    substeps, iterations = setting
-    return "default" if setting == DEFAULT else f"{substeps}x{iterations}"
+    if setting in (DEFAULT, TWO_THREADS):
+        return "default" if setting == DEFAULT else setting
+    return f"{setting[0]}x{setting[1]}"
 
 
 def run(binaries, engine, scene, setting, frames, extra, limit):
     command = [str(binaries / f"work_precision_{engine}"), "--scene", scene, "--json", *extra]
-    for option, value in zip(("--substeps", "--iterations"), setting):
-        if value is not None:
-            command += [option, str(value)]
+    if setting == TWO_THREADS:
+        command += ["--threads", "2"]
+    else:
+        for option, value in zip(("--substeps", "--iterations"), setting):
+            if value is not None:
+                command += [option, str(value)]
     if frames:
         command += ["--frames", str(frames)]
     if scene == "chain":
@@ -119,7 +126,7 @@ def main():
     try:
         import plot
     except ImportError:
-        print("no matplotlib, so no plots")
+        print("no matplotlib in this Python, so no plots: see plot.py")
         return 0
     for path in plot.draw(points, args.out):
         print(f"wrote {path.name}")
