@@ -3,10 +3,8 @@
 # Copyright (c) 2026 The Tandem authors
 """Writes docs/numerics.md and its figure from measured files.
 
-    python3 benchmarks/work_precision/run.py build/release/bin --out results
-    build/release/bin/numerics --csv results/numerics.csv
-    build/release/bin/kernels --benchmark_format=json > results/kernels.json    (may be left out)
-    python3 benchmarks/numerics_report.py results
+    benchmarks/measure.sh build/release/bin results          measures, then runs this
+    python3 benchmarks/numerics_report.py results            this alone
 """
 import argparse
 import csv
@@ -167,8 +165,8 @@ def main():
     machine = json.loads((args.results / "machine.json").read_text())
 
     out = ["# Numerics", "",
-           "Written by `benchmarks/numerics_report.py` from measured files; do not edit it here. How "
-           "to measure again stands at the head of that script.", "", *machine_lines(machine), "",
+           "Written by `benchmarks/measure.sh` from what it measured: run that again instead of "
+           "editing here.", "", *machine_lines(machine), "",
            "Times are processor time of one thread for a frame of 1/60 s. Times on this machine "
            "vary with what else it does: compare within this page only. Each engine is at its "
            "default setting unless said; no scene is tuned.", "",
