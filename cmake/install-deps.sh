@@ -4,7 +4,9 @@
 #
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
-#   cmake/install-deps.sh [--with-checks]     with --with-checks also what .ci/run needs
+#   cmake/install-deps.sh [--with-checks] [--with-benchmarks]
+# with --with-checks also what .ci/run needs, with --with-benchmarks what the benchmarks compare
+# with and draw with; they are built without it, too, and show less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
 
@@ -16,6 +18,7 @@ packages=(
 for argument in "$@"; do
   case "$argument" in
     --with-checks) packages+=(clang clang-format clang-tidy libclang-rt-14-dev python3 git) ;;
+    --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2
       exit 2

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <span>
+
+#include "scenes/scene.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::bench {
+
+/// Adds the scene's joints to the world.
+/// @param ids  of the scene's bodies, in their order
+/// @throws std::invalid_argument for a kind of joint that this build does not have
+void add_joints(pbd::World& world, const Scene& scene, std::span<const pbd::BodyId> ids);
+
+}  // namespace tandem::bench

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Rows in a step at the default setting: contacts of a resting tower (its contacts are recycled, so
+// that nearly all of the time is the solver's), links of a swinging chain. row_time is that of
+// one manifold or joint in one substep.
+#include "tandem/pbd/solver.h"
+
+#include <benchmark/benchmark.h>
+
+#include "tandem/collision/contact_source.h"
+#include "tandem/pbd/ball_joint.h"
+
+namespace {
+
+using namespace tandem;
+using pbd::Vec3;
+
+constexpr double kDt = 1.0 / 60.0;
+
+benchmark::Counter row_time(double rows) {
+  return {rows, benchmark::Counter::kIsRate | benchmark::Counter::kInvert};
+}
+
+void contact_rows(benchmark::State& state) {
+  pbd::World world;
+  collision::CollisionScene shapes;
+  world.set_contact_source(&shapes);
+  shapes.add(world, {.body = world.add_body({.type = pbd::BodyType::Static}),
+                     .shape = collision::HalfSpace{}});
+  const collision::Box cube{Vec3::Constant(0.5)};
+  const auto mass = collision::mass_properties(cube, 100.0);
+  for (int stack = 0; stack < 10; ++stack) {
+    for (int k = 0; k < state.range(0); ++k) {
+      const auto body = world.add_body({.pose = {.position = Vec3(3.0 * stack, 0.0, 0.5 + k)},
+                                        .mass = mass.mass,
+                                        .inertia = mass.inertia_l});
+      shapes.add(world, {.body = body, .shape = cube});
+    }
+  }
+  pbd::Solver solver;
+  for (int i = 0; i < 60; ++i) (void)solver.step(world, kDt);
+  int substeps = 0;
+  for (auto _ : state) substeps += solver.step(world, kDt).substeps;
+  state.counters["row_time"] = row_time(10.0 * substeps * static_cast<double>(state.range(0)));
+}
+
+void ball_joint_rows(benchmark::State& state) {
+  pbd::World world;
+  auto& balls = world.add_block<pbd::BallJoints>();
+  pbd::BodyId last;
+  for (int i = 0; i < state.range(0); ++i) {
+    const auto body = world.add_body({.pose = {.position = Vec3(0.2 * i + 0.1, 0.0, 0.0)},
+                                      .inertia = pbd::Mat3::Identity() * 4e-3});
+    balls.add(world, pbd::ball_joint_at(world, last, body, Vec3(0.2 * i, 0.0, 0.0)));
+    last = body;
+  }
+  pbd::Solver solver;
+  int substeps = 0;
+  for (auto _ : state) substeps += solver.step(world, kDt).substeps;
+  state.counters["row_time"] = row_time(1.0 * substeps * static_cast<double>(state.range(0)));
+}
+
+}  // namespace
+
+BENCHMARK(contact_rows)->Arg(1)->Arg(10);
+BENCHMARK(ball_joint_rows)->Arg(1)->Arg(10)->Arg(50);

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Measures everything and writes docs/numerics.md with its figure.
+#   benchmarks/measure.sh <folder of the programs> <folder for the files> [options of run.py]
+#   benchmarks/measure.sh build/release/bin results --quick
+set -euo pipefail
+[[ $# -ge 2 ]] || {
+  sed -n '6,8s/^# //p' "$0" >&2
+  exit 2
+}
+here=$(cd "$(dirname "$0")" && pwd)
+binaries=$1
+out=$2
+shift 2
+export PYTHONDONTWRITEBYTECODE=1
+
+# The first Python that can draw; without one there are no plots.
+python=python3
+for candidate in python3 /usr/bin/python3; do
+  if "$candidate" -c 'import matplotlib' 2>/dev/null; then
+    python=$candidate
+    break
+  fi
+done
+
+mkdir -p "$out"
+# Exit code 1 says that a bound does not hold; that belongs into the report.
+"$binaries/numerics" --csv "$out/numerics.csv" >"$out/numerics.txt" || [[ $? -eq 1 ]]
+tail -n 1 "$out/numerics.txt"
+if [[ -x $binaries/kernels ]]; then
+  "$binaries/kernels" --benchmark_format=json >"$out/kernels.json" 2>/dev/null
+fi
+"$python" "$here/work_precision/run.py" "$binaries" --out "$out" "$@"
+"$python" "$here/numerics_report.py" "$out"

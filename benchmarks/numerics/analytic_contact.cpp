@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Contacts against closed forms: incline, rolling, bouncing, Newton's cradle.
+#include <algorithm>
+
+#include "numerics/case.h"
+#include "numerics/track.h"
+
+namespace tandem::bench {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+/// A plane through the origin that falls by `slope` (tangent) along +x.
+struct Incline {
+  explicit Incline(double slope)
+      : angle(std::atan(slope)),
+        turn(pbd::exp_map(Vec3(0.0, angle, 0.0))),
+        normal(turn * Vec3::UnitZ()),
+        down(turn * Vec3::UnitX()) {}
+  double angle;
+  Quat turn;
+  Vec3 normal, down;
+};
+
+/// Acceleration (m/s^2) down the slope, from one second after the start to the end.
+double acceleration(const Scene& scene, Engine& engine, int body, const Vec3& down) {
+  double speed_1 = 0.0;
+  run_scene(scene, engine, [&](double t) {
+    if (t < 1.0 + 0.5 * scene.dt) speed_1 = engine.state(body).twist.linear.dot(down);
+  });
+  return (engine.state(body).twist.linear.dot(down) - speed_1) / (scene.seconds - 1.0);
+}
+
+Scene incline_scene(const Incline& incline, double friction) {
+  Scene scene;
+  scene.add_static(PlaneShape{incline.normal, 0.0});
+  scene.add(cube(1.0), 10.0, {.position = 0.5 * incline.normal, .orientation = incline.turn});
+  for (SceneBody& body : scene.bodies) body.friction = friction;
+  return scene;
+}
+
+void incline(Sheet& sheet) {
+  const Incline slope(0.5);
+  const Scene sticking = incline_scene(slope, 0.5 * 1.02);
+  auto engine = sheet.make(sticking);
+  run_scene(sticking, *engine);
+  const Vec3 moved = engine->state(1).pose.position - sticking.bodies[1].pose.position;
+  sheet.at_most("way at mu + 2 %, 10 s", moved.norm(), 1e-3, "m", "sticks");
+
+  const double mu = 0.5 * 0.98;
+  const Scene sliding = incline_scene(slope, mu);
+  engine = sheet.make(sliding);
+  const double expected = kGravity * (std::sin(slope.angle) - mu * std::cos(slope.angle));
+  sheet.relative("acceleration at mu - 2 %, m/s^2", acceleration(sliding, *engine, 1, slope.down),
+                 expected, 0.01, "g (sin a - mu cos a)");
+}
+
+void rolling(Sheet& sheet) {
+  const Incline slope(0.2);
+  Scene scene;
+  scene.add_static(PlaneShape{slope.normal, 0.0});
+  const int ball = scene.add(SphereShape{0.5}, 2.0, {.position = 0.5 * slope.normal});
+  auto engine = sheet.make(scene);
+  sheet.relative("acceleration down a slope, m/s^2", acceleration(scene, *engine, ball, slope.down),
+                 5.0 / 7.0 * kGravity * std::sin(slope.angle), 0.01, "5/7 g sin a");
+
+  Scene flat;
+  flat.add_static(PlaneShape{});
+  flat.add(SphereShape{0.5}, 2.0, at(0.0, 0.0, 0.5));
+  flat.bodies.back().twist.linear = Vec3(7.0, 0.0, 0.0);
+  engine = sheet.make(flat);
+  run_scene(flat, *engine);
+  sheet.relative("speed once it rolls, from 7 m/s", engine->state(1).twist.linear.x(), 5.0, 0.01,
+                 "5/7 v");
+  sheet.relative("turns with its speed, m/s", 0.5 * engine->state(1).twist.angular.y(), 5.0, 0.01,
+                 "v = w r");
+}
+
+void bounce(Sheet& sheet, double restitution) {
+  constexpr double kRadius = 0.1;
+  Scene scene;
+  scene.add_static(PlaneShape{});
+  const int ball = scene.add(SphereShape{kRadius}, 1.0, at(0.0, 0.0, 1.0 + kRadius));
+  for (SceneBody& body : scene.bodies) body.restitution = restitution;
+  const auto engine = sheet.make(scene);
+  EnergyWatch energy(scene, *engine, energy_at_height(scene, kRadius));
+  double peak = 0.0;
+  bool touched = false;
+  bool second = false;
+  double last_speed = 0.0;
+  run_scene(scene, *engine, [&](double) {
+    energy.after_frame(*engine);
+    const pbd::BodyState s = engine->state(ball);
+    const double speed = s.twist.linear.z();
+    if (touched && last_speed < 0.0 && speed > 0.0) second = true;
+    touched |= last_speed < -1.0 && speed > last_speed + 1.0;
+    // Between two frames: the height that its energy will carry it to.
+    if (touched && !second) {
+      const double height = s.pose.position.z() - kRadius;
+      peak = std::max(peak, height + (speed > 0.0 ? 0.5 * speed * speed / kGravity : 0.0));
+    }
+    last_speed = speed;
+  });
+  const double expected = restitution * restitution;
+  sheet.absolute("first height, m, from 1 m", peak, expected, 0.02 * std::max(expected, 0.09), "m",
+                 "e^2 h");
+  sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
+}
+
+/// Five balls on rods; the first is let go from 30 degrees.
+void cradle(Sheet& sheet) {
+  constexpr int kBalls = 5;
+  constexpr double kRadius = 0.1;
+  constexpr double kRod = 1.0;
+  constexpr double kAngle = M_PI / 6.0;
+  Scene scene;
+  scene.seconds = 0.9;  // down in a quarter of a period, 0.51 s, and up again
+  for (int i = 0; i < kBalls; ++i) {
+    const Vec3 nail(2.0 * kRadius * i, 0.0, kRod);
+    const Quat q = i == 0 ? pbd::exp_map(Vec3(0.0, kAngle, 0.0)) : Quat(Quat::Identity());
+    const int ball = scene.add(SphereShape{kRadius}, 1.0,
+                               {.position = nail + q * Vec3(0.0, 0.0, -kRod), .orientation = q});
+    scene.bodies.back().friction = 0.0;
+    scene.bodies.back().restitution = 1.0;
+    scene.add_ball(-1, ball, nail);
+  }
+  const auto engine = sheet.make(scene);
+  EnergyWatch energy(scene, *engine, energy_at_height(scene, 0.0));
+  double highest_last = 0.0;
+  double highest_middle = 0.0;
+  run_scene(scene, *engine, [&](double) {
+    energy.after_frame(*engine);
+    highest_last = std::max(highest_last, engine->state(kBalls - 1).pose.position.z());
+    for (int i = 1; i + 1 < kBalls; ++i) {
+      highest_middle = std::max(highest_middle, engine->state(i).pose.position.z());
+    }
+  });
+  // 0.9 s is before the top, so judge by energy: what the last ball has.
+  const pbd::BodyState last = engine->state(kBalls - 1);
+  const double reached = last.pose.position.z() + 0.5 * last.twist.linear.squaredNorm() / kGravity;
+  const double height = kRod * (1.0 - std::cos(kAngle));
+  sheet.relative("height of the last ball, m", std::max(reached, highest_last), height, 0.02,
+                 "equal masses swap velocities");
+  sheet.at_most("height of the middle ones", highest_middle / height, 0.02, "of the first",
+                "stay at rest");
+  sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
+}
+
+}  // namespace
+
+std::vector<Case> analytic_contact_cases() {
+  const std::string family = "analytic";
+  std::vector<Case> cases{{family, "incline of slope 0.5", incline},
+                          {family, "rolling ball", rolling}};
+  for (const char* const restitution : {"0", "0.3", "0.5", "0.8", "1"}) {
+    const double e = std::stod(restitution);
+    cases.push_back({family, std::string("bounce, restitution ") + restitution,
+                     [e](Sheet& s) { bounce(s, e); }});
+  }
+  cases.push_back({family, "Newton's cradle", cradle});
+  return cases;
+}
+
+}  // namespace tandem::bench

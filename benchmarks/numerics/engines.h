@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/engine.h"
+
+namespace tandem::bench {
+
+/// The engines that this build has, Tandem first.
+std::vector<std::pair<std::string, MakeEngine>> numerics_engines();
+
+}  // namespace tandem::bench

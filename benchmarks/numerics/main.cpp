@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The numerics set as one table: what came out, what ought to, and whether the bound holds, for
+// Tandem and, where the case can be built there, Bullet in double precision.
+//   numerics [--csv FILE] [--only TEXT] [--engine tandem|bullet64] [--list]
+// Exit code 1 where a line of Tandem does not hold that is not known to.
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+#include "measure/clock.h"
+#include "numerics/case.h"
+#include "numerics/engines.h"
+
+namespace tandem::bench {
+namespace {
+
+struct Options {
+  std::string csv, only, engine;
+  bool list = false;
+};
+
+Options parse(int argc, const char* const* argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string name = argv[i];
+    if (name == "--list") {
+      options.list = true;
+      continue;
+    }
+    if (++i == argc) throw std::invalid_argument(name + ": unknown, or its value is missing");
+    if (name == "--csv") {
+      options.csv = argv[i];
+    } else if (name == "--only") {
+      options.only = argv[i];
+    } else if (name == "--engine") {
+      options.engine = argv[i];
+    } else {
+      throw std::invalid_argument(name + ": unknown");
+    }
+  }
+  return options;
+}
+
+std::string text(double value) {
+  if (std::isnan(value)) return "-";
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+/// One line of the CSV and one of the table.
+class Table {
+ public:
+  explicit Table(const std::string& csv) {
+    if (csv.empty()) return;
+    file_.open(csv);
+    if (!file_) throw std::runtime_error("cannot write " + csv);
+    file_ << "engine,family,case,measure,value,reference,error,bound,unit,source,pass\n";
+  }
+  void header() {
+    std::printf("%-9s%-51s%-40s%13s%13s%11s%9s  %-6s %s\n", "engine", "case", "measure", "value",
+                "reference", "error", "bound", "holds", "source");
+  }
+  void line(const std::string& engine, const Case& c, const Check& check, const char* holds) {
+    std::printf("%-9s%-51s%-40s%13s%13s%11s%9s  %-6s %s\n", engine.c_str(), c.name.c_str(),
+                check.measure.c_str(), text(check.value).c_str(), text(check.reference).c_str(),
+                text(check.error).c_str(), text(check.bound).c_str(), holds, check.source.c_str());
+    std::fflush(stdout);
+    csv(engine, c, check.measure, text(check.value), text(check.reference), text(check.error),
+        text(check.bound), check.unit, check.source, holds);
+  }
+  void not_built(const std::string& engine, const Case& c, const std::string& why) {
+    std::printf("%-9s%-51snot built: %s\n", engine.c_str(), c.name.c_str(), why.c_str());
+    csv(engine, c, "", "", "", "", "", "", why, "n/a");
+  }
+
+ private:
+  template <class... Texts>
+  void csv(const std::string& engine, const Case& c, const Texts&... texts) {
+    if (!file_.is_open()) return;
+    file_ << engine << ',' << c.family << ",\"" << c.name << '"';
+    ((file_ << ",\"" << texts << '"'), ...);
+    file_ << '\n';
+  }
+
+  std::ofstream file_;
+};
+
+int run(const Options& options) {
+  if (options.list) {
+    for (const Case& c : all_cases()) std::printf("%s: %s\n", c.family.c_str(), c.name.c_str());
+    return 0;
+  }
+  Table table(options.csv);
+  table.header();
+  int failures = 0;
+  int known = 0;
+  int lines = 0;
+  for (const Case& c : all_cases()) {
+    if (c.name.find(options.only) == std::string::npos) continue;
+    for (const auto& [engine, make] : numerics_engines()) {
+      if (!options.engine.empty() && engine != options.engine) continue;
+      const bool ours = engine == "tandem";
+      if (c.tandem_only && !ours) continue;
+      const double begin = thread_seconds();
+      const Outcome outcome = run_case(c, make);
+      if (!outcome.not_built.empty()) {
+        table.not_built(engine, c, outcome.not_built);
+        if (ours) ++(known_failure(c.name, "").empty() ? failures : known);
+        continue;
+      }
+      for (const Check& check : outcome.checks) {
+        const bool is_known = ours && !known_failure(c.name, check.measure).empty();
+        table.line(engine, c, check, check.holds() ? "yes" : is_known ? "known" : "NO");
+        if (!ours) continue;
+        ++lines;
+        if (!check.holds()) ++(is_known ? known : failures);
+      }
+      const double seconds = thread_seconds() - begin;
+      if (seconds > 1.0)
+        std::fprintf(stderr, "%s, %s: %.1f s\n", c.name.c_str(), engine.c_str(), seconds);
+    }
+  }
+  std::printf("Tandem: %d lines, %d do not hold, %d more are known not to\n", lines, failures,
+              known);
+  return failures == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace tandem::bench
+
+int main(int argc, char** argv) {
+  try {
+    return tandem::bench::run(tandem::bench::parse(argc, argv));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}

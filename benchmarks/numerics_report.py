@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""Writes docs/numerics.md and its figure from measured files.
+
+    benchmarks/measure.sh build/release/bin results          measures, then runs this
+    python3 benchmarks/numerics_report.py results            this alone
+"""
+import argparse
+import csv
+import json
+import shutil
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "work_precision"))
+
+import must_hold
+import results as runs
+
+# What the table of default settings shows: (measure, factor, heading).
+DEFAULTS = {
+    "stacks": [("drift_end", 1e3, "drift, mm"), ("penetration_mean_end", 1e3, "overlap, mm")],
+    "chain": [("separation_max", 1e3, "separation, mm"), ("ball_error_max", 1, "ball error, m"),
+              ("energy_drift_max", 100, "energy drift, %")],
+    "ratio": [("top_error", 1e3, "top error, mm")],
+    "pyramid": [("drift_end", 1e3, "drift, mm"), ("penetration_mean_end", 1e3, "overlap, mm")],
+    "katamari": [("penetration_mean_end", 1e3, "overlap, mm"),
+                 ("penetration_max_run", 1e3, "largest, mm")],
+    "cliff": [("penetration_mean_end", 1e3, "overlap, mm"),
+              ("penetration_max_run", 1e3, "largest, mm"), ("tunnelled", 1, "tunnelled")],
+    "heap": [("penetration_mean_end", 1e3, "overlap, mm"), ("mean_z", 1, "mean height, m"),
+             ("touching_pairs", 1, "pairs")],
+}
+# Neither more nor less of these is better.
+NEUTRAL = ("mean_z", "touching_pairs")
+
+
+def short(text):
+    try:
+        return f"{float(text):.4g}"
+    except ValueError:
+        return text or "-"
+
+
+def machine_lines(machine):
+    return [f"{machine['processor']}, {machine['cores']} cores (shared), {machine['system']}, "
+            f"{machine['compiler']}, `{machine['flags']}`, Bullet {machine['bullet']} as Debian "
+            f"builds it, {machine['date']}."]
+
+
+def default_lines(points):
+    lines = ["| scene | engine | ms, mean over frames | ms, median | outcome |", "|---|---|---|---|---|"]
+    for scene, measures in DEFAULTS.items():
+        for engine, name in runs.ENGINES.items():
+            p = runs.default_of(points, engine, scene)
+            if not p:
+                continue
+            outcome = ", ".join(f"{heading.split(',')[0]} {p.error(m, f):.3g}"
+                                f"{' ' + heading.split(', ')[1] if ', ' in heading else ''}"
+                                for m, f, heading in measures)
+            lines.append(f"| {scene} | {name} | {p.time:.3g} ({p.times[0]:.3g} to {p.times[-1]:.3g})"
+                         f" | {p.median_time:.3g} | {outcome} |")
+    return lines
+
+
+def read_csv(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def numerics_lines(rows):
+    """One line for each case and measure, the engines beside each other."""
+    table = {}
+    missing = {}
+    for row in rows:
+        if row["pass"] == "n/a":
+            missing[(row["engine"], row["case"])] = row["source"]
+        else:
+            table.setdefault((row["case"], row["measure"]), {})[row["engine"]] = row
+    lines = ["| case | measure | bound on the error | Tandem | Bullet double | reference | source |",
+             "|---|---|---|---|---|---|---|"]
+
+    def cell(found, engine, case):
+        row = found.get(engine)
+        if not row:
+            return "not built" if (engine, case) in missing else "-"
+        mark = "" if row["pass"] == "yes" else " **no**"
+        return f"{short(row['value'])}{mark}"
+
+    last = None
+    for (case, measure), found in table.items():
+        row = next(iter(found.values()))
+        unit = "" if row["unit"] in ("", "relative") else " " + row["unit"]
+        bound = f"{100 * float(row['bound']):g} %" if row["unit"] == "relative" and \
+            float(row["bound"]) >= 1e-4 else short(row["bound"]) + unit
+        lines.append(f"| {case if case != last else ''} | {measure} | {bound} | "
+                     f"{cell(found, 'tandem', case)} | {cell(found, 'bullet64', case)} | "
+                     f"{short(row['reference'])} | {row['source']} |")
+        last = case
+    return lines
+
+
+def worse_lines(points, rows, peers):
+    """Everything in these files at which Tandem comes off worse."""
+    lines = []
+    for scene, measures in DEFAULTS.items():
+        ours = runs.default_of(points, "tandem", scene)
+        for engine in ("bullet64", "bullet32"):
+            theirs = runs.default_of(points, engine, scene)
+            if not ours or not theirs:
+                continue
+            if ours.time > theirs.time:
+                lines.append(f"- {scene}: {runs.ENGINES[engine]} at its default needs "
+                             f"{theirs.time:.3g} ms, Tandem {ours.time:.3g} ms.")
+            for measure, factor, heading in measures:
+                if measure not in NEUTRAL and ours.error(measure) > theirs.error(measure):
+                    lines.append(f"- {scene}: {heading}: {runs.ENGINES[engine]} "
+                                 f"{theirs.error(measure, factor):.3g}, Tandem "
+                                 f"{ours.error(measure, factor):.3g}.")
+        for peer in peers:
+            if ours and peer["scene"] == scene and float(peer["ms"]) < ours.time:
+                lines.append(f"- {scene}: {peer['engine']} needs {peer['ms']} ms "
+                             f"({peer['what']}), Tandem {ours.time:.3g} ms.")
+    by_line = {}
+    for row in rows:
+        by_line.setdefault((row["case"], row["measure"]), {})[row["engine"]] = row
+    for (case, measure), found in by_line.items():
+        ours, theirs = found.get("tandem"), found.get("bullet64")
+        if not ours or ours["pass"] in ("yes", "n/a"):
+            continue
+        beside = f"; Bullet double: {short(theirs['value'])}" if theirs and \
+            theirs["pass"] == "yes" else ""
+        lines.append(f"- {case}, {measure}: {short(ours['value'])}, error {short(ours['error'])}, "
+                     f"the bound is {short(ours['bound'])} {ours['unit']}{beside}.")
+    return lines or ["Nowhere in what was measured here."]
+
+
+def peer_lines(peers):
+    return ["| scene | engine | ms | outcome |", "|---|---|---|---|"] + [
+        f"| {p['scene']} | {p['engine']} | {p['ms']} | {p['what']} |" for p in peers]
+
+
+def kernel_lines(path):
+    lines = ["| kernel | ns | for one |", "|---|---|---|"]
+    for b in json.loads(path.read_text())["benchmarks"]:
+        for counter, what in (("pair_time", "pair"), ("row_time", "row and substep")):
+            if counter in b:
+                lines.append(f"| {b['name']} | {1e9 * b[counter]:.4g} | {what} |")
+                break
+        else:
+            lines.append(f"| {b['name']} | {b['cpu_time']:.4g} | call |")
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
+    args = parser.parse_args()
+    points = runs.read(args.results / "work_precision.csv")
+    rows = read_csv(args.results / "numerics.csv")
+    peers = read_csv(HERE / "data" / "peers.csv")
+    machine = json.loads((args.results / "machine.json").read_text())
+
+    out = ["# Numerics", "",
+           "Written by `benchmarks/measure.sh` from what it measured: run that again instead of "
+           "editing here.", "", *machine_lines(machine), "",
+           "Times are processor time of one thread for a frame of 1/60 s. Times on this machine "
+           "vary with what else it does: compare within this page only. Each engine is at its "
+           "default setting unless said; no scene is tuned.", "",
+           "## What must hold", "", *must_hold.table(points), "",
+           "## Error against run time", "",
+           "Seven scenes, the engines taking turns, each over its range of substeps and iterations. "
+           "Overlap is measured from the poses with the sharp shapes, the same for all engines.", "",
+           "![Error against run time](work_precision.svg)", "",
+           "At the default settings; in brackets the spread over the repeats:", "",
+           *default_lines(points), "",
+           "Three more engines, measured on another day on the same kind of machine, in single "
+           "precision, with the flags that their authors ship:", "", *peer_lines(peers), "",
+           "## Where Tandem is worse", "", *worse_lines(points, rows, peers), "",
+           "## The numerics set", "",
+           "`benchmarks/numerics`, at the default settings over 10 s. \"no\" = outside the bound.",
+           "", *numerics_lines(rows), ""]
+    if (args.results / "kernels.json").exists():
+        out += ["## Kernels", "", *kernel_lines(args.results / "kernels.json"), ""]
+    (args.docs / "numerics.md").write_text("\n".join(out))
+    figure = args.results / "work_precision.svg"
+    if figure.exists():
+        shutil.copyfile(figure, args.docs / "work_precision.svg")
+    print(f"wrote {args.docs / 'numerics.md'}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Sizes, masses, seeds and the order of the random numbers are those with which other engines were
+// measured. Loops run z outermost, then y, then x.
+#include <cmath>
+#include <stdexcept>
+
+#include "scenes/random.h"
+#include "scenes/scene.h"
+
+namespace tandem::bench {
+namespace {
+
+BoxShape cube(double side) { return {Vec3::Constant(0.5 * side)}; }
+
+Pose at(double x, double y, double z) { return {.position = Vec3(x, y, z)}; }
+
+void add_ground(Scene& scene) {
+  scene.add_static(BoxShape{Vec3(50.0, 50.0, 1.0)}, at(0.0, 0.0, -1.0));
+}
+
+MeshShape cliff_mesh() {
+  constexpr std::uint32_t kCells = 64;
+  constexpr double kHalf = 12.0;
+  auto mesh = std::make_shared<MeshData>();
+  for (std::uint32_t j = 0; j <= kCells; ++j) {
+    for (std::uint32_t i = 0; i <= kCells; ++i) {
+      const double x = -kHalf + 2.0 * kHalf * i / kCells;
+      const double y = -kHalf + 2.0 * kHalf * j / kCells;
+      mesh->vertices.emplace_back(x, y, cliff_height(x, y));
+    }
+  }
+  for (std::uint32_t j = 0; j < kCells; ++j) {
+    for (std::uint32_t i = 0; i < kCells; ++i) {
+      const std::uint32_t a = j * (kCells + 1) + i;
+      const std::uint32_t b = a + 1;
+      const std::uint32_t c = a + kCells + 1;
+      const std::uint32_t d = c + 1;
+      mesh->triangles.push_back({a, b, d});
+      mesh->triangles.push_back({a, d, c});
+    }
+  }
+  return mesh;
+}
+
+void build_cliff(Scene& scene) {
+  SceneRandom random;
+  scene.add_static(MeshShape(cliff_mesh()));
+  for (int k = 0; k < 10; ++k) {
+    for (int j = 0; j < 10; ++j) {
+      for (int i = 0; i < 10; ++i) {
+        const double x = (i - 4.5) * 0.45 + 0.04 * (random.u() - 0.5);
+        const double y = (j - 4.5) * 0.45 + 0.04 * (random.u() - 0.5);
+        scene.add(SphereShape{0.15}, 1.0, at(x, y, 7.0 + 0.45 * k));
+      }
+    }
+  }
+}
+
+void build_stacks(Scene& scene) {
+  add_ground(scene);
+  for (int k = 0; k < 10; ++k) {
+    for (int i = 0; i < 10; ++i) scene.add(cube(1.0), 100.0, at((i - 4.5) * 4.0, 0.0, 0.5 + k));
+  }
+}
+
+void build_katamari(Scene& scene) {
+  SceneRandom random;
+  add_ground(scene);
+  for (int k = 0; k < 9; ++k) {
+    for (int j = 0; j < 10; ++j) {
+      for (int i = 0; i < 10; ++i) {
+        Pose pose = at((i - 4.5) * 0.7, (j - 4.5) * 0.7, 0.6 + 0.7 * k);
+        pose.orientation = random.orientation(3.14159);
+        scene.add(cube(0.4), 64.0, pose);
+      }
+    }
+  }
+  Pose pose = at(0.1, 0.05, 8.5);
+  pose.orientation = random.orientation(1.0);
+  scene.add(cube(1.5), 3375.0, pose);
+}
+
+void build_chain(Scene& scene) {
+  constexpr int kLinks = 50;
+  constexpr double kLength = 0.2;
+  scene.seconds = 5.0;
+  for (int i = 0; i < kLinks; ++i) {
+    const int link =
+        scene.add(BoxShape{Vec3(0.1, 0.025, 0.025)}, 1.0, at((i + 0.5) * kLength, 0.0, 0.0));
+    scene.add_ball(link - 1, link, Vec3(i * kLength, 0.0, 0.0));
+  }
+  const int ball = scene.add(SphereShape{0.3}, 1000.0, at(kLinks * kLength + 0.3, 0.0, 0.0));
+  scene.add_ball(ball - 1, ball, Vec3(kLinks * kLength, 0.0, 0.0));
+  for (SceneBody& body : scene.bodies) body.collides = false;
+}
+
+void build_heap(Scene& scene) {
+  SceneRandom random;
+  add_ground(scene);
+  for (const double side : {-1.0, 1.0}) {
+    scene.add_static(BoxShape{Vec3(1.0, 7.0, 8.0)}, at(6.0 * side, 0.0, 8.0));
+    scene.add_static(BoxShape{Vec3(7.0, 1.0, 8.0)}, at(0.0, 6.0 * side, 8.0));
+  }
+  for (int k = 0; k < 20; ++k) {
+    for (int j = 0; j < 20; ++j) {
+      for (int i = 0; i < 20; ++i) {
+        Pose pose = at((i - 9.5) * 0.45, (j - 9.5) * 0.45, 0.4 + 0.45 * k);
+        pose.orientation = random.orientation(0.4);
+        scene.add(cube(0.3), 27.0, pose);
+      }
+    }
+  }
+}
+
+void build_ratio(Scene& scene) {
+  add_ground(scene);
+  double mass = 1.0;
+  for (int k = 0; k < 5; ++k, mass *= 10.0) scene.add(cube(1.0), mass, at(0.0, 0.0, 0.5 + k));
+}
+
+void build_pyramid(Scene& scene) {
+  constexpr int kRows = 15;
+  add_ground(scene);
+  for (int k = 0; k < kRows; ++k) {
+    const int count = kRows - k;
+    for (int i = 0; i < count; ++i) {
+      scene.add(cube(1.0), 100.0, at((i - 0.5 * (count - 1)) * 1.02, 0.0, 0.5 + k));
+    }
+  }
+}
+
+}  // namespace
+
+double cliff_height(double x, double y) {
+  double base = 0.0;
+  if (x < 0.0) {
+    base = 6.0;
+  } else if (x < 2.0) {
+    const double s = 0.5 * x;
+    base = 6.0 * (1.0 - s * s * (3.0 - 2.0 * s));
+  }
+  return base + 0.3 * std::sin(1.7 * x) * std::cos(1.3 * y);
+}
+
+Scene peer_scene(std::string_view name) {
+  using Build = void (*)(Scene&);
+  constexpr std::array<Build, kPeerScenes.size()> kBuilds{
+      build_cliff, build_stacks, build_katamari, build_chain,
+      build_heap,  build_ratio,  build_pyramid};
+  for (std::size_t i = 0; i < kPeerScenes.size(); ++i) {
+    if (kPeerScenes[i] != name) continue;
+    Scene scene;
+    scene.name = name;
+    kBuilds[i](scene);
+    return scene;
+  }
+  throw std::invalid_argument(
+      "scene = " + std::string(name) +
+      " breaks: one of cliff, stacks, katamari, chain, heap, ratio, pyramid");
+}
+
+}  // namespace tandem::bench
