@@ -57,6 +57,10 @@ double BallJoint::project(const SubstepContext& ctx) {
   return (k * dlambda).norm();
 }
 
+void BallJoint::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
+  want_for_turn(ctx, def_.a, def_.b, wanted);
+}
+
 void BallJoint::begin_total(const SubstepContext& ctx) {
   SolverBody ground;
   bound_ = arms(ctx, ground).c - gap_;

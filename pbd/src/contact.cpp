@@ -23,6 +23,11 @@ constexpr double kPushSlop = 0.05;
 /// Sweeps over overlaps in a substep: one, or up to this many in islands that are hard to solve.
 constexpr int kPushSweeps = 8;
 
+/// A body that carries n times its weight (a tall stack, a heavy body on a light one) wants this
+/// many times n substeps, up to a limit.
+constexpr double kSubstepsPerLoad = 4.0 / 25.0;
+constexpr double kMostForLoad = 32.0;
+
 /// Rows given to a worker at a time.
 constexpr std::size_t kGrain = 64;
 
@@ -222,6 +227,22 @@ void ContactBlock::end_step(const SubstepContext& ctx) {
       impl_->total_residual = std::max(impl_->total_residual, -contact.debt[i]);
       if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
     }
+  }
+}
+
+void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
+  const double gravity = ctx.gravity.norm();
+  if (!(gravity > 0.0)) return;
+  for (const Contact& contact : impl_->contacts) {
+    const std::uint32_t a = contact.manifold.body_a;
+    const std::uint32_t b = contact.manifold.body_b;
+    const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
+    double load = 0.0;
+    for (const double force : contact.force) load += force;
+    const double ratio = load * lightness / gravity;
+    const double count = std::min(kMostForLoad, kSubstepsPerLoad * ratio);
+    const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
+    wanted[movable] = std::max(wanted[movable], count);
   }
 }
 

@@ -138,6 +138,12 @@ class JointBlock::Impl {
     }
   }
 
+  void note_change(const JointRecord& record) {
+    if (record.def.a.valid()) changed.push_back(record.def.a.index);
+    changed.push_back(record.def.b.index);
+  }
+
+  std::vector<std::uint32_t> changed;  ///< bodies, until the next step
   std::vector<JointRecord> records;
   std::vector<std::uint32_t> generations;
   std::vector<std::uint32_t> free;
@@ -158,6 +164,7 @@ JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
   record.alive = true;
   record.refresh();
   impl_->dirty = true;
+  impl_->note_change(record);
   ++impl_->count;
   if (!impl_->free.empty()) {
     const std::uint32_t index = impl_->free.back();
@@ -186,11 +193,13 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   record.def.frame_b.basis.normalize();
   record.refresh();
   if (used != record.used || enabled != def.enabled) impl_->dirty = true;
+  impl_->note_change(record);
 }
 
 void JointBlock::set_enabled(JointId id, bool enabled) {
   JointRecord& record = impl_->records[impl_->checked(id)];
   record.def.enabled = enabled;
+  impl_->note_change(record);
   if (enabled) record.state.broken = false;
   impl_->dirty = true;
 }
@@ -204,13 +213,16 @@ const JointState& JointBlock::at(JointId id) const {
 int JointBlock::size() const { return impl_->count; }
 bool JointBlock::empty() const { return impl_->count == 0; }
 
-double JointBlock::wanted_substeps(const SubstepContext& ctx) const {
-  constexpr double kTurn = 0.05;  // rad: swinging chains keep their energy to about 1 %
-  double rate = 0.0;
-  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
-    rate = std::max(rate, impl_->system.turn_rate(part, impl_->records, ctx.bodies));
-  });
-  return std::max(1.0, ctx.h * rate / kTurn);
+void JointBlock::take_changed(std::vector<std::uint32_t>& bodies) {
+  bodies.insert(bodies.end(), impl_->changed.begin(), impl_->changed.end());
+  impl_->changed.clear();
+}
+
+void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
+  for (const JointRecord& record : impl_->records) {
+    if (!record.active()) continue;
+    want_for_turn(ctx, record.def.a, record.def.b, wanted);
+  }
 }
 
 void JointBlock::begin_step(const SubstepContext& ctx) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "groups.h"
 #include "integrate.h"
 #include "islands.h"
 #include "stage_clock.h"
@@ -33,7 +34,7 @@ class Solver::Impl {
 
   const StepReport& step(World& world, double dt) {
     begin_step(world, dt);
-    for (std::uint32_t group = 0; group < groups_.size(); ++group) {
+    for (std::uint32_t group = 0; group < groups_.all().size(); ++group) {
       begin_group(group);
       for (int i = 0; i < context_.substeps; ++i) {
         begin_substep(i);
@@ -78,7 +79,7 @@ class Solver::Impl {
   }
 
   void begin_group(std::uint32_t group) {
-    group_ = &groups_[group];
+    group_ = &groups_.all()[group];
     context_.group = group;
     context_.substeps = group_->substeps;
     context_.h = dt_ / group_->substeps;
@@ -189,7 +190,7 @@ class Solver::Impl {
       if (!any) break;
     }
     if (!targets_.empty()) {
-      for (context.group = 0; context.group < groups_.size(); ++context.group) {
+      for (context.group = 0; context.group < groups_.all().size(); ++context.group) {
         for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
       }
       targets_.leak(options_.leak, dt_, bodies_, world_->props_, report_.energy);
@@ -201,6 +202,12 @@ class Solver::Impl {
     SubstepContext context = context_;
     context.h = dt_;
     for_blocks([&](ConstraintBlock& block) { block.end_step(context); });
+    wanted_.assign(bodies_.size(), 0.0);
+    if (options_.refine) {
+      for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
+    }
+    groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->props_,
+                   world_->activity_, bodies_);
     store_bodies();
     world_->wrenches_.clear();
     world_->time_ += dt_;
@@ -212,13 +219,6 @@ class Solver::Impl {
   }
 
   // --- parts of stages --------------------------------------------------------------------------
-
-  /// Bodies that are solved together, with the same substeps.
-  struct Group {
-    int substeps = 0;
-    bool locked = false;     ///< some body has a locked axis
-    std::vector<std::uint32_t> bodies;
-  };
 
   /// Marks the bodies whose poses rows project.
   class ProjectedMarker final : public LinkVisitor {
@@ -280,6 +280,8 @@ class Solver::Impl {
     report_.substeps = 0;
     report_.bodies = static_cast<int>(world_->body_count());
     report_.velocity_iterations = 0;
+    report_.groups = 0;
+    report_.awake = 0;
     report_.blocks.clear();
     report_.energy = {};
   }
@@ -354,23 +356,15 @@ class Solver::Impl {
 
   /// Islands, and from them the groups that are solved together.
   void arrange_groups() {
-    const bool touching = world_->contacts_ != nullptr && !world_->contacts_->empty();
-    if (touching || !targets_.empty()) {
-      islands_.build(world_->blocks_, bodies_);
-      for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].island = islands_.of()[i];
-      if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_);
-    }
-    groups_.resize(1);
-    Group& group = groups_[0];
-    group.bodies.clear();
-    group.substeps = options_.substeps;
-    group.locked = false;
-    for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-      if (bodies_[i].inv_mass == 0.0) continue;
-      bodies_[i].group = 0;
-      group.bodies.push_back(i);
-      group.locked = group.locked || world_->props_[i].locks.any();
-    }
+    islands_.build(world_->blocks_, bodies_);
+    changed_.clear();
+    for (const auto& block : world_->blocks_) block->take_changed(changed_);
+    groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_, world_->props_,
+                    world_->activity_, bodies_);
+    if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_);
+    report_.groups = static_cast<int>(groups_.all().size());
+    report_.awake = 0;
+    for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
     ProjectedMarker marker(bodies_);
     projects_ = false;
     for_blocks([&](ConstraintBlock& block) {
@@ -378,6 +372,13 @@ class Solver::Impl {
       projects_ = true;
       block.links(marker);
     });
+  }
+
+  Groups::Rule group_rule() const {
+    return {.substeps = options_.substeps,
+            .sleep_after = options_.sleep_after,
+            .sleep_speed = options_.sleep_speed,
+            .sleep_spin = options_.sleep_spin};
   }
 
   /// Not-a-number never enters a world, whoever made the target.
@@ -432,7 +433,9 @@ class Solver::Impl {
   std::vector<SolverBody> bodies_;
   std::vector<std::uint32_t> kinematic_;
   bool projects_ = false;  ///< some row projects poses
-  std::vector<Group> groups_;
+  Groups groups_;
+  std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
+  std::vector<double> wanted_;  ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;  ///< the one being solved
   std::vector<Manifold> manifolds_;
   std::vector<PoseTarget> pose_targets_;

@@ -167,10 +167,7 @@ BodyId World::add_body(const BodyDef& def) {
 
 void World::remove_body(BodyId id) {
   const std::uint32_t index = checked_index(id, "remove_body");
-  std::vector<std::uint32_t> joined;
-  Waker waker(index, joined);
-  for (const auto& block : blocks_) block->links(waker);
-  for (const std::uint32_t other : joined) activity_[other] = {};
+  wake_joined(index);
   if (contact_source_ != nullptr) contact_source_->remove_body(id);
   for (const auto& block : blocks_) block->remove_body(id);
   alive_[index] = 0;
@@ -305,9 +302,20 @@ void World::apply_angular_impulse(BodyId id, const Vec3& impulse) {
 bool World::awake(BodyId id) const { return activity_[checked_index(id, "awake")].awake; }
 
 void World::wake(BodyId id) {
-  Activity& activity = activity_[checked_index(id, "wake")];
-  activity.awake = true;
-  activity.still = 0.0;
+  const std::uint32_t index = checked_index(id, "wake");
+  activity_[index].awake = true;
+  activity_[index].still = 0.0;
+  if (props_[index].type != BodyType::Dynamic) wake_joined(index);
+}
+
+void World::wake_joined(std::uint32_t index) {
+  std::vector<std::uint32_t> joined;
+  Waker waker(index, joined);
+  for (const auto& block : blocks_) block->links(waker);
+  for (const std::uint32_t other : joined) {
+    activity_[other].awake = true;
+    activity_[other].still = 0.0;
+  }
 }
 
 void World::set_gravity(const Vec3& gravity) {

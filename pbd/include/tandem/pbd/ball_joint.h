@@ -39,6 +39,7 @@ class BallJoint {
   // RUN TIME PROPERTIES FOLLOW
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
+  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const;
   void begin_total(const SubstepContext& ctx);
   void project_total(const SubstepContext& ctx);
   void end_total(const SubstepContext& ctx);

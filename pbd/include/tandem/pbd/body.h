@@ -75,6 +75,14 @@ struct BodyProps {
   bool can_sleep = true;
 };
 
+/// What the solver remembers of a body from step to step.
+struct BodyActivity {
+  bool awake = true;
+  std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
+  std::uint16_t calm = 0;  ///< steps for which a lower level would have done
+  double still = 0.0;      ///< s for which it has been slow
+};
+
 /// Force (N) and torque about the centre of mass (N m), both in the world frame.
 struct Wrench {
   Vec3 force = Vec3::Zero();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "tandem/pbd/body.h"
 
@@ -65,6 +66,14 @@ struct SubstepContext {
   Workers* workers = nullptr;  ///< may share the work of a verb; never null within a step
 };
 
+/// Whether any body takes part in the total channel.
+inline bool any_total(const SubstepContext& ctx) {
+  for (const SolverBody& body : ctx.bodies) {
+    if (body.total) return true;
+  }
+  return false;
+}
+
 /// What a block tells about itself after a step.
 struct BlockReport {
   std::string_view name;
@@ -121,6 +130,11 @@ class ConstraintBlock {
 
   /// Names every body that a row reads or moves, alone or in pairs.
   virtual void links(LinkVisitor&) const {}
+  /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
+  virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
+  /// At the end of a step of ctx.h (s): raise the entries (by body) of bodies whose rows need that
+  /// many substeps. Their islands get them from the next step on.
+  virtual void want_substeps(const SubstepContext&, std::span<double> /*wanted*/) const {}
   /// A body is about to leave the world: drop the rows that name it.
   virtual void remove_body(BodyId) {}
   virtual BlockReport report() const = 0;

@@ -92,6 +92,7 @@ class ContactBlock final : public ConstraintBlock {
   void end_total(const SubstepContext& ctx) override;
   bool clean_up(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
+  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;

@@ -54,12 +54,6 @@ class JointBlock final : public ConstraintBlock {
   const JointState& at(JointId id) const;
   int size() const;
 
-  /// How many substeps a step of ctx.h needs for the joints of the group, >= 1: as many as keep the
-  /// bodies of a joint from turning by more than 0.05 rad against each other in one of them. Taut
-  /// chains need no more for their stiffness; only fast folding does (a cracking whip).
-  /// Call it after begin_step().
-  double wanted_substeps(const SubstepContext& ctx) const;
-
   std::string_view name() const override { return "joint"; }
   int order() const override { return static_cast<int>(SolveOrder::Joint); }
   bool empty() const override;
@@ -70,8 +64,15 @@ class JointBlock final : public ConstraintBlock {
   void begin_total(const SubstepContext& ctx) override;
   void project_total(const SubstepContext& ctx) override;
   void end_total(const SubstepContext& ctx) override;
-  void clean_up(const SubstepContext& ctx) override { project_total(ctx); }
+  bool clean_up(const SubstepContext& ctx) override {
+    project_total(ctx);
+    return any_total(ctx);
+  }
   void end_step(const SubstepContext& ctx) override;
+  /// As many as keep the bodies of a joint from turning by more than 0.05 rad against each other in
+  /// one substep. Taut chains need no more for their stiffness; only fast folding does.
+  void take_changed(std::vector<std::uint32_t>& bodies) override;
+  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;

@@ -41,6 +41,7 @@ class TypedBlock final : public ConstraintBlock {
   /// @throws std::invalid_argument naming the field, its value and the rule
   ConstraintId add(const World& world, const Def& def) {
     C::check(world, def);
+    changed(def);
     if (!free_.empty()) {
       const std::uint32_t index = free_.back();
       free_.pop_back();
@@ -69,6 +70,7 @@ class TypedBlock final : public ConstraintBlock {
     const std::uint32_t index = checked(id);
     C::check(world, def);
     rows_[index].def() = def;
+    changed(def);
   }
   int size() const { return count_; }
 
@@ -109,8 +111,7 @@ class TypedBlock final : public ConstraintBlock {
     }
   }
   bool clean_up(const SubstepContext& ctx) override {
-    bool any = false;
-    for (const SolverBody& body : ctx.bodies) any = any || body.total;
+    const bool any = any_total(ctx);
     if (any) project_total(ctx);
     return any;
   }
@@ -126,6 +127,17 @@ class TypedBlock final : public ConstraintBlock {
       const BodyId a = rows_[i].body_a();
       const BodyId b = rows_[i].body_b();
       visitor.link(a.index, b.index);
+    }
+  }
+  void take_changed(std::vector<std::uint32_t>& bodies) override {
+    bodies.insert(bodies.end(), changed_.begin(), changed_.end());
+    changed_.clear();
+  }
+  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override {
+    if constexpr (requires(const C& c) { c.want_substeps(ctx, wanted); }) {
+      for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (alive_[i] != 0) rows_[i].want_substeps(ctx, wanted);
+      }
     }
   }
   void remove_body(BodyId body) override {
@@ -204,7 +216,14 @@ class TypedBlock final : public ConstraintBlock {
     }
     return id.index;
   }
+  void changed(const Def& def) {
+    const C row(def);
+    for (const BodyId id : {row.body_a(), row.body_b()}) {
+      if (id.valid()) changed_.push_back(id.index);
+    }
+  }
   void erase(std::uint32_t index) {
+    changed(rows_[index].def());
     alive_[index] = 0;
     ++generations_[index];
     free_.push_back(index);
@@ -215,6 +234,7 @@ class TypedBlock final : public ConstraintBlock {
   std::vector<std::uint8_t> alive_;
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint32_t> free_;
+  std::vector<std::uint32_t> changed_;  ///< bodies, until the next step
   int count_ = 0;
 };
 

@@ -130,14 +130,8 @@ class World {
   std::uint32_t checked_index(BodyId id, const char* what) const;
   std::uint32_t checked_dynamic(BodyId id, const char* what) const;
   Wrench& wrench_of(std::uint32_t index);
+  void wake_joined(std::uint32_t index);
 
-  /// What the solver remembers of a body from step to step.
-  struct Activity {
-    bool awake = true;
-    std::uint8_t level = 0;  ///< of refinement: substeps are doubled this often
-    std::uint16_t calm = 0;  ///< steps for which a lower level would have done
-    double still = 0.0;      ///< s for which it has been slow
-  };
   struct KinematicTarget {
     std::uint32_t index = 0;
     Pose pose;
@@ -152,7 +146,7 @@ class World {
   std::vector<std::uint32_t> free_;
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
-  std::vector<Activity> activity_;        ///< by slot
+  std::vector<BodyActivity> activity_;        ///< by slot
   std::vector<Wrench> wrenches_;          ///< by slot, for the next step; empty where none acts
   std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;

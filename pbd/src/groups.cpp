@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "groups.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/pbd/math.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// Substeps are doubled this often at most.
+constexpr std::uint8_t kMaxLevel = 5;
+/// Steps that must have been easy before an island gets fewer substeps again.
+constexpr std::uint16_t kCalmSteps = 30;
+
+/// A body that a remote peer sees further away than this is not at rest: m and rad.
+constexpr double kRestingDistance = 1e-3;
+constexpr double kRestingAngle = 0.0175;
+
+bool disagrees(const PoseTarget& target, const SolverBody& body) {
+  const double angle = target.use_rotation_error
+                           ? target.rotation_error.norm()
+                           : rotation_between(body.q, target.pose.orientation).norm();
+  return (target.pose.position - body.x).norm() > kRestingDistance || angle > kRestingAngle;
+}
+
+bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
+
+}  // namespace
+
+/// What an immovable body that moves is in touch with does not sleep.
+class Groups::Disturber final : public LinkVisitor {
+ public:
+  Disturber(std::vector<Island>& islands, std::span<const SolverBody> bodies)
+      : islands_(islands), bodies_(bodies) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a == BodyId::kNone || b == BodyId::kNone) return;
+    if (bodies_[a].inv_mass == 0.0 && moves(bodies_[a])) islands_[bodies_[b].island].awake = true;
+    if (bodies_[b].inv_mass == 0.0 && moves(bodies_[b])) islands_[bodies_[a].island].awake = true;
+  }
+
+ private:
+  std::vector<Island>& islands_;
+  std::span<const SolverBody> bodies_;
+};
+
+/// Marks islands that something immovable holds: what drifts freely is slow, but not at rest.
+class Groups::Holder final : public LinkVisitor {
+ public:
+  Holder(std::vector<Island>& islands, std::span<const SolverBody> bodies)
+      : islands_(islands), bodies_(bodies) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    const bool fixed_a = a == BodyId::kNone || bodies_[a].inv_mass == 0.0;
+    const bool fixed_b = b == BodyId::kNone || bodies_[b].inv_mass == 0.0;
+    if (fixed_a && !fixed_b) islands_[bodies_[b].island].held = true;
+    if (fixed_b && !fixed_a) islands_[bodies_[a].island].held = true;
+  }
+
+ private:
+  std::vector<Island>& islands_;
+  std::span<const SolverBody> bodies_;
+};
+
+void Groups::arrange(const Rule& rule, const Islands& islands,
+                     std::span<const std::uint32_t> changed,
+                     std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                     std::span<const PoseTarget> targets, std::span<const BodyProps> props,
+                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+  const auto count = static_cast<std::uint32_t>(bodies.size());
+  islands_.assign(count, {});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    bodies[i].island = islands.of()[i];
+    if (bodies[i].inv_mass == 0.0) continue;
+    Island& island = islands_[bodies[i].island];
+    const bool awake = activity[i].awake || rule.sleep_after == 0.0;
+    island.awake = island.awake || awake || moves(bodies[i]);
+    island.level = std::max(island.level, activity[i].level);
+  }
+  if (rule.sleep_after > 0.0) {
+    for (const std::uint32_t i : changed) {
+      if (i < count && bodies[i].inv_mass > 0.0) islands_[bodies[i].island].awake = true;
+    }
+    for (const PoseTarget& target : targets) {
+      const SolverBody& body = bodies[target.body.index];
+      if (body.inv_mass > 0.0 && disagrees(target, body)) islands_[body.island].awake = true;
+    }
+    Disturber disturber(islands_, bodies);
+    for (const auto& block : blocks) block->links(disturber);
+  }
+  for (Group& group : groups_) {
+    group.bodies.clear();
+    group.locked = false;
+  }
+  count_ = 0;
+  for (std::uint8_t level = 0; level <= kMaxLevel; ++level) {
+    bool any = false;
+    if (count_ == groups_.size()) groups_.emplace_back();
+    Group& group = groups_[count_];
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Island& island = islands_[bodies[i].island];
+      if (bodies[i].inv_mass == 0.0 || !island.awake || island.level != level) continue;
+      any = true;
+      bodies[i].group = static_cast<std::uint32_t>(count_);
+      if (!activity[i].awake) activity[i].still = 0.0;
+      activity[i].awake = true;
+      group.bodies.push_back(i);
+      group.locked = group.locked || props[i].locks.any();
+    }
+    group.level = level;
+    group.substeps = rule.substeps << level;
+    if (any) ++count_;
+  }
+}
+
+void Groups::settle(const Rule& rule, double dt, const Islands& islands,
+                    std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                    std::span<const double> wanted, std::span<const BodyProps> props,
+                    std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+  const auto count = static_cast<std::uint32_t>(bodies.size());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (bodies[i].group == SolverBody::kNoGroup) continue;
+    Island& island = islands_[islands.of()[i]];
+    island.wanted = std::max(island.wanted, wanted[i]);
+    const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
+                      bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin;
+    activity[i].still = slow ? activity[i].still + dt : 0.0;
+    island.sleepy =
+        island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
+  }
+  if (rule.sleep_after > 0.0) {
+    Holder holder(islands_, bodies);
+    for (const auto& block : blocks) block->links(holder);
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (bodies[i].group == SolverBody::kNoGroup) continue;
+    const Island& island = islands_[islands.of()[i]];
+    std::uint8_t level = 0;
+    while (level < kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
+    if (level >= island.level) {
+      activity[i].level = level;
+      activity[i].calm = 0;
+    } else if (++activity[i].calm >= kCalmSteps) {
+      activity[i].level = static_cast<std::uint8_t>(island.level - 1);
+      activity[i].calm = 0;
+    } else {
+      activity[i].level = island.level;
+    }
+    if (rule.sleep_after == 0.0 || !island.sleepy || !island.held) continue;
+    activity[i].awake = false;
+    bodies[i].v.setZero();
+    bodies[i].w.setZero();
+  }
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "islands.h"
+#include "tandem/pbd/body.h"
+#include "tandem/pbd/constraint.h"
+#include "tandem/pbd/pose_target.h"
+
+namespace tandem::pbd {
+
+/// Bodies that are solved together, with the same substeps.
+struct Group {
+  std::uint8_t level = 0;
+  int substeps = 0;
+  bool locked = false;  ///< some body has a locked axis
+  std::vector<std::uint32_t> bodies;
+};
+
+/// Which islands sleep, and which need more substeps than the others.
+class Groups {
+ public:
+  struct Rule {
+    int substeps = 0;            ///< at level 0
+    double sleep_after = 0.0;    ///< s, 0 = never
+    double sleep_speed = 0.0;    ///< m/s
+    double sleep_spin = 0.0;     ///< rad/s
+  };
+
+  /// Wake what is disturbed, put the others into groups by level and write each body's island and
+  /// group.
+  /// @param changed  bodies whose rows were changed
+  void arrange(const Rule& rule, const Islands& islands, std::span<const std::uint32_t> changed,
+               std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+               std::span<const PoseTarget> targets, std::span<const BodyProps> props,
+               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+  std::span<const Group> all() const { return {groups_.data(), count_}; }
+
+  /// After the step: levels for the next one, and who falls asleep.
+  /// @param wanted  by body: substeps that its rows ask for
+  void settle(const Rule& rule, double dt, const Islands& islands,
+              std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+              std::span<const double> wanted, std::span<const BodyProps> props,
+              std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+
+ private:
+  struct Island {
+    bool awake = false;
+    bool held = false;   ///< touches or is joined to something that cannot move
+    bool sleepy = true;  ///< all of it may sleep and has been slow for long enough
+    std::uint8_t level = 0;
+    double wanted = 0.0;
+  };
+  class Disturber;
+  class Holder;
+
+  std::vector<Island> islands_;  ///< by the index of the lowest body
+  std::vector<Group> groups_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace tandem::pbd
