@@ -83,8 +83,7 @@ class TandemEngine final : public Engine {
     if (!body.collides || std::holds_alternative<NoShape>(body.shape)) return;
     shapes_.add(world_, {.body = ids_.back(),
                          .shape = std::visit(ToShape{}, body.shape),
-                         .friction = body.friction,
-                         .restitution = body.restitution});
+                         .material = {.friction = body.friction, .restitution = body.restitution}});
   }
 
   pbd::World world_;

@@ -101,7 +101,8 @@ const Refusal kRefusals[] = {
     {"friction below zero", "friction", "-1",
      [](World& w) {
        const auto body = w.bodies.add_body({});
-       w.shapes.add(w.bodies, {.body = body, .shape = collision::Sphere{}, .friction = -1.0});
+       w.shapes.add(w.bodies,
+                    {.body = body, .shape = collision::Sphere{}, .material = {.friction = -1.0}});
      }},
     {"joint with an anchor at NaN", "anchor", "nan",
      [](World& w) {
