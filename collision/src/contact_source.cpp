@@ -238,7 +238,12 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
     guard(pair.low, pair.high);
     guard(pair.high, pair.low);
   }
-  if (caches_.size() < broad_.cache_slots()) caches_.resize(broad_.cache_slots());
+  const std::size_t slots = broad_.cache_slots();
+  if (slots > caches_.capacity()) caches_.reserve(slots + slots / 8);
+  if (slots > caches_.size()) caches_.resize(slots);
+  // Memory for a few more than last time, instead of twice as many when they do not fit.
+  const std::size_t expected = first + stats_.manifolds + stats_.manifolds / 16;
+  if (expected > out.capacity()) out.reserve(expected + stats_.manifolds / 16);
 
   std::vector<ColliderPair>& pairs = broad_.pairs();
   if (workers.count() == 1 || pairs.size() <= kPairGrain) {

@@ -290,7 +290,7 @@ bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache&
   double distance = 0.0;
   // Within what was asked then lies all that matters now.
   return moved_less(roles(pair), cache, reach.recycle, 0.5 * max_angle, distance) &&
-         distance + reach.margin <= cache.margin;
+         distance + reach.margin <= static_cast<double>(cache.margin);
 }
 
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
@@ -314,7 +314,8 @@ std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache&
   const Quat orientation = relative_orientation(r);
   cache.position = relative_position(r);
   for (int i = 0; i < 4; ++i) cache.orientation[i] = static_cast<float>(orientation.coeffs()[i]);
-  cache.margin = wanted.margin;
+  // Not rounded up: what lies beyond was not looked for.
+  cache.margin = std::nextafter(static_cast<float>(wanted.margin), 0.0f);
   cache.valid = true;
   return queries;
 }
