@@ -10,7 +10,7 @@ namespace {
 /// A fat box more than this many margins wider than needed is made anew.
 constexpr double kShrink = 8.0;
 /// The margin is at most this share of a collider's least extent.
-constexpr double kMarginShare = 0.125;
+constexpr double kMarginShare = 0.06;
 /// Steps ahead that a fat box reaches out in the direction of motion.
 constexpr double kAhead = 1.5;
 /// Boxes that one worker looks up at a time.
