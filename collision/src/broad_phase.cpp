@@ -10,11 +10,19 @@ namespace {
 /// A fat box more than this many margins wider than needed is made anew.
 constexpr double kShrink = 8.0;
 /// The margin is at most this share of a collider's least extent.
-constexpr double kMarginShare = 0.125;
+constexpr double kMarginShare = 0.06;
 /// Steps ahead that a fat box reaches out in the direction of motion.
 constexpr double kAhead = 1.5;
 /// Boxes that one worker looks up at a time.
 constexpr std::size_t kGrain = 32;
+
+/// Give memory back where it is more than what half of `usual` pairs need.
+void release(std::vector<ColliderPair>& found, std::size_t usual) {
+  constexpr std::size_t kKeep = 1024;
+  if (found.capacity() > kKeep && found.capacity() > usual / 2 && found.size() < usual / 4) {
+    found = {};
+  }
+}
 
 }  // namespace
 
@@ -122,6 +130,7 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
 void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {
   moved_.clear();
   found_.clear();
+  release(found_, pairs_.size());
   has_moved_.assign(colliders.size(), 0);
   bool plane_moves = false;
   bool all_finite = true;
@@ -207,22 +216,29 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
   });
   // Put in order, so that it does not matter who found what.
   found_.clear();
-  for (const Search& search : searches_) {
+  for (Search& search : searches_) {
     found_.insert(found_.end(), search.found.begin(), search.found.end());
   }
   std::sort(found_.begin(), found_.end());
+  // A scene that begins finds all its pairs at once, and never again so many.
+  for (Search& search : searches_) release(search.found, pairs_.size());
 }
 
 void BroadPhase::merge_found() {
   if (found_.empty()) return;
-  merged_.clear();
-  std::size_t old = 0;
-  for (const ColliderPair& pair : found_) {
-    while (old < pairs_.size() && pairs_[old] < pair) merged_.push_back(pairs_[old++]);
-    merged_.push_back({pair.low, pair.high, take_slot(), true});
+  // From the back, in place: a heap has ten pairs for each body.
+  std::size_t old = pairs_.size();
+  std::size_t at = old + found_.size();
+  if (at > pairs_.capacity()) pairs_.reserve(at + at / 8);
+  pairs_.resize(at);
+  for (std::size_t n = found_.size(); n > 0;) {
+    if (old > 0 && found_[n - 1] < pairs_[old - 1]) {
+      pairs_[--at] = pairs_[--old];
+    } else {
+      pairs_[--at] = found_[--n];
+      pairs_[at].cache = take_slot();
+    }
   }
-  while (old < pairs_.size()) merged_.push_back(pairs_[old++]);
-  std::swap(pairs_, merged_);
 }
 
 }  // namespace tandem::collision

@@ -83,7 +83,6 @@ class BroadPhase {
   std::vector<std::uint32_t> half_spaces_;  ///< ascending
   std::vector<ColliderPair> pairs_;
   std::vector<ColliderPair> found_;
-  std::vector<ColliderPair> merged_;
   std::vector<std::uint32_t> moved_;
   std::vector<std::uint8_t> has_moved_;    ///< by collider
   std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_

@@ -16,7 +16,7 @@ constexpr std::uint32_t kMaxPatches = 4096;
 void save_cache(pbd::ByteWriter& out, const PairCache& cache) {
   out.u8(cache.valid ? 1 : 0);
   out.u8(cache.axis);
-  out.f64(cache.margin);
+  out.f32(cache.margin);
   out.vec3(cache.position);
   for (const float q : cache.orientation) out.f32(q);
   std::uint32_t count = 0;
@@ -41,7 +41,7 @@ bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool) {
   pool.give(std::exchange(cache.patches, nullptr));
   cache.valid = in.u8() != 0;
   cache.axis = in.u8();
-  cache.margin = in.f64();
+  cache.margin = in.f32();
   cache.position = in.vec3();
   bool finite = std::isfinite(cache.margin) && cache.position.allFinite();
   for (float& q : cache.orientation) {

@@ -156,7 +156,8 @@ void update_collider(Collider& c, const pbd::World& world, double dt) {
   if (!c.finite || c.is_half_space()) return;
   // Where it is now, where it will be, and what turning may add on the way.
   const Vec3 sweep = dt * c.twist.linear;
-  const Aabb bounds = bounds_of(c).expanded(c.speculative + c.recycle + c.turn * c.reach);
+  // Of the margins half: a pair's is the smaller one of two.
+  const Aabb bounds = bounds_of(c).expanded(0.5 * (c.speculative + c.recycle) + c.turn * c.reach);
   c.needed = {bounds.min + sweep.cwiseMin(0.0), bounds.max + sweep.cwiseMax(0.0)};
 }
 

@@ -84,13 +84,12 @@ struct PairCache {
   /// No face and no pair of edges of two boxes.
   static constexpr std::uint8_t kNoAxis = 0xff;
 
-  ContactPatch* patches = nullptr;  ///< ascending clusters
-  std::unique_ptr<TriangleList> triangles;
-  /// m: surfaces further apart than this were left out.
-  double margin = 0.0;
+  ContactPatch* patches = nullptr;          ///< ascending clusters
+  std::unique_ptr<TriangleList> triangles;  ///< of a mesh or height field
   /// Pose of the measured body (see measures_a()) in the frame of the other one at the last query.
   Vec3 position = Vec3::Zero();
   std::array<float, 4> orientation{};  ///< x, y, z, w; only told apart by more than its digits
+  float margin = 0.0f;                 ///< m: surfaces further apart than this were left out
   bool valid = false;
   std::uint8_t axis = kNoAxis;  ///< of two boxes: the one that the last query ended with
 };

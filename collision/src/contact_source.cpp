@@ -119,7 +119,7 @@ class CollisionScene::Impl {
     std::size_t end = 0;
   };
 
-  double motion_share(Collider& collider, std::span<const pbd::Pose> after, Worker& worker) const;
+  CoreHit first_hit(Collider& collider, std::span<const pbd::Pose> after, Worker& worker) const;
   void guard(std::uint32_t index, std::uint32_t near);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,
                     std::vector<pbd::Manifold>& out);
@@ -255,7 +255,12 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
     guard(pair.low, pair.high);
     guard(pair.high, pair.low);
   }
-  if (caches_.size() < broad_.cache_slots()) caches_.resize(broad_.cache_slots());
+  const std::size_t slots = broad_.cache_slots();
+  if (slots > caches_.capacity()) caches_.reserve(slots + slots / 8);
+  if (slots > caches_.size()) caches_.resize(slots);
+  // Memory for a few more than last time, instead of twice as many when they do not fit.
+  const std::size_t expected = first + stats_.manifolds + stats_.manifolds / 16;
+  if (expected > out.capacity()) out.reserve(expected + stats_.manifolds / 16);
 
   std::vector<ColliderPair>& pairs = broad_.pairs();
   if (workers.count() == 1 || pairs.size() <= kPairGrain) {
@@ -295,14 +300,14 @@ void CollisionScene::Impl::guard(std::uint32_t index, std::uint32_t near) {
   if (collider.dynamic && is_thin(colliders_[near], collider)) collider.guarded = kGuardedSteps;
 }
 
-double CollisionScene::Impl::motion_share(Collider& collider, std::span<const pbd::Pose> after,
-                                          Worker& worker) const {
+CoreHit CollisionScene::Impl::first_hit(Collider& collider, std::span<const pbd::Pose> after,
+                                        Worker& worker) const {
   const double radius = core_radius(collider);
   const Vec3 from = core_centre(collider, collider.body);
   const Vec3 to = core_centre(collider, after[collider.def.body.index]);
   const bool fast = (to - from).squaredNorm() > radius * radius;
-  if ((!fast && collider.guarded == 0) || !to.allFinite()) return 1.0;
-  double share = 1.0;
+  if ((!fast && collider.guarded == 0) || !to.allFinite()) return {};
+  CoreHit first;
   const Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
   broad_.query(path.expanded(radius), worker.stack, [&](std::uint32_t index) {
     const Collider& target = colliders_[index];
@@ -312,9 +317,9 @@ double CollisionScene::Impl::motion_share(Collider& collider, std::span<const pb
     // As seen from the target, which itself moves on (a kinematic one too).
     const Vec3 moved = after[target.def.body.index].position - target.body.position;
     if (!moved.allFinite()) return;
-    share = std::min(share, core_cast(from, to - moved, radius, target, worker.list));
+    first.take_first(core_cast(from, to - moved, radius, target, worker.list));
   });
-  return share;
+  return first;
 }
 
 void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
@@ -331,9 +336,9 @@ void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::W
                            continue;
                          if (c.def.body.index >= after.size()) continue;
                          if (c.guarded > 0) --c.guarded;
-                         const double share = motion_share(c, after, worker);
-                         if (share >= 1.0) continue;
-                         worker.limits.push_back({c.def.body.index, share});
+                         const CoreHit hit = first_hit(c, after, worker);
+                         if (hit.share >= 1.0) continue;
+                         worker.limits.push_back({c.def.body.index, hit.share, hit.normal});
                        }
                      });
   for (const Worker& worker : workers_) {

@@ -36,10 +36,16 @@ CoreFace box_face(const ConvexCore& core, const Vec3& direction) {
   CoreFace face;
   face.count = 4;
   std::array<std::array<bool, 2>, 4> signs;
+  const Vec3 middle =
+      core.centre + (positive ? core.half[axis] : -core.half[axis]) * core.axes.col(axis);
+  const Vec3 along_u = core.half[u] * core.axes.col(u);
+  const Vec3 along_v = core.half[v] * core.axes.col(v);
+  const std::array<Vec3, 2> sides{middle - along_u, middle + along_u};
   for (int i = 0; i < 4; ++i) {
     signs[i] = kSigns[positive ? i : 3 - i];
     face.corner_ids[i] = base | (signs[i][0] ? 1u << u : 0u) | (signs[i][1] ? 1u << v : 0u);
-    face.corners[i] = box_corner(core, face.corner_ids[i]);
+    const Vec3& side = sides[signs[i][0] ? 1 : 0];
+    face.corners[i] = signs[i][1] ? Vec3(side + along_v) : Vec3(side - along_v);
   }
   for (int i = 0; i < 4; ++i) {
     const auto& from = signs[i];

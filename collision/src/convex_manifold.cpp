@@ -245,6 +245,10 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
   c.faces_of(a, FaceOwner::A, tie);
   c.faces_of(b, FaceOwner::B, tie);
   if (b.kind == CoreKind::Triangle) c.face(-b.front, FaceOwner::B, tie);
+  // Where the cores overlap no direction is better than 0, and a face this near to it is taken.
+  const bool shallow = !known && !round && c.has_face &&
+                       c.best_face.separation >= -kFaceSize * std::min(a.size, b.size);
+  if (shallow) return c.best_face;
   if (known) {
     c.other(n, 0.0);
     if (a.kind != CoreKind::Point && (a.kind != CoreKind::Box || b.kind != CoreKind::Box)) {

@@ -13,13 +13,22 @@ double core_radius(const Collider& c);
 /// m, world: where that ball is when the body is at `body`.
 Vec3 core_centre(const Collider& c, const pbd::Pose& body);
 
+struct CoreHit {
+  double share = 1.0;
+  Vec3 normal = Vec3::UnitZ();  ///< unit, world, out of the target
+
+  void take_first(const CoreHit& other) {
+    if (other.share < share) *this = other;
+  }
+};
+
 /// Share of the way from `from` to `to` (m, world) that a ball may go until it touches `target` as
 /// it stands; 1 where it does not. A ball that starts nearer than its radius is taken as half that
 /// near, so that its centre stays outside; one that starts inside is let go. Conservative
 /// advancement; on convex targets the distance is a convex function of time, so that Newton's
 /// steps never go too far. A surface stops centres that come from its front.
 /// @param list  scratch
-double core_cast(const Vec3& from, const Vec3& to, double radius, const Collider& target,
-                 std::vector<std::uint32_t>& list);
+CoreHit core_cast(const Vec3& from, const Vec3& to, double radius, const Collider& target,
+                  std::vector<std::uint32_t>& list);
 
 }  // namespace tandem::collision

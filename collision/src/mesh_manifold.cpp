@@ -79,10 +79,9 @@ template <class Surface>
 RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
                               const ConvexCore& t, const MeshPose& pose, const Reach& reach,
                               const Direction& direction) {
-  // The middle is behind the plane, so the nearest way out would be the wrong one.
-  if (t.front.dot(a.centre - t.corners[0]) < 0.0) return front_manifold(a, t, reach);
   const ContactAxis front = front_axis(a, t);
-  const ContactAxis axis = choose_axis(a, t, direction);
+  const Vec3 hint = -t.front;
+  const ContactAxis axis = choose_axis(a, t, direction, &hint);
   const double cosine = -axis.normal.dot(t.front);
   const double depth = std::max(0.0, -axis.separation);
   const double tolerance = a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
@@ -310,10 +309,20 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
     // Behind the plane there is no contact, except for a shape that was pushed through just now.
     const double height = t.front.dot(a.centre - t.corners[0]);
     if (height < 0.0 && (height < -a.size || !was_touched(previous, mesh.normal(index)))) continue;
-    ++queries;
-    const Direction direction = query_direction(a, t, reach.margin);
-    if (direction.status == Direction::Status::Apart) continue;
-    const RawManifold found = triangle_manifold(a, mesh, index, t, pose, reach, direction);
+    // No direction could be (much) better than a front that is overlapped this little; and where
+    // the middle is behind the plane, the nearest way out would be the wrong one.
+    const bool behind = t.front.dot(a.centre - t.corners[0]) < 0.0;
+    const double gap = front_axis(a, t).separation;
+    RawManifold found;
+    if (behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size)) {
+      found = front_manifold(a, t, reach);
+    }
+    if (found.count == 0 && !behind) {
+      ++queries;
+      const Direction direction = query_direction(a, t, reach.margin);
+      if (direction.status == Direction::Status::Apart) continue;
+      found = triangle_manifold(a, mesh, index, t, pose, reach, direction);
+    }
     const Vec3 normal_l = to_mesh * found.normal;
     const bool known = std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& p) {
       return p.normal_l.dot(normal_l) > kIsFront;

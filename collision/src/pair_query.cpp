@@ -126,8 +126,9 @@ void reduce_like_before(RawManifold& manifold, double size, const PairCache& cac
                           before != nullptr ? before->count : 0);
 }
 
-/// @return false: the library has to be asked
-bool refine_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
+/// Boxes by the directions of BoxPair. A pair without contacts is new to it, and the library
+/// decides which way it lies; unless a face keeps them apart as well (nearly) as that does.
+void query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
   const BoxPose pose_a{a.rotation, std::get<Box>(a.def.shape).half_extents};
@@ -135,21 +136,34 @@ bool refine_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, R
   const BoxPair boxes(pose_a, pose_b, b.position - a.position);
   const BoxAxis axis = boxes.best(cache.axis, reach.margin);
   cache.axis = axis.id;
-  if (axis.separation >= reach.margin) return true;
-  if (cache.patches == nullptr) return false;
-  const ContactAxis direction{boxes.normal(axis), axis.separation,
-                              axis.id < 3   ? FaceOwner::A
-                              : axis.id < 6 ? FaceOwner::B
-                                            : FaceOwner::None};
-  if (axis.id < 6) {
+  if (axis.separation >= reach.margin) return;
+  ContactAxis direction{boxes.normal(axis), axis.separation,
+                        axis.id < 3   ? FaceOwner::A
+                        : axis.id < 6 ? FaceOwner::B
+                                      : FaceOwner::None};
+  bool face = axis.id < 6;
+  if (cache.patches == nullptr) {
+    const ConvexCore core_a = a.core(a.position);
+    const ConvexCore core_b = b.core(a.position);
+    const Direction found = query_direction(core_a, core_b, reach.margin);
+    if (found.status == Direction::Status::Apart) return;
+    if (found.status == Direction::Status::Found) {
+      const double gap = separation(core_a, core_b, found.normal);
+      const double tolerance = 0.05 * std::max(0.0, -gap) + 5e-4 * std::min(a.size, b.size);
+      if (gap > axis.separation + (face ? tolerance : 1e-9)) {
+        direction = {found.normal, gap, FaceOwner::None};
+        face = false;
+      }
+    }
+  }
+  if (face) {
     out.normal = direction.normal;
     out.owner = direction.owner;
-    if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep)) return true;
+    if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep)) return;
     boxes.face_points(axis, reach.margin, out);
-    if (out.count > 0) return true;
+    if (out.count > 0) return;
   }
   out = build_manifold(a.core(a.position), b.core(a.position), direction, reach);
-  return true;
 }
 
 std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& cache,
@@ -163,8 +177,9 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     reduce_like_before(out, pair.a->size, cache);
     return 1;
   }
-  const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
-  if (!boxes || !refine_boxes(pair, reach, cache, out)) {
+  if (pair.a->kind == Kind::Box && pair.b->kind == Kind::Box) {
+    query_boxes(pair, reach, cache, out);
+  } else {
     const ConvexCore a = pair.a->core(origin);
     const ConvexCore b = pair.b->core(origin);
     const Direction direction = query_direction(a, b, reach.margin);
@@ -174,7 +189,7 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
       const ContactPatch& patch = *cache.patches;
       before = (patch.in_a ? pair.a : pair.b)->body.orientation * patch.normal_l;
     }
-    const Vec3* hint = cache.patches != nullptr && !boxes ? &before : nullptr;
+    const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
     out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
   }
   reduce_like_before(out, std::min(pair.a->size, pair.b->size), cache);
@@ -275,7 +290,7 @@ bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache&
   double distance = 0.0;
   // Within what was asked then lies all that matters now.
   return moved_less(roles(pair), cache, reach.recycle, 0.5 * max_angle, distance) &&
-         distance + reach.margin <= cache.margin;
+         distance + reach.margin <= static_cast<double>(cache.margin);
 }
 
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
@@ -299,7 +314,8 @@ std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache&
   const Quat orientation = relative_orientation(r);
   cache.position = relative_position(r);
   for (int i = 0; i < 4; ++i) cache.orientation[i] = static_cast<float>(orientation.coeffs()[i]);
-  cache.margin = wanted.margin;
+  // Not rounded up: what lies beyond was not looked for.
+  cache.margin = std::nextafter(static_cast<float>(wanted.margin), 0.0f);
   cache.valid = true;
   return queries;
 }

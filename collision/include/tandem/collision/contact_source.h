@@ -41,8 +41,9 @@ struct ColliderDef {
 
 /// How far a body may go in the step that was just solved.
 struct MotionLimit {
-  std::uint32_t body = 0;  ///< slot
-  double share = 1.0;      ///< of the way from where the step began, below 1
+  std::uint32_t body = 0;                 ///< slot
+  double share = 1.0;                     ///< of the way from where the step began, below 1
+  pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the obstacle: no speed against it stays
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
