@@ -30,6 +30,7 @@ pbd::SolverOptions solver_options(const Settings& settings) {
   if (settings.iterations) options.position_iterations = *settings.iterations;
   if (settings.velocity_iterations) options.velocity_iterations = *settings.velocity_iterations;
   options.threads = settings.threads;
+  if (!settings.sleeping) options.sleep_after = 0.0;
   return options;
 }
 

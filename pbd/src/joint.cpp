@@ -113,6 +113,7 @@ class JointBlock::Impl {
            generations[id.index] == id.generation;
   }
   void erase(std::uint32_t index) {
+    note_change(records[index]);
     records[index].alive = false;
     ++generations[index];
     free.push_back(index);
