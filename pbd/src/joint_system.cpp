@@ -23,6 +23,10 @@ constexpr double kStiffTo = 8.0;
 constexpr double kSlow = 0.3;
 /// m; smaller moves are rounding as like as not.
 constexpr double kFine = 1e-7;
+/// How often a limit may come and go within a substep.
+constexpr int kFlips = 6;
+/// Part of a part's kinetic energy that its joints may have given it before it is taken back.
+constexpr double kSurplus = 0.01;
 
 const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies, const SolverBody& ground) {
   return id.valid() ? bodies[id.index] : ground;
@@ -48,6 +52,16 @@ JointAxis JointRecord::axis(int c) const {
   cone.upper = def.cone;
   cone.compliance = def.cone_compliance;
   return cone;
+}
+
+bool JointRecord::passive() const {
+  for (int c = 0; c < kCoordinates; ++c) {
+    const JointAxis a = axis(c);
+    if (a.compliance > 0.0 || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0) {
+      return false;
+    }
+  }
+  return true;
 }
 
 void JointRecord::refresh() {
@@ -103,6 +117,14 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
     std::uint8_t& before = seen[graph_.bodies()[s]];
     primary_[s] = before == 0 ? 1 : 0;
     before = 1;
+  }
+  passive_.assign(graph_.parts().size(), 1);
+  for (std::size_t p = 0; p < passive_.size(); ++p) {
+    const JointGraph::Part& part = graph_.parts()[p];
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      const std::uint32_t joint = graph_.nodes()[k].joint;
+      if (joint != kNone && !records[joint].passive()) passive_[p] = 0;
+    }
   }
   values_.assign(graph_.value_count(), 0.0);
   right_.assign(graph_.right_count(), 0.0);
@@ -160,6 +182,8 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
       for (double& gap : record.gap) gap *= kGapDecay;
     }
     node.lambda.fill(0.0);
+    node.last_kind.fill(Segment::Kind::None);
+    node.flips.fill(0);
     node.simple = record.point && record.used == 7u;
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
@@ -306,6 +330,8 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].dtheta.setZero();
     slots_[s].sum_dx.setZero();
     slots_[s].sum_dtheta.setZero();
+    slots_[s].v = body.v;
+    slots_[s].w = body.w;
   }
   if (state.channel == Channel::Real) stiffen(part, state, ctx);
   weigh(part, records);
@@ -446,7 +472,15 @@ bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRe
     coordinates(record, a, b, record.twist, c);
     int n = 0;
     for_bits(record.used, [&](int i) {
-      const Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
+      Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
+      if (segment.kind != node.last_kind[i]) ++node.flips[i];
+      const bool stop =
+          segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
+      if (stop && node.flips[i] > kFlips) {
+        // It cannot settle with its neighbours: let go, the next substep sees where it stands.
+        segment = {Segment::Kind::Force, c[i], 1e9 * node.w[i], 0.0};
+      }
+      node.last_kind[i] = segment.kind;
       if (segment.kind == Segment::Kind::None) return;
       changed = changed || n >= node.n || node.coordinate[n] != i || node.kind[n] != segment.kind;
       node.coordinate[n] = static_cast<std::uint8_t>(i);
@@ -677,6 +711,51 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
   return std::sqrt(largest);
 }
 
+/// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
+/// a substep than its gradients can follow, the surplus is taken back from the motion of the part
+/// against its mean: it may shake where it is not resolved, but not more and more.
+void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
+                        const SubstepContext& ctx) {
+  double work = 0.0;
+  double energy = 0.0;  // before, against the mean
+  double mass = 0.0;
+  Vec3 mean = Vec3::Zero();
+  const double rate = 1.0 / ctx.h;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    mass += 1.0 / body.inv_mass;
+    mean += body.v / body.inv_mass;
+  }
+  mean /= mass;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const Slot& slot = slots_[s];
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    const Vec3 dv = rate * slot.sum_dx;
+    const Vec3 dw = rate * slot.sum_dtheta;
+    const Mat3 inertia = body.inv_inertia_w.inverse();
+    // The inertia turns with the body, the angular momentum does not.
+    const Vec3 momentum = inertia * (slot.w + dw);
+    const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
+    work += dv.dot(slot.v + 0.5 * dv) / body.inv_mass +
+            0.5 * (momentum_l.dot(body.inv_inertia_w * momentum_l) - slot.w.dot(inertia * slot.w));
+    energy += 0.5 * ((body.v - mean).squaredNorm() / body.inv_mass + body.w.dot(inertia * body.w));
+  }
+  std::uint32_t first = part.node;
+  while (graph_.nodes()[first].joint == kNone) ++first;
+  double& surplus = records[graph_.nodes()[first].joint].surplus;
+  const double room = kSurplus * energy;
+  surplus = std::max(surplus + work, -room);
+  if (!(surplus > room)) return;
+  const double excess = surplus - room;
+  const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
+  surplus = room;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.v = mean + scale * (body.v - mean);
+    body.w *= scale;
+  }
+}
+
 double JointSystem::turn_rate(std::uint32_t p, std::span<const JointRecord> records,
                               std::span<const SolverBody> bodies) const {
   const JointGraph::Part& part = graph_.parts()[p];
@@ -705,6 +784,7 @@ double JointSystem::turn_rate(std::uint32_t p, std::span<const JointRecord> reco
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
+  if (passive_[p] != 0) guard(part, records, ctx);
   for (std::uint32_t slot = part.body; slot < part.body + part.body_count; ++slot) {
     if (primary_[slot] == 0) continue;
     SolverBody& body = ctx.bodies[graph_.bodies()[slot]];
