@@ -23,6 +23,8 @@ constexpr double kStiffTo = 8.0;
 constexpr double kSlow = 0.3;
 /// m; smaller moves are rounding as like as not.
 constexpr double kFine = 1e-7;
+/// rad; bodies turn no further in one iteration.
+constexpr double kTrust = 0.5;
 /// How often a limit may come and go within a substep.
 constexpr int kFlips = 6;
 /// Part of a part's kinetic energy that its joints may have given it before it is taken back.
@@ -692,6 +694,25 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
       Slot& slot = slots_[plan.slot_b];
       slot.dx += slot.inv_mass * p;
       slot.dtheta += turn_b;
+    }
+  }
+  // A turn that no gradient reaches is taken in parts.
+  double turn2 = 0.0;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    turn2 = std::max(turn2, slots_[s].dtheta.squaredNorm());
+  }
+  if (turn2 > kTrust * kTrust) {
+    const double share = kTrust / std::sqrt(turn2);
+    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+      slots_[s].dx *= share;
+      slots_[s].dtheta *= share;
+    }
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      NodeState& node = nodes_[k];
+      if (graph_.nodes()[k].joint == kNone) continue;
+      const double* dlambda = &right_[graph_.nodes()[k].right];
+      for (int r = 0; r < node.n; ++r)
+        node.lambda[node.coordinate[r]] -= (1.0 - share) * dlambda[r];
     }
   }
   double largest = 0.0;
