@@ -58,6 +58,7 @@ void save_record(ByteWriter& out, const JointRecord& record) {
   out.u8(record.alive ? 1 : 0);
   for (const double gap : record.gap) out.f64(gap);
   out.f64(record.twist);
+  out.f64(record.surplus);
   for (const double position : record.state.position) out.f64(position);
   out.f64(record.state.swing);
   for (const double load : record.state.load) out.f64(load);
@@ -85,6 +86,7 @@ void load_record(ByteReader& in, JointRecord& record) {
   record.alive = in.u8() != 0;
   for (double& gap : record.gap) gap = in.f64();
   record.twist = in.f64();
+  record.surplus = in.f64();
   for (double& position : record.state.position) position = in.f64();
   record.state.swing = in.f64();
   for (double& load : record.state.load) load = in.f64();
@@ -188,12 +190,15 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   detail::require(def.a == record.def.a, "joint", "a", def.a.index, "the body it was added with");
   detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
   const std::uint32_t used = record.used;
+  const bool passive = record.passive();
   const bool enabled = record.def.enabled;
   record.def = def;
   record.def.frame_a.basis.normalize();
   record.def.frame_b.basis.normalize();
   record.refresh();
-  if (used != record.used || enabled != def.enabled) impl_->dirty = true;
+  if (passive != record.passive() || used != record.used || enabled != def.enabled) {
+    impl_->dirty = true;
+  }
   impl_->note_change(record);
 }
 
@@ -314,6 +319,7 @@ void JointBlock::end_step(const SubstepContext& ctx) {
     // What a spoiled step leaves behind must not spoil the next one.
     if (!state.force.allFinite()) state.force.setZero();
     if (!std::isfinite(record.twist)) record.twist = 0.0;
+    if (!std::isfinite(record.surplus)) record.surplus = 0.0;
     for (double& gap : record.gap) {
       if (!std::isfinite(gap)) gap = 0.0;
     }

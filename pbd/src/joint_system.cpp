@@ -23,6 +23,12 @@ constexpr double kStiffTo = 8.0;
 constexpr double kSlow = 0.3;
 /// m; smaller moves are rounding as like as not.
 constexpr double kFine = 1e-7;
+/// rad; bodies turn no further in one iteration.
+constexpr double kTrust = 0.5;
+/// How often a limit may come and go within a substep.
+constexpr int kFlips = 6;
+/// Part of a part's kinetic energy that its joints may have given it before it is taken back.
+constexpr double kSurplus = 0.01;
 
 const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies, const SolverBody& ground) {
   return id.valid() ? bodies[id.index] : ground;
@@ -48,6 +54,16 @@ JointAxis JointRecord::axis(int c) const {
   cone.upper = def.cone;
   cone.compliance = def.cone_compliance;
   return cone;
+}
+
+bool JointRecord::passive() const {
+  for (int c = 0; c < kCoordinates; ++c) {
+    const JointAxis a = axis(c);
+    if (a.compliance > 0.0 || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0) {
+      return false;
+    }
+  }
+  return true;
 }
 
 void JointRecord::refresh() {
@@ -103,6 +119,14 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
     std::uint8_t& before = seen[graph_.bodies()[s]];
     primary_[s] = before == 0 ? 1 : 0;
     before = 1;
+  }
+  passive_.assign(graph_.parts().size(), 1);
+  for (std::size_t p = 0; p < passive_.size(); ++p) {
+    const JointGraph::Part& part = graph_.parts()[p];
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      const std::uint32_t joint = graph_.nodes()[k].joint;
+      if (joint != kNone && !records[joint].passive()) passive_[p] = 0;
+    }
   }
   values_.assign(graph_.value_count(), 0.0);
   right_.assign(graph_.right_count(), 0.0);
@@ -160,6 +184,8 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
       for (double& gap : record.gap) gap *= kGapDecay;
     }
     node.lambda.fill(0.0);
+    node.last_kind.fill(Segment::Kind::None);
+    node.flips.fill(0);
     node.simple = record.point && record.used == 7u;
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
@@ -306,6 +332,8 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].dtheta.setZero();
     slots_[s].sum_dx.setZero();
     slots_[s].sum_dtheta.setZero();
+    slots_[s].v = body.v;
+    slots_[s].w = body.w;
   }
   if (state.channel == Channel::Real) stiffen(part, state, ctx);
   weigh(part, records);
@@ -446,7 +474,15 @@ bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRe
     coordinates(record, a, b, record.twist, c);
     int n = 0;
     for_bits(record.used, [&](int i) {
-      const Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
+      Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
+      if (segment.kind != node.last_kind[i]) ++node.flips[i];
+      const bool stop =
+          segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
+      if (stop && node.flips[i] > kFlips) {
+        // It cannot settle with its neighbours: let go, the next substep sees where it stands.
+        segment = {Segment::Kind::Force, c[i], 1e9 * node.w[i], 0.0};
+      }
+      node.last_kind[i] = segment.kind;
       if (segment.kind == Segment::Kind::None) return;
       changed = changed || n >= node.n || node.coordinate[n] != i || node.kind[n] != segment.kind;
       node.coordinate[n] = static_cast<std::uint8_t>(i);
@@ -459,171 +495,6 @@ bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRe
     node.n = n;
   }
   return changed;
-}
-
-void JointSystem::assemble(const JointGraph::Part& part) {
-  std::fill_n(values_.begin() + part.value, part.value_count, 0.0);
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    const NodeState& node = nodes_[k];
-    double* diagonal = &values_[plan.diagonal];
-    if (plan.joint == kNone) {
-      // A hub's own rows, with the sign turned: its mass. One that is held counts as a unit mass
-      // that no joint can reach.
-      const Slot& slot = slots_[plan.slot_b];
-      Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
-      mass.setIdentity();
-      if (slot.inv_mass > 0.0) {
-        mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
-        mass.bottomRightCorner<3, 3>() = slot.inv_inertia.inverse();
-      }
-      continue;
-    }
-    const auto is_hub = [&](std::uint32_t s) { return s == kNone || graph_.hubs()[s] != 0; };
-    const bool with_a = !is_hub(plan.slot_a);
-    const bool with_b = !is_hub(plan.slot_b);
-    double inv_mass = 0.0;
-    if (with_a) inv_mass += slots_[plan.slot_a].inv_mass;
-    if (with_b) inv_mass += slots_[plan.slot_b].inv_mass;
-    if (node.simple) {
-      block::Map3 a(diagonal);
-      if (with_a)
-        a.noalias() += node.arm_a.leftCols<3>().transpose().lazyProduct(node.b_a.leftCols<3>());
-      if (with_b)
-        a.noalias() += node.arm_b.leftCols<3>().transpose().lazyProduct(node.b_b.leftCols<3>());
-      for (int i = 0; i < 3; ++i) a(i, i) += inv_mass + node.at[i];
-      continue;
-    }
-    for (int r = 0; r < node.n; ++r) {
-      const int i = node.coordinate[r];
-      for (int s = 0; s <= r; ++s) {
-        const int j = node.coordinate[s];
-        double sum = inv_mass * node.dir.col(i).dot(node.dir.col(j));
-        if (with_a) sum += node.arm_a.col(i).dot(node.b_a.col(j));
-        if (with_b) sum += node.arm_b.col(i).dot(node.b_b.col(j));
-        if (r == s) sum += node.at[r];
-        diagonal[r * node.n + s] = sum;
-        diagonal[s * node.n + r] = sum;
-      }
-    }
-  }
-  for (std::uint32_t l = part.link; l < part.link + part.link_count; ++l) {
-    const JointGraph::Link& link = graph_.links()[l];
-    double* out = &values_[link.block];
-    const JointGraph::Node& plan_x = graph_.nodes()[link.later];
-    const JointGraph::Node& plan_y = graph_.nodes()[link.earlier];
-    const NodeState& x = nodes_[link.later];
-    const NodeState& y = nodes_[link.earlier];
-    const Slot& slot = slots_[link.slot];
-    if (plan_x.joint == kNone || plan_y.joint == kNone) {
-      if (slot.inv_mass == 0.0) continue;
-      const bool hub_later = plan_x.joint == kNone;
-      const NodeState& joint = hub_later ? y : x;
-      const bool is_b = (hub_later ? plan_y : plan_x).slot_b == link.slot;
-      const double sign = is_b ? 1.0 : -1.0;
-      const Rows& arm = is_b ? joint.arm_b : joint.arm_a;
-      for (int r = 0; r < joint.n; ++r) {
-        for (int i = 0; i < 3; ++i) {
-          const double linear = sign * joint.dir(i, joint.coordinate[r]);
-          const double angular = sign * arm(i, joint.coordinate[r]);
-          out[hub_later ? i * joint.n + r : r * 6 + i] += linear;
-          out[hub_later ? (i + 3) * joint.n + r : r * 6 + i + 3] += angular;
-        }
-      }
-      continue;
-    }
-    const bool x_is_b = plan_x.slot_b == link.slot;
-    const bool y_is_b = plan_y.slot_b == link.slot;
-    const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
-    const Rows& arm = x_is_b ? x.arm_b : x.arm_a;
-    const Rows& b = y_is_b ? y.b_b : y.b_a;
-    if (x.simple && y.simple) {
-      block::Map3 a(out);
-      a.noalias() += sign * arm.leftCols<3>().transpose().lazyProduct(b.leftCols<3>());
-      a.diagonal().array() += sign * slot.inv_mass;
-      continue;
-    }
-    for (int r = 0; r < x.n; ++r) {
-      const int i = x.coordinate[r];
-      for (int s = 0; s < y.n; ++s) {
-        const int j = y.coordinate[s];
-        out[r * y.n + s] +=
-            sign * (slot.inv_mass * x.dir.col(i).dot(y.dir.col(j)) + arm.col(i).dot(b.col(j)));
-      }
-    }
-  }
-}
-
-/// Block LDL^T, right-looking; the diagonal blocks end as inverses. Joints have positive pivots,
-/// hubs negative ones, stored with their sign turned.
-void JointSystem::factor(const JointGraph::Part& part) {
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    const int n = nodes_[k].n;
-    if (n == 0) continue;
-    double* inverse = &values_[plan.diagonal];
-    if (n == 3) {
-      block::invert3(inverse);
-    } else {
-      block::invert(inverse, n);
-    }
-    const double sign = plan.joint == kNone ? -1.0 : 1.0;
-    std::uint32_t update = plan.update;
-    for (std::uint32_t i = 0; i < plan.later_count; ++i) {
-      const JointGraph::Later& to = graph_.later()[plan.later + i];
-      const int rows = nodes_[to.node].n;
-      double product[block::kMaxRows * block::kMaxRows];
-      block::multiply(&values_[to.block], inverse, rows, n, n, product);
-      if (sign < 0.0) {
-        for (int e = 0; e < rows * n; ++e) product[e] = -product[e];
-      }
-      for (std::uint32_t j = 0; j <= i; ++j) {
-        const JointGraph::Later& other = graph_.later()[plan.later + j];
-        const std::uint32_t target = graph_.updates()[update++];
-        if (i == j && graph_.nodes()[to.node].joint == kNone) {
-          // A hub's diagonal is stored with its sign turned.
-          for (int e = 0; e < rows * n; ++e) product[e] = -product[e];
-        }
-        block::subtract_product(product, &values_[other.block], rows, n, nodes_[other.node].n,
-                                &values_[target]);
-      }
-    }
-  }
-}
-
-void JointSystem::solve(const JointGraph::Part& part) {
-  const auto times_inverse = [&](const JointGraph::Node& plan, int n, const double* x, double* y) {
-    block::times(&values_[plan.diagonal], x, n, plan.joint == kNone ? -1.0 : 1.0, y);
-  };
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    const int n = nodes_[k].n;
-    if (n == 0) continue;
-    double* right = &right_[plan.right];
-    double x[block::kMaxRows];
-    times_inverse(plan, n, right, x);
-    std::copy_n(x, n, right);
-    for (std::uint32_t l = plan.later; l < plan.later + plan.later_count; ++l) {
-      const JointGraph::Later& to = graph_.later()[l];
-      block::subtract(&values_[to.block], x, nodes_[to.node].n, n,
-                      &right_[graph_.nodes()[to.node].right]);
-    }
-  }
-  for (std::uint32_t k = part.node + part.node_count; k-- > part.node;) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    const int n = nodes_[k].n;
-    if (n == 0 || plan.later_count == 0) continue;
-    double sum[block::kMaxRows] = {};
-    for (std::uint32_t l = plan.later; l < plan.later + plan.later_count; ++l) {
-      const JointGraph::Later& to = graph_.later()[l];
-      block::subtract_transposed(&values_[to.block], &right_[graph_.nodes()[to.node].right],
-                                 nodes_[to.node].n, n, sum);
-    }
-    double x[block::kMaxRows];
-    times_inverse(plan, n, sum, x);
-    double* right = &right_[plan.right];
-    for (int i = 0; i < n; ++i) right[i] += x[i];
-  }
 }
 
 double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx) {
@@ -660,6 +531,25 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
       slot.dtheta += turn_b;
     }
   }
+  // A turn that no gradient reaches is taken in parts.
+  double turn2 = 0.0;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    turn2 = std::max(turn2, slots_[s].dtheta.squaredNorm());
+  }
+  if (turn2 > kTrust * kTrust) {
+    const double share = kTrust / std::sqrt(turn2);
+    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+      slots_[s].dx *= share;
+      slots_[s].dtheta *= share;
+    }
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      NodeState& node = nodes_[k];
+      if (graph_.nodes()[k].joint == kNone) continue;
+      const double* dlambda = &right_[graph_.nodes()[k].right];
+      for (int r = 0; r < node.n; ++r)
+        node.lambda[node.coordinate[r]] -= (1.0 - share) * dlambda[r];
+    }
+  }
   double largest = 0.0;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     Slot& slot = slots_[s];
@@ -675,6 +565,51 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
     slot.dtheta.setZero();
   }
   return std::sqrt(largest);
+}
+
+/// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
+/// a substep than its gradients can follow, the surplus is taken back from the motion of the part
+/// against its mean: it may shake where it is not resolved, but not more and more.
+void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
+                        const SubstepContext& ctx) {
+  double work = 0.0;
+  double energy = 0.0;  // before, against the mean
+  double mass = 0.0;
+  Vec3 mean = Vec3::Zero();
+  const double rate = 1.0 / ctx.h;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    mass += 1.0 / body.inv_mass;
+    mean += body.v / body.inv_mass;
+  }
+  mean /= mass;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const Slot& slot = slots_[s];
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    const Vec3 dv = rate * slot.sum_dx;
+    const Vec3 dw = rate * slot.sum_dtheta;
+    const Mat3 inertia = body.inv_inertia_w.inverse();
+    // The inertia turns with the body, the angular momentum does not.
+    const Vec3 momentum = inertia * (slot.w + dw);
+    const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
+    work += dv.dot(slot.v + 0.5 * dv) / body.inv_mass +
+            0.5 * (momentum_l.dot(body.inv_inertia_w * momentum_l) - slot.w.dot(inertia * slot.w));
+    energy += 0.5 * ((body.v - mean).squaredNorm() / body.inv_mass + body.w.dot(inertia * body.w));
+  }
+  std::uint32_t first = part.node;
+  while (graph_.nodes()[first].joint == kNone) ++first;
+  double& surplus = records[graph_.nodes()[first].joint].surplus;
+  const double room = kSurplus * energy;
+  surplus = std::max(surplus + work, -room);
+  if (!(surplus > room)) return;
+  const double excess = surplus - room;
+  const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
+  surplus = room;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.v = mean + scale * (body.v - mean);
+    body.w *= scale;
+  }
 }
 
 double JointSystem::turn_rate(std::uint32_t p, std::span<const JointRecord> records,
@@ -705,6 +640,7 @@ double JointSystem::turn_rate(std::uint32_t p, std::span<const JointRecord> reco
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
+  if (passive_[p] != 0) guard(part, records, ctx);
   for (std::uint32_t slot = part.body; slot < part.body + part.body_count; ++slot) {
     if (primary_[slot] == 0) continue;
     SolverBody& body = ctx.bodies[graph_.bodies()[slot]];

@@ -19,8 +19,9 @@ struct JointRecord {
   std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
   std::array<double, kCoordinates> bound{};  ///< where the total channel holds it
   double twist = 0.0;                        ///< rad, counting turns
-  std::uint32_t used = 0;                    ///< bit per coordinate that may get a row
-  bool point = false;  ///< all displacements locked alike: rows along the world's axes
+  double surplus = 0.0;    ///< J, what the part that it comes first in has gained; see guard()
+  std::uint32_t used = 0;  ///< bit per coordinate that may get a row
+  bool point = false;      ///< all displacements locked alike: rows along the world's axes
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
@@ -28,6 +29,8 @@ struct JointRecord {
   void refresh();
   /// The settings of coordinate c, 0 to 6.
   JointAxis axis(int c) const;
+  /// Whether nothing in it stores or supplies energy.
+  bool passive() const;
   int rows() const { return __builtin_popcount(used); }
 };
 
@@ -81,6 +84,8 @@ class JointSystem {
     bool off = false;     ///< broken in this step
     std::array<std::uint8_t, kCoordinates> coordinate{};
     std::array<Segment::Kind, kCoordinates> kind{};
+    std::array<Segment::Kind, kCoordinates> last_kind{};  ///< by coordinate
+    std::array<std::uint8_t, kCoordinates> flips{};       ///< by coordinate, within this substep
     std::array<double, kCoordinates> lambda{}, w{}, at{}, twist_near{};
     double pull_a = 0.0,
            pull_b = 0.0;          ///< N m s^2, how much the ends are pulled away from the centres
@@ -97,6 +102,8 @@ class JointSystem {
     Vec3 dtheta = Vec3::Zero();
     Vec3 sum_dx = Vec3::Zero();  ///< of this substep
     Vec3 sum_dtheta = Vec3::Zero();
+    Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
+    Vec3 w = Vec3::Zero();
   };
   struct PartState {
     bool prepared = false;
@@ -124,6 +131,8 @@ class JointSystem {
   void solve(const JointGraph::Part& part);
   /// @return the largest move of a body, m or rad
   double apply(const JointGraph::Part& part, const SubstepContext& ctx);
+  void guard(const JointGraph::Part& part, std::span<JointRecord> records,
+             const SubstepContext& ctx);
   static void take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
                              const SolverBody& b);
   /// Inverse inertia times gradients, and the mobility of each row by itself.
@@ -137,6 +146,7 @@ class JointSystem {
   std::vector<NodeState> nodes_;
   std::vector<Slot> slots_;
   std::vector<std::uint8_t> primary_;  ///< by slot: the first one of its body
+  std::vector<std::uint8_t> passive_;  ///< by part: rigid locks and limits only
   std::vector<PartState> state_;
   std::vector<GroupPart> order_;
   std::vector<double> values_;

@@ -89,8 +89,11 @@ TEST_CASE("joint: one projection follows the numerical gradient, whatever is loc
     joints.begin_step(context);
     joints.begin_substep(context);
     joints.project(context);
-    INFO("held " << held);
-    CHECK((corrections_of(bodies) - expected).norm() < 1e-8 * expected.norm());
+    // A turn of more than half a radian is taken in parts, along the same line.
+    const Eigen::VectorXd moved = corrections_of(bodies);
+    const double turned = std::max(expected.segment<3>(3).norm(), expected.segment<3>(9).norm());
+    INFO("held " << held << ", turned " << turned);
+    CHECK((moved - std::min(1.0, 0.5 / turned) * expected).norm() < 1e-8 * expected.norm());
   }
 }
 
