@@ -86,7 +86,7 @@ void AabbTree::link(std::uint32_t leaf) {
   } else {
     nodes_[old_parent].child[nodes_[old_parent].child[1] == sibling ? 1 : 0] = parent;
   }
-  refit(parent);
+  refit(parent, true);
 }
 
 void AabbTree::unlink(std::uint32_t leaf) {
@@ -104,14 +104,18 @@ void AabbTree::unlink(std::uint32_t leaf) {
     return;
   }
   nodes_[above].child[nodes_[above].child[1] == parent ? 1 : 0] = sibling;
-  refit(above);
+  refit(above, false);
 }
 
-void AabbTree::refit(std::uint32_t index) {
+void AabbTree::refit(std::uint32_t index, bool improve) {
   for (; index != kNone; index = nodes_[index].parent) {
     Node& node = nodes_[index];
-    node.box = nodes_[node.child[0]].box.merged(nodes_[node.child[1]].box);
-    rotate(index);
+    const Aabb box = nodes_[node.child[0]].box.merged(nodes_[node.child[1]].box);
+    // Where nothing changes here, nothing changes above.
+    const bool same = box.min == node.box.min && box.max == node.box.max;
+    node.box = box;
+    if (improve) rotate(index);
+    if (same) return;
   }
 }
 

@@ -87,7 +87,7 @@ class AabbTree {
   void link(std::uint32_t leaf);
   void unlink(std::uint32_t leaf);
   std::uint32_t best_sibling(const Aabb& box) const;
-  void refit(std::uint32_t index);
+  void refit(std::uint32_t index, bool improve);
   void rotate(std::uint32_t index);
 
   std::vector<Node> nodes_;
