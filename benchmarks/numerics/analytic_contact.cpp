@@ -98,7 +98,9 @@ void bounce(Sheet& sheet, double restitution) {
     touched |= last_speed < -1.0 && speed > last_speed + 1.0;
     // Between two frames: the height that its energy will carry it to.
     if (touched && !second) {
-      const double height = s.pose.position.z() - kRadius;
+      // Velocities are those of the end of a substep, half of which lies behind the position's.
+      const double half_step = 0.5 * scene.dt / std::max(1, engine->stats().substeps);
+      const double height = s.pose.position.z() - kRadius - half_step * speed;
       peak = std::max(peak, height + (speed > 0.0 ? 0.5 * speed * speed / kGravity : 0.0));
     }
     last_speed = speed;

@@ -90,8 +90,8 @@ class CollisionScene::Impl {
   const Collider& checked(ColliderId id, const char* what) const;
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out);
-  void limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
-                    std::vector<MotionLimit>& limits);
+  void limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
+                    pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits);
   void remove_body(pbd::BodyId body);
   void save(pbd::ByteWriter& out) const;
   bool load(pbd::ByteReader& in);
@@ -108,7 +108,7 @@ class CollisionScene::Impl {
     QueryScratch scratch;
     CollisionStats stats;
     std::vector<pbd::Manifold> found;
-    std::vector<MotionLimit> limits;
+    std::vector<pbd::MotionLimit> limits;
     std::vector<std::uint32_t> stack;
     std::vector<std::uint32_t> list;
   };
@@ -119,7 +119,8 @@ class CollisionScene::Impl {
     std::size_t end = 0;
   };
 
-  CoreHit first_hit(Collider& collider, std::span<const pbd::Pose> after, Worker& worker) const;
+  CoreHit first_hit(Collider& collider, bool bullet, std::span<const pbd::Pose> after,
+                    Worker& worker) const;
   void guard(std::uint32_t index, std::uint32_t near);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,
                     std::vector<pbd::Manifold>& out);
@@ -300,8 +301,8 @@ void CollisionScene::Impl::guard(std::uint32_t index, std::uint32_t near) {
   if (collider.dynamic && is_thin(colliders_[near], collider)) collider.guarded = kGuardedSteps;
 }
 
-CoreHit CollisionScene::Impl::first_hit(Collider& collider, std::span<const pbd::Pose> after,
-                                        Worker& worker) const {
+CoreHit CollisionScene::Impl::first_hit(Collider& collider, bool bullet,
+                                        std::span<const pbd::Pose> after, Worker& worker) const {
   const double radius = core_radius(collider);
   const Vec3 from = core_centre(collider, collider.body);
   const Vec3 to = core_centre(collider, after[collider.def.body.index]);
@@ -312,7 +313,7 @@ CoreHit CollisionScene::Impl::first_hit(Collider& collider, std::span<const pbd:
   broad_.query(path.expanded(radius), worker.stack, [&](std::uint32_t index) {
     const Collider& target = colliders_[index];
     if (!target.finite || !may_touch(collider, target)) return;
-    if (target.dynamic && !collider.def.bullet) return;
+    if (target.dynamic && !bullet) return;
     if (is_thin(target, collider)) collider.guarded = kGuardedSteps;
     // As seen from the target, which itself moves on (a kinematic one too).
     const Vec3 moved = after[target.def.body.index].position - target.body.position;
@@ -322,8 +323,9 @@ CoreHit CollisionScene::Impl::first_hit(Collider& collider, std::span<const pbd:
   return first;
 }
 
-void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
-                                        std::vector<MotionLimit>& limits) {
+void CollisionScene::Impl::limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
+                                        pbd::Workers& workers,
+                                        std::vector<pbd::MotionLimit>& limits) {
   limits.clear();
   workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
   for (Worker& worker : workers_) worker.limits.clear();
@@ -336,7 +338,9 @@ void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::W
                            continue;
                          if (c.def.body.index >= after.size()) continue;
                          if (c.guarded > 0) --c.guarded;
-                         const CoreHit hit = first_hit(c, after, worker);
+                         if (!world.awake_at(c.def.body.index)) continue;
+                         const bool bullet = world.all_props()[c.def.body.index].bullet;
+                         const CoreHit hit = first_hit(c, bullet, after, worker);
                          if (hit.share >= 1.0) continue;
                          worker.limits.push_back({c.def.body.index, hit.share, hit.normal});
                        }
@@ -344,13 +348,14 @@ void CollisionScene::Impl::limit_motion(std::span<const pbd::Pose> after, pbd::W
   for (const Worker& worker : workers_) {
     limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
   }
-  std::sort(limits.begin(), limits.end(), [](const MotionLimit& l, const MotionLimit& r) {
+  std::sort(limits.begin(), limits.end(), [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
     return l.body != r.body ? l.body < r.body : l.share < r.share;
   });
-  limits.erase(
-      std::unique(limits.begin(), limits.end(),
-                  [](const MotionLimit& l, const MotionLimit& r) { return l.body == r.body; }),
-      limits.end());
+  limits.erase(std::unique(limits.begin(), limits.end(),
+                           [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
+                             return l.body == r.body;
+                           }),
+               limits.end());
 }
 
 void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
@@ -453,9 +458,9 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
                              std::vector<pbd::Manifold>& out) {
   impl_->collect(world, dt, workers, out);
 }
-void CollisionScene::limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
-                                  std::vector<MotionLimit>& limits) {
-  impl_->limit_motion(after, workers, limits);
+void CollisionScene::limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
+                                  pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) {
+  impl_->limit_motion(world, after, workers, limits);
 }
 void CollisionScene::remove_body(pbd::BodyId body) { impl_->remove_body(body); }
 void CollisionScene::save(pbd::ByteWriter& out) const { impl_->save(out); }

@@ -24,9 +24,11 @@ constexpr double kPushSlop = 0.05;
 constexpr int kPushSweeps = 8;
 
 /// A body that carries n times its weight (a tall stack, a heavy body on a light one) wants this
-/// many times n substeps, up to a limit.
+/// many times n substeps, and one of the size r wants them shorter than this share of the time in
+/// which it topples, sqrt(r / g): pebbles of a millimetre rock otherwise. Up to a limit.
 constexpr double kSubstepsPerLoad = 4.0 / 25.0;
-constexpr double kMostForLoad = 32.0;
+constexpr double kFallShare = 0.08;
+constexpr double kMost = 32.0;
 
 /// Rows given to a worker at a time.
 constexpr std::size_t kGrain = 64;
@@ -234,14 +236,20 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
   const double gravity = ctx.gravity.norm();
   if (!(gravity > 0.0)) return;
   for (const Contact& contact : impl_->contacts) {
+    // An impact is no load: it is over before more substeps could help.
+    if (contact.approach_speed > 2.0 * gravity * ctx.h) continue;
     const std::uint32_t a = contact.manifold.body_a;
     const std::uint32_t b = contact.manifold.body_b;
     const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
     double load = 0.0;
     for (const double force : contact.force) load += force;
     const double ratio = load * lightness / gravity;
-    const double count = std::min(kMostForLoad, kSubstepsPerLoad * ratio);
     const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
+    const ManifoldPoint& point = contact.manifold.points[0];
+    const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
+                                    : point.anchor_b_l.norm() + contact.manifold.radius_b;
+    const double for_size = ctx.h / (kFallShare * std::sqrt(arm / gravity));
+    const double count = std::min(kMost, std::max(kSubstepsPerLoad * ratio, for_size));
     wanted[movable] = std::max(wanted[movable], count);
   }
 }

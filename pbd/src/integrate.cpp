@@ -2,8 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #include "integrate.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "tandem/pbd/corrections.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -11,8 +13,8 @@ namespace {
 
 /// Below this, gyroscopic torque is beneath rounding (spheres, cubes, slow bodies): rad^2.
 constexpr double kGyroscopicTolerance = 1e-14;
-/// rad: a body that turned by less keeps its world inertia for another substep.
-constexpr double kInertiaAngle = 1e-4;
+/// rad: slower rotation has no gyroscopic effect worth a solve.
+constexpr double kSlowAngle = 1e-4;
 
 /// Turn q by the least rotation that brings the angular momentum back to where it was: the implicit
 /// midpoint rule keeps its size in the body's frame, so this keeps it in the world's.
@@ -26,17 +28,26 @@ void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
   q = rotated(q, axis * (std::atan2(sine, cosine) / sine));
 }
 
+/// Torque-free rotation of a body whose inertia is not the same about all axes. Fast spin is cut
+/// into parts of half a radian.
 void spin_freely(SolverBody& body, const BodyProps& props, double h) {
-  const Vec3 w_l = body.q.conjugate() * body.w;
-  const Vec3 momentum_l = props.inertia_l * w_l;
+  constexpr double kPart = 0.5;  // rad
+  constexpr double kMaxParts = 256.0;
+  Vec3 w_l = body.q.conjugate() * body.w;
+  Vec3 momentum_l = props.inertia_l * w_l;
   const Vec3 torque_l = w_l.cross(momentum_l);
   if (torque_l.squaredNorm() * h * h <= kGyroscopicTolerance * momentum_l.squaredNorm()) return;
   const Vec3 momentum_w = body.q * momentum_l;
-  const Vec3 next_l = torque_free_step(props.inertia_l, w_l, h);
-  const Vec3 middle_w = body.q * Vec3(0.5 * (w_l + next_l));
-  body.q = rotated(body.q, h * middle_w);
-  align_momentum(body.q, props.inertia_l * next_l, momentum_w);
-  body.w = body.q * next_l;
+  const double parts = std::clamp(std::ceil(h * w_l.norm() / kPart), 1.0, kMaxParts);
+  const double part = h / parts;
+  for (int i = 0; i < static_cast<int>(parts); ++i) {
+    const Vec3 next_l = torque_free_step(props.inertia_l, w_l, part);
+    body.q = rotated(body.q, body.q * Vec3(0.5 * part * (w_l + next_l)));
+    w_l = next_l;
+    momentum_l = props.inertia_l * w_l;
+    align_momentum(body.q, momentum_l, momentum_w);
+  }
+  body.w = body.q * w_l;
   body.w_applied = body.w;
 }
 
@@ -71,9 +82,8 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
   }
   if (props.linear_damping > 0.0) body.v *= std::exp(-props.linear_damping * h);
   if (props.angular_damping > 0.0) body.w *= std::exp(-props.angular_damping * h);
-  const bool turns = body.w.squaredNorm() * h * h > kInertiaAngle * kInertiaAngle;
+  const bool turns = body.w.squaredNorm() * h * h > kSlowAngle * kSlowAngle;
   if (turns && !props.locks.any()) spin_freely(body, props, h);
-  if (turns) refresh_inertia(body, props);
   if (props.locks.any()) enforce_locks(body, props.locks);
 }
 
@@ -91,11 +101,12 @@ void advance_pose(SolverBody& body, double h) {
 void absorb_corrections(SolverBody& body, double h) {
   const double inverse_h = 1.0 / h;
   const Vec3 dv = inverse_h * body.dx;
-  const Vec3 dw = inverse_h * body.dtheta;
+  const Vec3 before = body.w;
   body.v += dv;
-  body.w += dw;
   body.v_applied += dv;
-  body.w_applied += dw;
+  body.w += inverse_h * body.dtheta;
+  body.w = transported_spin(body);
+  body.w_applied += body.w - before;
   body.dx.setZero();
   body.dtheta.setZero();
 }

@@ -328,9 +328,7 @@ void JointBlock::end_step(const SubstepContext& ctx) {
 
 void JointBlock::links(LinkVisitor& visitor) const {
   for (const JointRecord& record : impl_->records) {
-    if (record.active() && record.def.a.valid()) {
-      visitor.link(record.def.a.index, record.def.b.index);
-    }
+    if (record.active()) visitor.link(record.def.a.index, record.def.b.index);
   }
 }
 

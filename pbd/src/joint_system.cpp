@@ -641,11 +641,6 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
   if (passive_[p] != 0) guard(part, records, ctx);
-  for (std::uint32_t slot = part.body; slot < part.body + part.body_count; ++slot) {
-    if (primary_[slot] == 0) continue;
-    SolverBody& body = ctx.bodies[graph_.bodies()[slot]];
-    body.w = transported_spin(body);
-  }
   const double inverse_h2 = 1.0 / (ctx.h * ctx.h);
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];

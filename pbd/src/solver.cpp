@@ -208,6 +208,7 @@ class Solver::Impl {
     }
     groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->props_,
                    world_->activity_, bodies_);
+    limit_motion();
     store_bodies();
     world_->wrenches_.clear();
     world_->time_ += dt_;
@@ -240,8 +241,10 @@ class Solver::Impl {
 
   void project_joints() {
     const double h = context_.h;
-    for_group([&](SolverBody& body, std::uint32_t) {
-      if (body.projected) advance_pose(body, h);
+    for_group([&](SolverBody& body, std::uint32_t i) {
+      if (!body.projected) return;
+      advance_pose(body, h);
+      refresh_inertia(body, world_->props_[i]);
     });
     const bool reverse = context_.reverse;
     for (int i = 0; i < options_.joint_iterations; ++i) {
@@ -281,6 +284,7 @@ class Solver::Impl {
     report_.bodies = static_cast<int>(world_->body_count());
     report_.velocity_iterations = 0;
     report_.groups = 0;
+    report_.stopped = 0;
     report_.awake = 0;
     report_.blocks.clear();
     report_.energy = {};
@@ -359,8 +363,8 @@ class Solver::Impl {
     islands_.build(world_->blocks_, bodies_);
     changed_.clear();
     for (const auto& block : world_->blocks_) block->take_changed(changed_);
-    groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_, world_->props_,
-                    world_->activity_, bodies_);
+    groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_,
+                    world_->props_, world_->activity_, bodies_);
     if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_);
     report_.groups = static_cast<int>(groups_.all().size());
     report_.awake = 0;
@@ -391,7 +395,7 @@ class Solver::Impl {
 
   void store_bodies() {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (world_->alive_[i] == 0 || world_->props_[i].type == BodyType::Static) continue;
+      if (world_->alive_[i] == 0 || world_->props_[i].type != BodyType::Dynamic) continue;
       const SolverBody& body = bodies_[i];
       BodyState& state = world_->states_[i];
       if (!is_finite(body)) {
@@ -405,11 +409,31 @@ class Solver::Impl {
       state.pose = {body.x, body.q};
       state.twist = {body.v, body.w};
     }
+    for (const std::uint32_t i : kinematic_) {
+      world_->states_[i].pose.position += dt_ * bodies_[i].v;
+      world_->states_[i].pose.orientation =
+          rotated(world_->states_[i].pose.orientation, dt_ * bodies_[i].w);
+    }
     for (const World::KinematicTarget& target : world_->kinematic_targets_) {
       world_->states_[target.index] = {target.pose, {}};
     }
     world_->kinematic_targets_.clear();
     if (world_->contacts_ != nullptr) mark_contacts();
+  }
+
+  /// Nothing tunnels: bodies that would get through something stop on their way.
+  void limit_motion() {
+    if (world_->contact_source_ == nullptr) return;
+    after_.resize(bodies_.size());
+    for (std::size_t i = 0; i < bodies_.size(); ++i) after_[i] = {bodies_[i].x, bodies_[i].q};
+    world_->contact_source_->limit_motion(*world_, after_, workers_, limits_);
+    for (const MotionLimit& limit : limits_) {
+      SolverBody& body = bodies_[limit.body];
+      const Vec3& start = world_->states_[limit.body].pose.position;
+      body.x = start + limit.share * (body.x - start);
+      body.v -= std::min(0.0, body.v.dot(limit.normal)) * limit.normal;
+    }
+    report_.stopped = static_cast<int>(limits_.size());
   }
 
   void mark_contacts() {
@@ -435,9 +459,11 @@ class Solver::Impl {
   bool projects_ = false;  ///< some row projects poses
   Groups groups_;
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
-  std::vector<double> wanted_;  ///< by body: substeps that rows ask for
-  const Group* group_ = nullptr;  ///< the one being solved
+  std::vector<double> wanted_;          ///< by body: substeps that rows ask for
+  const Group* group_ = nullptr;        ///< the one being solved
   std::vector<Manifold> manifolds_;
+  std::vector<Pose> after_;  ///< by slot
+  std::vector<MotionLimit> limits_;
   std::vector<PoseTarget> pose_targets_;
 };
 

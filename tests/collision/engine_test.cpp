@@ -101,7 +101,10 @@ TEST_CASE("engine: a ball bounces to e^2 of its height and never gains", "[colli
     bounced = bounced || f.world.twist(ball).linear.z() > 0.0;
     if (bounced) height = std::max(height, f.world.pose(ball).position.z() - 0.1);
   }
-  CHECK(height <= e * e + 1e-9);
+  // Semi-implicit Euler keeps v^2 / 2 + g z - g h v / 2, which lets the top of a discrete flight be
+  // g h^2 / 8 higher.
+  const double h = kDt / solver.options().substeps;
+  CHECK(height <= e * e + 9.81 * h * h / 8.0 + 1e-9);
   CHECK(height >= 0.98 * e * e);
 }
 

@@ -48,7 +48,7 @@ struct Swing {
 };
 
 Swing swing(Chain& chain, int substeps) {
-  Solver solver({.substeps = substeps});
+  Solver solver({.substeps = substeps, .sleep_after = 0.0});
   Swing result;
   const double start = chain.world.mechanical_energy();
   for (int i = 0; i < 300; ++i) {

@@ -68,7 +68,7 @@ TEST_CASE("ball_joint: a rod keeps its energy within 1 % over 5 s, at any amplit
           "[pbd][analytic]") {
   for (const double amplitude : {10.0, 90.0, 170.0}) {
     Pendulum pendulum(amplitude * kPi / 180.0);
-    Solver solver;
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
     const double start = pendulum.world.mechanical_energy();
     // Of what swings: from the turning point down to the lowest.
     const double scale = start + kGravity * Pendulum::kDistance;
@@ -84,7 +84,7 @@ TEST_CASE("ball_joint: a rod's period is that of the elliptic integral", "[pbd][
   for (const double amplitude : {10.0, 90.0, 150.0}) {
     Pendulum pendulum(amplitude * kPi / 180.0);
     const double w0 = std::sqrt(kGravity * Pendulum::kDistance / pendulum.inertia());
-    Solver solver;
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
     std::vector<double> angles;
     run(pendulum.world, solver, 10.0, [&] { angles.push_back(pendulum.angle()); });
     const double period = pendulum_period(w0, amplitude * kPi / 180.0);
@@ -101,7 +101,7 @@ TEST_CASE("ball_joint: the force of a hanging body is its weight", "[pbd][analyt
   auto& joints = world.add_block<BallJoints>();
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -1.0)));
   const ConstraintId id = joints.add(world, ball_joint_at(world, {}, body, Vec3::Zero()));
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 1.0);
   CHECK((joints.at(id).force() - Vec3(0.0, 0.0, 2.0 * kGravity)).norm() < 1e-6);
   CHECK((world.pose(body).position - Vec3(0.0, 0.0, -1.0)).norm() < 1e-6);
@@ -116,7 +116,7 @@ TEST_CASE("ball_joint: a compliant one stretches by F times its compliance", "[p
     def.compliance = compliance;
     def.damping = 0.7 * std::sqrt(2.0 / compliance);
     joints.add(world, def);
-    Solver solver;
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
     run(world, solver, 4.0);
     const double stretch = -1.0 - world.pose(body).position.z();
     CHECK(stretch == Approx(2.0 * kGravity * compliance).epsilon(1e-6));
@@ -131,7 +131,7 @@ TEST_CASE("ball_joint: an infinitely soft one leaves the motion alone", "[pbd][u
   const BodyId body = with.add_body(def);
   without.add_body(def);
   joints.add(with, {.b = body, .anchor_b_l = Vec3(0.1, 0.0, 0.0), .compliance = 1e15});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(with, solver, 1.0);
   run(without, solver, 1.0);
   CHECK((with.pose(body).position - without.pose(body).position).norm() < 1e-12);
@@ -176,7 +176,7 @@ TEST_CASE("ball_joint: stretched, it keeps angular momentum to first order in th
     FreePair pair(kHalf, 1e-4);
     const Vec3 p = linear_momentum(pair.world);
     const Vec3 l = angular_momentum(pair.world);
-    Solver solver({.substeps = substeps});
+    Solver solver({.substeps = substeps, .sleep_after = 0.0});
     double largest = 0.0;
     run(pair.world, solver, 5.0,
         [&] { largest = std::max(largest, (angular_momentum(pair.world) - l).norm()); });
@@ -190,7 +190,7 @@ TEST_CASE("ball_joint: stretched, it keeps angular momentum to first order in th
 
 TEST_CASE("ball_joint: a free pair keeps its energy", "[pbd][analytic]") {
   FreePair pair(Vec3(0.1, 0.2, 0.3));
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   solver.step(pair.world, kFrame);  // the anchors' velocities agree from here on
   const double energy = pair.world.kinetic_energy();
   double worst = 0.0;
@@ -202,7 +202,7 @@ TEST_CASE("ball_joint: a free pair keeps its energy", "[pbd][analytic]") {
 TEST_CASE("ball_joint: the order of the two bodies does not matter", "[pbd][unit]") {
   FreePair one(Vec3(0.1, 0.2, 0.3));
   FreePair two(Vec3(0.1, 0.2, 0.3), 0.0, true);
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(one.world, solver, 1.0);
   run(two.world, solver, 1.0);
   for (const BodyId id : {one.a, one.b}) {
@@ -228,7 +228,7 @@ TEST_CASE("ball_joint: a kinematic side drags, a static side holds, two of them 
   const ConstraintId on_cart =
       joints.add(world, ball_joint_at(world, b, cart, Vec3(0.0, 3.0, 0.0)));
   const ConstraintId both = joints.add(world, ball_joint_at(world, wall, cart, Vec3::Zero()));
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 1.0);
   CHECK(world.pose(wall).position.norm() == 0.0);
   CHECK((world.pose(cart).position - Vec3(1.0, 3.0, 0.0)).norm() < 1e-12);
@@ -244,7 +244,7 @@ TEST_CASE("ball_joint: parts that start apart come together without gaining ener
   const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
   const BodyId b = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
   const ConstraintId id = joints.add(world, {.a = a, .b = b});  // centre on centre, 1 m apart
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   const StepReport& report = solver.step(world, kFrame);
   CHECK(report.status == StepStatus::Ok);
   CHECK(report.blocks[0].residual < 1e-6);

@@ -76,7 +76,7 @@ TEST_CASE("distance_joint: a spring is implicit Euler to rounding, damped or not
     for (const int substeps : {1, 10}) {
       Oscillator scene(500.0, damping, 0.1);
       ImplicitSpring exact{.mass = 2.0, .stiffness = 500.0, .damping = damping, .x = 0.1};
-      Solver solver({.substeps = substeps});
+      Solver solver({.substeps = substeps, .sleep_after = 0.0});
       for (int i = 0; i < 120; ++i) {
         solver.step(scene.world, kFrame);
         for (int k = 0; k < substeps; ++k) exact.step(kFrame / substeps);
@@ -96,7 +96,7 @@ TEST_CASE("distance_joint: a free pair swings with the period of its reduced mas
   const BodyId b = world.add_body(box_def(3.0, kHalf, Vec3(1.1, 0.0, 0.0)));
   const double k = 40.0;
   joints.add(world, {.a = a, .b = b, .rest_length = 1.0, .compliance = 1.0 / k});
-  Solver solver({.substeps = 100});
+  Solver solver({.substeps = 100, .sleep_after = 0.0});
   std::vector<double> stretch;
   run(world, solver, 4.0,
       [&] { stretch.push_back((world.pose(b).position - world.pose(a).position).norm() - 1.0); });
@@ -119,7 +119,8 @@ TEST_CASE("distance_joint: stretch under load is F / k, whatever the iterations"
                  {.b = body, .rest_length = 1.0, .compliance = 1.0 / 400.0, .damping = 40.0});
       Solver solver({.position_iterations = position_iterations,
                      .joint_iterations = joint_iterations,
-                     .joint_tolerance = 0.0});
+                     .joint_tolerance = 0.0,
+                     .sleep_after = 0.0});
       run(world, solver, 5.0);
       INFO(joint_iterations << " joint, " << position_iterations << " position iterations");
       CHECK(std::abs(-world.pose(body).position.z() - 1.0 - 2.0 * kGravity / 400.0) < 1e-9);
@@ -139,7 +140,8 @@ TEST_CASE("distance_joint: springs in series carry each the weight below it", "[
         {.a = upper, .b = lower, .rest_length = 1.0, .compliance = 1.0 / 250.0, .damping = 30.0});
     Solver solver({.position_iterations = position_iterations,
                    .joint_iterations = 200,
-                   .joint_tolerance = 1e-15});
+                   .joint_tolerance = 1e-15,
+                   .sleep_after = 0.0});
     run(world, solver, 5.0);
     const double sag_upper = 3.0 * kGravity / 400.0;
     const double sag_lower = sag_upper + 1.0 * kGravity / 250.0;
@@ -154,7 +156,7 @@ TEST_CASE("distance_joint: force() is Hooke's force and has a sign", "[pbd][anal
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -1.0)));
   const ConstraintId id = joints.add(
       world, {.b = body, .rest_length = 1.0, .compliance = 1.0 / 400.0, .damping = 60.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 8.0);
   // Stretched by the weight, it pulls: negative.
   CHECK(joints.at(id).force() == Approx(-2.0 * kGravity).epsilon(1e-6));
@@ -168,7 +170,7 @@ TEST_CASE("distance_joint: an infinitely soft spring leaves the motion alone", "
   const BodyId body = with.add_body(def);
   without.add_body(def);
   joints.add(with, {.b = body, .anchor_b_l = Vec3(0.1, 0.0, 0.0), .compliance = 1e15});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(with, solver, 1.0);
   run(without, solver, 1.0);
   CHECK((with.pose(body).position - without.pose(body).position).norm() < 1e-12);
@@ -179,7 +181,7 @@ TEST_CASE("distance_joint: without compliance it is a rod", "[pbd][unit]") {
   auto& joints = world.add_block<DistanceJoints>();
   const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
   joints.add(world, {.b = body, .rest_length = 1.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   const double energy = world.mechanical_energy();
   double worst = 0.0;
   double worst_energy = 0.0;
@@ -196,7 +198,7 @@ TEST_CASE("distance_joint: a rod that starts too long or too short comes to its 
           "[pbd][unit]") {
   for (const double rest : {0.4, 0.8}) {
     FreePair pair(kHalf, rest, 0.0, 0.0);
-    Solver solver;
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
     const StepReport& report = solver.step(pair.world, kFrame);
     INFO("rest length " << rest);
     CHECK(std::abs(pair.length() - rest) < 1e-5);
@@ -240,7 +242,7 @@ TEST_CASE("distance_joint: linear and angular momentum of a free pair are kept",
     FreePair pair(kHalf, 0.8, compliance, compliance > 0.0 ? 2.0 : 0.0);
     const Vec3 p = linear_momentum(pair.world);
     const Vec3 l = angular_momentum(pair.world);
-    Solver solver;
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
     run(pair.world, solver, 5.0);
     INFO("compliance " << compliance);
     CHECK((linear_momentum(pair.world) - p).norm() < 1e-12);
@@ -252,7 +254,7 @@ TEST_CASE("distance_joint: the order of the two bodies does not matter", "[pbd][
   for (const double compliance : {0.0, 1e-3}) {
     FreePair one(kHalf, 0.8, compliance, 1.0);
     FreePair two(kHalf, 0.8, compliance, 1.0, true);
-    Solver solver;
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
     run(one.world, solver, 1.0);
     run(two.world, solver, 1.0);
     for (const BodyId id : {one.a, one.b}) {
@@ -274,7 +276,7 @@ TEST_CASE("distance_joint: against an immovable side only the other one moves", 
   joints.add(world, {.a = wall, .b = a, .rest_length = 1.0});
   joints.add(world, {.a = b, .b = cart, .rest_length = 1.0});
   joints.add(world, {.a = wall, .b = cart, .rest_length = 1.0});  // neither can move
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 1.0);
   CHECK(world.pose(wall).position.norm() == 0.0);
   CHECK((world.pose(cart).position - Vec3(1.0, 3.0, 0.0)).norm() < 1e-12);
@@ -288,7 +290,7 @@ TEST_CASE("distance_joint: points that coincide have no direction and do no harm
   const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
   const BodyId b = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
   joints.add(world, {.a = a, .b = b, .rest_length = 0.5});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   CHECK(solver.step(world, kFrame).status == StepStatus::Ok);
   CHECK((world.pose(a).position.norm() == 0.0 && world.pose(b).position.norm() == 0.0));
   world.set_pose(b, {Vec3(1e-3, 0.0, 0.0), Quat::Identity()});  // now there is one
@@ -335,7 +337,7 @@ TEST_CASE("distance_joint: a rope is slack up to its length and holds there", "[
   auto& joints = world.add_block<DistanceJoints>();
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -0.5)));
   const ConstraintId id = joints.add(world, {.b = body, .elastic = false, .max_length = 1.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 0.25);
   CHECK(world.twist(body).linear.z() == Approx(-0.25 * kGravity).epsilon(1e-9));
   CHECK(joints.at(id).force() == 0.0);
@@ -355,7 +357,7 @@ TEST_CASE("distance_joint: a spring stops at the ends of its range", "[pbd][anal
   const ConstraintId id = joints.add(
       world,
       {.b = body, .rest_length = 1.0, .compliance = 0.1, .min_length = 0.9, .max_length = 1.2});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   double longest = 0.0;
   run(world, solver, 3.0, [&] { longest = std::max(longest, -world.pose(body).position.z()); });
   CHECK(longest == Approx(1.2).margin(1e-9));

@@ -13,7 +13,7 @@ TEST_CASE("joint chain: 50 links and a ball of any mass swing down without parti
   for (const double mass : {1.0, 100.0, 1000.0, 1e5}) {
     for (const double compliance : {0.0, 1e-12}) {
       Rope rope(50, mass, compliance);
-      Solver solver({.substeps = 4});
+      Solver solver({.substeps = 4, .sleep_after = 0.0});
       const double energy = rope.world.mechanical_energy();
       double drift = 0.0;
       double separation = 0.0;
@@ -43,7 +43,7 @@ TEST_CASE("joint chain: the ball is where the equations of motion put it",
                            Vec3(-9.84316, 0.0, -2.99100), Vec3(-10.25605, 0.0, -0.22315),
                            Vec3(-7.87329, 0.0, -6.62080)};
   Rope rope(50, 1000.0);
-  Solver solver({.substeps = 4});
+  Solver solver({.substeps = 4, .sleep_after = 0.0});
   for (const Vec3& position : expected) {
     run(rope.world, solver, 1.0);
     CHECK((rope.world.pose(rope.bodies.back()).position - position).norm() < 0.05);
@@ -62,7 +62,7 @@ TEST_CASE("joint chain: hanging, each joint carries what is below it", "[pbd][jo
         world, ball_joint_at(world, before, link, Vec3(0.0, 0.0, -0.2 * i), Vec3::UnitX())));
     before = link;
   }
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 0.5);
   for (int i = 0; i < 8; ++i) {
     const Vec3 weight(0.0, 0.0, kGravity * (8 - i));
@@ -169,7 +169,7 @@ TEST_CASE("joint chain: a rope between two hooks hangs as a catenary", "[pbd][jo
   BallJointDef hook = ball_joint_at(world, {}, before, points.back(), Vec3::UnitX());
   hook.frame_b.anchor = Vec3(0.1, 0.0, 0.0);
   joints.add(world, hook);
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   double mean = 0.0;
   int samples = 0;
   run(world, solver, 10.0, [&] {
@@ -193,7 +193,7 @@ TEST_CASE("joint chain: constraints that contradict each other stay bounded and 
   joints.add(world,
              SixDofJointDef(BallJointDef{
                  .b = box, .frame_a = {Vec3(1.0, 0.0, 0.0)}, .frame_b = {Vec3(0.5, 0.0, 0.0)}}));
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   bool finite = true;
   run(world, solver, 3.0, [&] { finite = finite && world.pose(box).position.allFinite(); });
   CHECK(finite);
@@ -217,7 +217,7 @@ TEST_CASE("joint chain: a slider-crank stays closed", "[pbd][joint][analytic]") 
   ids.push_back(joints.add(world, hinge_joint_at(world, rod, piston, Vec3(1.1, 0.0, 0.0), y)));
   ids.push_back(
       joints.add(world, slider_joint_at(world, {}, piston, Vec3(1.1, 0.0, 0.0), Vec3::UnitX())));
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   double closure = 0.0;
   double error = 0.0;
   run(world, solver, 10.0, [&] {
@@ -243,7 +243,7 @@ TEST_CASE("joint chain: a heavy top keeps its energy", "[pbd][joint][analytic]")
   def.twist = {Vec3::Zero(), 20.0 * up};
   const BodyId top = world.add_body(def);
   joints.add(world, ball_joint_at(world, {}, top, Vec3::Zero(), Vec3::UnitZ()));
-  Solver solver({.substeps = 20});
+  Solver solver({.substeps = 20, .sleep_after = 0.0});
   const double energy = world.mechanical_energy();
   double worst = 0.0;
   run(world, solver, 10.0,
@@ -276,7 +276,7 @@ TEST_CASE("joint chain: a snapshot goes on bit for bit", "[pbd][joint][unit]") {
   World two;
   build(one);
   build(two);
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(one, solver, 0.5);
   two.restore(one.snapshot());
   run(one, solver, 0.5);

@@ -17,7 +17,8 @@ struct Mounted {
   pbd::JointId joint;
   pbd::Solver solver;
 
-  explicit Mounted(const pbd::WorldDef& def = weightless(), const pbd::SolverOptions& options = {})
+  explicit Mounted(const pbd::WorldDef& def = weightless(),
+                   const pbd::SolverOptions& options = {.substeps = 10, .sleep_after = 0.0})
       : world(def), joints(&world.add_block<pbd::JointBlock>()), solver(options) {}
   void add_box(double mass, const Vec3& position, const Quat& q = Quat::Identity()) {
     body = world.add_body(box_def(mass, kHalf, position, q));

@@ -24,7 +24,7 @@ TEST_CASE("tether: a body hangs m g / k below its anchor", "[pbd][analytic]") {
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, 1.0)));
   const ConstraintId id = tethers.add(
       world, {.body = body, .anchor_w = Vec3(0.0, 0.0, 1.0), .stiffness = 300.0, .damping = 25.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 8.0);
   CHECK(std::abs(1.0 - world.pose(body).position.z() - 2.0 * kGravity / 300.0) < 1e-9);
   CHECK((tethers.at(id).force() - Vec3(0.0, 0.0, 2.0 * kGravity)).norm() < 1e-6);
@@ -35,7 +35,7 @@ TEST_CASE("tether: it is an implicit spring-damper to rounding", "[pbd][analytic
   auto& tethers = world.add_block<Tethers>();
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.3, -0.2, 0.1)));
   tethers.add(world, {.body = body, .stiffness = 500.0, .damping = 20.0});
-  Solver solver({.substeps = 10});
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   std::array<ImplicitSpring, 3> exact;
   for (int i = 0; i < 3; ++i) {
     exact[i] = {
@@ -58,7 +58,7 @@ TEST_CASE("tether: its force stops at the limit", "[pbd][analytic]") {
                                               .stiffness = 1e4,
                                               .damping = 0.0,
                                               .max_force = 10.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 0.5);
   // 5 m away at 1e4 N/m: 10 N all the way, so a = F / m along (3, 4, 0) / 5.
   CHECK(tethers.at(id).force().norm() == Approx(10.0).epsilon(1e-9));
@@ -70,7 +70,7 @@ TEST_CASE("tether: a weight beyond the limit falls with what is left", "[pbd][an
   auto& tethers = world.add_block<Tethers>();
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -5.0)));
   tethers.add(world, {.body = body, .stiffness = 1e5, .damping = 0.0, .max_force = 5.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 1.0);
   CHECK(world.twist(body).linear.z() == Approx(-kGravity + 2.5).epsilon(1e-9));
 }
@@ -83,7 +83,7 @@ TEST_CASE("tether: the anchor coasts with its velocity and the body follows it w
   const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
   const ConstraintId id = tethers.add(
       world, {.body = body, .anchor_velocity = speed, .stiffness = 400.0, .damping = 40.0});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(world, solver, 3.0);
   CHECK((tethers.def(id).anchor_w - 3.0 * speed).norm() < 1e-12);
   // C is measured from the moving anchor, so an even motion is not damped.
@@ -102,7 +102,7 @@ TEST_CASE("tether: off-centre it turns the body by r x F", "[pbd][analytic]") {
                       .stiffness = 1e4,
                       .damping = 0.0,
                       .max_force = 2.0});
-  Solver solver({.substeps = 50});
+  Solver solver({.substeps = 50, .sleep_after = 0.0});
   solver.step(world, 1e-3);
   // Force 2 N along y at 0.2 m: momenta F t and r F t.
   CHECK((world.twist(body).linear - Vec3(0.0, 2e-3, 0.0)).norm() < 1e-8);
@@ -137,7 +137,7 @@ TEST_CASE("tether: the momentum that it gives is the impulse of its force", "[pb
   const BodyId body = world.add_body(box_def(1.5, kHalf, Vec3::Zero()));
   const ConstraintId id = tethers.add(
       world, {.body = body, .anchor_l = Vec3(0.1, 0.05, 0.0), .anchor_w = Vec3(0.2, 0.3, -0.1)});
-  Solver solver({.substeps = 1});
+  Solver solver({.substeps = 1, .sleep_after = 0.0});
   Vec3 impulse = Vec3::Zero();
   run(world, solver, 1.0, [&] { impulse += kFrame * tethers.at(id).force(); });
   CHECK((linear_momentum(world) - impulse).norm() < 1e-12);
@@ -149,7 +149,7 @@ TEST_CASE("tether: on a body that cannot move it is harmless", "[pbd][fault]") {
   auto& tethers = world.add_block<Tethers>();
   const BodyId wall = add_ground(world);
   const ConstraintId id = tethers.add(world, {.body = wall, .anchor_w = Vec3(1.0, 0.0, 0.0)});
-  Solver solver;
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   CHECK(solver.step(world, kFrame).status == StepStatus::Ok);
   CHECK(world.pose(wall).position.norm() == 0.0);
   CHECK(tethers.at(id).force().allFinite());

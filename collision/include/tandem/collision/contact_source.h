@@ -35,15 +35,6 @@ struct ColliderDef {
   Filter filter;
   /// Makes no contacts: ContactEvents reports what passes through it.
   bool sensor = false;
-  /// Fast and small: does not get through moving bodies either, see limit_motion().
-  bool bullet = false;
-};
-
-/// How far a body may go in the step that was just solved.
-struct MotionLimit {
-  std::uint32_t body = 0;                 ///< slot
-  double share = 1.0;                     ///< of the way from where the step began, below 1
-  pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the obstacle: no speed against it stays
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
@@ -120,12 +111,13 @@ class CollisionScene : public pbd::ContactSource {
   /// The last word against tunnelling: bodies whose middle would get through something, whatever
   /// the contacts did. Of each collider that moved further than a quarter of its least extent the
   /// ball of that size in its middle is cast along the way; immovable colliders stop it, and moving
-  /// ones where it is a bullet. Where the step began is where the last collect() saw the bodies.
+  /// ones where its body is a bullet. Where the step began is where the last collect() saw the
+  /// bodies.
   /// @param after   poses at the end of the step, by body slot
   /// @param limits  set to the bodies that have to stop on the way, ascending, each once
   /// Allocates only where `limits` or scratch grow.
-  void limit_motion(std::span<const pbd::Pose> after, pbd::Workers& workers,
-                    std::vector<MotionLimit>& limits);
+  void limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
+                    pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) override;
 
   /// Removes the body's colliders.
   void remove_body(pbd::BodyId body) override;

@@ -106,7 +106,7 @@ inline double arm_blend(const SolverBody& body, double lambda, const Vec3& r) {
 /// Angular velocity (rad/s) that keeps the angular momentum of the predicted pose once corrections
 /// have turned the body on, R = rotation by dtheta: w = R I^-1 R^T I w. Without it a fast top loses
 /// its spin to the joint that holds it, since its inertia turns with it.
-/// @pre after derive_velocities; `inv_inertia_w` is that of the predicted pose
+/// @pre w includes dtheta / h; `inv_inertia_w` is that of the predicted pose
 inline Vec3 transported_spin(const SolverBody& body) {
   const Mat3& inv = body.inv_inertia_w;
   const double mean = inv.trace() / 3.0;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tandem/pbd/body.h"
@@ -43,6 +44,13 @@ struct Manifold {
   std::array<ManifoldPoint, kMaxPoints> points;
 };
 
+/// How far a body may go in the step that was just solved.
+struct MotionLimit {
+  std::uint32_t body = 0;       ///< slot
+  double share = 1.0;           ///< of the way from where the step began, below 1
+  Vec3 normal = Vec3::UnitZ();  ///< unit, out of the obstacle: no speed against it stays
+};
+
 /// Anything that finds contacts. pbd knows no shapes; `collision` implements this.
 class ContactSource {
  public:
@@ -54,6 +62,14 @@ class ContactSource {
   /// @param workers  may share the work; what is found must not depend on how many they are
   virtual void collect(const World& world, double dt, Workers& workers,
                        std::vector<Manifold>& out) = 0;
+
+  /// The last word against tunnelling: called with the poses (by slot) at the end of a step, before
+  /// they become the world's. Sets `limits` to the bodies that have to stop on their way, each
+  /// once.
+  virtual void limit_motion(const World& /*world*/, std::span<const Pose> /*after*/,
+                            Workers& /*workers*/, std::vector<MotionLimit>& limits) {
+    limits.clear();
+  }
 
   /// A body is about to leave the world.
   virtual void remove_body(BodyId body) = 0;

@@ -37,11 +37,12 @@ struct ConsensusEnergy {
 struct StepReport {
   StepStatus status = StepStatus::Ok;
   BodyId first_bad_body;  ///< valid where status is NonFinite
-  int substeps = 0;  ///< of the group that had most
+  int substeps = 0;       ///< of the group that had most
   int bodies = 0;
   int targets = 0;
-  int awake = 0;   ///< bodies that were solved
-  int groups = 0;  ///< of islands with different numbers of substeps
+  int awake = 0;                              ///< bodies that were solved
+  int stopped = 0;                            ///< bodies that would have got through something
+  int groups = 0;                             ///< of islands with different numbers of substeps
   int velocity_iterations = 0;                ///< over all substeps
   std::array<double, kStageCount> stage_s{};  ///< wall time of each stage, s
   std::vector<BlockReport> blocks;            ///< rows and residuals, in solve order

@@ -41,13 +41,13 @@ struct SolverOptions {
   /// Share of blocked displacement that brakes a body held off its target, 0 to 1; 0 switches off.
   double leak = 0.25;
   ContactOptions contact;
-  /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast) more
-  /// substeps, 2 to 32 times as many, for as long as they do.
+  /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast)
+  /// more substeps, 2 to 32 times as many, for as long as they do.
   bool refine = true;
   /// s: an island that rests on something for so long sleeps until it is disturbed; 0 = never.
   double sleep_after = 0.5;
-  double sleep_speed = 0.03;  ///< m/s: slower bodies may rest
-  double sleep_spin = 0.05;   ///< rad/s
+  double sleep_speed = 0.01;  ///< m/s: slower bodies may rest
+  double sleep_spin = 0.02;   ///< rad/s
   /// Threads that share the work of a stage, 1 to 64. The result has the same bits for any number.
   int threads = 1;
   /// Read the clock around each stage.
