@@ -64,7 +64,7 @@ struct Wall {
 /// Steps `with` beside `without`; each target follows the body of `without`, `offset` away from it.
 double run_beside(Scene& with, Scene& without, double share, const Vec3& offset, double seconds) {
   with.world.set_target_source(&with.source);
-  Solver solver({.sleep_after = 0.0});
+  Solver solver({.substeps = 10, .sleep_after = 0.0});
   double largest = 0.0;
   const int steps = static_cast<int>(std::lround(seconds / kFrame));
   for (int k = 0; k < steps; ++k) {
