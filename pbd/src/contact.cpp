@@ -23,12 +23,16 @@ constexpr double kPushSlop = 0.05;
 /// Sweeps over overlaps in a substep: one, or up to this many in islands that are hard to solve.
 constexpr int kPushSweeps = 8;
 
-/// A body that carries n times its weight (a tall stack, a heavy body on a light one) wants this
-/// many times n substeps, and one of the size r wants them shorter than this share of the time in
-/// which it topples, sqrt(r / g): pebbles of a millimetre rock otherwise. Up to a limit.
-constexpr double kSubstepsPerLoad = 4.0 / 25.0;
+/// An island whose contacts carry n times the weight of the lighter body (rms: a tall stack, a
+/// heavy body on a light one) wants this many times n substeps; a body of the size r wants them
+/// shorter than this share of the time in which it topples, sqrt(r / g): pebbles of a millimetre
+/// rock otherwise. Up to a limit.
+constexpr double kSubstepsPerLoad = 4.0 / 11.0;
 constexpr double kFallShare = 0.08;
 constexpr double kMost = 32.0;
+/// Contacts of an island beyond which it is left as it is: a heap of thousands would cost too much.
+constexpr std::uint32_t kWorthRefining = 2000;
+constexpr double kStanding = 0.5;  ///< m/s, rms
 
 /// Rows given to a worker at a time.
 constexpr std::size_t kGrain = 64;
@@ -235,22 +239,29 @@ void ContactBlock::end_step(const SubstepContext& ctx) {
 void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
   const double gravity = ctx.gravity.norm();
   if (!(gravity > 0.0)) return;
+  std::vector<IslandLoad>& loads = impl_->loads;
+  loads.assign(ctx.bodies.size(), {});
   for (const Contact& contact : impl_->contacts) {
-    // An impact is no load: it is over before more substeps could help.
-    if (contact.approach_speed > 2.0 * gravity * ctx.h) continue;
     const std::uint32_t a = contact.manifold.body_a;
     const std::uint32_t b = contact.manifold.body_b;
-    const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
-    double load = 0.0;
-    for (const double force : contact.force) load += force;
-    const double ratio = load * lightness / gravity;
     const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
+    IslandLoad& island = loads[ctx.bodies[movable].island];
+    ++island.contacts;
+    // An impact is no load, and only what stands can fall.
+    if (!impl_->convergence.stands(ctx.bodies[movable].island, kStanding)) continue;
+    const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
+    const double load = contact.impulse / ctx.h;  // N, mean of the step
+    island.ratio2 += load * load * lightness * lightness / (gravity * gravity);
     const ManifoldPoint& point = contact.manifold.points[0];
     const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
     const double for_size = ctx.h / (kFallShare * std::sqrt(arm / gravity));
-    const double count = std::min(kMost, std::max(kSubstepsPerLoad * ratio, for_size));
-    wanted[movable] = std::max(wanted[movable], count);
+    wanted[movable] = std::max(wanted[movable], std::min(kMost, for_size));
+  }
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    if (loads[i].contacts == 0 || loads[i].contacts > kWorthRefining) continue;
+    const double ratio = std::sqrt(loads[i].ratio2 / loads[i].contacts);
+    wanted[i] = std::max(wanted[i], std::min(kMost, kSubstepsPerLoad * ratio));
   }
 }
 

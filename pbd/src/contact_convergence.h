@@ -31,6 +31,10 @@ class ContactConvergence {
   int run(const Rule& rule, std::uint32_t first, std::uint32_t last, bool reverse,
           std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
 
+  /// Whether the island moves no faster (rms, at the start of the step) than `speed`, m/s.
+  bool stands(std::uint32_t island, double speed) const {
+    return islands_[island].speed2 <= speed * speed * islands_[island].bodies;
+  }
   /// Whether the island was not solved by the first sweep at some time in this step.
   bool was_hard(std::uint32_t island) const { return islands_[island].hard; }
 

@@ -30,6 +30,12 @@ struct TotalRow {
   std::array<double, 4> lambda{};                   ///< N s^2
 };
 
+/// How heavily the contacts of an island are loaded.
+struct IslandLoad {
+  double ratio2 = 0.0;  ///< sum of (load / weight of the lighter body)^2
+  std::uint32_t contacts = 0;
+};
+
 struct ContactBlock::Impl {
   std::vector<Contact> contacts;
   std::vector<CarriedContact> carried;
@@ -39,7 +45,8 @@ struct ContactBlock::Impl {
   ContactOrder order;
   ContactConvergence convergence;
   ContactOptions options;
-  int extra_rows = 0;  ///< rows swept again in this step
+  std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body
+  int extra_rows = 0;             ///< rows swept again in this step
   double residual = 0.0;
   double total_residual = 0.0;
 

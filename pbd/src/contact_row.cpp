@@ -12,7 +12,7 @@ namespace tandem::pbd {
 namespace {
 
 /// Sweeps of the inner solve of one manifold; it stops earlier where it has converged.
-constexpr int kInnerSweeps = 8;
+constexpr int kInnerSweeps = 6;
 /// Relative change below which it has.
 constexpr double kInnerTolerance = 1e-3;
 
@@ -65,14 +65,11 @@ double solve_points(const ContactRow& row, std::array<double, 4>& z, std::array<
   for (int sweep = 0; sweep < kInnerSweeps; ++sweep) {
     double largest = 0.0;
     for (int i = 0; i < n; ++i) {
-      const double diagonal = row.mobility[i][i];
-      if (!(diagonal > 0.0)) continue;
-      const double change = std::max(-z[i], -e[i] / diagonal);
-      if (change == 0.0) continue;
+      const double change = std::max(-z[i], -e[i] * row.mass[i]);
       z[i] += change;
       dz[i] += change;
       for (int j = 0; j < n; ++j) e[j] += row.mobility[i][j] * change;
-      largest = std::max(largest, std::abs(change) * diagonal);
+      largest = std::max(largest, std::abs(change) * row.mobility[i][i]);
     }
     if (sweep == 0) first = largest;
     if (n == 1 || largest <= kInnerTolerance * first) break;
@@ -157,6 +154,9 @@ void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < 4; ++j) row.mobility[i][j] += row.idle[i] * row.idle[j];
     }
+  }
+  for (int i = 0; i < m.count; ++i) {
+    row.mass[i] = row.mobility[i][i] > 0.0 ? 1.0 / row.mobility[i][i] : 0.0;
   }
   if (row.rubs) prepare_friction(contact, arms, a, b, row);
 }

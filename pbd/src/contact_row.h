@@ -32,6 +32,7 @@ struct alignas(64) ContactRow {
   std::array<Vec3, 4> rn_a;  ///< m, arm x normal
   std::array<Vec3, 4> rn_b;
   std::array<std::array<double, 4>, 4> mobility{};  ///< 1/kg, J M^-1 J^T, plus idle idle^T
+  std::array<double, 4> mass{};  ///< kg, of each point alone; 0 where nothing can move
 
   // Friction, at the centre of pressure.
   std::array<Vec3, 2> tangent;

@@ -12,8 +12,8 @@ namespace {
 
 /// Substeps are doubled this often at most.
 constexpr std::uint8_t kMaxLevel = 5;
-/// Steps that must have been easy before an island gets fewer substeps again.
-constexpr std::uint16_t kCalmSteps = 30;
+/// Steps in a row that must have been easy before an island gets fewer substeps again.
+constexpr int kCalmSteps = 8;
 
 /// A body that a remote peer sees further away than this is not at rest: m and rad.
 constexpr double kRestingDistance = 1e-3;
@@ -126,8 +126,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
                       bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin;
     activity[i].still = slow ? activity[i].still + dt : 0.0;
-    island.sleepy =
-        island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
+    island.sleepy = island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
   }
   if (rule.sleep_after > 0.0) {
     Holder holder(islands_, bodies);
@@ -138,14 +137,12 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     const Island& island = islands_[islands.of()[i]];
     std::uint8_t level = 0;
     while (level < kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
+    activity[i].level = std::max(level, island.level);
     if (level >= island.level) {
-      activity[i].level = level;
       activity[i].calm = 0;
     } else if (++activity[i].calm >= kCalmSteps) {
       activity[i].level = static_cast<std::uint8_t>(island.level - 1);
       activity[i].calm = 0;
-    } else {
-      activity[i].level = island.level;
     }
     if (rule.sleep_after == 0.0 || !island.sleepy || !island.held) continue;
     activity[i].awake = false;

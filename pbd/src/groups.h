@@ -26,10 +26,10 @@ struct Group {
 class Groups {
  public:
   struct Rule {
-    int substeps = 0;            ///< at level 0
-    double sleep_after = 0.0;    ///< s, 0 = never
-    double sleep_speed = 0.0;    ///< m/s
-    double sleep_spin = 0.0;     ///< rad/s
+    int substeps = 0;          ///< at level 0
+    double sleep_after = 0.0;  ///< s, 0 = never
+    double sleep_speed = 0.0;  ///< m/s
+    double sleep_spin = 0.0;   ///< rad/s
   };
 
   /// Wake what is disturbed, put the others into groups by level and write each body's island and

@@ -79,7 +79,7 @@ struct BodyProps {
 struct BodyActivity {
   bool awake = true;
   std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
-  std::uint16_t calm = 0;  ///< steps for which a lower level would have done
+  std::uint16_t calm = 0;  ///< steps in a row for which a lower level would have done
   double still = 0.0;      ///< s for which it has been slow
 };
 

@@ -30,7 +30,7 @@ struct ContactOptions {
   /// in a substep, or below `moving_tolerance` times its rms speed.
   int extra_sweeps = 8;
   double resting_tolerance = 0.01;
-  double moving_tolerance = 0.05;
+  double moving_tolerance = 0.2;
   /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.
   double clean_up_slop = 5e-3;
   /// Impacts slower than this many times |gravity| * h do not bounce.
