@@ -35,7 +35,7 @@ struct alignas(64) SolverBody {
   Vec3 v_push = Vec3::Zero();
   Vec3 w_push = Vec3::Zero();
   double gravity_scale = 0.0;  ///< of the world's gravity; 0 where it cannot move
-  std::uint32_t island = 0;  ///< lowest index of a body of its island
+  std::uint32_t island = 0;    ///< lowest index of a body of its island
   /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable, asleep.
   std::uint32_t group = kNoGroup;
   bool total = false;  ///< takes part in the total channel in this step

@@ -146,7 +146,7 @@ class World {
   std::vector<std::uint32_t> free_;
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
-  std::vector<BodyActivity> activity_;        ///< by slot
+  std::vector<BodyActivity> activity_;    ///< by slot
   std::vector<Wrench> wrenches_;          ///< by slot, for the next step; empty where none acts
   std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
