@@ -142,7 +142,8 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .gravity = ctx.gravity};
-  const auto [first, last] = m.order.range(ctx.group);
+  const std::uint32_t first = m.order.range(ctx.group).first;
+  const std::uint32_t last = m.order.range(ctx.group).second;
   ctx.workers->for_chunks(last - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = first + begin; k < first + end; ++k) {
       ContactRow& row = m.rows[k];
@@ -169,7 +170,8 @@ void ContactBlock::warm_start(const SubstepContext& ctx) {
 
 double ContactBlock::project(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const auto [first, last] = m.order.range(ctx.group);
+  const std::uint32_t first = m.order.range(ctx.group).first;
+  const std::uint32_t last = m.order.range(ctx.group).second;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, ctx.bodies);
   });
@@ -202,7 +204,8 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const auto [first, last] = m.order.range(ctx.group);
+  const std::uint32_t first = m.order.range(ctx.group).first;
+  const std::uint32_t last = m.order.range(ctx.group).second;
   ctx.workers->for_chunks(last - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = first + begin; k < first + end; ++k) {
       ContactRow& row = m.rows[k];
