@@ -16,23 +16,12 @@ constexpr std::string_view kWhip = "goes slack and whips, which the substeps do 
 constexpr std::string_view kSpin = "turning by w h is of first order in the torque";
 constexpr std::string_view kPile =
     "the contacts' multipliers do not converge at the default setting";
-constexpr std::string_view kBullet = "contacts are found once for each step";
 constexpr Known kKnown[] = {
-    {"Dzhanibekov flip, 20 rad/s", "angular momentum drift", kSpin},
-    {"heavy top, 20 rad/s", "", kSpin},
+    {"heavy top, 20 rad/s", "axial angular momentum drift", kSpin},
     {"Newton's cradle", "", "contacts are solved together, so the middle balls share the blow"},
-    {"chain of 20, end 100 links, dropped", "", kWhip},
-    {"chain of 50, end 1 link, dropped", "", kWhip},
-    {"chain of 50, end 1000 links, dropped", "", kWhip},
-    {"masses 1 to 10000 kg, light below", "top error", kPile},
-    {"pyramid of base 15", "drift", kPile},
+    {"chain of 20, end 100 links, dropped", "energy growth", kWhip},
+    {"chain of 50, end 1000 links, dropped", "energy growth", kWhip},
     {"pyramid of base 30", "drift", kPile},
-    {"free spin, 1e4 rad/s", "energy growth", "turns by 17 rad in a substep"},
-    {"ball of 10 cm, 1000 m/s, wall of 1 cm", "", kBullet},
-    {"cube of 10 cm, 1000 m/s, wall of 1 cm", "", kBullet},
-    {"ball of 1 cm, 1000 m/s, wall of 1 cm", "", kBullet},
-    {"1 mm and 100 m in one scene", "drift of a small cube", kPile},
-    {"bad input", "mesh with a corner at NaN", "the message says where, not what"},
 };
 
 }  // namespace

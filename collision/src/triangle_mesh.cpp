@@ -40,7 +40,11 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vec3> ver
   if (triangles.empty()) refuse("triangles = none", "at least one");
   if (triangles.size() >= (1u << 28)) refuse("triangles = too many", "fewer than 2^28");
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!vertices[i].allFinite()) refuse("vertices[" + std::to_string(i) + "]", "finite");
+    const pbd::Vec3& v = vertices[i];
+    if (v.allFinite()) continue;
+    refuse("vertices[" + std::to_string(i) + "] = (" + std::to_string(v.x()) + ", " +
+               std::to_string(v.y()) + ", " + std::to_string(v.z()) + ")",
+           "finite");
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t v : triangles[t]) {
