@@ -63,7 +63,7 @@ const Refusal kRefusals[] = {
      }},
     {"mass of an inverted mesh", "Mesh", "-1",
      [](World&) { (void)collision::mass_properties(inverted_cube(), 1000.0); }},
-    {"mesh with a corner at NaN", "vert", "nan",
+    {"mesh with a corner at NaN", "vertices", "nan",
      [](World&) {
        const std::vector<Vec3> v{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, kNan, 0)};
        const std::vector<collision::TriangleMesh::Triangle> t{{0, 1, 2}};

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "pair_query.h"
@@ -28,24 +27,11 @@ struct ContactReading {
 };
 
 /// Calls visit(ContactReading) by ascending key. The only place that knows how pbd keeps contacts.
-template <class Block, class Visit>
-void read_contacts(const Block& block, Visit&& visit) {
-  if constexpr (requires { block.contacts(); }) {
-    for (const auto& contact : block.contacts()) {
-      visit(ContactReading{&contact.manifold, contact.loaded() || contact.impulse > 0.0,
-                           contact.approach_speed, contact.impulse});
-    }
-  } else {
-    for (const auto& row : block.rows()) {
-      ContactReading reading{&row.manifold};
-      for (int i = 0; i < row.manifold.count; ++i) {
-        if (row.lambda[i] <= 0.0) continue;
-        reading.loaded = true;
-        reading.approach_speed = std::max(reading.approach_speed, -row.speed[i]);
-        reading.impulse += std::max(0.0, row.impulse[i]);
-      }
-      visit(reading);
-    }
+template <class Visit>
+void read_contacts(const pbd::ContactBlock& block, Visit&& visit) {
+  for (const pbd::Contact& contact : block.contacts()) {
+    visit(ContactReading{&contact.manifold, contact.loaded() || contact.impulse > 0.0,
+                         contact.approach_speed, contact.impulse});
   }
 }
 

@@ -39,7 +39,9 @@ constexpr std::size_t kGrain = 64;
 
 /// What the next step wants to know of a contact.
 CarriedContact remember(const Contact& contact) {
-  CarriedContact carried{.key = contact.manifold.key,
+  CarriedContact carried{.body_a = contact.manifold.body_a,
+                         .body_b = contact.manifold.body_b,
+                         .key = contact.manifold.key,
                          .count = contact.manifold.count,
                          .force = contact.force,
                          .debt = contact.debt};
@@ -110,9 +112,10 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
   for (const Manifold& manifold : manifolds) {
     Contact& contact = contacts.emplace_back();
     contact.manifold = manifold;
-    while (j < carried.size() && carried[j].key < manifold.key) ++j;
-    if (j < carried.size() && carried[j].key == manifold.key) carry(carried[j], contact);
+    while (j < carried.size() && carried[j].key < manifold.key) impl_->note_lost(carried[j++]);
+    if (j < carried.size() && carried[j].key == manifold.key) carry(carried[j++], contact);
   }
+  while (j < carried.size()) impl_->note_lost(carried[j++]);
   manifolds.clear();
 }
 
@@ -237,6 +240,11 @@ void ContactBlock::end_step(const SubstepContext& ctx) {
       if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
     }
   }
+}
+
+void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
+  bodies.insert(bodies.end(), impl_->changed.begin(), impl_->changed.end());
+  impl_->changed.clear();
 }
 
 void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {

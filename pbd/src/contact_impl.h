@@ -13,6 +13,8 @@ namespace tandem::pbd {
 
 /// What is kept of a contact while the next step's are made.
 struct CarriedContact {
+  std::uint32_t body_a = 0;
+  std::uint32_t body_b = 0;
   std::uint64_t key = 0;
   int count = 0;
   std::array<std::uint32_t, 4> feature{};
@@ -39,6 +41,7 @@ struct IslandLoad {
 struct ContactBlock::Impl {
   std::vector<Contact> contacts;
   std::vector<CarriedContact> carried;
+  std::vector<std::uint32_t> changed;        ///< bodies that lost a load, until the next step
   std::vector<ContactRow> rows;              ///< by place in the order
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
   std::vector<double> changes;  ///< m/s, by place: of a normal velocity in the last sweep
@@ -49,6 +52,13 @@ struct ContactBlock::Impl {
   int extra_rows = 0;             ///< rows swept again in this step
   double residual = 0.0;
   double total_residual = 0.0;
+
+  /// A contact without a successor: what it held up has to wake.
+  void note_lost(const CarriedContact& lost) {
+    if (*std::max_element(lost.force.begin(), lost.force.end()) <= 0.0) return;
+    changed.push_back(lost.body_a);
+    changed.push_back(lost.body_b);
+  }
 
   double largest_change(std::uint32_t group) const {
     const auto [first, last] = order.range(group);

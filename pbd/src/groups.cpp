@@ -3,6 +3,7 @@
 #include "groups.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tandem/pbd/math.h"
@@ -93,24 +94,29 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
     group.bodies.clear();
     group.locked = false;
   }
+  std::array<bool, kMaxLevel + 1> used{};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Island& island = islands_[bodies[i].island];
+    if (bodies[i].inv_mass > 0.0 && island.awake) used[island.level] = true;
+  }
+  std::array<std::uint32_t, kMaxLevel + 1> group_of{};
   count_ = 0;
   for (std::uint8_t level = 0; level <= kMaxLevel; ++level) {
-    bool any = false;
+    if (!used[level]) continue;
     if (count_ == groups_.size()) groups_.emplace_back();
-    Group& group = groups_[count_];
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Island& island = islands_[bodies[i].island];
-      if (bodies[i].inv_mass == 0.0 || !island.awake || island.level != level) continue;
-      any = true;
-      bodies[i].group = static_cast<std::uint32_t>(count_);
-      if (!activity[i].awake) activity[i].still = 0.0;
-      activity[i].awake = true;
-      group.bodies.push_back(i);
-      group.locked = group.locked || props[i].locks.any();
-    }
-    group.level = level;
-    group.substeps = rule.substeps << level;
-    if (any) ++count_;
+    groups_[count_].level = level;
+    groups_[count_].substeps = rule.substeps << level;
+    group_of[level] = static_cast<std::uint32_t>(count_++);
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Island& island = islands_[bodies[i].island];
+    if (bodies[i].inv_mass == 0.0 || !island.awake) continue;
+    bodies[i].group = group_of[island.level];
+    Group& group = groups_[bodies[i].group];
+    group.bodies.push_back(i);
+    group.locked = group.locked || props[i].locks.any();
+    if (!activity[i].awake) activity[i].still = 0.0;
+    activity[i].awake = true;
   }
 }
 

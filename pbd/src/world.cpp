@@ -17,7 +17,7 @@ namespace tandem::pbd {
 namespace {
 
 constexpr std::uint32_t kSnapshotMagic = 0x53444e54;  // "TNDS"
-constexpr std::uint32_t kSnapshotVersion = 1;
+constexpr std::uint32_t kSnapshotVersion = 2;
 
 void check_pose(const Pose& pose, std::string_view kind) {
   detail::require_finite(pose.position, kind, "pose.position");
@@ -321,6 +321,10 @@ void World::wake_joined(std::uint32_t index) {
 void World::set_gravity(const Vec3& gravity) {
   detail::require_finite(gravity, "World", "gravity");
   gravity_ = gravity;
+  for (BodyActivity& activity : activity_) {
+    activity.awake = true;
+    activity.still = 0.0;
+  }
 }
 
 void World::insert_block(std::unique_ptr<ConstraintBlock> block) {

@@ -40,7 +40,7 @@ TEST_CASE("engine: ten cubes, each off its place by a centimetre, stand for 20 s
                                 {i % 2 == 0 ? 0.0 : 0.01, i % 3 == 0 ? 0.0 : 0.01, 0.5 + i}));
   }
   const Vec3 top = f.world.pose(cubes.back()).position;
-  pbd::Solver solver;
+  pbd::Solver solver({.sleep_after = 0.0});
   double square_speed = 0.0;
   int samples = 0;
   for (int step = 0; step < 1200; ++step) {
@@ -64,7 +64,7 @@ TEST_CASE("engine: a box on a slope slides as Coulomb has it, or stays", "[colli
   f.world.set_gravity({kGravity * std::sin(angle), 0.0, -kGravity * std::cos(angle)});
   ground(f, mu);
   const BodyId box = dynamic_box(f, Vec3::Constant(0.25), {0.0, 0.0, 0.25}, mu);
-  pbd::Solver solver;
+  pbd::Solver solver({.sleep_after = 0.0});
   for (int step = 0; step < 300; ++step) (void)solver.step(f.world, kDt);
   const double acceleration = std::max(0.0, kGravity * (std::sin(angle) - mu * std::cos(angle)));
   const double expected = 0.5 * acceleration * 25.0;
@@ -76,7 +76,7 @@ TEST_CASE("engine: boxes that start inside each other part slowly", "[collision]
   ground(f);
   const BodyId a = dynamic_box(f, Vec3::Constant(0.25), {0.0, 0.0, 0.25});
   const BodyId b = dynamic_box(f, Vec3::Constant(0.25), {0.2, 0.0, 0.25});  // 0.3 m of overlap
-  pbd::Solver solver;
+  pbd::Solver solver({.sleep_after = 0.0});
   double fastest = 0.0;
   for (int step = 0; step < 180; ++step) {
     (void)solver.step(f.world, kDt);
@@ -93,7 +93,7 @@ TEST_CASE("engine: a ball bounces to e^2 of its height and never gains", "[colli
   ground(f, 0.5, e);
   const BodyId ball = f.world.add_body({.pose = {.position = {0.0, 0.0, 1.1}}});
   f.scene.add(f.world, {.body = ball, .shape = Sphere{0.1}, .material = {.restitution = e}});
-  pbd::Solver solver;
+  pbd::Solver solver({.sleep_after = 0.0});
   double height = 0.0;
   bool bounced = false;
   for (int step = 0; step < 90; ++step) {
@@ -128,7 +128,7 @@ TEST_CASE("engine: a target inside a wall leaves the body at rest outside it",
   Pull pull;
   pull.target = {.body = box, .pose = {.position = {0.26, 0.0, 0.25}}, .share = 0.5};
   f.world.set_target_source(&pull);
-  pbd::Solver solver;
+  pbd::Solver solver({.sleep_after = 0.0});
   for (int step = 0; step < 120; ++step) (void)solver.step(f.world, kDt);
   // The wall's face is at x = 0.5, the box's at x + 0.25; the target is 10 mm inside.
   CHECK(std::abs(f.world.pose(box).position.x() - 0.25) < 1e-4);
@@ -164,7 +164,7 @@ TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are"
     nudge.bodies = {bodies[0], bodies[3]};
     nudge.share = share;
     f.world.set_target_source(&nudge);
-    pbd::Solver solver;
+    pbd::Solver solver({.sleep_after = 0.0});
     for (int step = 0; step < 60; ++step) (void)solver.step(f.world, kDt);
     std::vector<Vec3> places;
     for (const BodyId id : bodies) places.push_back(f.world.pose(id).position);

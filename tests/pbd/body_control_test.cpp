@@ -116,6 +116,16 @@ TEST_CASE("sleep: what rests sleeps, bit for bit where it was, until it is distu
     run(scene.world, scene.solver, 0.5);
     CHECK(scene.world.pose(scene.box).position.z() < 0.0);
   }
+  SECTION("by having what it lies on moved away") {
+    scene.contacts.remove_body(scene.box);
+    run(scene.world, scene.solver, 0.5);
+    CHECK(scene.world.pose(scene.box).position.z() < 0.0);
+  }
+  SECTION("by another gravity") {
+    scene.world.set_gravity(Vec3(0.0, 0.0, 9.81));
+    run(scene.world, scene.solver, 0.5);
+    CHECK(scene.world.pose(scene.box).position.z() > 1.0);
+  }
   SECTION("and a restored sleeper sleeps on") {
     const auto bytes = scene.world.snapshot();
     scene.world.wake(scene.box);

@@ -55,7 +55,7 @@ TEST_CASE("contact: a ball bounces to e^2 of its height and never higher", "[pbd
   for (const double e : {0.5, 0.8}) {
     for (const bool swapped : {false, true}) {
       Drop drop(1.0, e, swapped);
-      Solver solver;
+      Solver solver({.sleep_after = 0.0});
       std::vector<double> peaks;
       double before = drop.speed();
       double ceiling = drop.world.mechanical_energy();
@@ -79,7 +79,7 @@ TEST_CASE("contact: a ball bounces to e^2 of its height and never higher", "[pbd
 
 TEST_CASE("contact: without restitution a ball stays down", "[pbd][unit]") {
   Drop drop(1.0, 0.0);
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   run(drop.world, solver, 0.6);  // it lands after 0.45 s
   double highest = 0.0;
   run(drop.world, solver, 1.0, [&] { highest = std::max(highest, drop.height()); });
@@ -124,7 +124,7 @@ TEST_CASE("contact: a ball at 30 m/s does not pass the plane", "[pbd][fault]") {
   for (const double e : {0.0, 0.8}) {
     Drop drop(5.0, e);
     drop.world.set_twist(drop.ball, {Vec3(0.0, 0.0, -30.0), Vec3::Zero()});
-    Solver solver;
+    Solver solver({.sleep_after = 0.0});
     double lowest = 1.0;
     run(drop.world, solver, 1.0, [&] { lowest = std::min(lowest, drop.height()); });
     CHECK(lowest > -1e-3);
@@ -138,7 +138,7 @@ TEST_CASE("contact: boxes that overlap by 0.3 m part at less than 0.1 m/s", "[pb
   const BodyId lower = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
   const BodyId upper = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.7)));
   contacts.box_on_box(lower, kHalf, upper, kHalf, {});
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   run(world, solver, 2.0);
   const double gap = world.pose(upper).position.z() - world.pose(lower).position.z() - 1.0;
   CHECK(gap > -1e-3);
@@ -155,7 +155,7 @@ TEST_CASE("contact: a box that starts 0.3 m deep in the floor is let out gently"
   const BodyId ground = add_ground(world);
   const BodyId box = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.2)));
   contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, box, kHalf, {});
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   double highest = 0.0;
   double deepest_after = 0.0;
   double time = 0.0;
@@ -176,7 +176,7 @@ TEST_CASE("contact: two free boxes keep linear momentum in a collision", "[pbd][
       Collision scene(restitution, friction, false, Vec3(0.4, -0.3, 0.5));
       const Vec3 p = linear_momentum(scene.world);
       const double energy = scene.world.kinetic_energy();
-      Solver solver;
+      Solver solver({.sleep_after = 0.0});
       run(scene.world, solver, 1.0);
       CHECK((linear_momentum(scene.world) - p).norm() < 1e-12);
       CHECK(scene.world.kinetic_energy() < energy);
@@ -197,7 +197,7 @@ TEST_CASE("contact: two free boxes keep angular momentum to first order in the s
       Collision scene(0.5, friction, false, Vec3(0.4, -0.3, 0.5));
       const Vec3 l = angular_momentum(scene.world);
       const Vec3 p = scene.world.twist(scene.upper).linear;
-      Solver solver;
+      Solver solver({.sleep_after = 0.0});
       for (int i = 0; i * dt < 1.0; ++i) solver.step(scene.world, dt);
       // Against the moment that the impulse has at the arm of half a metre.
       const double moment = 0.5 * (scene.world.twist(scene.upper).linear - p).norm();
@@ -220,7 +220,7 @@ TEST_CASE("contact: a central collision exchanges velocities as the textbook say
     contacts.ball_on_ball(a, 0.3, b, 0.2, {.restitution = e});
     world.set_twist(a, {Vec3(2.0, 0.0, 0.0), Vec3::Zero()});
     world.set_twist(b, {Vec3(-1.0, 0.0, 0.0), Vec3::Zero()});
-    Solver solver;
+    Solver solver({.sleep_after = 0.0});
     run(world, solver, 2.0);
     const double centre = (2.0 * 2.0 - 1.0 * 1.0) / 3.0;
     CHECK(world.twist(a).linear.x() == Approx(centre - e * 3.0 / 3.0).margin(1e-9));
@@ -231,7 +231,7 @@ TEST_CASE("contact: a central collision exchanges velocities as the textbook say
 TEST_CASE("contact: the order of the two bodies does not matter", "[pbd][unit]") {
   Collision one(0.5, 0.4, false, Vec3(0.4, -0.3, 0.5));
   Collision two(0.5, 0.4, true, Vec3(0.4, -0.3, 0.5));
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   run(one.world, solver, 1.0);
   run(two.world, solver, 1.0);
   for (const BodyId id : {one.lower, one.upper}) {
@@ -321,7 +321,7 @@ TEST_CASE("contact: a resting box does not notice that its features are named an
   const BodyId box = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.5)));
   contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, box, kHalf, {});
   contacts.forget_features(true);
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   run(world, solver, 1.0);
   const double height = world.pose(box).position.z();
   run(world, solver, 1.0, [&] { REQUIRE(world.in_contact(box)); });

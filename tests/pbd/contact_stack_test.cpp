@@ -57,7 +57,7 @@ TEST_CASE("contact stack: ten cubes stand for 20 s without drift or jitter",
   for (const double offset : {0.0, 0.01}) {
     for (const bool swapped : {false, true}) {
       Stack stack(10, offset, swapped);
-      Solver solver;
+      Solver solver({.sleep_after = 0.0});
       run(stack.world, solver, 19.0);
       double sum = 0.0;
       run(stack.world, solver, 1.0, [&] { sum += stack.speed2(); });
@@ -72,7 +72,7 @@ TEST_CASE("contact stack: ten cubes stand for 20 s without drift or jitter",
 
 TEST_CASE("contact stack: five cubes stand with four substeps", "[pbd][contact][regression]") {
   Stack stack(5, 0.01);
-  Solver solver({.substeps = 4});
+  Solver solver({.substeps = 4, .sleep_after = 0.0});
   run(stack.world, solver, 9.0);
   double sum = 0.0;
   run(stack.world, solver, 1.0, [&] { sum += stack.speed2(); });
@@ -86,7 +86,7 @@ TEST_CASE("contact stack: ten cubes stand while the length of the steps changes"
   // A loaded contact sinks in by an amount that goes with the square of the substep, so boxes move
   // by some 0.1 mm at each change; they must not walk or fall.
   Stack stack(10, 0.01);
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   const std::array<double, 4> lengths{0.016, 0.016, 0.016, 0.024};
   double fastest = 0.0;
   for (std::size_t k = 0; k < 600; ++k) {
@@ -101,7 +101,7 @@ TEST_CASE("contact stack: ten cubes stand while the length of the steps changes"
 
 TEST_CASE("contact stack: each contact carries the weight above it", "[pbd][contact][analytic]") {
   Stack stack(6, 0.0);
-  Solver solver;
+  Solver solver({.sleep_after = 0.0});
   run(stack.world, solver, 5.0);
   const auto contacts = stack.world.contacts()->contacts();
   REQUIRE(contacts.size() == 6);

@@ -92,6 +92,9 @@ class ContactBlock final : public ConstraintBlock {
   void end_total(const SubstepContext& ctx) override;
   bool clean_up(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
+  /// Bodies whose loaded contact is gone: a collider was removed or filtered, or what they lay on
+  /// was moved away.
+  void take_changed(std::vector<std::uint32_t>& bodies) override;
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;

@@ -17,10 +17,10 @@ enum class ConsensusForm : std::uint8_t {
   Step,     ///< once, after the last substep, with the whole share
 };
 
-/// How a step is solved. The defaults suit every scene we know of.
+/// How a step is solved. The defaults are meant for every scene; docs/numerics.md says what holds.
 struct SolverOptions {
-  /// Substeps for each step, 1 to 1000. The error of joints and contacts falls with its square:
-  /// 4 do for short stacks, 20 for chains with 100 times heavier ends.
+  /// Substeps for each step, 1 to 1000, of islands that need no more; see `refine`. The error of
+  /// joints falls with its square.
   int substeps = 4;
   /// Sweeps of the pass in each substep, 1 to 1000. More substeps are nearly always better.
   int position_iterations = 1;
