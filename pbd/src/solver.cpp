@@ -201,6 +201,7 @@ class Solver::Impl {
   void end_step() {
     SubstepContext context = context_;
     context.h = dt_;
+    context.substeps = options_.substeps;
     for_blocks([&](ConstraintBlock& block) { block.end_step(context); });
     wanted_.assign(bodies_.size(), 0.0);
     if (options_.refine) {
