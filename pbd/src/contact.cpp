@@ -47,6 +47,7 @@ CarriedContact remember(const Contact& contact) {
                          .debt = contact.debt};
   for (int i = 0; i < contact.manifold.count; ++i) {
     carried.feature[i] = contact.manifold.points[i].feature;
+    carried.force[i] *= contact.carried_share;
     carried.anchor_b_l[i] = contact.manifold.points[i].anchor_b_l;
   }
   return carried;
@@ -156,6 +157,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
         if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
         if (!in_total) contact.debt[i] *= kGapDecay;
       }
+      if (ctx.substep == 0) row.carried = sum(row.impulse);
       begin_row(contact, rule, ctx.h, ctx.bodies, row);
     }
   });
@@ -215,6 +217,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
       contact.impulse += sum;
       if (sum > 0.0) contact.approach_speed = std::max(contact.approach_speed, row.approach);
       if (!ctx.last) continue;
+      contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
       contact.friction_force =
           (row.slide[0] * row.t1 + row.slide[1] * row.normal.cross(row.t1)) / ctx.h;
       // What a spoiled step leaves behind must not spoil the next one.
@@ -307,7 +310,7 @@ void ContactBlock::save(ByteWriter& out) const {
     out.u32(m.body_b);
     out.vec3(m.normal);
     for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution,
-                               contact.approach_speed, contact.impulse}) {
+                               contact.approach_speed, contact.impulse, contact.carried_share}) {
       out.f64(value);
     }
     out.u8(static_cast<std::uint8_t>(m.count));
@@ -333,7 +336,7 @@ void ContactBlock::load(ByteReader& in) {
     m.body_b = in.u32();
     m.normal = in.vec3();
     for (double* value : {&m.radius_a, &m.radius_b, &m.friction, &m.restitution,
-                          &contact.approach_speed, &contact.impulse}) {
+                          &contact.approach_speed, &contact.impulse, &contact.carried_share}) {
       *value = in.f64();
     }
     m.count = std::min<int>(in.u8(), Manifold::kMaxPoints);

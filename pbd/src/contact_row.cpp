@@ -12,6 +12,11 @@
 namespace tandem::pbd {
 namespace {
 
+/// Carried impulses grow by this factor in a substep at most, beyond what holds a body that weighs
+/// as much as the contact's effective mass, in this gravity at least (m/s^2).
+constexpr double kGrowth = 2.0;
+constexpr double kLeastGravity = 1.0;
+
 double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.dot(a.cross(b)); }
 
 /// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
@@ -194,7 +199,8 @@ void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
   if (m.count == 1) row.mw = 0.0;  // a point resists no twist
   if (m.count < 4) return;
   const FourByFour B = mobility_of(row);
-  row.idle = std::sqrt(options.evenness * sum(B.matrix().diagonal())) * idle_combination(arms, m.normal);
+  row.idle =
+      std::sqrt(options.evenness * sum(B.matrix().diagonal())) * idle_combination(arms, m.normal);
 }
 
 void begin_row(const Contact& contact, const SubstepRule& rule, double h,
@@ -210,6 +216,11 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
   const double fall =
       std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(rule.gravity));
   const Four velocity = normal_velocities(row, row.t2(), relative_motion(row, a, b));
+  const double share = share_to_carry(row, rule.gravity.norm(), h);
+  row.impulse *= share;
+  row.slide[0] *= share;
+  row.slide[1] *= share;
+  row.twist *= share;
   row.approach = 0.0;
   row.sunk = false;
   for (int i = 0; i < m.count; ++i) {
@@ -224,9 +235,16 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
                         ? bounce_of(m.restitution, approach, std::max(gap, 0.0), fall, h)
                         : 0.0;
   }
-  if (row.loaded()) return;
+  row.carried = sum(row.impulse);
+  if (row.carried > 0.0) return;
   row.slide = {};
   row.twist = 0.0;
+}
+
+double share_to_carry(const ContactRow& row, double gravity, double h) {
+  const double load = sum(row.impulse);
+  const double most = kGrowth * row.carried + std::max(gravity, kLeastGravity) * h / row.press[0];
+  return load > most ? most / load : 1.0;
 }
 
 void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies) {

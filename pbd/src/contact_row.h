@@ -29,6 +29,7 @@ struct alignas(64) ContactRow {
   Four bias = Four::Zero();
   Four bounce = Four::Zero();  ///< m/s, >= 0: normal velocity after an impact
   double approach = 0.0;       ///< m/s, fastest approach of a point before the substep, >= 0
+  double carried = 0.0;        ///< N s, sum of what the substep began with
   /// Combination of the four impulses that changes no motion, times the root of its compliance.
   Four idle = Four::Zero();
   Vec3 normal = Vec3::UnitX();
@@ -81,6 +82,11 @@ void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
 /// heaps need, but starts anew in each step: carried on, it never comes to rest.
 void begin_row(const Contact& contact, const SubstepRule& rule, double h,
                std::span<const SolverBody> bodies, ContactRow& row);
+
+/// Share of its impulses that a row hands on: an impact is no load, and replayed in the next
+/// substep it would throw off again what has just landed. A load builds up over a few substeps
+/// instead.
+double share_to_carry(const ContactRow& row, double gravity, double h);
 
 /// Change v and w of both bodies as the row's impulses do.
 void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies);
