@@ -52,21 +52,21 @@ class BroadPhase {
   const std::vector<ColliderPair>& found() const { return found_; }
   /// Slots in use or free; a pair's `cache` is below this.
   std::uint32_t cache_slots() const { return cache_slots_; }
-  const Aabb& fat_box(std::uint32_t index) const { return proxies_[index].fat; }
-  bool placed(std::uint32_t index) const { return proxies_[index].leaf != AabbTree::kNone; }
+  /// Of a half-space: what its reach depended on in the last step.
+  Aabb fat_box(std::uint32_t index) const;
+  bool placed(std::uint32_t index) const { return leaves_[index] != AabbTree::kNone; }
 
   /// For load(): forget all boxes and pairs, put boxes and pairs (ascending) back one by one.
   void reset();
   void place(std::uint32_t index, const Aabb& fat);
-  void remember_plane(std::uint32_t index, const Aabb& plane) { proxies_[index].fat = plane; }
+  /// Of no effect for anything but a half-space.
+  void remember_plane(std::uint32_t index, const Aabb& plane);
   ColliderPair& append_pair(std::uint32_t low, std::uint32_t high);
 
  private:
-  struct Proxy {
-    std::uint32_t leaf = AabbTree::kNone;
-    Aabb fat;  ///< of a half-space: what its reach depended on in the last step
-  };
-
+  const Aabb& fat(std::uint32_t index) const { return tree_.box(leaves_[index]); }
+  /// Place in half_spaces_, or its size.
+  std::size_t plane_of(std::uint32_t index) const;
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
@@ -79,8 +79,9 @@ class BroadPhase {
 
   double margin_;
   AabbTree tree_;
-  std::vector<Proxy> proxies_;
+  std::vector<std::uint32_t> leaves_;       ///< by collider
   std::vector<std::uint32_t> half_spaces_;  ///< ascending
+  std::vector<Aabb> planes_;                ///< of half_spaces_: normal; offset, motion, step
   std::vector<ColliderPair> pairs_;
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;
