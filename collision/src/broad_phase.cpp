@@ -54,8 +54,7 @@ void BroadPhase::look_again(std::uint32_t index) {
     if (gone) free_slots_.push_back(pair.cache);
     return gone;
   });
-  if (placed(index)) tree_.remove(leaves_[index]);
-  leaves_[index] = AabbTree::kNone;
+  take_out(index);
   remember_plane(index, {});
 }
 
@@ -68,12 +67,20 @@ void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
   }
 }
 
-void BroadPhase::place(std::uint32_t index, const Aabb& fat) {
-  if (placed(index)) {
-    tree_.move(leaves_[index], fat);
-  } else {
-    leaves_[index] = tree_.insert(fat, index);
+void BroadPhase::take_out(std::uint32_t index) {
+  if (!placed(index)) return;
+  (placed_fixed(index) ? fixed_tree_ : tree_).remove(leaves_[index] & ~kFixed);
+  leaves_[index] = AabbTree::kNone;
+}
+
+void BroadPhase::place(std::uint32_t index, const Aabb& fat, bool fixed) {
+  AabbTree& tree = fixed ? fixed_tree_ : tree_;
+  if (placed(index) && placed_fixed(index) == fixed) {
+    tree.move(leaves_[index] & ~kFixed, fat);
+    return;
   }
+  take_out(index);
+  leaves_[index] = tree.insert(fat, index) | (fixed ? kFixed : 0u);
 }
 
 std::size_t BroadPhase::plane_of(std::uint32_t index) const {
@@ -97,6 +104,7 @@ void BroadPhase::reset() {
   std::fill(leaves_.begin(), leaves_.end(), AabbTree::kNone);
   std::fill(planes_.begin(), planes_.end(), Aabb{});
   tree_.clear();
+  fixed_tree_.clear();
   pairs_.clear();
   free_slots_.clear();
   cache_slots_ = 0;
@@ -122,7 +130,7 @@ bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
     if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
   }
   const Aabb box = c.needed.expanded(margin);
-  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)});
+  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)}, !c.dynamic);
   return true;
 }
 
@@ -164,8 +172,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
     if (!c.alive) continue;
     if (!c.finite) {  // out of the tree, so that it is found anew when it is back among numbers
       all_finite = false;
-      if (placed(i)) tree_.remove(leaves_[i]);
-      leaves_[i] = AabbTree::kNone;
+      take_out(i);
       remember_plane(i, {});
       has_moved_[i] = 1;
     } else if (c.is_half_space()) {
@@ -229,11 +236,13 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
     };
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = moved_[k];
-      tree_.query(fat(i), search.stack, [&](std::uint32_t j) {
-        // Of two that moved the lower one proposes. What is in the tree is finite.
+      const auto meet = [&](std::uint32_t j) {
+        // Of two that moved the lower one proposes. What is in a tree is finite.
         if (i == j || (has_moved_[j] != 0 && j < i)) return;
         propose(i, j);
-      });
+      };
+      tree_.query(fat(i), search.stack, meet);
+      if (colliders[i].dynamic) fixed_tree_.query(fat(i), search.stack, meet);
       for (const std::uint32_t plane : half_spaces_) {
         if (colliders[plane].finite && in_reach(colliders[plane], fat(i), dt)) {
           propose(i, plane);

@@ -43,9 +43,11 @@ class BroadPhase {
   std::vector<ColliderPair>& pairs() { return pairs_; }
   const std::vector<ColliderPair>& pairs() const { return pairs_; }
   /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
+  /// @param moving  false leaves out colliders of dynamic bodies
   template <class Visit>
-  void query(const Aabb& box, std::vector<std::uint32_t>& stack, Visit&& visit) const {
-    tree_.query(box, stack, visit);
+  void query(const Aabb& box, bool moving, std::vector<std::uint32_t>& stack, Visit&& visit) const {
+    fixed_tree_.query(box, stack, visit);
+    if (moving) tree_.query(box, stack, visit);
     for (const std::uint32_t plane : half_spaces_) visit(plane);
   }
   /// Pairs that the last update() added; empty where it had nothing to do.
@@ -55,16 +57,27 @@ class BroadPhase {
   /// Of a half-space: what its reach depended on in the last step.
   Aabb fat_box(std::uint32_t index) const;
   bool placed(std::uint32_t index) const { return leaves_[index] != AabbTree::kNone; }
+  /// Whether the box was placed as one of an immovable collider.
+  bool placed_fixed(std::uint32_t index) const {
+    return placed(index) && (leaves_[index] & kFixed) != 0;
+  }
 
   /// For load(): forget all boxes and pairs, put boxes and pairs (ascending) back one by one.
   void reset();
-  void place(std::uint32_t index, const Aabb& fat);
+  void place(std::uint32_t index, const Aabb& fat, bool fixed);
   /// Of no effect for anything but a half-space.
   void remember_plane(std::uint32_t index, const Aabb& plane);
   ColliderPair& append_pair(std::uint32_t low, std::uint32_t high);
 
  private:
-  const Aabb& fat(std::uint32_t index) const { return tree_.box(leaves_[index]); }
+  /// In a leaf's handle: it is one of fixed_tree_.
+  static constexpr std::uint32_t kFixed = 0x80000000u;
+
+  const Aabb& fat(std::uint32_t index) const {
+    const std::uint32_t leaf = leaves_[index] & ~kFixed;
+    return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
+  }
+  void take_out(std::uint32_t index);
   /// Place in half_spaces_, or its size.
   std::size_t plane_of(std::uint32_t index) const;
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
@@ -78,7 +91,8 @@ class BroadPhase {
   std::uint32_t take_slot();
 
   double margin_;
-  AabbTree tree_;
+  AabbTree tree_;                           ///< of dynamic bodies
+  AabbTree fixed_tree_;                     ///< of all others
   std::vector<std::uint32_t> leaves_;       ///< by collider
   std::vector<std::uint32_t> half_spaces_;  ///< ascending
   std::vector<Aabb> planes_;                ///< of half_spaces_: normal; offset, motion, step

@@ -90,7 +90,7 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
     out.u8(static_cast<std::uint8_t>(collider.kind));
     save_surface(out, collider.def.material, collider.def.filter);
     out.u8(collider.guarded);
-    out.u8(broad_.placed(i) ? 1 : 0);
+    out.u8(broad_.placed_fixed(i) ? 2 : broad_.placed(i) ? 1 : 0);
     out.vec3(broad_.fat_box(i).min);
     out.vec3(broad_.fat_box(i).max);
   }
@@ -112,12 +112,13 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
       return false;
     if (!load_surface(in, collider.def.material, collider.def.filter)) return false;
     collider.guarded = in.u8();
-    const bool placed = in.u8() != 0;
+    const std::uint8_t place = in.u8();
     const Aabb fat{in.vec3(), in.vec3()};
     const bool sound = fat.min.allFinite() && fat.max.allFinite();
-    if (in.failed() || !sound || (placed && collider.is_half_space())) return false;
-    if (placed) {
-      broad_.place(i, fat);
+    if (in.failed() || !sound || place > 2 || (place != 0 && collider.is_half_space()))
+      return false;
+    if (place != 0) {
+      broad_.place(i, fat, place == 2);
     } else {
       broad_.remember_plane(i, fat);
     }

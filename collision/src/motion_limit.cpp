@@ -26,12 +26,11 @@ CoreHit CollisionScene::Impl::first_hit(Collider& collider, bool bullet,
   const double radius = core_radius(collider);
   const Vec3 from = core_centre(collider, collider.body);
   const Vec3 to = core_centre(collider, after[collider.def.body.index]);
-  // Cheapest first: this is asked of every body in every step.
   const bool fast = (to - from).squaredNorm() > radius * radius;
   if ((!fast && collider.guarded == 0) || !to.allFinite()) return {};
   CoreHit first;
   const Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
-  broad_.query(path.expanded(radius), worker.stack, [&](std::uint32_t index) {
+  broad_.query(path.expanded(radius), bullet, worker.stack, [&](std::uint32_t index) {
     const Collider& target = colliders_[index];
     if (target.dynamic && !bullet) return;
     if (!target.finite || !may_touch(collider, target)) return;

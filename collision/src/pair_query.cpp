@@ -115,8 +115,7 @@ class PatchWriter {
     patch.cluster = static_cast<std::uint16_t>(touch.cluster);
     patch.count = 1;
     patch.anchor_a_l[0] = a.def.local.position;
-    patch.anchor_b_l[0] = b.to_body(((touch.distance - patch.radius_a) + patch.radius_a) * normal +
-                                    (a.position - b.position));
+    patch.anchor_b_l[0] = b.to_body(touch.distance * normal + (a.position - b.position));
     patch.features[0] = 0;
   }
   /// Give back what is left over.
