@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include "integrate.h"
 #include "joint_system.h"
 
 /// The Newton iteration of JointSystem: rows from poses, poses from multipliers.
@@ -17,6 +18,8 @@ constexpr double kFine = 1e-7;
 constexpr double kTrust = 0.5;
 /// How often a limit may come and go within a substep.
 constexpr int kFlips = 6;
+/// rad: smaller turns do not matter.
+constexpr double kNoTurn = 1e-13;
 
 }  // namespace
 
@@ -75,7 +78,10 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].sum_dx.setZero();
     slots_[s].sum_dtheta.setZero();
     slots_[s].v = body.v;
-    slots_[s].w = body.w;
+    slots_[s].w = state.channel == Channel::Real ? body.w : Vec3(Vec3::Zero());
+    slots_[s].q = body.q;
+    slots_[s].alone = body.dtheta.isZero(0.0);
+    slots_[s].carried = false;
   }
   if (state.channel == Channel::Real) stiffen(part, ctx);
   weigh(part, records);
@@ -220,6 +226,25 @@ bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRe
   return changed;
 }
 
+/// Turn the body by slot.dtheta. Where it spins about another axis the correction is an impulse at
+/// the start of the substep, from where it turns freely with its new angular momentum: turning it
+/// afterwards is right to first order in w h only, and costs a fast top its spin.
+void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
+  if (slot.alone && !slot.carried && h * slot.w.cross(slot.dtheta).norm() > kNoTurn) {
+    slot.carried = body.inv_inertia_w.determinant() > 0.0;  // no axis is locked
+  }
+  if (!slot.carried) {
+    body.q = rotated(body.q, slot.dtheta);
+    return;
+  }
+  const Mat3 axes = slot.q.toRotationMatrix();
+  const Mat3 inertia_l = axes.transpose() * body.inv_inertia_w.inverse() * axes;
+  const Vec3 spin_l = axes.transpose() * (slot.w + body.dtheta / h);
+  const Vec3 momentum_w = axes * (inertia_l * spin_l);
+  Vec3 w_l = inertia_l.inverse() * (slot.q_start.conjugate() * momentum_w);
+  body.q = free_rotation(slot.q_start, inertia_l, w_l, h);
+}
+
 double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
@@ -279,10 +304,10 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
     SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     body.x += slot.dx;
     body.dx += slot.dx;
-    body.q = rotated(body.q, slot.dtheta);
-    body.dtheta += slot.dtheta;
     slot.sum_dx += slot.dx;
     slot.sum_dtheta += slot.dtheta;
+    body.dtheta += slot.dtheta;
+    turn(body, slot, ctx.h);
     largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});
     slot.dx.setZero();
     slot.dtheta.setZero();

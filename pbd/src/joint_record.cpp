@@ -110,6 +110,7 @@ void JointRecord::save(ByteWriter& out) const {
   for (const double value : gap) out.f64(value);
   out.f64(twist);
   out.f64(surplus);
+  out.f64(h);
   for (const double position : state.position) out.f64(position);
   out.f64(state.swing);
   for (const double load : state.load) out.f64(load);
@@ -137,6 +138,7 @@ void JointRecord::load(ByteReader& in) {
   for (double& value : gap) value = in.f64();
   twist = in.f64();
   surplus = in.f64();
+  h = in.f64();
   for (double& position : state.position) position = in.f64();
   state.swing = in.f64();
   for (double& load : state.load) load = in.f64();

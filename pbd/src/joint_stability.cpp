@@ -32,7 +32,7 @@ void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRec
     SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     body.x -= slot.sum_dx;
     body.dx -= slot.sum_dx;
-    body.q = rotated(body.q, -slot.sum_dtheta);
+    body.q = slot.q;
     body.dtheta -= slot.sum_dtheta;
   }
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {

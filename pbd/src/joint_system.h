@@ -75,6 +75,10 @@ class JointSystem {
     Vec3 sum_dtheta = Vec3::Zero();
     Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
     Vec3 w = Vec3::Zero();
+    Quat q_start = Quat::Identity();  ///< at the start of the substep
+    Quat q = Quat::Identity();        ///< predicted
+    bool alone = false;               ///< no other rows have turned it from there
+    bool carried = false;             ///< see turn()
   };
   struct PartState {
     bool prepared = false;
@@ -88,6 +92,9 @@ class JointSystem {
     std::uint32_t group, part;
   };
 
+  void keep_time(const JointGraph::Part& part, std::span<JointRecord> records,
+                 const SubstepContext& ctx);
+  static void turn(SolverBody& body, Slot& slot, double h);
   void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
                const SubstepContext& ctx);
   void turn_gradients(const JointGraph::Part& part, PartState& state,
@@ -115,6 +122,7 @@ class JointSystem {
   JointGraph graph_;
   std::vector<NodeState> nodes_;
   std::vector<Slot> slots_;
+  std::vector<std::uint8_t> primary_;  ///< by slot: the first one of its body
   std::vector<std::uint8_t> passive_;  ///< by part: rigid locks and limits only
   std::vector<PartState> state_;
   std::vector<GroupPart> order_;

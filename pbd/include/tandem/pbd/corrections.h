@@ -78,21 +78,6 @@ inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
   return block.inverse() * (-c - softness.at * lambda - softness.gamma * slip);
 }
 
-/// Angular velocity (rad/s) that keeps the angular momentum of the predicted pose once corrections
-/// have turned the body on, R = rotation by dtheta: w = R I^-1 R^T I w. Without it a fast top loses
-/// its spin to the joint that holds it, since its inertia turns with it.
-/// @pre w includes dtheta / h; `inv_inertia_w` is that of the predicted pose
-inline Vec3 transported_spin(const SolverBody& body) {
-  const Mat3& inv = body.inv_inertia_w;
-  const double mean = inv.trace() / 3.0;
-  const double spread = (inv - mean * Mat3::Identity()).squaredNorm();
-  constexpr double kIsotropic = 1e-20;
-  if (!(spread > kIsotropic * mean * mean) || body.dtheta.squaredNorm() == 0.0) return body.w;
-  const Mat3 turn = exp_map(body.dtheta).toRotationMatrix();
-  const Vec3 momentum = inv.inverse() * body.w;
-  return turn * (inv * (turn.transpose() * momentum));
-}
-
 /// What agreement left of a row's violation is let into the real channel at this rate for each
 /// substep once no target is about that could repair it without velocity: 1 mm fades at 12 mm/s.
 inline constexpr double kGapDecay = 0.98;
