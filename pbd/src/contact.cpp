@@ -161,7 +161,8 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
         if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
         if (!in_total) contact.debt[i] *= kGapDecay;
       }
-      if (ctx.substep == 0) row.carried = sum(row.impulse);
+      row.fresh = ctx.substep == 0;
+      if (row.fresh) row.carried = static_cast<float>(sum(row.impulse));
       begin_row(contact, rule, ctx.h, ctx.bodies, row);
     }
   });
@@ -191,7 +192,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
     m.order.sweep(ctx.group, ctx.reverse != (sweep % 2 == 1), *ctx.workers, [&](std::uint32_t k) {
       // Later sweeps are for islands that are hard to solve.
       const bool wanted =
-          sweep == 0 || m.convergence.was_hard(ctx.bodies[m.rows[k].movable].island);
+          sweep == 0 || m.convergence.was_hard(ctx.bodies[m.rows[k].movable()].island);
       if (wanted && push_row(m.rows[k], ctx.bodies)) any.store(true, std::memory_order_relaxed);
     });
     if (!any.load(std::memory_order_relaxed)) break;
@@ -219,7 +220,10 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
       double sum = 0.0;
       for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
       contact.impulse += sum;
-      if (sum > 0.0) contact.approach_speed = std::max(contact.approach_speed, row.approach);
+      if (sum > 0.0) {
+        contact.approach_speed =
+            std::max(contact.approach_speed, static_cast<double>(row.approach));
+      }
       if (!ctx.last) continue;
       contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
       contact.friction_force =

@@ -20,7 +20,7 @@ void ContactConvergence::drop_solved(const Rule& rule, std::span<const ContactRo
                                      std::span<const double> changes,
                                      std::span<const SolverBody> bodies) {
   const auto island_of = [&](std::uint32_t k) -> Island& {
-    return islands_[bodies[rows[k].movable].island];
+    return islands_[bodies[rows[k].movable()].island];
   };
   for (const std::uint32_t k : places_) {
     island_of(k).change2 = 0.0;
@@ -50,7 +50,7 @@ int ContactConvergence::run(const Rule& rule, std::uint32_t first, std::uint32_t
     const std::size_t n = places_.size();
     for (std::size_t i = 0; i < n; ++i) {
       const std::uint32_t k = places_[reverse ? n - 1 - i : i];
-      islands_[bodies[rows[k].movable].island].hard = true;
+      islands_[bodies[rows[k].movable()].island].hard = true;
       changes[k] = solve_row(rows[k], ContactPass::Motion, bodies);
     }
     swept += static_cast<int>(n);

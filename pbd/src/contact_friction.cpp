@@ -8,6 +8,11 @@
 namespace tandem::pbd {
 namespace {
 
+/// Of the responses of V_1 and V_2 to F_1 and F_2.
+double determinant(const ContactRow& row) {
+  return row.grip[0] * row.grip[2] - row.grip[1] * row.grip[1];
+}
+
 /// How far friction reaches for the load that the normals carry.
 struct FrictionLimit {
   double slide = 0.0;  ///< N s
@@ -30,7 +35,7 @@ void keep_within(ContactRow& row, const FrictionLimit& limit) {
     row.twist = 0.0;
     return;
   }
-  const bool twists = row.mw > 0.0 && limit.twist > 0.0;
+  const bool twists = row.twists() && limit.twist > 0.0;
   if (!twists) row.twist = 0.0;
   const double slide = std::sqrt(row.slide[0] * row.slide[0] + row.slide[1] * row.slide[1]);
   const double u = slide / limit.slide;
@@ -42,12 +47,12 @@ void keep_within(ContactRow& row, const FrictionLimit& limit) {
     return;
   }
   constexpr int kIterations = 10;
-  const double m_slide = 2.0 * (row.m11 * row.m22 - row.m12 * row.m12) / (row.m11 + row.m22);
+  const double m_slide = 2.0 * determinant(row) / (row.grip[0] + row.grip[2]);
   const double p = m_slide * limit.slide * limit.slide;
-  const double q = row.mw * limit.twist * limit.twist;
+  const double q = row.grip[5] * limit.twist * limit.twist;
   // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is nearly straight.
   const double a = m_slide * slide * limit.slide;
-  const double b = row.mw * std::abs(row.twist) * limit.twist;
+  const double b = row.grip[5] * std::abs(row.twist) * limit.twist;
   double bound = 0.0;
   double use = 0.0;
   for (int i = 0; i < kIterations; ++i) {
@@ -66,17 +71,15 @@ void keep_within(ContactRow& row, const FrictionLimit& limit) {
 
 }  // namespace
 
-void rub(ContactRow& row, const Vec3& slip, ContactWrench& wrench) {
+Vec3 rub(ContactRow& row, const Vec3& slip) {
   const std::array<double, 2> slide = row.slide;
   const double twist = row.twist;
-  const double scale = 1.0 / (row.m11 * row.m22 - row.m12 * row.m12);
-  row.slide[0] -= scale * (row.m22 * slip[0] - row.m12 * slip[1]);
-  row.slide[1] -= scale * (row.m11 * slip[1] - row.m12 * slip[0]);
-  if (row.mw > 0.0) row.twist -= slip[2] / row.mw;
+  const double scale = 1.0 / determinant(row);
+  row.slide[0] -= scale * (row.grip[2] * slip[0] - row.grip[1] * slip[1]);
+  row.slide[1] -= scale * (row.grip[0] * slip[1] - row.grip[1] * slip[0]);
+  if (row.twists()) row.twist -= slip[2] / row.grip[5];
   keep_within(row, friction_limit(row));
-  wrench.force[1] = row.slide[0] - slide[0];
-  wrench.force[2] = row.slide[1] - slide[1];
-  wrench.couple[0] = row.twist - twist;
+  return {row.slide[0] - slide[0], row.slide[1] - slide[1], row.twist - twist};
 }
 
 }  // namespace tandem::pbd

@@ -17,6 +17,10 @@ namespace {
 constexpr double kGrowth = 2.0;
 constexpr double kLeastGravity = 1.0;
 
+/// How often a row's normals and friction take turns where friction starts anew: left half-way,
+/// what stands on a slope would creep. Elsewhere once is enough.
+constexpr int kTurns = 3;
+
 double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.dot(a.cross(b)); }
 
 /// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
@@ -54,10 +58,12 @@ void add_response(const SolverBody& body, const Vec3& arm, const Mat3& axes, Con
   row.slip.row(0) += Vec3(move(1, 0), spin(1, 1), spin(2, 1)).transpose();
   row.slip.row(1) += Vec3(move(2, 0), spin(1, 2), spin(2, 2)).transpose();
   row.slip.row(2) += Vec3(spin(0, 0), inertia(0, 1), inertia(0, 2)).transpose();
-  row.m11 += body.inv_mass + move(1, 1);
-  row.m12 += move(1, 2);
-  row.m22 += body.inv_mass + move(2, 2);
-  row.mw += inertia(0, 0);
+  row.grip[0] += body.inv_mass + move(1, 1);
+  row.grip[1] += move(1, 2);
+  row.grip[2] += body.inv_mass + move(2, 2);
+  row.grip[3] += spin(0, 1);
+  row.grip[4] += spin(0, 2);
+  row.grip[5] += inertia(0, 0);
 }
 
 /// Response of the points' normal velocities to their impulses, idle combination included, 1/kg.
@@ -92,13 +98,16 @@ Four normal_velocities(const ContactRow& row, const Vec3& t2, const RelativeMoti
   return v + w1 * row.s + w2 * row.r;
 }
 
-/// What the points' impulses add up to.
-ContactWrench wrench_of(const ContactRow& row, const Four& z) {
-  ContactWrench wrench;
-  wrench.force[0] = sum(z);
-  wrench.couple[1] = sum(row.s * z);
-  wrench.couple[2] = sum(row.r * z);
-  return wrench;
+/// What the points' impulses add up to: F_n, T_1, T_2.
+Vec3 press_of(const ContactRow& row, const Four& z) {
+  return {sum(z), sum(row.s * z), sum(row.r * z)};
+}
+
+/// What friction's impulses (F_1, F_2, T_n) do to V_1, V_2 and W_n.
+Vec3 gripped(const ContactRow& row, const Vec3& f) {
+  const auto& [m11, m12, m22, m1n, m2n, mnn] = row.grip;
+  return {m11 * f[0] + m12 * f[1] + m1n * f[2], m12 * f[0] + m22 * f[1] + m2n * f[2],
+          m1n * f[0] + m2n * f[1] + mnn * f[2]};
 }
 
 /// Change both bodies' `linear` and `angular` velocities.
@@ -170,10 +179,9 @@ void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
   row.contact = place;
   row.a = m.body_a;
   row.b = m.body_b;
-  row.movable = a.inv_mass > 0.0 ? row.a : row.b;
+  row.a_moves = a.inv_mass > 0.0;
   row.count = static_cast<std::uint8_t>(m.count);
   row.friction = m.friction;
-  row.rubs = m.friction > 0.0;
   row.normal = m.normal;
   Vec3 t2;
   tangent_frame(row.normal, row.t1, t2);
@@ -195,8 +203,6 @@ void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
   row.slip.setZero();
   if (a.inv_mass > 0.0) add_response(a, row.arm_a, axes, row);
   if (b.inv_mass > 0.0) add_response(b, row.arm_b, axes, row);
-  if (m.count == 1) row.mw = 0.0;  // a point resists no twist
-  if (m.count == 1) row.mw = 0.0;  // a point resists no twist
   if (m.count < 4) return;
   const FourByFour B = mobility_of(row);
   row.idle =
@@ -221,7 +227,7 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
   row.slide[0] *= share;
   row.slide[1] *= share;
   row.twist *= share;
-  row.approach = 0.0;
+  double fastest = 0.0;
   row.sunk = false;
   for (int i = 0; i < m.count; ++i) {
     const double gap =
@@ -230,29 +236,31 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
     row.sunk = row.sunk || gap < -rule.push_slop;
     if (gap >= rule.warm_start_gap) row.impulse[i] = 0.0;
     const double approach = -velocity[i];
-    row.approach = std::max(row.approach, approach);
+    fastest = std::max(fastest, approach);
     row.bounce[i] = m.restitution > 0.0 && approach > rule.bounce_speed
                         ? bounce_of(m.restitution, approach, std::max(gap, 0.0), fall, h)
                         : 0.0;
   }
-  row.carried = sum(row.impulse);
-  if (row.carried > 0.0) return;
+  row.approach = static_cast<float>(fastest);
+  row.carried = static_cast<float>(sum(row.impulse));
+  if (row.loaded()) return;
   row.slide = {};
   row.twist = 0.0;
 }
 
 double share_to_carry(const ContactRow& row, double gravity, double h) {
   const double load = sum(row.impulse);
-  const double most = kGrowth * row.carried + std::max(gravity, kLeastGravity) * h / row.press[0];
+  const double most = kGrowth * static_cast<double>(row.carried) +
+                      std::max(gravity, kLeastGravity) * h / row.press[0];
   return load > most ? most / load : 1.0;
 }
 
 void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies) {
-  ContactWrench wrench = wrench_of(row, row.impulse);
-  wrench.force[1] = row.slide[0];
-  wrench.force[2] = row.slide[1];
-  wrench.couple[0] = row.twist;
-  apply_wrench(row, row.t2(), wrench, bodies[row.a], bodies[row.b], &SolverBody::v, &SolverBody::w);
+  const Vec3 press = press_of(row, row.impulse);
+  apply_wrench(
+      row, row.t2(),
+      {.force = {press[0], row.slide[0], row.slide[1]}, .couple = {row.twist, press[1], press[2]}},
+      bodies[row.a], bodies[row.b], &SolverBody::v, &SolverBody::w);
 }
 
 double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies) {
@@ -273,17 +281,28 @@ double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies
   e += sum(row.idle * row.impulse) * row.idle;
   const FourByFour B = mobility_of(row);
   const double change = disagreement(row, B, e);
-  const Four dz = solve_lcp(row.count, B, row.impulse, e);
-  row.impulse += dz;
-  ContactWrench wrench = wrench_of(row, dz);
-  if (row.rubs) {
-    // Friction sees what the normals have just done.
-    const Vec3 pressed(wrench.force[0], wrench.couple[1], wrench.couple[2]);
-    const Vec3 slip =
-        Vec3(row.t1.dot(motion.v), t2.dot(motion.v), row.normal.dot(motion.w)) + row.slip * pressed;
-    rub(row, slip, wrench);
+  const Vec3 slip(row.t1.dot(motion.v), t2.dot(motion.v), row.normal.dot(motion.w));
+  Four pressed = Four::Zero();  // N s, changes so far
+  Vec3 rubbed = Vec3::Zero();   // of F_1, F_2, T_n
+  const int turns = row.fresh ? kTurns : 1;
+  for (int turn = 0; turn < turns; ++turn) {
+    const Four dz = solve_lcp(row.count, B, row.impulse, e);
+    row.impulse += dz;
+    pressed += dz;
+    if (!row.rubs()) break;
+    // Friction sees what the normals have just done, and they what it does.
+    const Vec3 rub_change =
+        rub(row, slip + row.slip * press_of(row, pressed) + gripped(row, rubbed));
+    rubbed += rub_change;
+    if (turn + 1 == turns) break;
+    const Vec3 back = row.slip.transpose() * rub_change;
+    e += times(B, dz) + back[0] + back[1] * row.s + back[2] * row.r;
   }
-  apply_wrench(row, t2, wrench, a, b, &SolverBody::v, &SolverBody::w);
+  const Vec3 press = press_of(row, pressed);
+  apply_wrench(
+      row, t2,
+      {.force = {press[0], rubbed[0], rubbed[1]}, .couple = {rubbed[2], press[1], press[2]}}, a, b,
+      &SolverBody::v, &SolverBody::w);
   return change;
 }
 
@@ -303,7 +322,9 @@ bool push_row(const ContactRow& row, std::span<SolverBody> bodies) {
   }
   if (!active) return false;
   const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
-  apply_wrench(row, t2, wrench_of(row, dz), a, b, &SolverBody::v_push, &SolverBody::w_push);
+  const Vec3 press = press_of(row, dz);
+  apply_wrench(row, t2, {.force = {press[0], 0.0, 0.0}, .couple = {0.0, press[1], press[2]}}, a, b,
+               &SolverBody::v_push, &SolverBody::w_push);
   return true;
 }
 

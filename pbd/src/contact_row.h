@@ -18,18 +18,18 @@ struct alignas(64) ContactRow {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   std::uint32_t contact = 0;  ///< index into the block's contacts
-  std::uint32_t movable = 0;  ///< a, or b where a cannot move
+  float carried = 0.0f;       ///< N s, sum of what the substep began with
   std::uint8_t count = 0;
-  bool rubs = false;            ///< has friction
+  bool a_moves = false;         ///< a is not immovable
   bool sunk = false;            ///< some point overlaps
+  bool fresh = false;           ///< friction starts anew in this substep
+  float approach = 0.0f;        ///< m/s, fastest approach of a point before the substep, >= 0
   double friction = 0.0;        ///< Coulomb
   Four impulse = Four::Zero();  ///< N s, normal, >= 0, of both passes
   /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
   /// which the overlap is pushed open.
   Four bias = Four::Zero();
   Four bounce = Four::Zero();  ///< m/s, >= 0: normal velocity after an impact
-  double approach = 0.0;       ///< m/s, fastest approach of a point before the substep, >= 0
-  double carried = 0.0;        ///< N s, sum of what the substep began with
   /// Combination of the four impulses that changes no motion, times the root of its compliance.
   Four idle = Four::Zero();
   Vec3 normal = Vec3::UnitX();
@@ -41,15 +41,20 @@ struct alignas(64) ContactRow {
   /// Response to forces (1/kg), couples (1/(kg m^2)) and between both (1/(kg m)):
   /// of V_n, W_1, W_2 to F_n, T_1, T_2; symmetric: nn, n1, n2, 11, 12, 22
   std::array<double, 6> press{};
-  Mat3 slip = Mat3::Zero();                ///< of V_1, V_2, W_n (rows) to F_n, T_1, T_2
-  double m11 = 0.0, m12 = 0.0, m22 = 0.0;  ///< of V_1 and V_2 to friction
-  double mw = 0.0;                         ///< of W_n to the couple of friction
-  std::array<double, 2> slide{};           ///< N s, both passes
-  double twist = 0.0;                      ///< N m s, both passes
+  Mat3 slip = Mat3::Zero();  ///< of V_1, V_2, W_n (rows) to F_n, T_1, T_2
+  /// of V_1, V_2, W_n to F_1, F_2, T_n; symmetric: 11, 12, 22, 1n, 2n, nn
+  std::array<double, 6> grip{};
+  std::array<double, 2> slide{};  ///< N s, both passes
+  double twist = 0.0;             ///< N m s, both passes
 
   Vec3 t2() const { return normal.cross(t1); }
+  std::uint32_t movable() const { return a_moves ? a : b; }
+  bool rubs() const { return friction > 0.0; }
+  /// A point resists no twist.
+  bool twists() const { return count > 1 && grip[5] > 0.0; }
   bool loaded() const { return (impulse > 0.0).any(); }
 };
+static_assert(sizeof(ContactRow) == 512, "a row should fill its cache lines");
 
 /// Force and couple at the centre of pressure on body b, their opposite on a: components along
 /// (normal, t1, t2).
