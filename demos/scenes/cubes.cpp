@@ -64,15 +64,14 @@ Scene CubesScenario::build(const SceneOptions& options) const {
   return builder.build(options, o.friction);
 }
 
-std::unique_ptr<User> CubesScenario::make_user(std::size_t user, const Scene& scene,
-                                               consensus::Peer& peer,
+std::unique_ptr<User> CubesScenario::make_user(std::size_t user, Controls& controls,
                                                const UserOptions& options) const {
   if (user >= user_count()) {
     throw std::invalid_argument("CubesScenario: user = " + std::to_string(user) +
                                 " breaks: 0 or 1");
   }
-  return std::make_unique<ScriptedUser>(scene, peer, options,
-                                        cubes_tasks(user, options_, scene, options));
+  return std::make_unique<ScriptedUser>(controls, options,
+                                        cubes_tasks(user, options_, controls.scene(), options));
 }
 
 std::string CubesScenario::fault(const Scene& scene) const {
