@@ -94,8 +94,12 @@ class SceneBuilder {
   void box(std::string name, const pbd::Vec3& size, double mass, const pbd::Vec3& centre);
   /// Something that does not move.
   void fix(collision::Shape shape, const pbd::Pose& pose, const collision::Material& material = {});
+  /// The half-space normal . x <= offset. @param normal  unit     @param offset  m
+  void half_space(const pbd::Vec3& normal, double offset, const collision::Material& material = {});
   /// The half-space z <= 0.
-  void ground(const collision::Material& material);
+  void ground(const collision::Material& material) {
+    half_space(pbd::Vec3::UnitZ(), 0.0, material);
+  }
 
   /// @throws std::invalid_argument where a part, a mass or a name is not valid
   Scene build(const SceneOptions& options) const;

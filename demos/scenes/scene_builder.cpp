@@ -132,8 +132,12 @@ void SceneBuilder::fix(collision::Shape shape, const pbd::Pose& pose,
   fixed_.push_back({{std::move(shape), pose}, material});
 }
 
-void SceneBuilder::ground(const collision::Material& material) {
-  fix(collision::HalfSpace{pbd::Vec3::UnitZ(), 0.0}, {}, material);
+void SceneBuilder::half_space(const pbd::Vec3& normal, double offset,
+                              const collision::Material& material) {
+  collision::HalfSpace shape;
+  shape.normal = normal;
+  shape.offset = offset;
+  fix(shape, {}, material);
 }
 
 Scene SceneBuilder::build(const SceneOptions& options, double friction) const {
