@@ -150,6 +150,8 @@ std::optional<Stroke> TennisPlayer::find_stroke(std::size_t ball, double time) {
   // Mine to serve: it falls and leaps beside me.
   const bool own_serve = std::abs(flight.velocity.x()) < 0.5 && flight.position.x() * side_ > 0.9;
   if (!own_serve && flight.velocity.x() * side_ < 0.5) return std::nullopt;
+  // What fell from rest and rises has bounced before it was seen.
+  if (own_serve && flight.velocity.z() > 0.0) flight.bounces = 1;
   constexpr double kDt = 0.004;
   const double plane = court_.half_length + 0.12;
   for (double t = sight_.seen_at(); t < time + 1.5; t += kDt) {
