@@ -137,10 +137,12 @@ const PeerRecord& Participant::record() {
   record_.hash = scene_.world->hash();
   record_.outcome.clear();
   record_.inputs.clear();
+  record_.series.clear();
   if (referee_) record_.outcome = referee_->outcome(scene_);
   for (const Seat& seat : seats_) {
     const Outcome own = seat.user->outcome();
     record_.outcome.insert(record_.outcome.end(), own.begin(), own.end());
+    for (Series& series : seat.user->series()) record_.series.push_back(std::move(series));
     const std::vector<Input>& log = seat.controls->log();
     record_.inputs.insert(record_.inputs.end(), log.begin(), log.end());
   }

@@ -223,6 +223,17 @@ void write_csv(const Report& report, const std::string& folder) {
   }
   write_file(folder + "/tracks.csv", tracks);
 
+  std::string series = "time_s,peer,name,value\n";
+  for (const PeerRecord& peer : report.run.peers) {
+    for (const Series& s : peer.series) {
+      for (std::size_t i = 0; i < s.times.size(); ++i) {
+        series += format("%.6f,%llu,%s,%.9g\n", s.times[i],
+                         static_cast<unsigned long long>(peer.id), s.name.c_str(), s.values[i]);
+      }
+    }
+  }
+  write_file(folder + "/series.csv", series);
+
   std::string bodies = "body,samples,mean_m,p50_m,p95_m,p99_m,max_m\n";
   for (std::size_t i = 0; i < of_body.size(); ++i) {
     const Distribution d = distribution(of_body[i]);

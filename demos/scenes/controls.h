@@ -9,6 +9,7 @@
 #include "scenes/inputs.h"
 #include "scenes/scene.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/pbd/tether.h"
 
 namespace tandem::demos {
 
@@ -45,6 +46,9 @@ class Controls {
   /// A spring on a shared body; returns its number. Springs go to all peers.
   /// @throws as consensus::Peer::grab
   std::uint32_t grab(std::size_t body, const consensus::GrabDef& def);
+  /// The same spring, known to this peer alone: an asymmetric constraint, [friston] Sec. 3.5. The
+  /// others learn of it by what it does to the body.
+  std::uint32_t hold(std::size_t body, const consensus::GrabDef& def);
   void move(std::uint32_t spring, const pbd::Vec3& anchor_w);
   void release(std::uint32_t spring);
   /// Move a body of this user's own so that it is at `pose` at the end of the step. No effect where
@@ -62,9 +66,14 @@ class Controls {
 
  private:
   struct Hold {
-    consensus::GrabId id;
+    consensus::GrabId id;      ///< of a spring that all know
+    pbd::ConstraintId tether;  ///< of one that is known here alone
+    bool alone = false;
     std::size_t body = 0;
+    consensus::SessionTime moved = 0;  ///< ns
   };
+  pbd::Tethers& tethers();
+  void log_spring(Input::Kind kind, std::size_t body, const consensus::GrabDef& def);
   Input& note(Input::Kind kind, std::uint32_t object, std::size_t body);
 
   std::size_t user_;
@@ -72,6 +81,7 @@ class Controls {
   consensus::Peer& peer_;
   consensus::SessionTime epoch_;
   SignalSink* signals_;
+  pbd::Tethers* tethers_ = nullptr;  ///< one of the world's blocks, once there is need for it
   consensus::SessionTime now_ = 0;
   double dt_ = 1.0 / 60.0;
   std::map<std::uint32_t, Hold> springs_;

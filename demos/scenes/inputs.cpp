@@ -18,9 +18,10 @@ struct KindName {
   std::size_t values;
 };
 constexpr KindName kKinds[] = {
-    {Input::Kind::Grab, "grab", 9},   {Input::Kind::Move, "move", 3},
-    {Input::Kind::Release, "let", 0}, {Input::Kind::Drive, "drive", 7},
-    {Input::Kind::Jump, "jump", 7},   {Input::Kind::Signal, "signal", 1},
+    {Input::Kind::Grab, "grab", 9},     {Input::Kind::Hold, "hold", 9},
+    {Input::Kind::Move, "move", 3},     {Input::Kind::Release, "let", 0},
+    {Input::Kind::Drive, "drive", 7},   {Input::Kind::Jump, "jump", 7},
+    {Input::Kind::Signal, "signal", 1},
 };
 
 template <class Number>

@@ -15,6 +15,7 @@ namespace tandem::demos {
 struct Input {
   enum class Kind : std::uint8_t {
     Grab,     ///< object: spring; body; values: attachment_l, anchor_w, stiffness, damping, force
+    Hold,     ///< the same, but no other peer knows of the spring
     Move,     ///< object: spring; values: anchor_w
     Release,  ///< object: spring
     Drive,    ///< object: body; values: position, orientation x y z w, at the end of the step

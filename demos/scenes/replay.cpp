@@ -44,14 +44,16 @@ void ReplayUser::update(consensus::SessionTime /*now*/) {
 void ReplayUser::apply(const Input& input) {
   const std::vector<double>& v = input.values;
   switch (input.kind) {
-    case Input::Kind::Grab: {
+    case Input::Kind::Grab:
+    case Input::Kind::Hold: {
       consensus::GrabDef def;
       def.attachment_l = vec3(v, 0);
       def.anchor_w = vec3(v, 3);
       def.stiffness = v[6];
       def.damping = v[7];
       def.max_force = v[8];
-      springs_[input.object] = controls_.grab(input.body, def);
+      springs_[input.object] = input.kind == Input::Kind::Hold ? controls_.hold(input.body, def)
+                                                               : controls_.grab(input.body, def);
       return;
     }
     case Input::Kind::Move:

@@ -88,16 +88,16 @@ std::function<Vec3(Person&)> raised(double height) {
 
 /// Take a thing, lift it over, and set it down with its middle at `place`.
 void carry(Person& me, const std::string& name, const Vec3& place) {
-  reach(me, place_of(me, name), 0.7);
+  reach(me, place_of(me, name), 0.5);
   grasp(me, name, 1.0, kSpread);
-  reach(me, raised(0.2), 0.5);
+  reach(me, raised(0.2), 0.4);
   const Vec3 sag(0.0, 0.0, kSag);
-  reach_to(me, place + sag + Vec3(0.0, 0.0, 0.12), 0.9);
-  reach_to(me, place + sag, 0.6);
+  reach_to(me, place + sag + Vec3(0.0, 0.0, 0.12), 0.7);
+  reach_to(me, place + sag, 0.5);
   reach_to(me, place - 0.3 * sag, 0.3);  // until it stands
   me.then(pause(0.2));
   let_go(me);
-  reach(me, raised(0.2), 0.4);
+  reach(me, raised(0.2), 0.3);
 }
 
 /// Whether somebody's right hand is seen near what is mine, or near a place on the bench.
@@ -107,12 +107,12 @@ bool hand_near(Person& me, std::size_t whose, const Vec3& place, double distance
 }
 
 void hand_over(Person& me) {
-  reach(me, place_of(me, "toy/box"), 1.0);
+  reach(me, place_of(me, "toy/box"), 0.7);
   grasp(me, "toy/box", 1.0, kSpread);
-  reach(me, raised(0.3), 0.8);
-  reach_to(me, kHandOver, 1.2);
+  reach(me, raised(0.3), 0.5);
+  reach_to(me, kHandOver, 0.9);
   const auto taken = [](Person& p) { return hand_near(p, 1, p.hand(kRight), 0.12); };
-  me.then(steadily(taken, 0.8), 8.0);
+  me.then(steadily(taken, 0.5), 8.0);
   let_go(me);
   reach_to(me, Vec3(-0.7, 0.0, 1.1), 0.7);
 }
@@ -124,7 +124,7 @@ void take_over(Person& me) {
     return (seen.pose.position - kHandOver).norm() < 0.15 && seen.twist.linear.norm() < 0.15;
   };
   me.then(steadily(offered, 0.1), 8.0);
-  reach(me, place_of(me, "toy/box"), 0.8);
+  reach(me, place_of(me, "toy/box"), 0.6);
   grasp(me, "toy/box", 1.0, kSpread);
   const auto alone = [](Person& p) { return !hand_near(p, 0, p.hand(kRight), 0.2); };
   me.then(steadily(alone, 0.1), 8.0);
@@ -134,8 +134,8 @@ void take_over(Person& me) {
   });
   const Vec3 place = kStack + Vec3(0.0, 0.0, 0.5 * RoomScenario::kBox);
   const Vec3 sag(0.0, 0.0, kSag);
-  reach_to(me, place + Vec3(0.0, 0.0, 0.25), 1.3);
-  reach_to(me, place + sag, 0.8);
+  reach_to(me, place + Vec3(0.0, 0.0, 0.25), 1.0);
+  reach_to(me, place + sag, 0.6);
   reach_to(me, place - 0.3 * sag, 0.3);
   me.then(pause(0.2));
   let_go(me);
@@ -153,16 +153,16 @@ void carry_bench(Person& me) {
       return p.seen(bench).pose.to_world(Vec3(0.55 * which, 0.0, seat));
     };
   };
-  reach(me, end_of(side), 0.9);
+  reach(me, end_of(side), 0.7);
   const auto both = [end_of, side](Person& p) {
     return hand_near(p, 1 - p.user(), end_of(-side)(p), 0.12);
   };
   me.then(steadily(both, 0.3), 8.0);
   grasp(me, "bench", 0.5, Vec3(0.04, 0.12, 0.0));
-  reach(me, raised(0.3), 1.4);
+  reach(me, raised(0.3), 1.0);
   reach(
-      me, [](Person& p) { return Vec3(p.hand(kRight) + Vec3(0.0, 0.5, 0.0)); }, 1.6);
-  reach(me, raised(-0.31), 1.4);
+      me, [](Person& p) { return Vec3(p.hand(kRight) + Vec3(0.0, 0.5, 0.0)); }, 1.2);
+  reach(me, raised(-0.31), 1.1);
   me.then(pause(0.3));
   let_go(me);
   reach(me, raised(0.4), 0.5);
@@ -191,7 +191,7 @@ void room_script(Person& me) {
     until(me, 0.8);
     walk(me, Vec3(-0.7, 0.2, 0.0));
     hand_over(me);
-    until(me, 8.0);
+    until(me, 6.8);
     walk(me, Vec3(-0.8, -0.9, 0.0));
     carry_bench(me);
     walk(me, Vec3(-0.7, 0.6, 0.0));
@@ -203,7 +203,7 @@ void room_script(Person& me) {
   until(me, 1.2);
   walk(me, Vec3(0.7, 0.2, 0.0));
   take_over(me);
-  until(me, 8.0);
+  until(me, 6.8);
   walk(me, Vec3(0.8, -0.9, 0.0));
   carry_bench(me);
   walk(me, Vec3(0.7, 0.4, 0.0));

@@ -26,6 +26,8 @@ class User {
   virtual void update(consensus::SessionTime now) = 0;
   /// What they achieved by their own account.
   virtual Outcome outcome() const { return {}; }
+  /// What their devices measured.
+  virtual std::vector<Series> series() const { return {}; }
 };
 
 struct UserOptions {
