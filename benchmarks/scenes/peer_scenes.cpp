@@ -3,9 +3,10 @@
 //
 // Sizes, masses, seeds and the order of the random numbers are those with which other engines were
 // measured. Loops run z outermost, then y, then x.
-#include <cmath>
 #include <stdexcept>
+#include <utility>
 
+#include "demos/scenes/cliff_geometry.h"
 #include "scenes/random.h"
 #include "scenes/scene.h"
 
@@ -20,41 +21,15 @@ void add_ground(Scene& scene) {
   scene.add_static(BoxShape{Vec3(50.0, 50.0, 1.0)}, at(0.0, 0.0, -1.0));
 }
 
-MeshShape cliff_mesh() {
-  constexpr std::uint32_t kCells = 64;
-  constexpr double kHalf = 12.0;
-  auto mesh = std::make_shared<MeshData>();
-  for (std::uint32_t j = 0; j <= kCells; ++j) {
-    for (std::uint32_t i = 0; i <= kCells; ++i) {
-      const double x = -kHalf + 2.0 * kHalf * i / kCells;
-      const double y = -kHalf + 2.0 * kHalf * j / kCells;
-      mesh->vertices.emplace_back(x, y, cliff_height(x, y));
-    }
-  }
-  for (std::uint32_t j = 0; j < kCells; ++j) {
-    for (std::uint32_t i = 0; i < kCells; ++i) {
-      const std::uint32_t a = j * (kCells + 1) + i;
-      const std::uint32_t b = a + 1;
-      const std::uint32_t c = a + kCells + 1;
-      const std::uint32_t d = c + 1;
-      mesh->triangles.push_back({a, b, d});
-      mesh->triangles.push_back({a, d, c});
-    }
-  }
-  return mesh;
-}
-
 void build_cliff(Scene& scene) {
   SceneRandom random;
-  scene.add_static(MeshShape(cliff_mesh()));
-  for (int k = 0; k < 10; ++k) {
-    for (int j = 0; j < 10; ++j) {
-      for (int i = 0; i < 10; ++i) {
-        const double x = (i - 4.5) * 0.45 + 0.04 * (random.u() - 0.5);
-        const double y = (j - 4.5) * 0.45 + 0.04 * (random.u() - 0.5);
-        scene.add(SphereShape{0.15}, 1.0, at(x, y, 7.0 + 0.45 * k));
-      }
-    }
+  demos::CliffMesh surface = demos::cliff_mesh();
+  auto mesh = std::make_shared<MeshData>();
+  mesh->vertices = std::move(surface.vertices);
+  mesh->triangles = std::move(surface.triangles);
+  scene.add_static(MeshShape(std::move(mesh)));
+  for (const Vec3& place : demos::cliff_balls([&random] { return random.u(); })) {
+    scene.add(SphereShape{demos::kCliffBallRadius}, 1.0, {.position = place});
   }
 }
 
@@ -133,16 +108,7 @@ void build_pyramid(Scene& scene) {
 
 }  // namespace
 
-double cliff_height(double x, double y) {
-  double base = 0.0;
-  if (x < 0.0) {
-    base = 6.0;
-  } else if (x < 2.0) {
-    const double s = 0.5 * x;
-    base = 6.0 * (1.0 - s * s * (3.0 - 2.0 * s));
-  }
-  return base + 0.3 * std::sin(1.7 * x) * std::cos(1.3 * y);
-}
+double cliff_height(double x, double y) { return demos::cliff_height(x, y); }
 
 Scene peer_scene(std::string_view name) {
   using Build = void (*)(Scene&);

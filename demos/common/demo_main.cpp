@@ -32,20 +32,24 @@ int run(const Scenario& scenario, const DemoOptions& options) {
 
 }  // namespace
 
-int demo_main(int argc, char** argv, const Scenario& scenario) {
+int demo_main(int argc, char** argv, const ScenarioFactory& factory) {
   const std::vector<std::string_view> arguments(argv + 1, argv + argc);
+  std::string program = argv[0];
+  if (const std::size_t slash = program.rfind('/'); slash != std::string::npos) {
+    program.erase(0, slash + 1);
+  }
   try {
     const DemoOptions options = parse_options(arguments);
     if (options.help) {
-      std::fputs(usage(scenario.name()).c_str(), stdout);
+      std::fputs(usage(program).c_str(), stdout);
       return 0;
     }
-    return run(scenario, options);
+    return run(*factory(options.variant), options);
   } catch (const UsageError& error) {
-    std::fprintf(stderr, "%s: %s\n", scenario.name().c_str(), error.what());
+    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", scenario.name().c_str(), error.what());
+    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
     return 1;
   }
 }

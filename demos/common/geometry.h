@@ -15,10 +15,15 @@ namespace tandem::demos {
 double box_overlap(const pbd::Pose& a, const pbd::Vec3& half_a, const pbd::Pose& b,
                    const pbd::Vec3& half_b);
 
+/// How deep a ball overlaps a box (m), along the shortest way out; 0 where it does not.
+double ball_box_overlap(const pbd::Vec3& centre, double radius, const pbd::Pose& box,
+                        const pbd::Vec3& half);
+
 /// How deep the lowest corner of a box is below the ground, z = 0 (m); 0 where it is above.
 double ground_overlap(const pbd::Pose& pose, const pbd::Vec3& half);
 
-/// Append the depth of every pair of boxes, and of every box and the ground, that overlap.
+/// Append the depth of every pair of bodies, and of every body and what is fixed, that overlap.
+/// Boxes, balls and half-spaces under z = 0 are looked at; other shapes are passed over.
 void append_penetrations(const Scene& scene, std::vector<double>& out);
 
 }  // namespace tandem::demos

@@ -91,6 +91,18 @@ std::string text_value(std::string_view option, std::string_view value) {
   return std::string(value);
 }
 
+/// "60,72": steps each second of the peers, in turn.
+std::vector<double> rates(std::string_view text) {
+  std::vector<double> result;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    result.push_back(number("--rates", text.substr(0, comma), 10.0, 1000.0,
+                            "numbers from 10 to 1000, with commas between them"));
+    if (comma == std::string_view::npos) return result;
+    text.remove_prefix(comma + 1);
+  }
+}
+
 bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
   constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
   if (name == "--peers") {
@@ -109,7 +121,13 @@ bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
     o.update_hz = number(name, in.value(name), 0.1, 1000.0, "a number from 0.1 to 1000");
   } else if (name == "--uneven") {
     in.finish(name);
-    o.uneven = true;
+    o.rates = {60.0, 72.0};
+  } else if (name == "--rates") {
+    o.rates = rates(in.value(name));
+  } else if (name == "--variant") {
+    o.variant = text_value(name, in.value(name));
+  } else if (name == "--replay") {
+    o.replay = text_value(name, in.value(name));
   } else {
     return false;
   }
@@ -156,6 +174,8 @@ bool read_output(std::string_view name, Reader& in, DemoOptions& o) {
     o.json = text_value(name, in.value(name));
   } else if (name == "--csv") {
     o.csv = text_value(name, in.value(name));
+  } else if (name == "--record") {
+    o.record = text_value(name, in.value(name));
   } else if (name == "--quiet") {
     in.finish(name);
     o.quiet = true;
@@ -234,10 +254,14 @@ Session:
   --predictor euler|local-motion   (local-motion)
   --solver one-pass|two-step       (one-pass)
   --update-hz F      states sent each second (60)
-  --uneven           every second peer makes 72 steps each second, the others 60
+  --rates F,F,..     steps each second of the peers, in turn (60)
+  --uneven           the same as --rates 60,72
+  --variant NAME     of the scenario, where it has any
+  --replay FILE      users do what --record wrote, instead of following their script
 Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies
+  --record FILE      write what the users did in each step
   --quiet            no table and no progress bar
   --help             this text
 )";

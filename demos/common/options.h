@@ -24,26 +24,29 @@ struct DemoOptions {
   consensus::PredictorKind predictor = consensus::PredictorKind::LocalMotion;
   consensus::Coupling solver = consensus::Coupling::OnePass;
   double update_hz = 60.0;
-  int profile = 3;         ///< of the virtual link, [friston] Table 3
-  bool uneven = false;     ///< every second peer makes 72 steps each second, the others 60
-  double loss = 0.0;       ///< of the virtual link: chance that a state is lost
-  double duplicate = 0.0;  ///< chance that it comes twice
-  double reorder = 0.0;    ///< chance that it is overtaken
-  double bandwidth = 0.0;  ///< bit/s in each direction; 0 = unlimited
+  int profile = 3;                     ///< of the virtual link, [friston] Table 3
+  std::vector<double> rates = {60.0};  ///< steps each second of the peers, in turn
+  std::string variant;                 ///< of the scenario; "" = its default
+  double loss = 0.0;                   ///< of the virtual link: chance that a state is lost
+  double duplicate = 0.0;              ///< chance that it comes twice
+  double reorder = 0.0;                ///< chance that it is overtaken
+  double bandwidth = 0.0;              ///< bit/s in each direction; 0 = unlimited
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
   std::uint64_t peer_id = 0;            ///< of this process
   double wait = 0.0;  ///< s, how long to wait for the first other process; 0 = for ever
 
-  std::string json;  ///< file for the result, "-" = standard output, "" = none
-  std::string csv;   ///< folder for tables, "" = none
+  std::string json;    ///< file for the result, "-" = standard output, "" = none
+  std::string csv;     ///< folder for tables, "" = none
+  std::string record;  ///< file for what the users did, "" = none
+  std::string replay;  ///< file with what the users do, "" = they follow their script
   bool quiet = false;
   bool help = false;
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
   /// Steps each second of the peer of that number, from 0.
-  double step_hz(std::size_t peer) const { return uneven && peer % 2 == 1 ? 72.0 : 60.0; }
+  double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   consensus::PeerOptions peer_options() const;
   consensus::LinkOptions link_options() const;
 };

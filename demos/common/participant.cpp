@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
 
 #include "common/geometry.h"
 #include "scenes/random.h"
+#include "scenes/replay.h"
 
 namespace tandem::demos {
 
@@ -19,8 +23,18 @@ double seconds_of(consensus::SessionTime ns) { return static_cast<double>(ns) * 
 
 }  // namespace
 
-SceneOptions scene_options(const DemoOptions& options, std::size_t number) {
+std::size_t seat_of(const DemoOptions& options, std::size_t user) {
+  // Over a network nobody knows how many will come.
+  if (options.over_network()) return user;
+  return std::min(user, static_cast<std::size_t>(options.peers) - 1);
+}
+
+SceneOptions scene_options(const DemoOptions& options, std::size_t number, std::size_t users) {
   SceneOptions result;
+  result.users = 0;
+  for (std::size_t user = 0; user < users; ++user) {
+    if (seat_of(options, user) == number) result.users |= std::uint64_t{1} << user;
+  }
   result.order_seed = derived_seed(options.seed, 1000 + number);
   result.noise_seed = derived_seed(options.seed, 2000 + number);
   return result;
@@ -35,25 +49,48 @@ UserOptions user_options(const DemoOptions& options, std::size_t user,
   return result;
 }
 
+std::optional<std::vector<Input>> replayed_inputs(const DemoOptions& options) {
+  if (options.replay.empty()) return std::nullopt;
+  std::ifstream file(options.replay, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) throw std::runtime_error("cannot read " + options.replay);
+  return inputs_from_text(text.str());
+}
+
 Participant::Participant(const Scenario& scenario, const DemoOptions& options, consensus::PeerId id,
                          std::size_t number, consensus::Transport& transport)
     : scenario_(scenario),
-      scene_(scenario.build(scene_options(options, number))),
-      peer_(*scene_.world, transport, options.peer_options()) {
+      bounds_(scenario.bounds()),
+      scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
+      signals_(transport),
+      peer_(*scene_.world, signals_, options.peer_options()),
+      referee_(scenario.make_referee(scene_)) {
   peer_.set_observer(this);
   record_.id = id;
   record_.step_hz = options.step_hz(number);
   record_.tracks.resize(scene_.bodies.size());
   for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
     const SceneBody& body = scene_.bodies[i];
-    peer_.share({.id = body.id, .body = body.body, .owner = std::nullopt});
+    std::optional<consensus::PeerId> owner;
+    if (body.owner) owner = seat_of(options, *body.owner) + 1;
+    peer_.share({.id = body.id, .body = body.body, .owner = owner});
     index_.emplace_back(body.id, i);
   }
   std::sort(index_.begin(), index_.end());
 }
 
-void Participant::add_user(std::size_t user, const UserOptions& options) {
-  users_.push_back(scenario_.make_user(user, scene_, peer_, options));
+void Participant::add_user(std::size_t user, const UserOptions& options,
+                           const std::vector<Input>* replay) {
+  Seat seat;
+  seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
+  seat.controls = std::make_unique<Controls>(user, scene_, peer_, options.epoch, &signals_);
+  if (replay != nullptr) {
+    seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
+  } else {
+    seat.user = scenario_.make_user(user, *seat.controls, options);
+  }
+  seats_.push_back(std::move(seat));
 }
 
 void Participant::begin(consensus::SessionTime now) {
@@ -62,7 +99,12 @@ void Participant::begin(consensus::SessionTime now) {
     epoch_ = now;
     record_bodies(now);
   }
-  for (const auto& user : users_) user->update(now);
+  signals_.update(now);
+  for (Seat& seat : seats_) {
+    seat.controls->begin(now, 1.0 / record_.step_hz);
+    seat.user->update(now);
+  }
+  for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
   peer_.before_step(now);
   if (!has_exchanged() && peer_.stats().updates_received > 0) record_.first_exchange = now;
 }
@@ -94,6 +136,21 @@ const PeerRecord& Participant::record() {
   record_.bodies_aggregated = stats.bodies_aggregated;
   record_.bytes_sent = stats.bytes_sent;
   record_.hash = scene_.world->hash();
+  record_.outcome.clear();
+  record_.inputs.clear();
+  record_.series.clear();
+  if (referee_) record_.outcome = referee_->outcome(scene_);
+  for (const Seat& seat : seats_) {
+    for (const auto& [name, value] : seat.user->outcome()) {
+      record_.outcome.emplace_back(seat.prefix + name, value);
+    }
+    for (Series& series : seat.user->series()) {
+      series.name = seat.prefix + series.name;
+      record_.series.push_back(std::move(series));
+    }
+    const std::vector<Input>& log = seat.controls->log();
+    record_.inputs.insert(record_.inputs.end(), log.begin(), log.end());
+  }
   return record_;
 }
 
@@ -116,7 +173,7 @@ void Participant::record_bodies(consensus::SessionTime now) {
     sample.position = state.pose.position;
     sample.orientation = state.pose.orientation;
     sample.speed = state.twist.linear.norm();
-    for (const auto& user : users_) sample.users += user->holding() == i ? 1 : 0;
+    for (const Seat& seat : seats_) sample.users += seat.controls->holds(i) ? 1 : 0;
     record_.tracks[i].push(sample);
   }
 }
@@ -125,14 +182,15 @@ void Participant::watch(consensus::SessionTime now, const pbd::StepReport& repor
   if (report.status != pbd::StepStatus::Ok) set_fault(now, "a body left the finite numbers");
   for (const SceneBody& body : scene_.bodies) {
     const pbd::BodyState& state = scene_.world->state(body.body);
-    if (!(state.pose.position.norm() < kMaxDistance)) {
+    if (!(state.pose.position.norm() < bounds_.max_distance)) {
       set_fault(now, body.name + " is too far away");
-    } else if (state.pose.position.z() < 0.0) {
+    } else if (state.pose.position.z() < bounds_.lowest) {
       set_fault(now, body.name + " fell through the ground");
-    } else if (!(state.twist.linear.norm() < kMaxSpeed)) {
+    } else if (!(state.twist.linear.norm() < bounds_.max_speed)) {
       set_fault(now, body.name + " is too fast");
     }
   }
+  if (referee_) referee_->watch(scene_, seconds_of(now - epoch_));
   if (steps_ % kLookEvery != 0) return;
   if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);
   append_penetrations(scene_, record_.penetration_m);

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/options.h"
+#include "common/signals.h"
 #include "common/track.h"
 #include "scenes/scenario.h"
 #include "tandem/consensus/peer.h"
@@ -22,16 +24,14 @@ namespace tandem::demos {
 /// @par Thread safety  One object: one thread at a time.
 class Participant final : private consensus::PeerObserver {
  public:
-  /// Beyond these a world counts as broken.
-  static constexpr double kMaxDistance = 20.0;  ///< m, from the origin
-  static constexpr double kMaxSpeed = 20.0;     ///< m/s
-
   /// @param number  from 0: which noise, order and step rate it has
   Participant(const Scenario& scenario, const DemoOptions& options, consensus::PeerId id,
               std::size_t number, consensus::Transport& transport);
 
-  /// @param user  of the scenario
-  void add_user(std::size_t user, const UserOptions& options);
+  /// @param user    of the scenario
+  /// @param replay  null: the script; else what users did in another run
+  void add_user(std::size_t user, const UserOptions& options,
+                const std::vector<Input>* replay = nullptr);
 
   void begin(consensus::SessionTime now);
   void step(consensus::SessionTime now, consensus::SessionTime end);
@@ -56,11 +56,21 @@ class Participant final : private consensus::PeerObserver {
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
   void set_fault(consensus::SessionTime now, const std::string& text);
 
+  /// A user and what they act by.
+  struct Seat {
+    std::string prefix;  ///< of what they tell, "a_" for user 0
+    std::unique_ptr<Controls> controls;
+    std::unique_ptr<User> user;
+  };
+
   const Scenario& scenario_;
+  Bounds bounds_;
   Scene scene_;
   pbd::Solver solver_;
+  Signals signals_;
   consensus::Peer peer_;
-  std::vector<std::unique_ptr<User>> users_;
+  std::vector<Seat> seats_;
+  std::unique_ptr<Referee> referee_;
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id
   PeerRecord record_;
   consensus::SessionTime epoch_ = 0;
@@ -69,8 +79,17 @@ class Participant final : private consensus::PeerObserver {
   bool wait_for_exchange_ = false;
 };
 
+/// The number (from 0) of the peer at which a user sits.
+std::size_t seat_of(const DemoOptions& options, std::size_t user);
+
 /// The scene's options for the peer of that number.
-SceneOptions scene_options(const DemoOptions& options, std::size_t number);
+/// @param users  how many there are in all
+SceneOptions scene_options(const DemoOptions& options, std::size_t number, std::size_t users);
+
+/// What the users are to do again; nothing where they follow their script.
+/// @throws std::runtime_error where the file cannot be read
+/// @throws std::invalid_argument where it holds something else
+std::optional<std::vector<Input>> replayed_inputs(const DemoOptions& options);
 
 /// The users' options; `user` tells their seeds apart.
 UserOptions user_options(const DemoOptions& options, std::size_t user,

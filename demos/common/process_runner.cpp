@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/participant.h"
 #include "common/progress.h"
@@ -52,6 +53,7 @@ class Session {
   Session(const Scenario& scenario, const DemoOptions& options)
       : scenario_(scenario),
         options_(options),
+        replay_(replayed_inputs(options)),
         transport_(tcp_options(scenario, options)),
         view_(scenario.build({})),
         rendezvous_(transport_, view_),
@@ -90,7 +92,8 @@ class Session {
       scripted_ = true;
       const std::size_t user = number_of(options_);
       if (user < scenario_.user_count()) {
-        participant_.add_user(user, user_options(options_, user, *rendezvous_.epoch()));
+        participant_.add_user(user, user_options(options_, user, *rendezvous_.epoch()),
+                              replay_ ? &*replay_ : nullptr);
       }
     }
     participant_.begin(now);
@@ -150,6 +153,7 @@ class Session {
 
   const Scenario& scenario_;
   const DemoOptions& options_;
+  std::optional<std::vector<Input>> replay_;
   net::StopSignal stop_;
   net::SessionClock clock_;
   net::TcpTransport transport_;

@@ -61,7 +61,13 @@ void write_file(const std::string& path, const std::string& text) {
 
 void describe_run(JsonWriter& json, const Report& r) {
   const DemoOptions& o = r.options;
-  json.field("scenario", r.scenario).field("solver", to_string(o.solver));
+  json.field("scenario", r.scenario);
+  if (o.variant.empty()) {
+    json.null_field("variant");
+  } else {
+    json.field("variant", o.variant);
+  }
+  json.field("solver", to_string(o.solver));
   json.field("predictor", to_string(o.predictor));
   if (o.over_network()) {
     json.null_field("profile");
@@ -134,6 +140,12 @@ std::string report_table(const Report& r) {
       "  agreement's energy displacement %.3g J, velocity %.3g J, potential %.3g J, "
       "leak %.3g J\n",
       m.energy.displacement, m.energy.velocity_agreement, m.energy.potential, m.energy.leak);
+  for (const PeerRecord& peer : r.run.peers) {
+    if (peer.outcome.empty()) continue;
+    out += format("  outcome at peer %llu ", static_cast<unsigned long long>(peer.id));
+    for (const auto& [name, value] : peer.outcome) out += format(" %s %.4g,", name.c_str(), value);
+    out.back() = '\n';
+  }
   out += format("  %.1f times real time, hash %016llx\n", r.run.seconds / r.run.wall_s,
                 static_cast<unsigned long long>(m.hash));
   out += r.stable() ? "  stable\n" : "  NOT STABLE: " + r.fault + "\n";
@@ -168,6 +180,14 @@ std::string report_json(const Report& r) {
   json.field("displacement", m.energy.displacement);
   json.field("velocity_agreement", m.energy.velocity_agreement);
   json.field("potential", m.energy.potential).field("leak", m.energy.leak).end_object();
+  json.key("outcome").begin_object();
+  for (const PeerRecord& peer : r.run.peers) {
+    if (!peer.local) continue;
+    json.key("peer_" + std::to_string(peer.id)).begin_object();
+    for (const auto& [name, value] : peer.outcome) json.field(name, value);
+    json.end_object();
+  }
+  json.end_object();
   json.field("hash", format("%016llx", static_cast<unsigned long long>(m.hash)));
   json.end_object();
   return json.text();
@@ -190,6 +210,31 @@ void write_csv(const Report& report, const std::string& folder) {
   }
   write_file(folder + "/divergence.csv", samples);
 
+  std::string tracks = "time_s,peer,body,x,y,z,qw,qx,qy,qz\n";
+  for (const PeerRecord& peer : report.run.peers) {
+    for (std::size_t i = 0; i < peer.tracks.size(); ++i) {
+      for (const TrackSample& s : peer.tracks[i].samples()) {
+        tracks += format("%.6f,%llu,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n",
+                         static_cast<double>(s.time - start) * 1e-9,
+                         static_cast<unsigned long long>(peer.id), report.body_names[i].c_str(),
+                         s.position.x(), s.position.y(), s.position.z(), s.orientation.w(),
+                         s.orientation.x(), s.orientation.y(), s.orientation.z());
+      }
+    }
+  }
+  write_file(folder + "/tracks.csv", tracks);
+
+  std::string series = "time_s,peer,name,value\n";
+  for (const PeerRecord& peer : report.run.peers) {
+    for (const Series& s : peer.series) {
+      for (std::size_t i = 0; i < s.times.size(); ++i) {
+        series += format("%.6f,%llu,%s,%.9g\n", s.times[i],
+                         static_cast<unsigned long long>(peer.id), s.name.c_str(), s.values[i]);
+      }
+    }
+  }
+  write_file(folder + "/series.csv", series);
+
   std::string bodies = "body,samples,mean_m,p50_m,p95_m,p99_m,max_m\n";
   for (std::size_t i = 0; i < of_body.size(); ++i) {
     const Distribution d = distribution(of_body[i]);
@@ -197,6 +242,12 @@ void write_csv(const Report& report, const std::string& folder) {
                      d.mean, d.p50, d.p95, d.p99, d.max);
   }
   write_file(folder + "/bodies.csv", bodies);
+}
+
+void write_inputs(const Report& report, const std::string& path) {
+  std::string text;
+  for (const PeerRecord& peer : report.run.peers) text += inputs_to_text(peer.inputs);
+  write_file(path, text);
 }
 
 int publish(const Report& report) {
@@ -210,6 +261,7 @@ int publish(const Report& report) {
     write_file(o.json, report_json(report));
   }
   if (!o.csv.empty()) write_csv(report, o.csv);
+  if (!o.record.empty()) write_inputs(report, o.record);
   if (!report.stable() && o.quiet) std::fprintf(stderr, "not stable: %s\n", report.fault.c_str());
   return report.stable() ? 0 : 1;
 }

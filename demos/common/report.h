@@ -32,9 +32,14 @@ std::string report_table(const Report& report);
 /// For programs: one JSON object; what is not known is null.
 std::string report_json(const Report& report);
 
-/// Writes divergence.csv (every sample) and bodies.csv (a line for each body) into `folder`, which
-/// is made where it is missing. @throws std::runtime_error saying what cannot be written
+/// Writes divergence.csv (every sample), tracks.csv (where every body was at every peer),
+/// series.csv (what users' devices measured) and bodies.csv (a line for each body) into `folder`,
+/// which is made where it is missing. @throws std::runtime_error saying what cannot be written
 void write_csv(const Report& report, const std::string& folder);
+
+/// Writes what the users did, for --replay. @throws std::runtime_error saying what cannot be
+/// written
+void write_inputs(const Report& report, const std::string& path);
 
 /// Writes and prints what the options ask for. Returns the exit code: 0, or 1 for a run with a
 /// fault. @throws std::runtime_error saying what cannot be written

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/inputs.h"
+#include "scenes/outcome.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/report.h"
 #include "tandem/pbd/types.h"
@@ -64,9 +66,12 @@ struct PeerRecord {
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;
   std::uint64_t bytes_sent = 0;
-  double seconds = 0.0;    ///< s, session time that was simulated in company
-  std::uint64_t hash = 0;  ///< of the world at the end
-  std::string fault;       ///< the first thing that must never be; empty where nothing was
+  double seconds = 0.0;        ///< s, session time that was simulated in company
+  std::uint64_t hash = 0;      ///< of the world at the end
+  Outcome outcome;             ///< score and what its users achieved
+  std::vector<Series> series;  ///< of its users' devices
+  std::vector<Input> inputs;   ///< of its users, user after user
+  std::string fault;           ///< the first thing that must never be; empty where nothing was
 };
 
 }  // namespace tandem::demos

@@ -2,11 +2,11 @@
 // Copyright (c) 2026 The Tandem authors
 #include "common/virtual_runner.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 #include "common/participant.h"
@@ -86,9 +86,10 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
   for (std::size_t i = 0; i < count; ++i) {
     actors.emplace_back(scenario, options, i, network.transport(i + 1));
   }
+  const std::optional<std::vector<Input>> replay = replayed_inputs(options);
   for (std::size_t user = 0; user < scenario.user_count(); ++user) {
-    actors[std::min(user, count - 1)].participant().add_user(user,
-                                                             user_options(options, user, kStart));
+    actors[seat_of(options, user)].participant().add_user(user, user_options(options, user, kStart),
+                                                          replay ? &*replay : nullptr);
   }
 
   Progress progress(options.quiet);

@@ -7,6 +7,5 @@
 #include "scenes/cubes.h"
 
 int main(int argc, char** argv) {
-  const tandem::demos::CubesScenario scenario;
-  return tandem::demos::demo_main(argc, argv, scenario);
+  return tandem::demos::demo_main<tandem::demos::CubesScenario>(argc, argv);
 }

@@ -41,10 +41,11 @@ class CubesScenario final : public Scenario {
   std::string name() const override { return "cubes"; }
   Scene build(const SceneOptions& options) const override;
   std::size_t user_count() const override { return 2; }
-  std::unique_ptr<User> make_user(std::size_t user, const Scene& scene, consensus::Peer& peer,
+  std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   /// The pillar stands: no cube has moved by 5 mm or tilted by 2 degrees.
   std::string fault(const Scene& scene) const override;
+  std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
 
  private:
   CubesOptions options_;

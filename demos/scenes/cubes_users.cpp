@@ -16,13 +16,9 @@ struct View {
   CubesOptions cubes;
   const Scene& scene;
 
-  pbd::Vec3 position(std::size_t body) const { return scene.pose(scene.bodies[body]).position; }
-  double mass(std::size_t body) const { return scene.world->props(scene.bodies[body].body).mass; }
+  pbd::Vec3 position(std::size_t body) const { return scene.pose(body).position; }
+  double mass(std::size_t body) const { return scene.mass(body); }
   bool is_cube(std::size_t body) const { return scene.bodies[body].name.starts_with("cube/"); }
-
-  std::size_t index_of(const std::string& name) const {
-    return static_cast<std::size_t>(&scene.body(name) - scene.bodies.data());
-  }
 
   /// Cubes of the stack that stands where stack number `stack` began, from below.
   std::vector<std::size_t> standing(int stack) const {
@@ -41,7 +37,7 @@ struct View {
 
   /// kg, the plate with the cubes that are seen to lie on it.
   double plate_load() const {
-    const std::size_t plate = index_of("plate");
+    const std::size_t plate = scene.index_of("plate");
     const pbd::Pose& pose = scene.pose(scene.bodies[plate]);
     double load = mass(plate);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -108,7 +104,7 @@ HandTask carry_plate(const View& view, double side, double start, double sideway
   HandTask task;
   task.start = start;
   task.plan = [view, side, sideways]() -> std::optional<HandPlan> {
-    const std::size_t plate = view.index_of("plate");
+    const std::size_t plate = view.scene.index_of("plate");
     const pbd::Pose& pose = view.scene.pose(view.scene.bodies[plate]);
     const double reach = 0.5 * view.cubes.plate.x() - 0.1;
     HandPath path(0.0, pose.to_world(pbd::Vec3(side * reach, 0.0, 0.0)));

@@ -38,6 +38,46 @@ pbd::Vec3 HandPath::at(double time) const {
   return from.position + min_jerk(s) * (next->position - from.position);
 }
 
+MinJerkMove::MinJerkMove(const pbd::Vec3& position) {
+  to_.position = position;
+  coefficients_.fill(pbd::Vec3::Zero());
+  coefficients_[0] = position;
+}
+
+MinJerkMove::MinJerkMove(double start, const State& from, double end, const State& to)
+    : start_(start), end_(end), to_(to) {
+  const double t = end - start;
+  const pbd::Vec3 way = to.position - from.position;
+  coefficients_[0] = from.position;
+  coefficients_[1] = from.velocity;
+  coefficients_[2] = 0.5 * from.acceleration;
+  coefficients_[3] = (20.0 * way - t * (8.0 * to.velocity + 12.0 * from.velocity) -
+                      t * t * (3.0 * from.acceleration - to.acceleration)) /
+                     (2.0 * t * t * t);
+  coefficients_[4] = (-30.0 * way + t * (14.0 * to.velocity + 16.0 * from.velocity) +
+                      t * t * (3.0 * from.acceleration - 2.0 * to.acceleration)) /
+                     (2.0 * t * t * t * t);
+  coefficients_[5] = (12.0 * way - 6.0 * t * (to.velocity + from.velocity) -
+                      t * t * (from.acceleration - to.acceleration)) /
+                     (2.0 * t * t * t * t * t);
+}
+
+MinJerkMove::State MinJerkMove::at(double time) const {
+  State state;
+  if (time >= end_) {
+    state = to_;
+    state.position += (time - end_) * to_.velocity;
+    state.acceleration.setZero();
+    return state;
+  }
+  const double t = std::max(0.0, time - start_);
+  const auto& c = coefficients_;
+  state.position = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+  state.velocity = c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
+  state.acceleration = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]));
+  return state;
+}
+
 Tremor::Tremor(std::uint64_t seed, double rms)
     // Each sine carries amplitude^2 / 2 of the mean square.
     : amplitude_(rms * std::sqrt(2.0 / static_cast<double>(kSines))) {

@@ -36,6 +36,32 @@ class HandPath {
   std::vector<Knot> knots_;
 };
 
+/// The minimum-jerk way from one state of motion to another: the fifth-order polynomial that meets
+/// both [flash1985]. Before its start it is where it starts, after its end it goes on as it ends,
+/// without acceleration.
+class MinJerkMove {
+ public:
+  struct State {
+    pbd::Vec3 position = pbd::Vec3::Zero();      ///< m
+    pbd::Vec3 velocity = pbd::Vec3::Zero();      ///< m/s
+    pbd::Vec3 acceleration = pbd::Vec3::Zero();  ///< m/s^2
+  };
+  /// At rest for ever.
+  explicit MinJerkMove(const pbd::Vec3& position);
+  /// @param start, end  s, end > start
+  MinJerkMove(double start, const State& from, double end, const State& to);
+
+  State at(double time) const;
+  double start() const { return start_; }
+  double end() const { return end_; }
+
+ private:
+  double start_ = 0.0;
+  double end_ = 0.0;
+  State to_;
+  std::array<pbd::Vec3, 6> coefficients_;  ///< m / s^k
+};
+
 /// Physiological tremor: sines between 8 and 12 Hz on each axis, a pure function of time.
 class Tremor {
  public:

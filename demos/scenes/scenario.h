@@ -5,12 +5,29 @@
 #include <cstddef>
 #include <memory>
 #include <string>
-#include <vector>
+#include <string_view>
 
+#include "scenes/controls.h"
 #include "scenes/scene.h"
 #include "scenes/user.h"
 
 namespace tandem::demos {
+
+/// Outside of these a world is broken.
+struct Bounds {
+  double max_distance = 20.0;  ///< m, of a body from the origin
+  double max_speed = 20.0;     ///< m/s
+  double lowest = 0.0;         ///< m, of a body's centre
+};
+
+/// Follows one peer's world and keeps the score there.
+class Referee {
+ public:
+  virtual ~Referee() = default;
+  /// After each step. @param time  s since the run's beginning
+  virtual void watch(const Scene& scene, double time) = 0;
+  virtual Outcome outcome(const Scene& scene) const = 0;
+};
 
 /// What a runner must know of a demo.
 class Scenario {
@@ -22,13 +39,19 @@ class Scenario {
   /// How many users the script has; user u sits at peer u + 1, or at the last peer where there are
   /// fewer peers than users.
   virtual std::size_t user_count() const = 0;
-  /// Both must outlive the user.
-  virtual std::unique_ptr<User> make_user(std::size_t user, const Scene& scene,
-                                          consensus::Peer& peer,
+  /// The controls must outlive the user.
+  virtual std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                           const UserOptions& options) const = 0;
 
+  /// A signal's time has come at one peer. @param now  ns, session time; not before signal.time
+  virtual void on_signal(Scene& /*scene*/, const Signal& /*signal*/,
+                         consensus::SessionTime /*now*/) const {}
+
+  virtual Bounds bounds() const { return {}; }
   /// What is wrong with a world at this moment that must never be; empty where nothing is.
-  virtual std::string fault(const Scene& scene) const = 0;
+  virtual std::string fault(const Scene& /*scene*/) const { return {}; }
+  /// Null: there is no score.
+  virtual std::unique_ptr<Referee> make_referee(const Scene& /*scene*/) const { return nullptr; }
 };
 
 }  // namespace tandem::demos

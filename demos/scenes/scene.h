@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,47 +20,99 @@ struct SceneOptions {
   std::uint64_t order_seed = 0;  ///< shuffles the order in which bodies are added; 0 = as listed
   std::uint64_t noise_seed = 0;  ///< draws the start-up noise; 0 = none
   double noise = 1e-4;           ///< m, each coordinate of a shared body starts within +- this
+  std::uint64_t users = ~std::uint64_t{0};  ///< bit u: user u sits at this peer
 };
 
-/// A shared box of a scene.
+/// A solid of a body.
+struct ScenePart {
+  collision::Shape shape;
+  pbd::Pose local;  ///< in the frame of the body
+};
+
+/// A shared body of a scene.
 struct SceneBody {
   std::string name;
   consensus::SharedId id;                      ///< of the name
   pbd::BodyId body;                            ///< in this peer's world
-  pbd::Vec3 half_extents = pbd::Vec3::Zero();  ///< m
+  std::vector<ScenePart> parts;                ///< about the centre of mass
+  pbd::Vec3 half_extents = pbd::Vec3::Zero();  ///< m, of the box about the parts
   pbd::Vec3 start = pbd::Vec3::Zero();         ///< m, world, without noise
+  bool collides = true;
+  /// The user whose hand moves it, alone. There it is kinematic; elsewhere it follows.
+  std::optional<std::size_t> owner;
 };
 
-/// One peer's copy of a scene. The ground is the half-space z <= 0.
+/// What does not move and is not shared.
+struct FixedPart {
+  collision::Shape shape;
+  pbd::Pose pose;  ///< world
+};
+
+/// One peer's copy of a scene.
 struct Scene {
   std::unique_ptr<pbd::World> world;
   std::unique_ptr<collision::CollisionScene> contacts;  ///< the world's contact source
   std::vector<SceneBody> bodies;  ///< in the same order at all peers, whatever the worlds' order
+  std::vector<FixedPart> fixed;   ///< likewise
 
   /// @throws std::invalid_argument where there is no body of that name
-  const SceneBody& body(std::string_view name) const;
+  const SceneBody& body(std::string_view name) const { return bodies[index_of(name)]; }
+  std::size_t index_of(std::string_view name) const;
   const pbd::Pose& pose(const SceneBody& body) const { return world->pose(body.body); }
+  const pbd::Pose& pose(std::size_t body) const { return world->pose(bodies[body].body); }
+  const pbd::Twist& twist(std::size_t body) const { return world->twist(bodies[body].body); }
+  double mass(std::size_t body) const { return world->props(bodies[body].body).mass; }
 };
 
 /// A hash that peers compare before they play together: names and sizes of the shared bodies.
 std::uint64_t scene_hash(const Scene& scene);
 
-/// Fills a scene with boxes, in an order of its own.
+/// A shared body, as it is asked for.
+struct BodySpec {
+  std::string name;
+  std::vector<ScenePart> parts;  ///< in a frame of their own, which need not be in the centre
+  double mass = 1.0;             ///< kg, of a homogeneous body
+  pbd::Pose pose;                ///< of the parts' frame, world
+  collision::Material material;
+  collision::Filter filter;
+  bool collides = true;  ///< false: it is seen and touches nothing
+  bool bullet = false;
+  double linear_damping = 0.0;       ///< 1/s
+  double angular_damping = 0.0;      ///< 1/s
+  bool held_up = false;              ///< stands in the air until let_fall()
+  std::optional<std::size_t> owner;  ///< see SceneBody
+};
+
+/// Let a body that was held up fall since `age` (s) ago: it is where it would be by now.
+void let_fall(Scene& scene, std::size_t body, double age);
+
+/// Fills a scene with bodies, in an order of its own.
 class SceneBuilder {
  public:
-  /// @param size  full edge lengths, m     @param centre  m, world     @param mass  kg
+  void add(BodySpec spec) { bodies_.push_back(std::move(spec)); }
+  /// A box. @param size  full edge lengths, m     @param mass  kg     @param centre  m, world
   void box(std::string name, const pbd::Vec3& size, double mass, const pbd::Vec3& centre);
-  /// @param friction  of all bodies and the ground
+  /// Something that does not move.
+  void fix(collision::Shape shape, const pbd::Pose& pose, const collision::Material& material = {});
+  /// The half-space normal . x <= offset. @param normal  unit     @param offset  m
+  void half_space(const pbd::Vec3& normal, double offset, const collision::Material& material = {});
+  /// The half-space z <= 0.
+  void ground(const collision::Material& material) {
+    half_space(pbd::Vec3::UnitZ(), 0.0, material);
+  }
+
+  /// @throws std::invalid_argument where a part, a mass or a name is not valid
+  Scene build(const SceneOptions& options) const;
+  /// The same on a ground. @param friction  of the ground and of all that box() adds
   Scene build(const SceneOptions& options, double friction) const;
 
  private:
-  struct Box {
-    std::string name;
-    pbd::Vec3 half_extents;
-    double mass;
-    pbd::Vec3 centre;
+  struct Fixed {
+    FixedPart part;
+    collision::Material material;
   };
-  std::vector<Box> boxes_;
+  std::vector<BodySpec> bodies_;
+  std::vector<Fixed> fixed_;
 };
 
 }  // namespace tandem::demos

@@ -22,41 +22,54 @@ GripSpec GripSpec::for_load(double load, const pbd::Vec3& spread) {
   return spec;
 }
 
+void Sight::look(double time) {
+  Frame frame;
+  if (!frames_.empty() && frames_.size() > 1 && frames_[1].time <= time - reaction_) {
+    frame = std::move(frames_.front());  // its memory serves again
+    frames_.pop_front();
+  }
+  frame.time = time;
+  frame.states.clear();
+  for (const std::size_t body : bodies_) {
+    frame.states.push_back(scene_.world->state(scene_.bodies[body].body));
+  }
+  frames_.push_back(std::move(frame));
+  while (frames_.size() > 1 && frames_[1].time <= time - reaction_) frames_.pop_front();
+}
+
 void Grip::close(std::size_t body, const pbd::Pose& hand, const GripSpec& spec) {
-  const SceneBody& held = scene_.bodies[body];
-  const pbd::Pose& pose = scene_.pose(held);
+  const pbd::Pose& pose = controls_.scene().pose(body);
   for (std::size_t i = 0; i < kSprings; ++i) {
     const double angle = 2.0 * std::numbers::pi / 3.0 * static_cast<double>(i);
     anchors_l_[i] = pbd::Vec3(std::cos(angle), std::sin(angle), 0.0).cwiseProduct(spec.spread);
     const pbd::Vec3 anchor_w = hand.to_world(anchors_l_[i]);
     attachments_l_[i] = pose.to_local(anchor_w);
     consensus::GrabDef def;
-    def.body = held.id;
     def.attachment_l = attachments_l_[i];
     def.anchor_w = anchor_w;
     def.stiffness = spec.stiffness;
     def.damping = spec.damping;
     def.max_force = spec.max_force;
-    springs_[i] = peer_.grab(def);
+    springs_[i] = controls_.grab(body, def);
   }
   body_ = body;
 }
 
-void Grip::move(const pbd::Pose& hand, consensus::SessionTime now) {
+void Grip::move(const pbd::Pose& hand) {
   for (std::size_t i = 0; i < kSprings; ++i) {
-    peer_.move(springs_[i], hand.to_world(anchors_l_[i]), now);
+    controls_.move(springs_[i], hand.to_world(anchors_l_[i]));
   }
 }
 
 void Grip::open() {
   if (!body_) return;
-  for (const consensus::GrabId spring : springs_) peer_.release(spring);
+  for (const std::uint32_t spring : springs_) controls_.release(spring);
   body_.reset();
 }
 
 double Grip::stretch(const pbd::Pose& hand) const {
   if (!body_) return 0.0;
-  const pbd::Pose& pose = scene_.pose(scene_.bodies[*body_]);
+  const pbd::Pose& pose = controls_.scene().pose(*body_);
   double sum = 0.0;
   for (std::size_t i = 0; i < kSprings; ++i) {
     sum += (pose.to_world(attachments_l_[i]) - hand.to_world(anchors_l_[i])).norm();
@@ -64,17 +77,17 @@ double Grip::stretch(const pbd::Pose& hand) const {
   return sum / static_cast<double>(kSprings);
 }
 
-ScriptedUser::ScriptedUser(const Scene& scene, consensus::Peer& peer, const UserOptions& options,
+ScriptedUser::ScriptedUser(Controls& controls, const UserOptions& options,
                            std::vector<HandTask> tasks)
-    : options_(options),
-      tasks_(std::move(tasks)),
-      grip_(scene, peer),
+    : tasks_(std::move(tasks)),
+      controls_(controls),
+      grip_(controls),
       tremor_(options.seed, options.tremor) {}
 
-void ScriptedUser::update(consensus::SessionTime now) {
-  const double time = static_cast<double>(now - options_.epoch) * 1e-9;
+void ScriptedUser::update(consensus::SessionTime /*now*/) {
+  const double time = controls_.time();
   if (!grip_.closed()) start_task(time);
-  if (grip_.closed()) follow(time, now);
+  if (grip_.closed()) follow(time);
 }
 
 void ScriptedUser::start_task(double time) {
@@ -91,18 +104,20 @@ void ScriptedUser::start_task(double time) {
   }
 }
 
-void ScriptedUser::follow(double time, consensus::SessionTime now) {
+void ScriptedUser::follow(double time) {
   const double task_time = time - task_start_;
   pbd::Pose hand;
   hand.position = plan_->path.at(task_time);
-  if (task_time >= plan_->path.end_time() || grip_.stretch(hand) > kMaxStretch) {
+  const bool at_end = task_time >= plan_->path.end_time();
+  if (at_end || grip_.stretch(hand) > kMaxStretch) {
+    if (at_end) done_ += 1.0;
     grip_.open();
     return;
   }
   // The tremor fades in, so that the grip closes without a jerk.
   constexpr double kFadeIn = 0.2;
   hand.position += min_jerk(task_time / kFadeIn) * tremor_.at(time);
-  grip_.move(hand, now);
+  grip_.move(hand);
 }
 
 }  // namespace tandem::demos

@@ -4,13 +4,17 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "scenes/controls.h"
 #include "scenes/hand.h"
+#include "scenes/outcome.h"
 #include "scenes/scene.h"
-#include "tandem/consensus/peer.h"
 
 namespace tandem::demos {
 
@@ -18,17 +22,44 @@ namespace tandem::demos {
 class User {
  public:
   virtual ~User() = default;
-  /// Look at the world and move the hand; before each step. `now`: session time, ns.
+  /// Look at the world and act; before each step, after Controls::begin. `now`: session time, ns.
   virtual void update(consensus::SessionTime now) = 0;
-  /// The body in hand, as an index into Scene::bodies.
-  virtual std::optional<std::size_t> holding() const = 0;
+  /// What they achieved by their own account.
+  virtual Outcome outcome() const { return {}; }
+  /// What their devices measured.
+  virtual std::vector<Series> series() const { return {}; }
 };
 
 struct UserOptions {
   std::uint64_t seed = 1;            ///< of tremor and of small differences in timing
   consensus::SessionTime epoch = 0;  ///< ns, session time at which the script begins
   double seconds = 20.0;             ///< s, when the session ends
-  double tremor = 3e-4;              ///< m, rms of each coordinate
+  double reaction = 0.2;             ///< s, from what happens to what is done about it
+  double tremor = 3e-4;  ///< m, rms of each coordinate: peaks of 1 mm, see Tremor::bound
+};
+
+/// What somebody has taken in of some bodies: what was there a reaction time ago.
+class Sight {
+ public:
+  /// The scene must outlive it.
+  Sight(const Scene& scene, std::vector<std::size_t> bodies, double reaction)
+      : scene_(scene), bodies_(std::move(bodies)), reaction_(reaction) {}
+  /// @param time  s; grows
+  void look(double time);
+  /// Of body number `k` of those watched. @pre look() has been called
+  const pbd::BodyState& seen(std::size_t k) const { return frames_.front().states[k]; }
+  /// s, when it was like that.
+  double seen_at() const { return frames_.front().time; }
+
+ private:
+  struct Frame {
+    double time = 0.0;
+    std::vector<pbd::BodyState> states;
+  };
+  const Scene& scene_;
+  std::vector<std::size_t> bodies_;
+  double reaction_;
+  std::deque<Frame> frames_;  ///< oldest first
 };
 
 /// Three equal springs between a hand and a body.
@@ -47,13 +78,13 @@ struct GripSpec {
 /// are fixed in the hand, the attachments in the body; they meet when the grip closes.
 class Grip {
  public:
-  /// Both must outlive the grip.
-  Grip(const Scene& scene, consensus::Peer& peer) : scene_(scene), peer_(peer) {}
+  /// Must outlive the grip.
+  explicit Grip(Controls& controls) : controls_(controls) {}
 
   /// Hold the body of that index around the hand. @pre the grip is open
   void close(std::size_t body, const pbd::Pose& hand, const GripSpec& spec);
-  /// Where the hand is at `now`, the start of the step to come. @pre the grip is closed
-  void move(const pbd::Pose& hand, consensus::SessionTime now);
+  /// Where the hand is at the start of the step to come. @pre the grip is closed
+  void move(const pbd::Pose& hand);
   void open();
   bool closed() const { return body_.has_value(); }
   std::optional<std::size_t> body() const { return body_; }
@@ -63,10 +94,9 @@ class Grip {
  private:
   static constexpr std::size_t kSprings = 3;
 
-  const Scene& scene_;
-  consensus::Peer& peer_;
+  Controls& controls_;
   std::optional<std::size_t> body_;
-  std::array<consensus::GrabId, kSprings> springs_{};
+  std::array<std::uint32_t, kSprings> springs_{};
   std::array<pbd::Vec3, kSprings> anchors_l_;      ///< m, frame of the hand
   std::array<pbd::Vec3, kSprings> attachments_l_;  ///< m, frame of the body
 };
@@ -91,18 +121,18 @@ class ScriptedUser final : public User {
   static constexpr double kPatience = 0.5;    ///< s: later than this a task is skipped
   static constexpr double kMaxStretch = 0.4;  ///< m: let go beyond
 
-  ScriptedUser(const Scene& scene, consensus::Peer& peer, const UserOptions& options,
-               std::vector<HandTask> tasks);
+  ScriptedUser(Controls& controls, const UserOptions& options, std::vector<HandTask> tasks);
   void update(consensus::SessionTime now) override;
-  std::optional<std::size_t> holding() const override { return grip_.body(); }
+  Outcome outcome() const override { return {{"tasks_done", done_}}; }
 
  private:
   void start_task(double time);
-  void follow(double time, consensus::SessionTime now);
+  void follow(double time);
 
-  UserOptions options_;
   std::vector<HandTask> tasks_;
+  Controls& controls_;
   std::size_t next_ = 0;
+  double done_ = 0.0;  ///< tasks carried through
   double task_start_ = 0.0;
   std::optional<HandPlan> plan_;
   Grip grip_;

@@ -78,5 +78,32 @@ TEST_CASE("hand: tremor keeps its bound and its rms, and lies between 8 and 12 H
   CHECK(Tremor(1, 3e-4).at(1.0) != Tremor(2, 3e-4).at(1.0));
 }
 
+TEST_CASE("hand: a move meets position, velocity and acceleration at both ends",
+          "[demos][analytic]") {
+  MinJerkMove::State from, to;
+  from.position = Vec3(1.0, 2.0, 3.0);
+  from.velocity = Vec3(0.5, -1.0, 0.0);
+  from.acceleration = Vec3(2.0, 0.0, -3.0);
+  to.position = Vec3(-1.0, 0.0, 4.0);
+  to.velocity = Vec3(3.0, 0.25, -1.0);
+  to.acceleration = Vec3(0.0, 5.0, 1.0);
+  const MinJerkMove move(2.0, from, 2.75, to);
+  const MinJerkMove::State start = move.at(2.0);
+  CHECK((start.position - from.position).norm() < 1e-12);
+  CHECK((start.velocity - from.velocity).norm() < 1e-12);
+  CHECK((start.acceleration - from.acceleration).norm() < 1e-12);
+  const MinJerkMove::State end = move.at(2.75 - 1e-9);
+  CHECK((end.position - to.position).norm() < 1e-7);
+  CHECK((end.velocity - to.velocity).norm() < 1e-6);
+  CHECK((end.acceleration - to.acceleration).norm() < 1e-5);
+  // Beyond the end it goes on evenly.
+  CHECK((move.at(3.75).position - (to.position + to.velocity)).norm() < 1e-12);
+  // From rest to rest it is min_jerk().
+  MinJerkMove::State rest;
+  rest.position = Vec3(1.0, 0.0, 0.0);
+  const MinJerkMove plain(0.0, {}, 1.0, rest);
+  CHECK(plain.at(0.3).position.x() == Approx(min_jerk(0.3)));
+}
+
 }  // namespace
 }  // namespace tandem::demos

@@ -51,7 +51,6 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.solver == consensus::Coupling::TwoStep);
   CHECK(o.update_hz == 30.0);
   CHECK(o.profile == 5);
-  CHECK(o.uneven);
   CHECK(o.step_hz(0) == 60.0);
   CHECK(o.step_hz(1) == 72.0);
   CHECK(o.json == "-");
@@ -65,6 +64,20 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.link_options().latency == 0.1235);  // profile 5
   CHECK(o.peer_options().update_hz == 30.0);
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
+}
+
+TEST_CASE("options: rates go round the peers", "[demos][unit]") {
+  const DemoOptions o =
+      parse({"--rates", "60,72,90.5", "--variant", "mouse", "--record", "a", "--replay=b"});
+  CHECK(o.rates == std::vector<double>{60.0, 72.0, 90.5});
+  CHECK(o.step_hz(1) == 72.0);
+  CHECK(o.step_hz(3) == 60.0);
+  CHECK(o.variant == "mouse");
+  CHECK(o.record == "a");
+  CHECK(o.replay == "b");
+  for (const char* bad : {"", "60,", "60,,72", "5", "nan"}) {
+    CHECK_FALSE(refusal({"--rates", bad}).empty());
+  }
 }
 
 TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[demos][unit]") {

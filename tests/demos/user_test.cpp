@@ -22,10 +22,12 @@ struct Bench {
     scene = builder.build({}, 0.5);
     peer = std::make_unique<consensus::Peer>(*scene.world, network.transport(1));
     peer->share({.id = scene.bodies[0].id, .body = scene.bodies[0].body, .owner = std::nullopt});
+    controls = std::make_unique<Controls>(0, scene, *peer, 0);
   }
   /// Run to the session time `end` (s).
   void run(User& user, double end) {
     while (now < static_cast<SessionTime>(end * 1e9)) {
+      controls->begin(now, 1.0 / 64.0);
       user.update(now);
       peer->before_step(now);
       solver.step(*scene.world, 1.0 / 64.0);
@@ -42,12 +44,13 @@ struct Bench {
     };
     UserOptions options;
     options.tremor = tremor;
-    return ScriptedUser(scene, *peer, options, {task});
+    return ScriptedUser(*controls, options, {task});
   }
 
   consensus::VirtualNetwork network;
   Scene scene;
   std::unique_ptr<consensus::Peer> peer;
+  std::unique_ptr<Controls> controls;
   pbd::Solver solver;
   SessionTime now = 0;
 };
@@ -58,9 +61,9 @@ TEST_CASE("user: a held box hangs 1 cm below the hand and stays level", "[demos]
   path.wait(0.2).move_by(Vec3(0.2, 0.0, 0.3), 1.0).wait(5.0);
   ScriptedUser user = bench.user(0.5, path);
   bench.run(user, 0.4);
-  CHECK_FALSE(user.holding().has_value());
+  CHECK_FALSE(bench.controls->holds(0));
   bench.run(user, 4.0);
-  REQUIRE(user.holding().has_value());
+  REQUIRE(bench.controls->holds(0));
   CHECK(bench.peer->held(bench.scene.bodies[0].id));
   CHECK(bench.position().x() == Approx(0.2).margin(1e-4));
   CHECK(bench.position().z() == Approx(0.35 - 0.01).margin(1e-4));
@@ -74,7 +77,7 @@ TEST_CASE("user: lets go at the end of the path", "[demos][unit]") {
   path.move_by(Vec3(0.0, 0.0, 0.2), 0.8);
   ScriptedUser user = bench.user(0.1, path);
   bench.run(user, 3.0);
-  CHECK_FALSE(user.holding().has_value());
+  CHECK_FALSE(bench.controls->holds(0));
   CHECK_FALSE(bench.peer->held(bench.scene.bodies[0].id));
   CHECK(bench.position().z() == Approx(0.05).margin(1e-3));  // it fell back
 }
@@ -86,7 +89,7 @@ TEST_CASE("user: a task that is long over is skipped", "[demos][unit]") {
   ScriptedUser user = bench.user(1.0, path);
   bench.now = 2'000'000'000;
   bench.run(user, 3.0);
-  CHECK_FALSE(user.holding().has_value());
+  CHECK_FALSE(bench.controls->holds(0));
 }
 
 TEST_CASE("user: lets go of what does not follow the hand", "[demos][unit]") {
@@ -95,7 +98,7 @@ TEST_CASE("user: lets go of what does not follow the hand", "[demos][unit]") {
   path.move_by(Vec3(0.0, 0.0, -2.0), 2.0).wait(10.0);  // into the ground
   ScriptedUser user = bench.user(0.0, path);
   bench.run(user, 4.0);
-  CHECK_FALSE(user.holding().has_value());
+  CHECK_FALSE(bench.controls->holds(0));
   CHECK(bench.position().z() == Approx(0.05).margin(1e-3));
 }
 

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "common/virtual_runner.h"
 
+#include <filesystem>
+
 #include "common/metrics.h"
 #include "common/report.h"
 #include "scenes/cubes.h"
@@ -30,7 +32,7 @@ DemoOptions quiet(double seconds, int profile) {
 
 TEST_CASE("virtual run: same options, same bits; another seed, others", "[demos][golden]") {
   DemoOptions options = quiet(2.0, 4);
-  options.uneven = true;
+  options.rates = {60.0, 72.0};
   options.loss = 0.05;
   const Report first = run(options);
   const Report second = run(options);
@@ -39,6 +41,19 @@ TEST_CASE("virtual run: same options, same bits; another seed, others", "[demos]
   CHECK(first.metrics.divergence_m.max == second.metrics.divergence_m.max);
   options.seed = 2;
   CHECK(run(options).metrics.hash != first.metrics.hash);
+}
+
+TEST_CASE("virtual run: what users did, done again, gives the same bits", "[demos][golden]") {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "tandem-virtual-runner-inputs").string();
+  DemoOptions options = quiet(4.0, 3);
+  const Report first = run(options);
+  write_inputs(first, path);
+  options.replay = path;
+  const Report again = run(options);
+  std::filesystem::remove(path);
+  REQUIRE_FALSE(first.run.peers[0].inputs.empty());
+  CHECK(again.metrics.hash == first.metrics.hash);
 }
 
 TEST_CASE("virtual run: latency is the link's plus half a step, updates are at their rate",
@@ -77,7 +92,7 @@ TEST_CASE("virtual run: one peer alone does the whole script", "[demos][unit]") 
 TEST_CASE("cubes: three uneven peers agree on a dedicated link", "[demos][soak]") {
   DemoOptions options = quiet(12.0, 1);
   options.peers = 3;
-  options.uneven = true;
+  options.rates = {60.0, 72.0};
   const Report report = run(options);
   CHECK(report.fault == "");
   CHECK(report.metrics.resting_m.p50 <= 0.5e-3);

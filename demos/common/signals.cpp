@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/signals.h"
+
+#include <algorithm>
+
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::demos {
+
+namespace {
+constexpr std::uint32_t kMagic = 0x47495354;  // "TSIG" on the wire
+constexpr std::size_t kBytes = 16;            // magic u32, code u32, time i64
+}  // namespace
+
+void Signals::update(consensus::SessionTime now) {
+  now_ = now;
+  std::vector<consensus::PeerId> company;
+  for (const consensus::PeerStatus& peer : inner_.peers()) {
+    if (!peer.connected) continue;
+    company.push_back(peer.id);
+    const bool newcomer = std::find(company_.begin(), company_.end(), peer.id) == company_.end();
+    if (!newcomer) continue;
+    for (const Signal& signal : known_) say(peer.id, signal);
+  }
+  company_ = std::move(company);
+}
+
+void Signals::raise(const Signal& signal) {
+  known_.insert(signal);
+  for (const consensus::PeerId peer : company_) say(peer, signal);
+}
+
+bool Signals::take(consensus::SessionTime now, Signal& signal) {
+  for (const Signal& candidate : known_) {
+    if (candidate.time > now) return false;
+    if (!taken_.insert(candidate).second) continue;
+    signal = candidate;
+    return true;
+  }
+  return false;
+}
+
+void Signals::drain(std::vector<consensus::Packet>& out) {
+  const std::size_t first = out.size();
+  inner_.drain(out);
+  out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                           [this](const consensus::Packet& packet) { return hear(packet); }),
+            out.end());
+}
+
+bool Signals::hear(const consensus::Packet& packet) {
+  if (packet.bytes.size() != kBytes) return false;
+  pbd::ByteReader in(packet.bytes);
+  if (in.u32() != kMagic) return false;
+  Signal signal;
+  signal.code = in.u32();
+  signal.time = in.i64();
+  const bool plausible = signal.time > now_ - kMaxDistance && signal.time < now_ + kMaxDistance;
+  if (plausible && known_.size() < kMaxSignals) known_.insert(signal);
+  return true;
+}
+
+void Signals::say(consensus::PeerId to, const Signal& signal) {
+  std::vector<std::byte> bytes;
+  pbd::ByteWriter out(bytes);
+  out.u32(kMagic);
+  out.u32(signal.code);
+  out.i64(signal.time);
+  inner_.post(to, bytes, consensus::Delivery::Reliable);
+}
+
+}  // namespace tandem::demos

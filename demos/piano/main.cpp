@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+
+// Two users with haptic devices carry a piano through a maze. --variant takes soft, mouse, tug, or
+// several of them with - between.
+
+#include "common/demo_main.h"
+#include "scenes/piano.h"
+
+int main(int argc, char** argv) {
+  using namespace tandem::demos;
+  return demo_main(argc, argv, [](const std::string& variant) -> std::unique_ptr<Scenario> {
+    PianoOptions options;
+    if (!PianoOptions::parse(variant, options)) {
+      throw UsageError("--variant = " + variant + " breaks: soft, mouse, tug, with - between them");
+    }
+    return std::make_unique<PianoScenario>(options);
+  });
+}

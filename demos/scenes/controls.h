@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "scenes/inputs.h"
+#include "scenes/scene.h"
+#include "tandem/consensus/peer.h"
+#include "tandem/pbd/tether.h"
+
+namespace tandem::demos {
+
+/// Something that happens once, at all peers, at a session time.
+struct Signal {
+  std::uint32_t code = 0;           ///< what it means is the scenario's business
+  consensus::SessionTime time = 0;  ///< ns
+  friend auto operator<=>(const Signal&, const Signal&) = default;
+};
+
+/// Carries a signal to all peers, this one included.
+class SignalSink {
+ public:
+  virtual ~SignalSink() = default;
+  virtual void raise(const Signal& signal) = 0;
+};
+
+/// All that a user can do to the world of their peer, and the record of what they did.
+/// @par Thread safety  One object: one thread at a time.
+class Controls {
+ public:
+  /// All must outlive it. @param epoch  ns, session time of the script's beginning
+  /// @param signals  null: signals are recorded and go nowhere
+  Controls(std::size_t user, Scene& scene, consensus::Peer& peer, consensus::SessionTime epoch,
+           SignalSink* signals = nullptr);
+
+  /// What follows happens at `now`, before a step of `dt` s.
+  void begin(consensus::SessionTime now, double dt);
+  double time() const { return 1e-9 * static_cast<double>(now_ - epoch_); }  ///< s since the epoch
+  consensus::SessionTime now() const { return now_; }
+  double dt() const { return dt_; }
+  const Scene& scene() const { return scene_; }
+
+  /// A spring on a shared body; returns its number. Springs go to all peers.
+  /// @throws as consensus::Peer::grab
+  std::uint32_t grab(std::size_t body, const consensus::GrabDef& def);
+  /// The same spring, known to this peer alone: an asymmetric constraint, [friston] Sec. 3.5. The
+  /// others learn of it by what it does to the body.
+  std::uint32_t hold(std::size_t body, const consensus::GrabDef& def);
+  void move(std::uint32_t spring, const pbd::Vec3& anchor_w);
+  void release(std::uint32_t spring);
+  /// Move a body of this user's own so that it is at `pose` at the end of the step. No effect where
+  /// the body is not driven from this peer.
+  void drive(std::size_t body, const pbd::Pose& pose);
+  /// Put a body of this user's own somewhere else at once.
+  void jump(std::size_t body, const pbd::Pose& pose);
+  /// @param delay  s, from now
+  void signal(std::uint32_t code, double delay);
+
+  /// Whether this user holds a body by a spring.
+  bool holds(std::size_t body) const;
+  /// Newest last.
+  const std::vector<Input>& log() const { return log_; }
+
+ private:
+  struct Hold {
+    consensus::GrabId id;      ///< of a spring that all know
+    pbd::ConstraintId tether;  ///< of one that is known here alone
+    bool alone = false;
+    std::size_t body = 0;
+    consensus::SessionTime moved = 0;      ///< ns
+    pbd::Vec3 anchor = pbd::Vec3::Zero();  ///< m, world, as it was then
+  };
+  pbd::Tethers& tethers();
+  void log_spring(Input::Kind kind, std::size_t body, const consensus::GrabDef& def);
+  Input& note(Input::Kind kind, std::uint32_t object, std::size_t body);
+
+  std::size_t user_;
+  Scene& scene_;
+  consensus::Peer& peer_;
+  consensus::SessionTime epoch_;
+  SignalSink* signals_;
+  pbd::Tethers* tethers_ = nullptr;  ///< one of the world's blocks, once there is need for it
+  consensus::SessionTime now_ = 0;
+  double dt_ = 1.0 / 60.0;
+  std::map<std::uint32_t, Hold> springs_;
+  std::uint32_t next_ = 1;
+  std::vector<Input> log_;
+};
+
+}  // namespace tandem::demos

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "scenes/inputs.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+namespace tandem::demos {
+
+namespace {
+
+struct KindName {
+  Input::Kind kind;
+  const char* name;
+  std::size_t values;
+};
+constexpr KindName kKinds[] = {
+    {Input::Kind::Grab, "grab", 9},     {Input::Kind::Hold, "hold", 9},
+    {Input::Kind::Move, "move", 3},     {Input::Kind::Release, "let", 0},
+    {Input::Kind::Drive, "drive", 7},   {Input::Kind::Jump, "jump", 7},
+    {Input::Kind::Signal, "signal", 1},
+};
+
+template <class Number>
+void write(std::string& out, Number value) {
+  char text[32];
+  const auto [end, error] = std::to_chars(text, text + sizeof(text), value);
+  out.push_back(' ');
+  out.append(text, end);
+}
+
+/// Reads words from one line.
+class Words {
+ public:
+  Words(const std::string& text, std::size_t begin, std::size_t end, std::size_t line)
+      : at_(text.data() + begin), end_(text.data() + end), line_(line) {}
+
+  std::string_view word() {
+    while (at_ != end_ && *at_ == ' ') ++at_;
+    const char* begin = at_;
+    while (at_ != end_ && *at_ != ' ') ++at_;
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+  template <class Number>
+  Number number() {
+    const std::string_view text = word();
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) refuse("must be a number");
+    return value;
+  }
+  [[noreturn]] void refuse(const std::string& rule) const {
+    throw std::invalid_argument("inputs: line = " + std::to_string(line_) + " breaks: " + rule);
+  }
+
+ private:
+  const char* at_;
+  const char* end_;
+  std::size_t line_;
+};
+
+bool is_unit(const double* q) {
+  const double squares = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  return std::abs(squares - 1.0) < 1e-6;
+}
+
+Input read_line(Words& in) {
+  Input input;
+  input.time = in.number<consensus::SessionTime>();
+  input.user = in.number<std::uint32_t>();
+  const std::string_view name = in.word();
+  for (const KindName& kind : kKinds) {
+    if (name != kind.name) continue;
+    input.kind = kind.kind;
+    input.object = in.number<std::uint32_t>();
+    input.body = in.number<std::uint32_t>();
+    for (std::size_t i = 0; i < kind.values; ++i) {
+      input.values.push_back(in.number<double>());
+      if (!std::isfinite(input.values.back())) in.refuse("numbers must be finite");
+    }
+    const bool turns = input.kind == Input::Kind::Drive || input.kind == Input::Kind::Jump;
+    if (turns && !is_unit(&input.values[3])) in.refuse("orientations must be unit quaternions");
+    return input;
+  }
+  in.refuse("must name a kind of input");
+}
+
+}  // namespace
+
+std::string inputs_to_text(std::span<const Input> inputs) {
+  std::string out;
+  for (const Input& input : inputs) {
+    out.append(std::to_string(input.time));
+    write(out, input.user);
+    for (const KindName& kind : kKinds) {
+      if (kind.kind == input.kind) out.append(" ").append(kind.name);
+    }
+    write(out, input.object);
+    write(out, input.body);
+    for (const double value : input.values) write(out, value);
+    out.push_back('\n');
+  }
+  return out;
+}
+
+std::vector<Input> inputs_from_text(const std::string& text) {
+  std::vector<Input> inputs;
+  std::size_t line = 1;
+  for (std::size_t begin = 0; begin < text.size(); ++line) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    Words words(text, begin, end, line);
+    if (end > begin) inputs.push_back(read_line(words));
+    begin = end + 1;
+  }
+  return inputs;
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/random.h"
+#include "scenes/user.h"
+
+namespace tandem::demos {
+
+/// A scripted user with a head and two hands, which others see as shared bodies of its own:
+/// "head/<user>", "hand/<user>/0" (left) and "hand/<user>/1" (right). Hands go on minimum-jerk
+/// ways, tremble, and hold things by three springs each. A person walks by teleporting.
+class Person : public User {
+ public:
+  /// One thing to do: called before each step until it returns true.
+  using Act = std::function<bool(Person&)>;
+
+  Person(std::size_t user, Controls& controls, const UserOptions& options);
+  void update(consensus::SessionTime now) override;
+  Outcome outcome() const override { return score_; }
+
+  /// Do it after all that was given before. What takes longer than `patience` (s) is given up.
+  void then(Act act, double patience = 10.0) { script_.push_back({std::move(act), patience}); }
+
+  // For acts.
+  std::size_t user() const { return user_; }
+  double time() const { return controls_.time(); }
+  /// s since the present act began.
+  double acting() const { return time() - act_start_; }
+  Random& random() { return random_; }
+  const Scene& scene() const { return controls_.scene(); }
+  /// What is seen of a body, a reaction time late.
+  const pbd::BodyState& seen(std::size_t body) const { return sight_.seen(body); }
+  /// m, where the hand is meant to be now.
+  pbd::Vec3 hand(int which) const { return hands_[index(which)].move.at(time()).position; }
+  /// Move a hand there within `duration` s from now.
+  void reach(int which, const pbd::Vec3& to, double duration);
+  /// The same, but arrive there at that velocity (m/s).
+  void swing(int which, const pbd::Vec3& to, const pbd::Vec3& velocity, double duration);
+  bool arrived(int which) const { return time() >= hands_[index(which)].move.end(); }
+  /// Hold a body where the hand is. @param load  kg, that this hand will bear
+  void grasp(int which, std::size_t body, double load, const pbd::Vec3& spread);
+  void let_go(int which) { hands_[index(which)].grip.open(); }
+  bool holds(int which) const { return hands_[index(which)].grip.closed(); }
+  /// Stand somewhere else at once, hands and all. @param feet  m, world, on the ground
+  void teleport(const pbd::Vec3& feet);
+  void add_score(const std::string& name, double value);
+
+ private:
+  static constexpr double kMaxStretch = 0.4;  ///< m: let go beyond
+  struct Step {
+    Act act;
+    double patience;
+  };
+  struct Hand {
+    MinJerkMove move;
+    Grip grip;
+    Tremor tremor;
+    double grasped = 0.0;  ///< s, when the grip closed
+    std::size_t avatar = 0;
+  };
+  static std::size_t index(int which) { return static_cast<std::size_t>(which); }
+  void act();
+  void follow(Hand& hand);
+
+  std::size_t user_;
+  Controls& controls_;
+  Sight sight_;
+  Random random_;
+  std::vector<Hand> hands_;
+  std::size_t head_;
+  pbd::Pose head_pose_;
+  std::vector<Step> script_;
+  std::size_t next_ = 0;
+  double act_start_ = 0.0;
+  Outcome score_;
+};
+
+}  // namespace tandem::demos

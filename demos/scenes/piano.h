@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/haptic_device.h"
+#include "scenes/scenario.h"
+
+namespace tandem::demos {
+
+/// How the users of the piano act.
+struct PianoOptions {
+  /// Springs go to all peers; else each is known to the peer of its user alone.
+  bool soft = false;
+  bool mouse = false;  ///< user B has a mouse, not a haptic device
+  bool tug = false;    ///< nobody steers: they pull against each other
+  HapticOptions device;
+
+  /// "" = two haptic devices, asymmetric; or of soft, mouse, tug any with - between them.
+  /// @return false where there is no such variant
+  static bool parse(const std::string& variant, PianoOptions& options);
+};
+
+/// Where the piano is to be, seen from above.
+struct PianoPose {
+  double x = 0.0, y = 0.0;  ///< m
+  double angle = 0.0;       ///< rad, of its long axis against x
+};
+
+/// Two users carry a small piano through a maze on a desk, after [friston] Sec. 5.4. Each grasps it
+/// at one end by a single spring, so that nobody turns it alone; it rolls on castors. Name:
+/// "piano".
+class PianoScenario final : public Scenario {
+ public:
+  explicit PianoScenario(const PianoOptions& options = {}) : options_(options) {}
+
+  std::string name() const override { return "piano"; }
+  Scene build(const SceneOptions& options) const override;
+  std::size_t user_count() const override { return 2; }
+  std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
+                                  const UserOptions& options) const override;
+  Bounds bounds() const override { return {.max_distance = 2.0, .max_speed = 5.0, .lowest = 0.0}; }
+  /// The piano is within the walls.
+  std::string fault(const Scene& scene) const override;
+  std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+
+ private:
+  PianoOptions options_;
+};
+
+inline constexpr double kPianoArenaX = 0.42;  ///< m, half the maze
+inline constexpr double kPianoArenaY = 0.27;
+/// m: two walls, the first from -y and the second from +y, end in the middle; half as thick as:
+inline constexpr double kPianoWallX[2] = {-0.14, 0.15};
+inline constexpr double kPianoWallHalf = 0.01;
+inline constexpr double kPianoMass = 0.4;  ///< kg
+
+/// m, in the frame of the piano's centre of mass: where user A (0) or B (1) grasps it.
+pbd::Vec3 piano_handle(std::size_t user);
+
+/// The way through the maze: moves with a rest at each end.
+class PianoPath {
+ public:
+  PianoPath();
+  double duration() const { return times_.back(); }  ///< s
+  PianoPose at(double time) const;
+  /// m, where the handle of a user is to be, on the height `z`.
+  pbd::Vec3 handle(std::size_t user, double time, double z) const;
+  PianoPose goal() const { return poses_.back(); }
+
+ private:
+  std::vector<PianoPose> poses_;
+  std::vector<double> times_;  ///< s, of the poses
+};
+
+}  // namespace tandem::demos

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+
+// Two users at two peers play table tennis, each by what their own peer shows.
+
+#include "common/demo_main.h"
+#include "scenes/tennis.h"
+
+int main(int argc, char** argv) {
+  return tandem::demos::demo_main<tandem::demos::TennisScenario>(argc, argv);
+}
