@@ -2,6 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "convex_core.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/pbd/world.h"
@@ -26,6 +29,9 @@ struct Collider {
   ColliderDef def;
   std::uint32_t generation = 0;
   bool alive = false;
+  std::uint64_t added = 0;      ///< how many were added before it
+  std::uint32_t rank = 0;       ///< place among all colliders; see put_in_order()
+  std::uint32_t body_rank = 0;  ///< place of its body
 
   Kind kind = Kind::Sphere;
   bool local_identity = false;  ///< the shape's frame is the body's
@@ -77,6 +83,10 @@ struct Collider {
 
 /// @pre def and options are valid
 Collider make_collider(const ColliderDef& def, const CollisionOptions& options);
+
+/// Give colliders their places: by pbd::BodyOrder, those of one body as they were added; by index
+/// where the bodies have no order of their own.
+void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order);
 
 /// Read the body's state and bring the second part up to date.
 void update_collider(Collider& collider, const pbd::World& world, double dt);

@@ -122,6 +122,7 @@ class CollisionScene::Impl {
   CoreHit first_hit(Collider& collider, bool bullet, std::span<const pbd::Pose> after,
                     Worker& worker) const;
   void guard(std::uint32_t index, std::uint32_t near);
+  void update_order(const pbd::World& world);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,
                     std::vector<pbd::Manifold>& out);
 
@@ -130,6 +131,11 @@ class CollisionScene::Impl {
   std::vector<Collider> colliders_;
   std::vector<std::uint32_t> free_;
   std::size_t sensor_count_ = 0;
+  std::uint64_t added_ = 0;
+  bool order_is_old_ = true;
+  bool natural_order_ = true;
+  bool restored_ =
+      false;  ///< what is known was loaded, in the order of the world that comes with it
   BroadPhase broad_;
   PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot
@@ -152,6 +158,8 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   const std::uint32_t generation = colliders_[index].generation;
   colliders_[index] = make_collider(def, options_);
   colliders_[index].generation = generation;
+  colliders_[index].added = added_++;
+  order_is_old_ = true;
   broad_.add(index, colliders_[index]);
   if (def.sensor) ++sensor_count_;
   return {index, generation};
@@ -171,6 +179,7 @@ void CollisionScene::Impl::remove(ColliderId id) {
   if (collider.def.sensor) --sensor_count_;
   broad_.remove(id.index, collider);
   const std::uint32_t generation = collider.generation + 1;
+  order_is_old_ = true;
   collider = {};
   collider.generation = generation;
   free_.push_back(id.index);
@@ -237,6 +246,7 @@ void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& 
 void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                                    std::vector<pbd::Manifold>& out) {
   const std::size_t first = out.size();
+  update_order(world);
   workers_.resize(static_cast<std::size_t>(workers.count()));
   for (Worker& worker : workers_) {
     worker.stats = {};
@@ -296,6 +306,17 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
   }
 }
 
+void CollisionScene::Impl::update_order(const pbd::World& world) {
+  const pbd::BodyOrder order = world.order();
+  if (!order_is_old_ && natural_order_ == order.natural()) return;
+  order_is_old_ = false;
+  // Two colliders change places only here, and then no cache says which of them was the first.
+  if (natural_order_ != order.natural() && !restored_) broad_.reset();
+  restored_ = false;
+  natural_order_ = order.natural();
+  put_in_order(colliders_, order);
+}
+
 void CollisionScene::Impl::guard(std::uint32_t index, std::uint32_t near) {
   Collider& collider = colliders_[index];
   if (collider.dynamic && is_thin(colliders_[near], collider)) collider.guarded = kGuardedSteps;
@@ -349,7 +370,8 @@ void CollisionScene::Impl::limit_motion(const pbd::World& world, std::span<const
     limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
   }
   std::sort(limits.begin(), limits.end(), [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
-    return l.body != r.body ? l.body < r.body : l.share < r.share;
+    if (l.body != r.body) return l.body < r.body;
+    return l.share != r.share ? l.share < r.share : lies_before(l.normal, r.normal);
   });
   limits.erase(std::unique(limits.begin(), limits.end(),
                            [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
@@ -382,6 +404,8 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
 }
 
 bool CollisionScene::Impl::load(pbd::ByteReader& in) {
+  order_is_old_ = true;
+  restored_ = true;
   if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
     Collider& collider = colliders_[i];

@@ -234,9 +234,14 @@ void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
   m.restitution = combined_restitution(a.def.material, b.def.material);
 }
 
-/// Into the order of the colliders' indices.
+/// Into the order of the colliders.
 void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m) {
+  constexpr std::uint64_t kClusterMask = (std::uint64_t{1} << kClusterBits) - 1;
+  const Collider& first = pair.swapped ? *pair.b : *pair.a;
+  const Collider& second = pair.swapped ? *pair.a : *pair.b;
   m.key = key;
+  m.order = (std::uint64_t{first.rank} << (kIndexBits + kClusterBits)) |
+            (std::uint64_t{second.rank} << kClusterBits) | (key & kClusterMask);
   set_material(*pair.a, *pair.b, m);
   m.body_a = pair.a->def.body.index;
   m.body_b = pair.b->def.body.index;
@@ -249,10 +254,12 @@ void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m)
 
 }  // namespace
 
-QueryPair order_pair(const Collider& low, const Collider& high) {
-  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.def.body.index); };
-  if (order(high) < order(low)) return {&high, &low, true};
-  return {&low, &high, false};
+QueryPair order_pair(const Collider& one, const Collider& other) {
+  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.body_rank); };
+  const Collider& first = one.rank < other.rank ? one : other;
+  const Collider& second = one.rank < other.rank ? other : one;
+  if (order(second) < order(first)) return {&second, &first, true};
+  return {&first, &second, false};
 }
 
 PairReach reach_of(const QueryPair& pair, double dt) {

@@ -104,6 +104,7 @@ void BallJoint::save(ByteWriter& out) const {
   out.vec3(lambda_);
   out.vec3(gap_);
   out.vec3(force_);
+  out.f64(residual_);
 }
 
 void BallJoint::load(ByteReader& in) {
@@ -118,6 +119,7 @@ void BallJoint::load(ByteReader& in) {
   lambda_ = in.vec3();
   gap_ = in.vec3();
   force_ = in.vec3();
+  residual_ = in.f64();
 }
 
 BallJoint::Def ball_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w) {
