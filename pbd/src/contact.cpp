@@ -30,9 +30,9 @@ constexpr int kPushSweeps = 8;
 constexpr double kSubstepsPerLoad = 4.0 / 11.0;
 constexpr double kFallShare = 0.08;
 constexpr double kMost = 32.0;
-/// Contacts of an island beyond which it is left as it is: a heap of thousands would cost too much.
-constexpr std::uint32_t kWorthRefining = 2000;
-constexpr double kStanding = 0.5;  ///< m/s, rms
+/// Contacts that a world refines in full; where more want it, each gets a share: thousands of small
+/// stacks cost too much.
+constexpr double kWorthRefining = 2000.0;
 
 /// Rows given to a worker at a time.
 constexpr std::size_t kGrain = 64;
@@ -48,6 +48,7 @@ CarriedContact remember(const Contact& contact) {
                          .overlap = contact.overlap};
   for (int i = 0; i < contact.manifold.count; ++i) {
     carried.feature[i] = contact.manifold.points[i].feature;
+    carried.force[i] *= contact.carried_share;
     carried.anchor_b_l[i] = contact.manifold.points[i].anchor_b_l;
   }
   return carried;
@@ -165,6 +166,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
         if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
         if (!in_total) contact.debt[i] *= kGapDecay;
       }
+      if (ctx.substep == 0) row.carried = sum(row.impulse);
       begin_row(contact, rule, ctx.h, ctx.bodies, row);
     }
   });
@@ -174,9 +176,7 @@ void ContactBlock::warm_start(const SubstepContext& ctx) {
   Impl& m = *impl_;
   m.order.sweep(ctx.group, false, *ctx.workers, [&](std::uint32_t k) {
     const ContactRow& row = m.rows[k];
-    if (row.loaded())
-      apply_impulses(row, {.normal = row.impulse, .slide = row.slide, .twist = row.twist},
-                     ctx.bodies);
+    if (row.loaded()) warm_start_row(row, ctx.bodies);
   });
 }
 
@@ -189,8 +189,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   });
   const ContactConvergence::Rule rule{
       .sweeps = m.options.extra_sweeps,
-      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
-      .moving_share = m.options.moving_tolerance};
+      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h};
   m.extra_rows += m.convergence.run(rule, first, last, ctx.reverse, m.rows, m.changes, ctx.bodies);
   for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
     std::atomic<bool> any{false};
@@ -227,8 +226,9 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
       contact.impulse += sum;
       if (sum > 0.0) contact.approach_speed = std::max(contact.approach_speed, row.approach);
       if (!ctx.last) continue;
+      contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
       contact.friction_force =
-          (row.slide[0] * row.tangent[0] + row.slide[1] * row.tangent[1]) / ctx.h;
+          (row.slide[0] * row.t1 + row.slide[1] * row.normal.cross(row.t1)) / ctx.h;
       // What a spoiled step leaves behind must not spoil the next one.
       for (int i = 0; i < row.count; ++i) {
         contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
@@ -278,20 +278,25 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
     IslandLoad& island = loads[ctx.bodies[movable].island];
     ++island.contacts;
     // An impact is no load, and only what stands can fall.
-    if (!impl_->convergence.stands(ctx.bodies[movable].island, kStanding)) continue;
+    if (!impl_->convergence.stands(ctx.bodies[movable].island)) continue;
     const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
     const double load = contact.impulse / ctx.h;  // N, mean of the step
     island.ratio2 += load * load * lightness * lightness / (gravity * gravity);
     const ManifoldPoint& point = contact.manifold.points[0];
     const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
-    const double for_size = ctx.h / (kFallShare * std::sqrt(arm / gravity));
-    wanted[movable] = std::max(wanted[movable], std::min(kMost, for_size));
+    island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
   }
+  double wanting = 0.0;  // contacts
+  for (IslandLoad& island : loads) {
+    if (island.contacts == 0) continue;
+    island.wanted =
+        std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
+    if (island.wanted > ctx.substeps) wanting += island.contacts;
+  }
+  const double share = std::min(1.0, kWorthRefining / std::max(1.0, wanting));
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    if (loads[i].contacts == 0 || loads[i].contacts > kWorthRefining) continue;
-    const double ratio = std::sqrt(loads[i].ratio2 / loads[i].contacts);
-    wanted[i] = std::max(wanted[i], std::min(kMost, kSubstepsPerLoad * ratio));
+    wanted[i] = std::max(wanted[i], std::min(kMost, share * loads[i].wanted));
   }
 }
 
@@ -329,8 +334,9 @@ void ContactBlock::save(ByteWriter& out) const {
     out.u32(m.body_b);
     out.u64(m.order);
     out.vec3(m.normal);
-    for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution,
-                               contact.approach_speed, contact.impulse, contact.overlap}) {
+    for (const double value :
+         {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
+          contact.impulse, contact.carried_share, contact.overlap}) {
       out.f64(value);
     }
     out.vec3(contact.friction_force);
@@ -365,8 +371,9 @@ void ContactBlock::load(ByteReader& in) {
     m.body_b = in.u32();
     m.order = in.u64();
     m.normal = in.vec3();
-    for (double* value : {&m.radius_a, &m.radius_b, &m.friction, &m.restitution,
-                          &contact.approach_speed, &contact.impulse, &contact.overlap}) {
+    for (double* value :
+         {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
+          &contact.impulse, &contact.carried_share, &contact.overlap}) {
       *value = in.f64();
     }
     contact.friction_force = in.vec3();

@@ -33,9 +33,7 @@ void ContactConvergence::drop_solved(const Rule& rule, std::span<const ContactRo
   }
   std::erase_if(places_, [&](std::uint32_t k) {
     const Island& island = island_of(k);
-    const double moving2 =
-        rule.moving_share * rule.moving_share * island.speed2 / std::max(1u, island.bodies);
-    return island.change2 <= std::max(rule.resting * rule.resting, moving2) * island.rows;
+    return !island.stands() || island.change2 <= rule.resting * rule.resting * island.rows;
   });
 }
 

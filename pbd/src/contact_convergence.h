@@ -16,9 +16,8 @@ namespace tandem::pbd {
 class ContactConvergence {
  public:
   struct Rule {
-    int sweeps = 0;             ///< at most, after the first
-    double resting = 0.0;       ///< m/s: rms change below which an island is solved
-    double moving_share = 0.0;  ///< of the island's rms speed, where that is more
+    int sweeps = 0;        ///< at most, after the first
+    double resting = 0.0;  ///< m/s: rms change below which an island is solved
   };
 
   /// Once per step: how fast the islands move.
@@ -31,20 +30,22 @@ class ContactConvergence {
   int run(const Rule& rule, std::uint32_t first, std::uint32_t last, bool reverse,
           std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
 
-  /// Whether the island moves no faster (rms, at the start of the step) than `speed`, m/s.
-  bool stands(std::uint32_t island, double speed) const {
-    return islands_[island].speed2 <= speed * speed * islands_[island].bodies;
-  }
+  /// Whether the island stood when the step began: it pays to solve it well.
+  bool stands(std::uint32_t island) const { return islands_[island].stands(); }
   /// Whether the island was not solved by the first sweep at some time in this step.
   bool was_hard(std::uint32_t island) const { return islands_[island].hard; }
 
  private:
+  static constexpr double kStanding = 0.5;  ///< m/s, rms
+
   struct Island {
     double speed2 = 0.0;   ///< m^2/s^2, sum over bodies
     double change2 = 0.0;  ///< m^2/s^2, sum over rows
     std::uint32_t bodies = 0;
     std::uint32_t rows = 0;
     bool hard = false;
+
+    bool stands() const { return speed2 <= kStanding * kStanding * bodies; }
   };
 
   /// Keep the places of islands that are not solved.

@@ -37,6 +37,8 @@ struct TotalRow {
 struct IslandLoad {
   double ratio2 = 0.0;  ///< sum of (load / weight of the lighter body)^2
   std::uint32_t contacts = 0;
+  double for_size = 0.0;  ///< substeps that its smallest body wants
+  double wanted = 0.0;    ///< substeps
 };
 
 struct ContactBlock::Impl {

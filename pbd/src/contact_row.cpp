@@ -6,75 +6,125 @@
 #include <cmath>
 
 #include "contact_friction.h"
+#include "contact_lcp.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
 namespace {
 
-/// Sweeps of the inner solve of one manifold; it stops earlier where it has converged.
-constexpr int kInnerSweeps = 6;
-/// Relative change below which it has.
-constexpr double kInnerTolerance = 1e-3;
+/// Carried impulses grow by this factor in a substep at most, beyond what holds a body that weighs
+/// as much as the contact's effective mass, in this gravity at least (m/s^2).
+constexpr double kGrowth = 2.0;
+constexpr double kLeastGravity = 1.0;
 
 double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.dot(a.cross(b)); }
 
-/// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length;
-/// zeros for fewer points. u_i is the area of the triangle of the other three, signs alternating.
-std::array<double, 4> idle_combination(const ContactArms& arms, int count, const Vec3& normal) {
-  std::array<double, 4> u{};
-  if (count != 4) return u;
+/// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
+/// u_i is the area of the triangle of the other three, signs alternating.
+Four idle_combination(const ContactArms& arms, const Vec3& normal) {
   const auto area = [&](int i, int j, int k) {
     return cross_component(normal, arms.b[j] - arms.b[i], arms.b[k] - arms.b[i]);
   };
-  u = {area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
-  double norm2 = 0.0;
-  for (const double value : u) norm2 += value * value;
-  const double scale = norm2 > 0.0 ? 1.0 / std::sqrt(norm2) : 0.0;
-  for (double& value : u) value *= scale;
-  return u;
+  const Four u(area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2));
+  const double norm = std::sqrt(sum(u.square()));
+  return norm > 0.0 ? Four(u / norm) : Four(Four::Zero());
 }
 
-/// Apply normal impulses `dz` to both bodies' `linear` and `angular` velocities.
-void apply_normals(const ContactRow& row, const std::array<double, 4>& dz, SolverBody& a,
-                   SolverBody& b, Vec3 SolverBody::*linear, Vec3 SolverBody::*angular) {
-  double sum = 0.0;
-  Vec3 moment_a = Vec3::Zero();
-  Vec3 moment_b = Vec3::Zero();
-  for (int i = 0; i < row.count; ++i) {
-    sum += dz[i];
-    moment_a += dz[i] * row.rn_a[i];
-    moment_b += dz[i] * row.rn_b[i];
+/// Where friction acts: the centre of pressure of the carried forces, as weights of the points; all
+/// alike where there are none.
+Four pressure_weights(const Contact& contact) {
+  const Four weight(contact.force[0], contact.force[1], contact.force[2], contact.force[3]);
+  const double total = sum(weight);
+  if (total > 0.0) return weight / total;
+  return Four::Constant(1.0 / contact.manifold.count);
+}
+
+/// Add a body's share of the responses at the end of its arm, in the contact's axes.
+void add_response(const SolverBody& body, const Vec3& arm, const Mat3& axes, ContactRow& row) {
+  const Mat3 inertia = axes.transpose() * body.inv_inertia_w * axes;
+  const Mat3 lever = skew(axes.transpose() * arm);
+  const Mat3 spin = inertia * lever;           // W per force
+  const Mat3 move = lever.transpose() * spin;  // V per force, beside inv_mass
+  row.press[0] += body.inv_mass + move(0, 0);
+  row.press[1] += spin(1, 0);
+  row.press[2] += spin(2, 0);
+  row.press[3] += inertia(1, 1);
+  row.press[4] += inertia(1, 2);
+  row.press[5] += inertia(2, 2);
+  row.slip.row(0) += Vec3(move(1, 0), spin(1, 1), spin(2, 1)).transpose();
+  row.slip.row(1) += Vec3(move(2, 0), spin(1, 2), spin(2, 2)).transpose();
+  row.slip.row(2) += Vec3(spin(0, 0), inertia(0, 1), inertia(0, 2)).transpose();
+  row.m11 += body.inv_mass + move(1, 1);
+  row.m12 += move(1, 2);
+  row.m22 += body.inv_mass + move(2, 2);
+  row.mw += inertia(0, 0);
+}
+
+/// Response of the points' normal velocities to their impulses, idle combination included, 1/kg.
+FourByFour mobility_of(const ContactRow& row) {
+  const auto& [nn, n1, n2, m11, m12, m22] = row.press;
+  // Responses of V_n, W_1 and W_2 to a unit impulse at each point.
+  const Four v = nn + n1 * row.s + n2 * row.r;
+  const Four w1 = n1 + m11 * row.s + m12 * row.r;
+  const Four w2 = n2 + m12 * row.s + m22 * row.r;
+  FourByFour B;
+  for (int j = 0; j < 4; ++j) {
+    B.col(j) = v[j] + row.s * w1[j] + row.r * w2[j] + row.idle * row.idle[j];
   }
+  return B;
+}
+
+/// Relative motion of b against a at the centre of pressure, world.
+struct RelativeMotion {
+  Vec3 v;  ///< m/s
+  Vec3 w;  ///< rad/s
+};
+
+RelativeMotion relative_motion(const ContactRow& row, const SolverBody& a, const SolverBody& b) {
+  return {b.v - a.v + b.w.cross(row.arm_b) - a.w.cross(row.arm_a), b.w - a.w};
+}
+
+/// Velocities of the points along the normal, m/s.
+Four normal_velocities(const ContactRow& row, const Vec3& t2, const RelativeMotion& motion) {
+  const double v = row.normal.dot(motion.v);
+  const double w1 = row.t1.dot(motion.w);
+  const double w2 = t2.dot(motion.w);
+  return v + w1 * row.s + w2 * row.r;
+}
+
+/// What the points' impulses add up to.
+ContactWrench wrench_of(const ContactRow& row, const Four& z) {
+  ContactWrench wrench;
+  wrench.force[0] = sum(z);
+  wrench.couple[1] = sum(row.s * z);
+  wrench.couple[2] = sum(row.r * z);
+  return wrench;
+}
+
+/// Change both bodies' `linear` and `angular` velocities.
+void apply_wrench(const ContactRow& row, const Vec3& t2, const ContactWrench& wrench, SolverBody& a,
+                  SolverBody& b, Vec3 SolverBody::*linear, Vec3 SolverBody::*angular) {
+  const Vec3 force = wrench.force[0] * row.normal + wrench.force[1] * row.t1 + wrench.force[2] * t2;
+  const Vec3 couple =
+      wrench.couple[0] * row.normal + wrench.couple[1] * row.t1 + wrench.couple[2] * t2;
   if (a.inv_mass > 0.0) {
-    a.*linear -= a.inv_mass * sum * row.normal;
-    a.*angular -= a.inv_inertia_w * moment_a;
+    a.*linear -= a.inv_mass * force;
+    a.*angular -= a.inv_inertia_w * (row.arm_a.cross(force) + couple);
   }
   if (b.inv_mass > 0.0) {
-    b.*linear += b.inv_mass * sum * row.normal;
-    b.*angular += b.inv_inertia_w * moment_b;
+    b.*linear += b.inv_mass * force;
+    b.*angular += b.inv_inertia_w * (row.arm_b.cross(force) + couple);
   }
 }
 
-/// Solve  0 <= z  _|_  e + B (z - z_0) >= 0  by projected Gauss-Seidel, B the mobility, z_0 the
-/// values of `z` on entry and e the velocities there. Adds the changes to `dz`. Returns the largest
-/// change of a velocity in the first sweep, m/s.
-double solve_points(const ContactRow& row, std::array<double, 4>& z, std::array<double, 4>& e,
-                    std::array<double, 4>& dz) {
-  const int n = row.count;
-  double first = 0.0;
-  for (int sweep = 0; sweep < kInnerSweeps; ++sweep) {
-    double largest = 0.0;
-    for (int i = 0; i < n; ++i) {
-      const double change = std::max(-z[i], -e[i] * row.mass[i]);
-      z[i] += change;
-      dz[i] += change;
-      for (int j = 0; j < n; ++j) e[j] += row.mobility[i][j] * change;
-      largest = std::max(largest, std::abs(change) * row.mobility[i][i]);
-    }
-    if (sweep == 0) first = largest;
-    if (n == 1 || largest <= kInnerTolerance * first) break;
+/// The fastest change of a normal velocity that the points ask for, m/s: how far they are from
+/// 0 <= z _|_ e >= 0.
+double disagreement(const ContactRow& row, const FourByFour& B, const Four& e) {
+  double largest = 0.0;
+  for (int i = 0; i < row.count; ++i) {
+    largest = std::max(largest, std::abs(std::min(e[i], B(i, i) * row.impulse[i])));
   }
-  return first;
+  return largest;
 }
 
 /// Speed (m/s) after a bounce off a gap (m) that closes within the substep: restitution e is the
@@ -83,10 +133,6 @@ double solve_points(const ContactRow& row, std::array<double, 4>& z, std::array<
 double bounce_of(double e, double approach, double gap, double a, double h) {
   const double energy2 = approach * approach + 2.0 * a * gap + a * h * approach;
   return 0.5 * a * h + std::sqrt(0.25 * a * a * h * h + e * e * energy2);
-}
-
-double normal_velocity(const ContactRow& row, const SolverBody& a, const SolverBody& b, int i) {
-  return row.normal.dot(b.v - a.v) + row.rn_b[i].dot(b.w) - row.rn_a[i].dot(a.w);
 }
 
 }  // namespace
@@ -117,48 +163,44 @@ ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b)
 void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
                  const ContactOptions& options, ContactRow& row) {
   const Manifold& m = contact.manifold;
+  const SolverBody& a = bodies[m.body_a];
+  const SolverBody& b = bodies[m.body_b];
+  const std::uint32_t place = row.contact;
+  row = {};
+  row.contact = place;
   row.a = m.body_a;
   row.b = m.body_b;
+  row.movable = a.inv_mass > 0.0 ? row.a : row.b;
   row.count = static_cast<std::uint8_t>(m.count);
-  row.normal = m.normal;
   row.friction = m.friction;
   row.rubs = m.friction > 0.0;
-  const SolverBody& a = bodies[row.a];
-  const SolverBody& b = bodies[row.b];
-  row.movable = a.inv_mass > 0.0 ? row.a : row.b;
-  row.impulse = {};
-  row.slide = {};
-  row.twist = 0.0;
+  row.normal = m.normal;
+  Vec3 t2;
+  tangent_frame(row.normal, row.t1, t2);
   const ContactArms arms = arms_of(m, a, b);
-  std::array<Vec3, 4> response_a, response_b;
+  const Four weight = pressure_weights(contact);
+  row.arm_a.setZero();
+  row.arm_b.setZero();
   for (int i = 0; i < m.count; ++i) {
-    row.rn_a[i] = arms.a[i].cross(m.normal);
-    row.rn_b[i] = arms.b[i].cross(m.normal);
-    response_a[i] = a.inv_inertia_w * row.rn_a[i];
-    response_b[i] = b.inv_inertia_w * row.rn_b[i];
-  }
-  const double linear = a.inv_mass + b.inv_mass;
-  double trace = 0.0;
-  for (int i = 0; i < m.count; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      const double value = linear + row.rn_a[i].dot(response_a[j]) + row.rn_b[i].dot(response_b[j]);
-      row.mobility[i][j] = value;
-      row.mobility[j][i] = value;
-    }
-    trace += row.mobility[i][i];
-  }
-  row.idle = idle_combination(arms, m.count, m.normal);
-  if (m.count == 4) {
-    const double scale = std::sqrt(options.evenness * trace);
-    for (double& value : row.idle) value *= scale;
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) row.mobility[i][j] += row.idle[i] * row.idle[j];
-    }
+    row.arm_a += weight[i] * arms.a[i];
+    row.arm_b += weight[i] * arms.b[i];
   }
   for (int i = 0; i < m.count; ++i) {
-    row.mass[i] = row.mobility[i][i] > 0.0 ? 1.0 / row.mobility[i][i] : 0.0;
+    const Vec3 from_centre = arms.a[i] - row.arm_a;
+    row.s[i] = t2.dot(from_centre);
+    row.r[i] = -row.t1.dot(from_centre);
   }
-  if (row.rubs) prepare_friction(contact, arms, a, b, row);
+  Mat3 axes;
+  axes << row.normal, row.t1, t2;
+  row.slip.setZero();
+  if (a.inv_mass > 0.0) add_response(a, row.arm_a, axes, row);
+  if (b.inv_mass > 0.0) add_response(b, row.arm_b, axes, row);
+  if (m.count == 1) row.mw = 0.0;  // a point resists no twist
+  if (m.count == 1) row.mw = 0.0;  // a point resists no twist
+  if (m.count < 4) return;
+  const FourByFour B = mobility_of(row);
+  row.idle =
+      std::sqrt(options.evenness * sum(B.matrix().diagonal())) * idle_combination(arms, m.normal);
 }
 
 void begin_row(const Contact& contact, const SubstepRule& rule, double h,
@@ -173,6 +215,12 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
   // m/s^2, how gravity adds to the approach of the two
   const double fall =
       std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(rule.gravity));
+  const Four velocity = normal_velocities(row, row.t2(), relative_motion(row, a, b));
+  const double share = share_to_carry(row, rule.gravity.norm(), h);
+  row.impulse *= share;
+  row.slide[0] *= share;
+  row.slide[1] *= share;
+  row.twist *= share;
   row.approach = 0.0;
   row.sunk = false;
   for (int i = 0; i < m.count; ++i) {
@@ -181,47 +229,61 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
     row.bias[i] = gap > 0.0 ? gap / h : std::max(rule.push_gain * gap / h, -rule.push_speed);
     row.sunk = row.sunk || gap < -rule.push_slop;
     if (gap >= rule.warm_start_gap) row.impulse[i] = 0.0;
-    const double approach = -normal_velocity(row, a, b, i);
+    const double approach = -velocity[i];
     row.approach = std::max(row.approach, approach);
     row.bounce[i] = m.restitution > 0.0 && approach > rule.bounce_speed
                         ? bounce_of(m.restitution, approach, std::max(gap, 0.0), fall, h)
                         : 0.0;
   }
-  if (row.loaded()) return;
+  row.carried = sum(row.impulse);
+  if (row.carried > 0.0) return;
   row.slide = {};
   row.twist = 0.0;
 }
 
-void apply_impulses(const ContactRow& row, const RowImpulses& impulses,
-                    std::span<SolverBody> bodies) {
-  SolverBody& a = bodies[row.a];
-  SolverBody& b = bodies[row.b];
-  apply_normals(row, impulses.normal, a, b, &SolverBody::v, &SolverBody::w);
-  if (row.rubs) apply_friction(row, impulses.slide, impulses.twist, a, b);
+double share_to_carry(const ContactRow& row, double gravity, double h) {
+  const double load = sum(row.impulse);
+  const double most = kGrowth * row.carried + std::max(gravity, kLeastGravity) * h / row.press[0];
+  return load > most ? most / load : 1.0;
+}
+
+void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies) {
+  ContactWrench wrench = wrench_of(row, row.impulse);
+  wrench.force[1] = row.slide[0];
+  wrench.force[2] = row.slide[1];
+  wrench.couple[0] = row.twist;
+  apply_wrench(row, row.t2(), wrench, bodies[row.a], bodies[row.b], &SolverBody::v, &SolverBody::w);
 }
 
 double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies) {
   SolverBody& a = bodies[row.a];
   SolverBody& b = bodies[row.b];
-  std::array<double, 4> e;
+  const Vec3 t2 = row.t2();
+  const RelativeMotion motion = relative_motion(row, a, b);
+  Four e = normal_velocities(row, t2, motion);
   bool active = false;
   for (int i = 0; i < row.count; ++i) {
     // In the velocity pass a point that carries nothing may still close what is left of its gap.
     const bool closing = pass == ContactPass::Motion || row.impulse[i] <= 0.0;
-    e[i] = normal_velocity(row, a, b, i) + (closing && row.bias[i] > 0.0 ? row.bias[i] : 0.0) -
-           (pass == ContactPass::Velocity ? row.bounce[i] : 0.0);
+    if (closing) e[i] += std::max(row.bias[i], 0.0);
+    if (pass == ContactPass::Velocity) e[i] -= row.bounce[i];
     active = active || e[i] < 0.0 || row.impulse[i] > 0.0;
   }
   if (!active) return 0.0;
-  if (row.count == 4) {
-    double idle = 0.0;
-    for (int i = 0; i < 4; ++i) idle += row.idle[i] * row.impulse[i];
-    for (int i = 0; i < 4; ++i) e[i] += row.idle[i] * idle;
+  e += sum(row.idle * row.impulse) * row.idle;
+  const FourByFour B = mobility_of(row);
+  const double change = disagreement(row, B, e);
+  const Four dz = solve_lcp(row.count, B, row.impulse, e);
+  row.impulse += dz;
+  ContactWrench wrench = wrench_of(row, dz);
+  if (row.rubs) {
+    // Friction sees what the normals have just done.
+    const Vec3 pressed(wrench.force[0], wrench.couple[1], wrench.couple[2]);
+    const Vec3 slip =
+        Vec3(row.t1.dot(motion.v), t2.dot(motion.v), row.normal.dot(motion.w)) + row.slip * pressed;
+    rub(row, slip, wrench);
   }
-  std::array<double, 4> dz{};
-  const double change = solve_points(row, row.impulse, e, dz);
-  if (change > 0.0) apply_normals(row, dz, a, b, &SolverBody::v, &SolverBody::w);
-  if (row.rubs) rub(row, a, b);
+  apply_wrench(row, t2, wrench, a, b, &SolverBody::v, &SolverBody::w);
   return change;
 }
 
@@ -230,18 +292,18 @@ bool push_row(const ContactRow& row, std::span<SolverBody> bodies) {
   SolverBody& b = bodies[row.b];
   const bool disturbed = !a.v_push.isZero(0.0) || !b.v_push.isZero(0.0);
   if (!row.sunk && !disturbed) return false;
-  std::array<double, 4> e;
+  const Vec3 t2 = row.t2();
+  const RelativeMotion motion{
+      b.v_push - a.v_push + b.w_push.cross(row.arm_b) - a.w_push.cross(row.arm_a),
+      b.w_push - a.w_push};
+  const Four e = normal_velocities(row, t2, motion) + row.bias;
   bool active = false;
   for (int i = 0; i < row.count; ++i) {
-    e[i] = row.normal.dot(b.v_push - a.v_push) + row.rn_b[i].dot(b.w_push) -
-           row.rn_a[i].dot(a.w_push) + row.bias[i];
     active = active || e[i] < 0.0;
   }
   if (!active) return false;
-  std::array<double, 4> z{};
-  std::array<double, 4> dz{};
-  solve_points(row, z, e, dz);
-  apply_normals(row, dz, a, b, &SolverBody::v_push, &SolverBody::w_push);
+  const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
+  apply_wrench(row, t2, wrench_of(row, dz), a, b, &SolverBody::v_push, &SolverBody::w_push);
   return true;
 }
 

@@ -81,7 +81,13 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
     Island& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
-    island.level = std::max(island.level, activity[i].level);
+    island.level_sum += activity[i].level;
+    ++island.bodies;
+  }
+  for (Island& island : islands_) {
+    if (island.bodies == 0) continue;
+    island.level =
+        static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
   }
   if (rule.sleep_after > 0.0) {
     for (const std::uint32_t i : changed) {

@@ -51,8 +51,11 @@ class Groups {
  private:
   struct Island {
     bool awake = false;
-    bool held = false;   ///< touches or is joined to something that cannot move
-    bool sleepy = true;  ///< all of it may sleep and has been slow for long enough
+    bool held = false;            ///< touches or is joined to something that cannot move
+    bool sleepy = true;           ///< all of it may sleep and has been slow for long enough
+    std::uint32_t level_sum = 0;  ///< over its bodies
+    std::uint32_t bodies = 0;
+    /// Their mean, rounded: a few refined bodies that fall on a heap do not refine the heap.
     std::uint8_t level = 0;
     double wanted = 0.0;
   };

@@ -172,6 +172,7 @@ void Solver::Impl::clean_up() {
 void Solver::Impl::end_step() {
   SubstepContext context = context_;
   context.h = dt_;
+  context.substeps = options_.substeps;
   for_blocks([&](ConstraintBlock& block) { block.end_step(context); });
   wanted_.assign(bodies_.size(), 0.0);
   if (report_.parts.refinement) {

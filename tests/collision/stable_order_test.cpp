@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
-#include <functional>
+#include <array>
 #include <numeric>
 #include <optional>
 
@@ -62,6 +62,8 @@ struct Scene {
       if (i < kBodies) {
         const auto properties = mass_properties(shape_of(i), 400.0);
         def.pose = poses[i];
+        if (i % 11 == 3) def.twist.linear = Vec3(0.0, 0.0, -40.0);  // stopped on its way
+        def.bullet = i % 9 == 3;
         def.mass = properties.mass * (i % 5 == 0 ? 8.0 : 1.0);
         def.inertia = properties.inertia_l * (i % 5 == 0 ? 8.0 : 1.0);
       } else {
@@ -102,19 +104,29 @@ struct Scene {
         rods.add(world, {.a = a, .b = b, .rest_length = length});
         if (c != a) rods.add(world, {.a = c, .b = a, .rest_length = 1.0, .compliance = 1e-3});
       } else {
-        SixDofJointDef def{.a = a, .b = b};
-        def.frame_a.anchor = world.pose(a).to_local(middle);
-        def.frame_b.anchor = world.pose(b).to_local(middle);
-        for (JointAxis& axis : def.linear) axis.freedom = Freedom::Locked;
-        joints.add(world, def);
+        joints.add(world, joint_at(a, b, middle));
       }
     }
-    // A pendulum on the world.
-    SixDofJointDef held{.a = BodyId{}, .b = ids[kBodies - 1]};
-    held.frame_a.anchor = world.pose(held.b).position + Vec3(1.0, 0.0, 0.5);
-    held.frame_b.anchor = world.pose(held.b).to_local(held.frame_a.anchor);
-    for (JointAxis& axis : held.linear) axis.freedom = Freedom::Locked;
-    joints.add(world, held);
+    // A chain that hangs on the world, with two loops.
+    const std::array<std::size_t, 8> chain{39, 28, 36, 30, 37, 31, 35, 29};
+    for (const std::size_t k : shuffled(chain.size() + 2)) {
+      const BodyId a = k == 0 ? BodyId{} : ids[chain[k < 9 ? k - 1 : 2]];
+      const BodyId b = ids[chain[k < 8 ? k : k == 8 ? 4 : 6]];
+      const Vec3 end = world.pose(b).position + Vec3(1.0, 0.0, 0.5);
+      const Vec3 middle =
+          a.valid() ? Vec3(0.5 * (world.pose(a).position + world.pose(b).position)) : end;
+      joints.add(world, joint_at(a, b, middle));
+    }
+  }
+
+  SixDofJointDef joint_at(BodyId a, BodyId b, const Vec3& anchor_w) const {
+    SixDofJointDef def;
+    def.a = a;
+    def.b = b;
+    def.frame_a.anchor = a.valid() ? world.pose(a).to_local(anchor_w) : anchor_w;
+    def.frame_b.anchor = world.pose(b).to_local(anchor_w);
+    for (JointAxis& axis : def.linear) axis.freedom = Freedom::Locked;
+    return def;
   }
 
   static Shape shape_of(std::size_t i) {

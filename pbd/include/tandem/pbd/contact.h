@@ -25,12 +25,11 @@ struct ContactOptions {
   /// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over.
   /// Motion is not affected.
   double evenness = 0.1;
-  /// An island that one sweep has not solved is swept on, at most this often in a substep, until
-  /// the rms change of its normal velocities is below `resting_tolerance` times what gravity adds
-  /// in a substep, or below `moving_tolerance` times its rms speed.
+  /// An island that stands and that one sweep has not solved is swept on, at most this often in a
+  /// substep, until the rms change of its normal velocities is below `resting_tolerance` times what
+  /// gravity adds in a substep.
   int extra_sweeps = 8;
   double resting_tolerance = 0.01;
-  double moving_tolerance = 0.2;
   /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.
   double clean_up_slop = 5e-3;
   /// Impacts slower than this many times |gravity| * h do not bounce.
@@ -42,7 +41,8 @@ struct Contact {
   Manifold manifold;
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
-  std::array<double, 4> debt{};        ///< m, <= 0: the overlap that agreement left behind
+  double carried_share = 1.0;  ///< of the force, that the next step starts from: less after impacts
+  std::array<double, 4> debt{};  ///< m, <= 0: the overlap that agreement left behind
   /// m/s, fastest approach that an impulse stopped in the last step; >= 0
   double approach_speed = 0.0;
   double impulse = 0.0;   ///< N s, normal, sum over points and substeps of the last step
