@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tandem/collision/contact_source.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
 namespace {
@@ -86,7 +86,7 @@ Cost run(const Case& c) {
   const collision::Shape shape = c.cubes ? collision::Shape(collision::Box{Vec3::Constant(0.5)})
                                          : collision::Shape(collision::Sphere{0.5});
   const auto properties = collision::mass_properties(shape, 100.0);
-  auto& balls = world.add_block<pbd::BallJoints>();
+  auto& joints = world.add_block<pbd::JointBlock>();
   for (int stack = 0; stack < kStacks; ++stack) {
     pbd::BodyId below;
     for (int k = 0; k < kHeight; ++k) {
@@ -98,7 +98,7 @@ Cost run(const Case& c) {
       if (c.spin) def.twist.angular = Vec3(0.3, 0.2, 1.0);
       const pbd::BodyId id = add(def, shape);
       const Vec3 between = def.pose.position - Vec3(0.0, 0.0, 0.5);
-      if (c.joints && k > 0) balls.add(world, pbd::ball_joint_at(world, below, id, between));
+      if (c.joints && k > 0) joints.add(world, pbd::ball_joint_at(world, below, id, between));
       below = id;
     }
   }

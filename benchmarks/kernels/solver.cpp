@@ -9,7 +9,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tandem/collision/contact_source.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 
 namespace {
 
@@ -47,7 +47,7 @@ void contact_rows(benchmark::State& state) {
 
 void ball_joint_rows(benchmark::State& state) {
   pbd::World world;
-  auto& balls = world.add_block<pbd::BallJoints>();
+  auto& balls = world.add_block<pbd::JointBlock>();
   pbd::BodyId last;
   for (int i = 0; i < state.range(0); ++i) {
     const auto body = world.add_body({.pose = {.position = Vec3(0.2 * i + 0.1, 0.0, 0.0)},

@@ -7,7 +7,7 @@
 
 #include "numerics/case.h"
 #include "tandem/collision/contact_source.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
 namespace tandem::bench {
@@ -107,14 +107,14 @@ const Refusal kRefusals[] = {
     {"joint with an anchor at NaN", "anchor", "nan",
      [](World& w) {
        const auto body = w.bodies.add_body({});
-       auto& balls = w.bodies.add_block<pbd::BallJoints>();
-       balls.add(w.bodies, {.b = body, .anchor_b_l = Vec3(kNan, 0.0, 0.0)});
+       auto& balls = w.bodies.add_block<pbd::JointBlock>();
+       balls.add(w.bodies, pbd::BallJointDef{{.b = body, .frame_b = {Vec3(kNan, 0.0, 0.0)}}});
      }},
     {"joint of negative compliance", "compliance", "-1",
      [](World& w) {
        const auto body = w.bodies.add_body({});
-       auto& balls = w.bodies.add_block<pbd::BallJoints>();
-       balls.add(w.bodies, {.b = body, .compliance = -1.0});
+       auto& balls = w.bodies.add_block<pbd::JointBlock>();
+       balls.add(w.bodies, pbd::BallJointDef{{.b = body, .compliance = -1.0}});
      }},
     {"solver without substeps", "substeps", "0",
      [](World&) { (void)pbd::Solver({.substeps = 0}); }},

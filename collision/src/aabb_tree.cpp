@@ -5,6 +5,12 @@
 #include <utility>
 
 namespace tandem::collision {
+namespace {
+
+/// A leaf stays where it is while its parent grows by no more than this factor.
+constexpr double kStays = 1.1;
+
+}  // namespace
 
 std::uint32_t AabbTree::take_node() {
   if (free_ == kNone) {
@@ -26,7 +32,7 @@ void AabbTree::free_node(std::uint32_t index) {
 std::uint32_t AabbTree::insert(const Aabb& box, std::uint32_t value) {
   const std::uint32_t leaf = take_node();
   nodes_[leaf].box = box;
-  nodes_[leaf].value = value;
+  nodes_[leaf].child[1] = value;
   link(leaf);
   return leaf;
 }
@@ -37,6 +43,16 @@ void AabbTree::remove(std::uint32_t leaf) {
 }
 
 void AabbTree::move(std::uint32_t leaf, const Aabb& box) {
+  const std::uint32_t parent = nodes_[leaf].parent;
+  if (parent != kNone) {
+    const Node& above = nodes_[parent];
+    const Aabb& sibling = nodes_[above.child[above.child[0] == leaf ? 1 : 0]].box;
+    if (sibling.merged(box).half_area() <= kStays * above.box.half_area()) {
+      nodes_[leaf].box = box;
+      refit(parent, true);
+      return;
+    }
+  }
   unlink(leaf);
   nodes_[leaf].box = box;
   link(leaf);

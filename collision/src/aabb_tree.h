@@ -34,7 +34,7 @@ class AabbTree {
       stack.pop_back();
       if (!node.box.overlaps(box)) continue;
       if (node.leaf()) {
-        visit(node.value);
+        visit(node.value());
       } else {
         stack.push_back(node.child[0]);
         stack.push_back(node.child[1]);
@@ -58,7 +58,7 @@ class AabbTree {
           index = node.child[first_of(node)];
           continue;
         }
-        visit(node.value);
+        visit(node.value());
       }
       // Up, to the first ancestor whose later child has not been seen. The parents are the stack:
       // nothing bounds the depth of this tree.
@@ -74,12 +74,13 @@ class AabbTree {
   }
 
  private:
-  struct Node {
+  /// One line of the nearest memory.
+  struct alignas(64) Node {
     Aabb box;
-    std::uint32_t parent = kNone;  ///< next free node while unused
-    std::uint32_t child[2] = {kNone, kNone};
-    std::uint32_t value = 0;
+    std::uint32_t parent = kNone;             ///< next free node while unused
+    std::uint32_t child[2] = {kNone, kNone};  ///< of a leaf: none, and its value
     bool leaf() const { return child[0] == kNone; }
+    std::uint32_t value() const { return child[1]; }
   };
 
   std::uint32_t take_node();

@@ -80,19 +80,23 @@ BoxAxis BoxPair::face_of_b() const {
 }
 
 template <int kI, int kJ>
-BoxAxis BoxPair::across_edges() const {
+void BoxPair::across_edges(BoxAxis& best) const {
   constexpr std::uint8_t kId = 6 + 3 * kI + kJ;
   constexpr int i1 = (kI + 1) % 3;
   constexpr int i2 = (kI + 2) % 3;
   constexpr int j1 = (kJ + 1) % 3;
   constexpr int j2 = (kJ + 2) % 3;
-  const double sine2 = 1.0 - turn_(kI, kJ) * turn_(kI, kJ);
-  if (sine2 < kMinSine * kMinSine) return {kId, 1.0, -HUGE_VAL};
   // a_i x b_j in a's frame has the coordinates (0, -c_2j, c_1j) along (i, i1, i2).
   const double d = in_a_[i2] * turn_(i1, kJ) - in_a_[i1] * turn_(i2, kJ);
   const double extent = a_.half[i1] * turn_abs_(i2, kJ) + a_.half[i2] * turn_abs_(i1, kJ) +
                         b_.half[j1] * turn_abs_(kI, j2) + b_.half[j2] * turn_abs_(kI, j1);
-  return {kId, d < 0.0 ? -1.0 : 1.0, (std::abs(d) - extent) / std::sqrt(sine2)};
+  const double gap = std::abs(d) - extent;
+  // An overlap only grows by the division below.
+  if (gap <= 0.0 && gap <= best.separation) return;
+  const double sine2 = 1.0 - turn_(kI, kJ) * turn_(kI, kJ);
+  if (sine2 < kMinSine * kMinSine) return;
+  const double separation = gap / std::sqrt(sine2);
+  if (separation > best.separation) best = {kId, d < 0.0 ? -1.0 : 1.0, separation};
 }
 
 BoxAxis BoxPair::best(std::uint8_t before, double margin) const {
@@ -103,12 +107,17 @@ BoxAxis BoxPair::best(std::uint8_t before, double margin) const {
     if (axis.separation > face.separation + 1e-9) face = axis;
   }
   if (face.separation >= margin) return face;
-  BoxAxis edge{0, 1.0, -HUGE_VAL};
-  for (const BoxAxis& axis : {across_edges<0, 0>(), across_edges<0, 1>(), across_edges<0, 2>(),
-                              across_edges<1, 0>(), across_edges<1, 1>(), across_edges<1, 2>(),
-                              across_edges<2, 0>(), across_edges<2, 1>(), across_edges<2, 2>()}) {
-    if (axis.separation > edge.separation) edge = axis;
-  }
+  // Edges matter only where they separate more than faces.
+  BoxAxis edge = face;
+  across_edges<0, 0>(edge);
+  across_edges<0, 1>(edge);
+  across_edges<0, 2>(edge);
+  across_edges<1, 0>(edge);
+  across_edges<1, 1>(edge);
+  across_edges<1, 2>(edge);
+  across_edges<2, 0>(edge);
+  across_edges<2, 1>(edge);
+  across_edges<2, 2>(edge);
   if (edge.separation >= margin) return edge;
   const double best = std::max(face.separation, edge.separation);
   const double size = 2.0 * std::min(a_.half.minCoeff(), b_.half.minCoeff());

@@ -50,9 +50,10 @@ class BoxPair {
   BoxAxis face_of_a() const;
   template <int kJ>
   BoxAxis face_of_b() const;
-  /// -infinity where the edges run alongside each other.
+  /// Puts the direction in the place of `best` where it separates more; never where the edges run
+  /// alongside each other.
   template <int kI, int kJ>
-  BoxAxis across_edges() const;
+  void across_edges(BoxAxis& best) const;
 
   const BoxPose& a_;
   const BoxPose& b_;

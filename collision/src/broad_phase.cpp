@@ -12,7 +12,7 @@ constexpr double kShrink = 8.0;
 /// The margin is at most this share of a collider's least extent.
 constexpr double kMarginShare = 0.06;
 /// Steps ahead that a fat box reaches out in the direction of motion.
-constexpr double kAhead = 1.5;
+constexpr double kAhead = 3.0;
 /// Boxes that one worker looks up at a time.
 constexpr std::size_t kGrain = 32;
 
@@ -39,10 +39,12 @@ bool may_touch(const Collider& a, const Collider& b) {
 }
 
 void BroadPhase::add(std::uint32_t index, const Collider& collider) {
-  if (proxies_.size() <= index) proxies_.resize(index + 1);
-  proxies_[index] = {};
+  if (leaves_.size() <= index) leaves_.resize(index + 1, AabbTree::kNone);
+  leaves_[index] = AabbTree::kNone;
   if (collider.is_half_space()) {
-    half_spaces_.insert(std::lower_bound(half_spaces_.begin(), half_spaces_.end(), index), index);
+    const auto at = std::lower_bound(half_spaces_.begin(), half_spaces_.end(), index);
+    planes_.insert(planes_.begin() + (at - half_spaces_.begin()), Aabb{});
+    half_spaces_.insert(at, index);
   }
 }
 
@@ -52,30 +54,57 @@ void BroadPhase::look_again(std::uint32_t index) {
     if (gone) free_slots_.push_back(pair.cache);
     return gone;
   });
-  if (placed(index)) tree_.remove(proxies_[index].leaf);
-  proxies_[index] = {};
+  take_out(index);
+  remember_plane(index, {});
 }
 
 void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
   look_again(index);
   if (collider.is_half_space()) {
-    half_spaces_.erase(std::find(half_spaces_.begin(), half_spaces_.end(), index));
+    const auto at = static_cast<std::ptrdiff_t>(plane_of(index));
+    half_spaces_.erase(half_spaces_.begin() + at);
+    planes_.erase(planes_.begin() + at);
   }
 }
 
-void BroadPhase::place(std::uint32_t index, const Aabb& fat) {
-  Proxy& proxy = proxies_[index];
-  proxy.fat = fat;
-  if (proxy.leaf == AabbTree::kNone) {
-    proxy.leaf = tree_.insert(fat, index);
-  } else {
-    tree_.move(proxy.leaf, fat);
+void BroadPhase::take_out(std::uint32_t index) {
+  if (!placed(index)) return;
+  (placed_fixed(index) ? fixed_tree_ : tree_).remove(leaves_[index] & ~kFixed);
+  leaves_[index] = AabbTree::kNone;
+}
+
+void BroadPhase::place(std::uint32_t index, const Aabb& fat, bool fixed) {
+  AabbTree& tree = fixed ? fixed_tree_ : tree_;
+  if (placed(index) && placed_fixed(index) == fixed) {
+    tree.move(leaves_[index] & ~kFixed, fat);
+    return;
   }
+  take_out(index);
+  leaves_[index] = tree.insert(fat, index) | (fixed ? kFixed : 0u);
+}
+
+std::size_t BroadPhase::plane_of(std::uint32_t index) const {
+  const auto at = std::lower_bound(half_spaces_.begin(), half_spaces_.end(), index);
+  const bool found = at != half_spaces_.end() && *at == index;
+  return found ? static_cast<std::size_t>(at - half_spaces_.begin()) : half_spaces_.size();
+}
+
+void BroadPhase::remember_plane(std::uint32_t index, const Aabb& plane) {
+  const std::size_t at = plane_of(index);
+  if (at < planes_.size()) planes_[at] = plane;
+}
+
+Aabb BroadPhase::fat_box(std::uint32_t index) const {
+  if (placed(index)) return fat(index);
+  const std::size_t at = plane_of(index);
+  return at < planes_.size() ? planes_[at] : Aabb{};
 }
 
 void BroadPhase::reset() {
-  for (Proxy& proxy : proxies_) proxy = {};
+  std::fill(leaves_.begin(), leaves_.end(), AabbTree::kNone);
+  std::fill(planes_.begin(), planes_.end(), Aabb{});
   tree_.clear();
+  fixed_tree_.clear();
   pairs_.clear();
   free_slots_.clear();
   cache_slots_ = 0;
@@ -94,15 +123,14 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
 }
 
 bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
-  const Proxy& proxy = proxies_[index];
   const double margin = std::min(margin_, kMarginShare * c.size);
   const Vec3 ahead = (kAhead * c.span) * c.twist.linear;
-  if (placed(index) && proxy.fat.contains(c.needed)) {
-    const Vec3 slack = (proxy.fat.max - proxy.fat.min) - (c.needed.max - c.needed.min);
+  if (placed(index) && fat(index).contains(c.needed)) {
+    const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
     if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
   }
   const Aabb box = c.needed.expanded(margin);
-  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)});
+  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)}, !c.dynamic);
   return true;
 }
 
@@ -122,9 +150,14 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
   const Collider& low = colliders[pair.low];
   const Collider& high = colliders[pair.high];
   if (!low.finite || !high.finite) return false;
-  if (low.is_half_space()) return in_reach(low, proxies_[pair.high].fat, dt);
-  if (high.is_half_space()) return in_reach(high, proxies_[pair.low].fat, dt);
-  return proxies_[pair.low].fat.overlaps(proxies_[pair.high].fat);
+  // Bytes that were loaded may name any pair.
+  if (!(low.is_half_space() || placed(pair.low)) || !(high.is_half_space() || placed(pair.high)) ||
+      (low.is_half_space() && high.is_half_space())) {
+    return false;
+  }
+  if (low.is_half_space()) return in_reach(low, fat(pair.high), dt);
+  if (high.is_half_space()) return in_reach(high, fat(pair.low), dt);
+  return fat(pair.low).overlaps(fat(pair.high));
 }
 
 void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {
@@ -139,16 +172,17 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
     if (!c.alive) continue;
     if (!c.finite) {  // out of the tree, so that it is found anew when it is back among numbers
       all_finite = false;
-      if (placed(i)) tree_.remove(proxies_[i].leaf);
-      proxies_[i] = {};
+      take_out(i);
+      remember_plane(i, {});
       has_moved_[i] = 1;
     } else if (c.is_half_space()) {
       const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.motion(dt), dt)};
-      const bool still = plane.min == proxies_[i].fat.min && plane.max == proxies_[i].fat.max &&
-                         c.twist.angular.isZero(0.0);
+      const Aabb before = fat_box(i);
+      const bool still =
+          plane.min == before.min && plane.max == before.max && c.twist.angular.isZero(0.0);
       plane_moves = plane_moves || !still;
-      proxies_[i].fat = plane;
-    } else if (refit(i, c)) {
+      remember_plane(i, plane);
+    } else if (!(c.still && placed(i)) && refit(i, c)) {
       moved_.push_back(i);
       has_moved_[i] = 1;
     }
@@ -173,7 +207,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
 }
 
 void BroadPhase::index_pairs() {
-  first_pair_.resize(proxies_.size() + 1);
+  first_pair_.resize(leaves_.size() + 1);
   std::uint32_t at = 0;
   for (std::uint32_t low = 0; low < first_pair_.size(); ++low) {
     while (at < pairs_.size() && pairs_[at].low < low) ++at;
@@ -197,18 +231,20 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
     const auto propose = [&](std::uint32_t i, std::uint32_t j) {
       const std::uint32_t low = std::min(i, j);
       const std::uint32_t high = std::max(i, j);
-      if (!may_touch(colliders[i], colliders[j]) || known(low, high)) return;
+      if (known(low, high) || !may_touch(colliders[i], colliders[j])) return;
       search.found.push_back({low, high, 0, true});
     };
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = moved_[k];
-      tree_.query(proxies_[i].fat, search.stack, [&](std::uint32_t j) {
-        // Of two that moved the lower one proposes.
-        if (i == j || (has_moved_[j] != 0 && j < i) || !colliders[j].finite) return;
+      const auto meet = [&](std::uint32_t j) {
+        // Of two that moved the lower one proposes. What is in a tree is finite.
+        if (i == j || (has_moved_[j] != 0 && j < i)) return;
         propose(i, j);
-      });
+      };
+      tree_.query(fat(i), search.stack, meet);
+      if (colliders[i].dynamic) fixed_tree_.query(fat(i), search.stack, meet);
       for (const std::uint32_t plane : half_spaces_) {
-        if (colliders[plane].finite && in_reach(colliders[plane], proxies_[i].fat, dt)) {
+        if (colliders[plane].finite && in_reach(colliders[plane], fat(i), dt)) {
           propose(i, plane);
         }
       }

@@ -43,30 +43,43 @@ class BroadPhase {
   std::vector<ColliderPair>& pairs() { return pairs_; }
   const std::vector<ColliderPair>& pairs() const { return pairs_; }
   /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
+  /// @param moving  false leaves out colliders of dynamic bodies
   template <class Visit>
-  void query(const Aabb& box, std::vector<std::uint32_t>& stack, Visit&& visit) const {
-    tree_.query(box, stack, visit);
+  void query(const Aabb& box, bool moving, std::vector<std::uint32_t>& stack, Visit&& visit) const {
+    fixed_tree_.query(box, stack, visit);
+    if (moving) tree_.query(box, stack, visit);
     for (const std::uint32_t plane : half_spaces_) visit(plane);
   }
   /// Pairs that the last update() added; empty where it had nothing to do.
   const std::vector<ColliderPair>& found() const { return found_; }
   /// Slots in use or free; a pair's `cache` is below this.
   std::uint32_t cache_slots() const { return cache_slots_; }
-  const Aabb& fat_box(std::uint32_t index) const { return proxies_[index].fat; }
-  bool placed(std::uint32_t index) const { return proxies_[index].leaf != AabbTree::kNone; }
+  /// Of a half-space: what its reach depended on in the last step.
+  Aabb fat_box(std::uint32_t index) const;
+  bool placed(std::uint32_t index) const { return leaves_[index] != AabbTree::kNone; }
+  /// Whether the box was placed as one of an immovable collider.
+  bool placed_fixed(std::uint32_t index) const {
+    return placed(index) && (leaves_[index] & kFixed) != 0;
+  }
 
   /// For load(): forget all boxes and pairs, put boxes and pairs (ascending) back one by one.
   void reset();
-  void place(std::uint32_t index, const Aabb& fat);
-  void remember_plane(std::uint32_t index, const Aabb& plane) { proxies_[index].fat = plane; }
+  void place(std::uint32_t index, const Aabb& fat, bool fixed);
+  /// Of no effect for anything but a half-space.
+  void remember_plane(std::uint32_t index, const Aabb& plane);
   ColliderPair& append_pair(std::uint32_t low, std::uint32_t high);
 
  private:
-  struct Proxy {
-    std::uint32_t leaf = AabbTree::kNone;
-    Aabb fat;  ///< of a half-space: what its reach depended on in the last step
-  };
+  /// In a leaf's handle: it is one of fixed_tree_.
+  static constexpr std::uint32_t kFixed = 0x80000000u;
 
+  const Aabb& fat(std::uint32_t index) const {
+    const std::uint32_t leaf = leaves_[index] & ~kFixed;
+    return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
+  }
+  void take_out(std::uint32_t index);
+  /// Place in half_spaces_, or its size.
+  std::size_t plane_of(std::uint32_t index) const;
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
@@ -78,9 +91,11 @@ class BroadPhase {
   std::uint32_t take_slot();
 
   double margin_;
-  AabbTree tree_;
-  std::vector<Proxy> proxies_;
+  AabbTree tree_;                           ///< of dynamic bodies
+  AabbTree fixed_tree_;                     ///< of all others
+  std::vector<std::uint32_t> leaves_;       ///< by collider
   std::vector<std::uint32_t> half_spaces_;  ///< ascending
+  std::vector<Aabb> planes_;                ///< of half_spaces_: normal; offset, motion, step
   std::vector<ColliderPair> pairs_;
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "contact_source_impl.h"
+#include "material_io.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -39,6 +42,8 @@ void save_cache(pbd::ByteWriter& out, const PairCache& cache) {
 
 bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool) {
   pool.give(std::exchange(cache.patches, nullptr));
+  // The slot may have been another pair's.
+  if (cache.triangles != nullptr) cache.triangles->filled = false;
   cache.valid = in.u8() != 0;
   cache.axis = in.u8();
   cache.margin = in.f32();
@@ -74,6 +79,75 @@ bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool) {
     }
   }
   return !in.failed();
+}
+
+void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
+  out.u32(kCacheMagic);
+  out.u32(static_cast<std::uint32_t>(colliders_.size()));
+  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
+    const Collider& collider = colliders_[i];
+    out.u8(collider.alive ? 1 : 0);
+    if (!collider.alive) continue;
+    out.u32(collider.def.body.index);
+    out.u8(static_cast<std::uint8_t>(collider.kind));
+    save_surface(out, collider.def.material, collider.def.filter);
+    out.u8(collider.guarded);
+    out.u8(broad_.placed_fixed(i) ? 2 : broad_.placed(i) ? 1 : 0);
+    out.vec3(broad_.fat_box(i).min);
+    out.vec3(broad_.fat_box(i).max);
+  }
+  out.u32(static_cast<std::uint32_t>(broad_.pairs().size()));
+  for (const ColliderPair& pair : broad_.pairs()) {
+    out.u32(pair.low);
+    out.u32(pair.high);
+    save_cache(out, caches_[pair.cache]);
+  }
+}
+
+bool CollisionScene::Impl::load(pbd::ByteReader& in) {
+  order_is_old_ = true;
+  restored_ = true;
+  if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
+  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
+    Collider& collider = colliders_[i];
+    if ((in.u8() != 0) != collider.alive) return false;
+    if (!collider.alive) continue;
+    if (in.u32() != collider.def.body.index || in.u8() != static_cast<std::uint8_t>(collider.kind))
+      return false;
+    if (!load_surface(in, collider.def.material, collider.def.filter)) return false;
+    collider.guarded = in.u8();
+    const std::uint8_t place = in.u8();
+    const Aabb fat{in.vec3(), in.vec3()};
+    const bool sound = fat.min.allFinite() && fat.max.allFinite();
+    if (in.failed() || !sound || place > 2 || (place != 0 && collider.is_half_space()))
+      return false;
+    if (place != 0) {
+      broad_.place(i, fat, place == 2);
+    } else {
+      broad_.remember_plane(i, fat);
+    }
+  }
+  const std::uint32_t count = in.u32();
+  for (std::uint32_t k = 0; k < count && !in.failed(); ++k) {
+    const std::uint32_t low = in.u32();
+    const std::uint32_t high = in.u32();
+    if (low >= high || high >= colliders_.size() || !colliders_[low].alive ||
+        !colliders_[high].alive) {
+      return false;
+    }
+    if (!broad_.pairs().empty() && !(broad_.pairs().back() < ColliderPair{low, high, 0, false})) {
+      return false;
+    }
+    const ColliderPair& pair = broad_.append_pair(low, high);
+    if (caches_.size() <= pair.cache) caches_.resize(pair.cache + 1);
+    if (!load_cache(in, caches_[pair.cache], pool_)) return false;
+  }
+  return !in.failed();
+}
+
+void CollisionScene::Impl::forget() {
+  broad_.reset();
+  for (Collider& collider : colliders_) collider.asleep = false;
 }
 
 }  // namespace tandem::collision

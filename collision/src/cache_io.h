@@ -7,7 +7,7 @@
 
 namespace tandem::collision {
 
-inline constexpr std::uint32_t kCacheMagic = 0x32434354;  // "TCC2"
+inline constexpr std::uint32_t kCacheMagic = 0x33434354;  // "TCC3"
 
 void save_cache(pbd::ByteWriter& out, const PairCache& cache);
 /// @return false where the bytes are no cache; the cache is then of no use

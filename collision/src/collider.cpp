@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tandem::collision {
 namespace {
@@ -128,7 +130,6 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   c.reach = sizes.reach + def.local.position.norm();
   c.speculative = std::min(options.speculative_margin, options.speculative_size_share * c.size);
   c.recycle = std::min(options.recycle_distance, options.recycle_size_share * c.size);
-  c.local_rotation = c.def.local.orientation.toRotationMatrix();
   return c;
 }
 
@@ -157,19 +158,28 @@ bool same_state(const Collider& c, const pbd::BodyState& state) {
 
 void update_collider(Collider& c, const pbd::World& world, double dt) {
   const pbd::BodyState& state = world.states()[c.def.body.index];
+  const bool asleep = !world.awake_at(c.def.body.index);
+  // Whatever moves a body wakes it.
+  if (asleep && c.asleep) {
+    c.still = true;
+    return;
+  }
   c.dynamic = world.all_props()[c.def.body.index].type == pbd::BodyType::Dynamic;
   const bool unchanged = c.span > 0.0 && c.finite && same_state(c, state);
-  c.still = unchanged && state.twist.linear.isZero(0.0) && state.twist.angular.isZero(0.0);
+  const bool at_rest = state.twist.linear.isZero(0.0) && state.twist.angular.isZero(0.0);
+  c.asleep = asleep && at_rest && c.dynamic;
+  c.still = unchanged && at_rest;
   if (c.still || (unchanged && c.span == dt)) return;
   c.span = dt;
   c.body = state.pose;
   c.twist = state.twist;
   c.rotation = state.pose.orientation.toRotationMatrix();
-  if (!c.local_identity) c.rotation *= c.local_rotation;
+  if (!c.local_identity) c.rotation *= c.local_rotation();
   c.position = c.local_identity ? state.pose.position : state.pose.to_world(c.def.local.position);
   c.turn = c.twist.angular.norm() * dt;
-  const double motion = c.motion(dt);
-  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(motion);
+  c.travel = c.motion(dt);
+  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(c.travel);
+  c.asleep = c.asleep && c.finite;
   if (!c.finite || c.is_half_space()) return;
   // Where it is now, where it will be, and what turning may add on the way.
   const Vec3 sweep = dt * c.twist.linear;

@@ -24,36 +24,40 @@ enum class Kind : std::uint8_t {
   HalfSpace,
 };
 
-/// A collider and what follows from it once (first part) and in each step (second part).
+/// A collider and what follows from it once and in each step. What the loop over pairs looks at
+/// comes first and together: there are many more pairs than fit into the nearest memory.
 struct Collider {
-  ColliderDef def;
-  std::uint32_t generation = 0;
-  bool alive = false;
-  std::uint64_t added = 0;      ///< how many were added before it
-  std::uint32_t rank = 0;       ///< place among all colliders; see put_in_order()
-  std::uint32_t body_rank = 0;  ///< place of its body
-
+  Aabb needed;  ///< bounds, plus all that a contact may need in this step
   Kind kind = Kind::Sphere;
+  bool alive = false;
+  bool finite = true;  ///< pose and twist are numbers
+  bool dynamic = false;
+  bool still = false;           ///< at rest, and where it was in the last step
+  bool asleep = false;          ///< its body is not solved
   bool local_identity = false;  ///< the shape's frame is the body's
-  double size = 0.0;            ///< m, least extent; huge for half-spaces and meshes
-  double reach = 0.0;           ///< m, farthest point from the body's origin; huge for half-spaces
-  double speculative = 0.0;     ///< m
-  double recycle = 0.0;         ///< m
-  Mat3 local_rotation = Mat3::Identity();
-
   /// Steps for which every motion is looked at, not only fast ones: near thin walls, because what
   /// pushes a body out of one may push it to the wrong side.
   std::uint8_t guarded = 0;
-  bool finite = true;  ///< pose and twist are numbers
-  bool dynamic = false;
-  bool still = false;                ///< at rest, and where it was in the last step
-  double span = 0.0;                 ///< s, the step that the second part is for
+  std::uint32_t generation = 0;
+  std::uint32_t rank = 0;       ///< place among all colliders; see put_in_order()
+  std::uint32_t body_rank = 0;  ///< place of its body
+
+  // Once.
+  double size = 0.0;         ///< m, least extent; huge for half-spaces and meshes
+  double reach = 0.0;        ///< m, farthest point from the body's origin; huge for half-spaces
+  double speculative = 0.0;  ///< m
+  double recycle = 0.0;      ///< m
+  // In each step.
   double turn = 0.0;                 ///< rad, that it turns within the step
-  pbd::Pose body;                    ///< pose of the body
-  pbd::Twist twist;                  ///< of the body
-  Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
+  double travel = 0.0;               ///< m that any point of it moves at most within the step
   Vec3 position = Vec3::Zero();      ///< m, of the shape
-  Aabb needed;                       ///< bounds, plus all that a contact may need in this step
+  pbd::Twist twist;                  ///< of the body
+  pbd::Pose body;                    ///< pose of the body
+  Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
+  double span = 0.0;                 ///< s, the step that these are for
+
+  std::uint64_t added = 0;  ///< how many were added before it
+  ColliderDef def;
 
   bool is_half_space() const { return kind == Kind::HalfSpace; }
   bool is_mesh() const { return kind == Kind::Triangles; }
@@ -63,6 +67,8 @@ struct Collider {
 
   /// m that any point of it moves at most within dt.
   double motion(double dt) const;
+  /// Of the shape in the body's frame. Rare, so not kept.
+  Mat3 local_rotation() const { return def.local.orientation.toRotationMatrix(); }
   Vec3 plane_normal() const { return rotation * std::get<HalfSpace>(def.shape).normal; }
   double plane_offset() const {
     return std::get<HalfSpace>(def.shape).offset + plane_normal().dot(position);
@@ -71,11 +77,11 @@ struct Collider {
   /// direction.
   Vec3 to_body(const Vec3& from_shape) const {
     const Vec3 p = rotation.transpose() * from_shape;
-    return local_identity ? p : Vec3(local_rotation * p + def.local.position);
+    return local_identity ? p : Vec3(local_rotation() * p + def.local.position);
   }
   Vec3 direction_to_body(const Vec3& n) const {
     const Vec3 p = rotation.transpose() * n;
-    return local_identity ? p : Vec3(local_rotation * p);
+    return local_identity ? p : Vec3(local_rotation() * p);
   }
   /// Convex shapes only; positions relative to `origin`, so that no digits are lost far out.
   ConvexCore core(const Vec3& origin) const;
@@ -88,7 +94,7 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options);
 /// where the bodies have no order of their own.
 void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order);
 
-/// Read the body's state and bring the second part up to date.
+/// Read the body's state and bring what depends on it up to date.
 void update_collider(Collider& collider, const pbd::World& world, double dt);
 
 }  // namespace tandem::collision

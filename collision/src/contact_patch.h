@@ -80,7 +80,7 @@ struct TriangleList {
 };
 
 /// What is known of one pair of colliders. Kept small: a heap has ten of them for each body.
-struct PairCache {
+struct alignas(64) PairCache {
   /// No face and no pair of edges of two boxes.
   static constexpr std::uint8_t kNoAxis = 0xff;
 

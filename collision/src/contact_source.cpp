@@ -3,152 +3,28 @@
 #include "tandem/collision/contact_source.h"
 
 #include <algorithm>
-#include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
-#include "broad_phase.h"
-#include "cache_io.h"
-#include "collider.h"
-#include "core_cast.h"
-#include "material_io.h"
-#include "pair_query.h"
-#include "tandem/pbd/bytes.h"
+#include "contact_source_impl.h"
+#include "sphere_contact.h"
 
 namespace tandem::collision {
 namespace {
 
-using pbd::Vec3;
-
-/// Whether a body may be pushed out on the far side.
-bool is_thin(const Collider& target, const Collider& collider) {
-  return !target.dynamic && target.is_convex() && target.size < 2.0 * collider.size;
-}
-
-/// Colliders and pairs that one worker takes at a time.
-constexpr std::size_t kColliderGrain = 128;
+/// Pairs that one worker takes at a time.
 constexpr std::size_t kPairGrain = 64;
-constexpr std::uint8_t kGuardedSteps = 60;
-
-[[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
-  std::ostringstream text;
-  text << "ColliderDef: " << field << " = " << value << " breaks the rule: " << rule;
-  throw std::invalid_argument(text.str());
-}
-
-void check(const pbd::World& world, const ColliderDef& def) {
-  if (!world.contains(def.body)) {
-    refuse("body", static_cast<double>(def.body.index), "a body of this world");
-  }
-  std::string error;
-  if (!validate(def.shape, &error)) throw std::invalid_argument("ColliderDef: shape: " + error);
-  for (int i = 0; i < 3; ++i) {
-    const double value = def.local.position[i];
-    if (!std::isfinite(value)) refuse("local.position", value, "finite");
-  }
-  const double norm = def.local.orientation.norm();
-  if (!(std::abs(norm - 1.0) < 1e-3)) {
-    refuse("local.orientation", norm, "a quaternion of unit norm (within 1e-3)");
-  }
-  if (!def.material.validate(&error)) throw std::invalid_argument("ColliderDef: " + error);
-}
+/// Pairs ahead whose memory is asked for.
+constexpr std::size_t kPrefetch = 6;
 
 }  // namespace
 
-bool CollisionOptions::validate(std::string* error) const {
-  const auto in = [&](const char* field, double value, double low, double high) {
-    if (value >= low && value <= high) return true;
-    if (error != nullptr) {
-      std::ostringstream text;
-      text << "CollisionOptions." << field << " = " << value << " breaks the rule: " << low
-           << " to " << high;
-      *error = text.str();
-    }
-    return false;
-  };
-  return in("speculative_margin", speculative_margin, 0.0, 10.0) &&
-         in("speculative_size_share", speculative_size_share, 1e-6, 1.0) &&
-         in("aabb_margin", aabb_margin, 1e-6, 100.0) &&
-         in("recycle_distance", recycle_distance, 0.0, 1.0) &&
-         in("recycle_size_share", recycle_size_share, 0.0, 0.1) &&
-         in("recycle_angle", recycle_angle, 0.0, 0.2);
-}
-
-class CollisionScene::Impl {
- public:
-  explicit Impl(const CollisionOptions& options) : options_(options), broad_(options.aabb_margin) {}
-
-  ColliderId add(const pbd::World& world, const ColliderDef& def);
-  void remove(ColliderId id);
-  void set_material(ColliderId id, const Material& material);
-  void set_filter(ColliderId id, const Filter& filter);
-  bool contains(ColliderId id) const {
-    return id.index < colliders_.size() && colliders_[id.index].alive &&
-           colliders_[id.index].generation == id.generation;
-  }
-  const Collider& checked(ColliderId id, const char* what) const;
-  void collect(const pbd::World& world, double dt, pbd::Workers& workers,
-               std::vector<pbd::Manifold>& out);
-  void limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
-                    pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits);
-  void remove_body(pbd::BodyId body);
-  void save(pbd::ByteWriter& out) const;
-  bool load(pbd::ByteReader& in);
-  void forget();
-
-  const CollisionOptions& options() const { return options_; }
-  const CollisionStats& stats() const { return stats_; }
-  const std::vector<Collider>& colliders() const { return colliders_; }
-  std::size_t sensor_count() const { return sensor_count_; }
-
- private:
-  /// What one worker needs and finds.
-  struct Worker {
-    QueryScratch scratch;
-    CollisionStats stats;
-    std::vector<pbd::Manifold> found;
-    std::vector<pbd::MotionLimit> limits;
-    std::vector<std::uint32_t> stack;
-    std::vector<std::uint32_t> list;
-  };
-  /// Where the manifolds of a chunk of pairs are.
-  struct Chunk {
-    int worker = 0;
-    std::size_t begin = 0;
-    std::size_t end = 0;
-  };
-
-  CoreHit first_hit(Collider& collider, bool bullet, std::span<const pbd::Pose> after,
-                    Worker& worker) const;
-  void guard(std::uint32_t index, std::uint32_t near);
-  void update_order(const pbd::World& world);
-  void collect_pair(ColliderPair& entry, double dt, Worker& worker,
-                    std::vector<pbd::Manifold>& out);
-
-  CollisionOptions options_;
-  CollisionStats stats_;
-  std::vector<Collider> colliders_;
-  std::vector<std::uint32_t> free_;
-  std::size_t sensor_count_ = 0;
-  std::uint64_t added_ = 0;
-  bool order_is_old_ = true;
-  bool natural_order_ = true;
-  bool restored_ =
-      false;  ///< what is known was loaded, in the order of the world that comes with it
-  BroadPhase broad_;
-  PatchPool pool_;
-  std::vector<PairCache> caches_;  ///< by slot
-  std::vector<Worker> workers_;
-  std::vector<Chunk> chunks_;
-};
-
 ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef& def) {
-  check(world, def);
+  check_def(world, def);
   std::uint32_t index = 0;
   if (free_.empty()) {
     index = static_cast<std::uint32_t>(colliders_.size());
-    if (index >= (1u << kIndexBits)) refuse("count", index, "fewer than 2^26 colliders");
+    if (index >= (1u << kIndexBits)) refuse_def("count", index, "fewer than 2^26 colliders");
     colliders_.emplace_back();
     free_.reserve(colliders_.capacity());
   } else {
@@ -215,7 +91,11 @@ void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& 
   const bool fresh = std::exchange(entry.fresh, false);
   const bool planar = low.is_half_space() || high.is_half_space();
   const bool apart = !planar && !low.needed.overlaps(high.needed);
-  const QueryPair pair = order_pair(low, high);
+  if (!fresh && low.kind == Kind::Sphere && high.kind == Kind::Sphere &&
+      (apart || spheres_apart(low, high))) {
+    ++worker.stats.recycled;
+    return;
+  }
   PairCache& cache = caches_[entry.cache];
   if (fresh || apart) {
     if (cache.patches != nullptr) pool_.give(std::exchange(cache.patches, nullptr));
@@ -227,9 +107,15 @@ void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& 
     ++worker.stats.recycled;
     return;
   }
-  const PairReach reach = reach_of(pair, dt);
+  const QueryPair pair = order_pair(low, high);
   const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
                             (static_cast<std::uint64_t>(entry.high) << kClusterBits);
+  if (cache.valid && low.still && high.still && std::min(low.recycle, high.recycle) > 0.0) {
+    ++worker.stats.recycled;
+    if (cache.patches != nullptr) emit(pair, reach_at_rest(pair), cache, key, out);
+    return;
+  }
+  const PairReach reach = reach_of(pair, dt);
   if (is_direct(pair)) {
     ++worker.stats.recycled;
     emit_direct(pair, reach, key, out);
@@ -241,6 +127,19 @@ void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& 
     worker.stats.queries += query_pair(pair, reach, cache, pool_, worker.scratch);
   }
   if (cache.patches != nullptr) emit(pair, reach, cache, key, out);
+}
+
+void CollisionScene::Impl::collect_pairs(std::size_t begin, std::size_t end, double dt,
+                                         Worker& worker, std::vector<pbd::Manifold>& out) {
+  std::vector<ColliderPair>& pairs = broad_.pairs();
+  for (std::size_t i = begin; i < end; ++i) {
+    // What lies all over the memory is on its way when its turn comes.
+    const ColliderPair& soon = pairs[std::min(i + kPrefetch, end - 1)];
+    __builtin_prefetch(&colliders_[soon.high].needed);
+    __builtin_prefetch(&colliders_[soon.high].position);
+    __builtin_prefetch(&caches_[soon.cache]);
+    collect_pair(pairs[i], dt, worker, out);
+  }
 }
 
 void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& workers,
@@ -273,9 +172,9 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
   const std::size_t expected = first + stats_.manifolds + stats_.manifolds / 16;
   if (expected > out.capacity()) out.reserve(expected + stats_.manifolds / 16);
 
-  std::vector<ColliderPair>& pairs = broad_.pairs();
+  const std::vector<ColliderPair>& pairs = broad_.pairs();
   if (workers.count() == 1 || pairs.size() <= kPairGrain) {
-    for (ColliderPair& pair : pairs) collect_pair(pair, dt, workers_[0], out);
+    collect_pairs(0, pairs.size(), dt, workers_[0], out);
   } else {
     // Each worker writes to a list of its own; the chunks are then put together in order.
     chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
@@ -283,7 +182,7 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
       Worker& worker = workers_[static_cast<std::size_t>(w)];
       Chunk& chunk = chunks_[begin / kPairGrain];
       chunk = {w, worker.found.size(), 0};
-      for (std::size_t i = begin; i < end; ++i) collect_pair(pairs[i], dt, worker, worker.found);
+      collect_pairs(begin, end, dt, worker, worker.found);
       chunk.end = worker.found.size();
     });
     for (const Chunk& chunk : chunks_) {
@@ -316,134 +215,6 @@ void CollisionScene::Impl::update_order(const pbd::World& world) {
   natural_order_ = order.natural();
   put_in_order(colliders_, order);
 }
-
-void CollisionScene::Impl::guard(std::uint32_t index, std::uint32_t near) {
-  Collider& collider = colliders_[index];
-  if (collider.dynamic && is_thin(colliders_[near], collider)) collider.guarded = kGuardedSteps;
-}
-
-CoreHit CollisionScene::Impl::first_hit(Collider& collider, bool bullet,
-                                        std::span<const pbd::Pose> after, Worker& worker) const {
-  const double radius = core_radius(collider);
-  const Vec3 from = core_centre(collider, collider.body);
-  const Vec3 to = core_centre(collider, after[collider.def.body.index]);
-  const bool fast = (to - from).squaredNorm() > radius * radius;
-  if ((!fast && collider.guarded == 0) || !to.allFinite()) return {};
-  CoreHit first;
-  const Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
-  broad_.query(path.expanded(radius), worker.stack, [&](std::uint32_t index) {
-    const Collider& target = colliders_[index];
-    if (!target.finite || !may_touch(collider, target)) return;
-    if (target.dynamic && !bullet) return;
-    if (is_thin(target, collider)) collider.guarded = kGuardedSteps;
-    // As seen from the target, which itself moves on (a kinematic one too).
-    const Vec3 moved = after[target.def.body.index].position - target.body.position;
-    if (!moved.allFinite()) return;
-    first.take_first(core_cast(from, to - moved, radius, target, worker.list));
-  });
-  return first;
-}
-
-void CollisionScene::Impl::limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
-                                        pbd::Workers& workers,
-                                        std::vector<pbd::MotionLimit>& limits) {
-  limits.clear();
-  workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
-  for (Worker& worker : workers_) worker.limits.clear();
-  workers.for_chunks(colliders_.size(), kColliderGrain,
-                     [&](std::size_t begin, std::size_t end, int w) {
-                       Worker& worker = workers_[static_cast<std::size_t>(w)];
-                       for (std::size_t i = begin; i < end; ++i) {
-                         Collider& c = colliders_[i];
-                         if (!c.alive || !c.dynamic || !c.finite || !c.is_convex() || c.span <= 0.0)
-                           continue;
-                         if (c.def.body.index >= after.size()) continue;
-                         if (c.guarded > 0) --c.guarded;
-                         if (!world.awake_at(c.def.body.index)) continue;
-                         const bool bullet = world.all_props()[c.def.body.index].bullet;
-                         const CoreHit hit = first_hit(c, bullet, after, worker);
-                         if (hit.share >= 1.0) continue;
-                         worker.limits.push_back({c.def.body.index, hit.share, hit.normal});
-                       }
-                     });
-  for (const Worker& worker : workers_) {
-    limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
-  }
-  std::sort(limits.begin(), limits.end(), [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
-    if (l.body != r.body) return l.body < r.body;
-    return l.share != r.share ? l.share < r.share : lies_before(l.normal, r.normal);
-  });
-  limits.erase(std::unique(limits.begin(), limits.end(),
-                           [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
-                             return l.body == r.body;
-                           }),
-               limits.end());
-}
-
-void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
-  out.u32(kCacheMagic);
-  out.u32(static_cast<std::uint32_t>(colliders_.size()));
-  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
-    const Collider& collider = colliders_[i];
-    out.u8(collider.alive ? 1 : 0);
-    if (!collider.alive) continue;
-    out.u32(collider.def.body.index);
-    out.u8(static_cast<std::uint8_t>(collider.kind));
-    save_surface(out, collider.def.material, collider.def.filter);
-    out.u8(collider.guarded);
-    out.u8(broad_.placed(i) ? 1 : 0);
-    out.vec3(broad_.fat_box(i).min);
-    out.vec3(broad_.fat_box(i).max);
-  }
-  out.u32(static_cast<std::uint32_t>(broad_.pairs().size()));
-  for (const ColliderPair& pair : broad_.pairs()) {
-    out.u32(pair.low);
-    out.u32(pair.high);
-    save_cache(out, caches_[pair.cache]);
-  }
-}
-
-bool CollisionScene::Impl::load(pbd::ByteReader& in) {
-  order_is_old_ = true;
-  restored_ = true;
-  if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
-  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
-    Collider& collider = colliders_[i];
-    if ((in.u8() != 0) != collider.alive) return false;
-    if (!collider.alive) continue;
-    if (in.u32() != collider.def.body.index || in.u8() != static_cast<std::uint8_t>(collider.kind))
-      return false;
-    if (!load_surface(in, collider.def.material, collider.def.filter)) return false;
-    collider.guarded = in.u8();
-    const bool placed = in.u8() != 0;
-    const Aabb fat{in.vec3(), in.vec3()};
-    const bool sound = fat.min.allFinite() && fat.max.allFinite();
-    if (in.failed() || !sound || (placed && collider.is_half_space())) return false;
-    if (placed) {
-      broad_.place(i, fat);
-    } else {
-      broad_.remember_plane(i, fat);
-    }
-  }
-  const std::uint32_t count = in.u32();
-  for (std::uint32_t k = 0; k < count && !in.failed(); ++k) {
-    const std::uint32_t low = in.u32();
-    const std::uint32_t high = in.u32();
-    if (low >= high || high >= colliders_.size() || !colliders_[low].alive ||
-        !colliders_[high].alive) {
-      return false;
-    }
-    if (!broad_.pairs().empty() && !(broad_.pairs().back() < ColliderPair{low, high, 0, false})) {
-      return false;
-    }
-    const ColliderPair& pair = broad_.append_pair(low, high);
-    if (caches_.size() <= pair.cache) caches_.resize(pair.cache + 1);
-    if (!load_cache(in, caches_[pair.cache], pool_)) return false;
-  }
-  return !in.failed();
-}
-
-void CollisionScene::Impl::forget() { broad_.reset(); }
 
 CollisionScene::CollisionScene(const CollisionOptions& options) {
   std::string error;

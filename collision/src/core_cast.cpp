@@ -95,9 +95,10 @@ CoreHit cast_on_surface(const Vec3& from, const Vec3& path, double radius, const
 double core_radius(const Collider& c) { return kCoreShare * c.size; }
 
 Vec3 core_centre(const Collider& c, const pbd::Pose& body) {
+  if (c.local_identity && c.kind != Kind::Polytope) return body.position;
   Vec3 middle = Vec3::Zero();
   if (const auto* hull = std::get_if<Hull>(&c.def.shape)) middle = (*hull)->centre();
-  return body.to_world(c.def.local.position + c.local_rotation * middle);
+  return body.to_world(c.def.local.position + c.local_rotation() * middle);
 }
 
 CoreHit core_cast(const Vec3& from, const Vec3& to, double radius, const Collider& target,

@@ -5,62 +5,27 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sphere_contact.h"
+#include "surface_memory.h"
 #include "tandem/collision/height_field.h"
 
 namespace tandem::collision {
 namespace {
 
-/// Cosine above which two normals belong to one manifold.
-constexpr double kSameCluster = 0.99;
-/// Cosine above which a cluster carries on one of the last step.
-constexpr double kSameAsBefore = 0.9;
-/// Cosine above which a normal is the front's and noise.
-constexpr double kIsFront = 1.0 - 1e-6;
-/// Sine by which a normal may leave a Voronoi region.
-constexpr double kRegionSlop = 1e-4;
 /// A front is preferred within this share of the depth, and of the shape's size.
 constexpr double kFrontShare = 0.05;
 constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
-/// m: a centre nearer than this to a point has no direction from it.
-constexpr double kTouching = 1e-7;
-/// m by which a point may lie beside a triangle and still count as over it.
-constexpr double kOver = 1e-6;
-/// By what share of its size the box is wider that triangles are searched for.
-constexpr double kListShare = 0.25;
-
 bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   if (l.rank != r.rank) return l.rank < r.rank;
   if (l.triangle != r.triangle) return l.triangle < r.triangle;
   return l.point.feature < r.point.feature;
 }
 
-bool was_touched(std::span<const ContactPatch> previous, const Vec3& front_l) {
-  return std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& patch) {
-    return patch.count > 0 && -patch.normal_l.dot(front_l) > kSameAsBefore;
-  });
-}
-
-/// Whether the prism over the triangle holds the point.
-bool over_triangle(const ConvexCore& t, const Vec3& p) {
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 edge = t.corners[(k + 1) % 3] - t.corners[k];
-    const Vec3 inwards = t.front.cross(edge);
-    if (inwards.dot(p - t.corners[k]) < -kOver * inwards.norm()) return false;
-  }
-  return true;
-}
-
 /// Contact across the front: what of the shape lies over the triangle, and nothing beside it.
 RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach& reach) {
   const ContactAxis axis = front_axis(a, t);
-  if (a.kind == CoreKind::Point) {
-    if (!over_triangle(t, a.centre)) return {};
-    return build_manifold(a, t, axis, reach);
-  }
   RawManifold out;
   out.normal = axis.normal;
   out.owner = axis.owner;
@@ -100,34 +65,6 @@ RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uin
   return {};
 }
 
-/// The patch of the last step that the cluster carries on, or null.
-const ContactPatch* match(const Vec3& normal_l, std::span<const ContactPatch> previous,
-                          const std::vector<RawManifold>& taken) {
-  const ContactPatch* best = nullptr;
-  double cosine = kSameAsBefore;
-  for (const ContactPatch& patch : previous) {
-    const double value = patch.normal_l.dot(normal_l);
-    const bool used = std::any_of(taken.begin(), taken.end(),
-                                  [&](const RawManifold& m) { return m.cluster == patch.cluster; });
-    if (!used && value > cosine) {
-      cosine = value;
-      best = &patch;
-    }
-  }
-  return best;
-}
-
-std::uint32_t free_number(std::span<const ContactPatch> previous,
-                          const std::vector<RawManifold>& taken) {
-  for (std::uint32_t number = 0;; ++number) {
-    const bool used = std::any_of(previous.begin(), previous.end(),
-                                  [&](const ContactPatch& p) { return p.cluster == number; }) ||
-                      std::any_of(taken.begin(), taken.end(),
-                                  [&](const RawManifold& m) { return m.cluster == number; });
-    if (!used) return number;
-  }
-}
-
 /// Equal features are one point: the deepest of them stays.
 void merge_equal(std::vector<RawPoint>& points) {
   std::sort(points.begin(), points.end(), [](const RawPoint& l, const RawPoint& r) {
@@ -155,7 +92,7 @@ void reduce_segment(std::vector<RawPoint>& points, const Vec3& direction, double
 }
 
 void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double size,
-                    const ContactPatch* before) {
+                    const PatchTrace* before) {
   merge_equal(points);
   std::array<std::uint32_t, 4> kept{};
   const int kept_count = before != nullptr ? before->count : 0;
@@ -172,83 +109,6 @@ Aabb triangle_bounds(const Surface& mesh, std::uint32_t t) {
   const Vec3 b = mesh.vertex(corners[1]);
   const Vec3 c = mesh.vertex(corners[2]);
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
-}
-
-/// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
-template <class Surface>
-void candidates(const Surface& mesh, const Aabb& bounds, TriangleList& list) {
-  if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
-    const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);
-    if (slack.maxCoeff() < (bounds.max - bounds.min).maxCoeff()) return;
-  }
-  const Aabb wide = bounds.expanded(kListShare * (bounds.max - bounds.min).maxCoeff());
-  list.triangles.clear();
-  mesh.query(wide, list.triangles);
-  list.min = wide.min;
-  list.max = wide.max;
-  list.filled = true;
-}
-
-/// A sphere touches a triangle at its point nearest to the centre, if that lies in the triangle's
-/// own region. A closed form: the library keeps the last edge in reach in place of the nearest one
-/// (see fcl_bridge.cpp).
-template <class Surface>
-void sphere_on_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
-                    const Vec3& centre, const Reach& reach, std::span<const ContactPatch> previous,
-                    const TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
-  const double limit = reach.margin + a.radius;
-  for (const std::uint32_t index : list.triangles) {
-    const TriangleMesh::Triangle corners = mesh.corners(index);
-    const Vec3 p = mesh.vertex(corners[0]);
-    const Vec3 front = mesh.normal(index);
-    const double height = front.dot(centre - p);
-    if (height >= limit) continue;
-    if (height < 0.0 && (height < -a.size || !was_touched(previous, front))) continue;
-    int region = 0;
-    const Vec3 nearest =
-        nearest_on_triangle(centre, p, mesh.vertex(corners[1]), mesh.vertex(corners[2]), region);
-    Vec3 normal = -front;
-    double distance = height;
-    if (region != 3) {
-      const Vec3 d = nearest - centre;
-      const bool over = (d + height * front).squaredNorm() < kOver * kOver;
-      if (!over) {
-        if (height < 0.0) continue;
-        distance = d.norm();
-        if (distance >= limit || distance < kTouching) continue;
-        if (height <= kIsFront * distance) {
-          normal = d / distance;
-          if (height <= kRegionSlop * distance || !normal_allowed(mesh, index, -normal)) continue;
-        }
-      }
-    }
-    if (distance >= limit) continue;
-    const bool known = std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& q) {
-      return q.normal_l.dot(normal) > kIsFront;
-    });
-    const double gap = distance - a.radius;
-    scratch.points.push_back(
-        {{a.centre, nearest, gap, 0}, normal, gap - (known ? 1e-3 * a.size : 0.0), index, -1});
-  }
-  std::sort(scratch.points.begin(), scratch.points.end(), by_rank);
-  for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
-    const MeshPoint& point = scratch.points[seed];
-    bool taken = false;
-    for (std::size_t i = 0; i < seed && !taken; ++i) {
-      taken = scratch.points[i].cluster >= 0 &&
-              scratch.points[i].normal.dot(point.normal) >= kSameCluster;
-    }
-    if (taken) continue;
-    scratch.points[seed].cluster = 0;
-    const ContactPatch* before = match(point.normal, previous, out);
-    const std::uint32_t number = before != nullptr ? before->cluster : free_number(previous, out);
-    RawManifold& manifold = out.emplace_back();
-    manifold.cluster = number;
-    manifold.normal = pose.rotation * point.normal;
-    manifold.owner = FaceOwner::B;
-    const double distance = point.point.gap + a.radius;
-    manifold.add({a.centre, a.centre + distance * manifold.normal, point.point.gap, 0});
-  }
 }
 
 }  // namespace
@@ -280,13 +140,12 @@ bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n) 
 
 template <class Surface>
 std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
-                         const Reach& reach, std::span<const ContactPatch> previous,
+                         const Reach& reach, std::span<const PatchTrace> previous,
                          TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
   out.clear();
   scratch.points.clear();
   // Bounds of the shape in the mesh frame.
   const Mat3 to_mesh = pose.rotation.transpose();
-  const Vec3 centre_l = to_mesh * (a.centre - pose.translation);
   const double round = a.radius + reach.margin;
   const Vec3 middle = to_mesh * -pose.translation;
   Aabb bounds;
@@ -295,12 +154,7 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
     bounds.min[i] = middle[i] - a.reach(-axis) - round;
     bounds.max[i] = middle[i] + a.reach(axis) + round;
   }
-  candidates(mesh, bounds, list);
-  if (a.kind == CoreKind::Point) {
-    sphere_on_mesh(a, mesh, pose, centre_l, reach, previous, list, scratch, out);
-    return 0;
-  }
-
+  find_triangles(mesh, bounds, list);
   std::size_t queries = 0;
   for (const std::uint32_t index : list.triangles) {
     if (!triangle_bounds(mesh, index).overlaps(bounds)) continue;
@@ -324,7 +178,7 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
       found = triangle_manifold(a, mesh, index, t, pose, reach, direction);
     }
     const Vec3 normal_l = to_mesh * found.normal;
-    const bool known = std::any_of(previous.begin(), previous.end(), [&](const ContactPatch& p) {
+    const bool known = std::any_of(previous.begin(), previous.end(), [&](const PatchTrace& p) {
       return p.normal_l.dot(normal_l) > kIsFront;
     });
     const double start = known ? 1e-3 * a.size : 0.0;
@@ -350,7 +204,7 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
     RawManifold manifold;
     manifold.normal = n;
     manifold.owner = FaceOwner::B;
-    const ContactPatch* before = match(to_mesh * n, previous, out);
+    const PatchTrace* before = match(to_mesh * n, previous, out);
     manifold.cluster = before != nullptr ? before->cluster : free_number(previous, out);
     if (a.kind == CoreKind::Segment) {
       merge_equal(scratch.cluster);
@@ -363,7 +217,7 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
 }
 
 RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, const Vec3& normal,
-                            double offset, double margin, std::span<const ContactPatch> previous,
+                            double offset, double margin, std::span<const PatchTrace> previous,
                             MeshScratch& scratch) {
   scratch.cluster.clear();
   for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
@@ -380,11 +234,13 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
   return out;
 }
 
+template bool normal_allowed(const TriangleMesh&, std::uint32_t, const Vec3&);
+template bool normal_allowed(const HeightField&, std::uint32_t, const Vec3&);
 template std::size_t collide_mesh(const ConvexCore&, const TriangleMesh&, const MeshPose&,
-                                  const Reach&, std::span<const ContactPatch>, TriangleList&,
+                                  const Reach&, std::span<const PatchTrace>, TriangleList&,
                                   MeshScratch&, std::vector<RawManifold>&);
 template std::size_t collide_mesh(const ConvexCore&, const HeightField&, const MeshPose&,
-                                  const Reach&, std::span<const ContactPatch>, TriangleList&,
+                                  const Reach&, std::span<const PatchTrace>, TriangleList&,
                                   MeshScratch&, std::vector<RawManifold>&);
 
 }  // namespace tandem::collision

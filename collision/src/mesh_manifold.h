@@ -7,6 +7,7 @@
 
 #include "contact_patch.h"
 #include "convex_manifold.h"
+#include "surface_memory.h"
 #include "tandem/collision/triangle_mesh.h"
 
 namespace tandem::collision {
@@ -49,22 +50,22 @@ ConvexCore triangle_core(const Surface& mesh, std::uint32_t t, const MeshPose& p
   return core;
 }
 
-/// Contacts of a convex shape with a TriangleMesh or a HeightField: one manifold for each cluster
-/// of like normals. Only fronts touch. Normals that point out of the Voronoi region of the
-/// triangle's feature they touch (internal edges) give way to the triangle's own normal or are
-/// dropped.
+/// Contacts of a convex shape (no sphere: see sphere_surface.h) with a TriangleMesh or a
+/// HeightField: one manifold for each cluster of like normals. Only fronts touch. Normals that
+/// point out of the Voronoi region of the triangle's feature they touch (internal edges) give way
+/// to the triangle's own normal or are dropped.
 /// @param list  triangles found before, which hold as long as the shape stays where they are all
 /// @param previous  the pair's last patches, normals in the mesh frame: clusters keep their
 ///   numbers and points by them
 /// @return number of library queries
 template <class Surface>
 std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
-                         const Reach& reach, std::span<const ContactPatch> previous,
+                         const Reach& reach, std::span<const PatchTrace> previous,
                          TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out);
 
 /// Contacts of a mesh (as a) with the half-space normal . x <= offset.
 RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, const Vec3& normal,
-                            double offset, double margin, std::span<const ContactPatch> previous,
+                            double offset, double margin, std::span<const PatchTrace> previous,
                             MeshScratch& scratch);
 
 /// Whether a contact whose normal leaves the front of a triangle in direction n (mesh frame) can

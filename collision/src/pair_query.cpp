@@ -46,6 +46,10 @@ bool moved_less(const Roles& r, const PairCache& cache, double limit, double max
   const auto& q = cache.orientation;
   const Pose then{cache.position, Quat(q[3], q[0], q[1], q[2])};
   const Vec3 position = relative_position(r);
+  if (measured.kind == Kind::Sphere && measured.local_identity) {
+    distance = (position - then.position).norm();
+    return distance < limit;
+  }
   const auto* capsule = std::get_if<Capsule>(&measured.def.shape);
   if (measured.kind == Kind::Sphere || capsule != nullptr) {
     // Round shapes by their cores: rolling about the core is no motion.
@@ -55,7 +59,7 @@ bool moved_less(const Roles& r, const PairCache& cache, double limit, double max
     };
     const Vec3& middle = measured.def.local.position;
     const Vec3 arm = capsule != nullptr
-                         ? Vec3(capsule->half_height * measured.local_rotation.col(2))
+                         ? Vec3(capsule->half_height * measured.local_rotation().col(2))
                          : Vec3(Vec3::Zero());
     distance = std::max(displacement(middle + arm), displacement(middle - arm));
     return distance < limit;
@@ -76,9 +80,7 @@ class PatchWriter {
   /// @param origin  m, world: what the manifold's positions are relative to
   void store(const RawManifold& raw, const Vec3& origin) {
     if (raw.count == 0 || raw.cluster >= (1u << kClusterBits)) return;
-    if (*link_ == nullptr) *link_ = pool_.take();
-    ContactPatch& patch = **link_;
-    link_ = &patch.next;
+    ContactPatch& patch = next();
     const Collider& a = *pair_.a;
     const Collider& b = *pair_.b;
     patch.in_a =
@@ -99,10 +101,34 @@ class PatchWriter {
       patch.features[i] = raw.points[i].feature;
     }
   }
+  /// Of a sphere as a.
+  void store_sphere(const SphereTouch& touch) {
+    if (touch.cluster >= (1u << kClusterBits)) return;
+    ContactPatch& patch = next();
+    const Collider& a = *pair_.a;
+    const Collider& b = *pair_.b;
+    const Vec3 normal = b.rotation * touch.normal;
+    patch.in_a = false;
+    patch.normal_l = b.direction_to_body(normal);
+    patch.radius_a = radius_of(a);
+    patch.radius_b = 0.0;
+    patch.cluster = static_cast<std::uint16_t>(touch.cluster);
+    patch.count = 1;
+    patch.anchor_a_l[0] = a.def.local.position;
+    patch.anchor_b_l[0] = b.to_body(touch.distance * normal + (a.position - b.position));
+    patch.features[0] = 0;
+  }
   /// Give back what is left over.
   void finish() { pool_.give(std::exchange(*link_, nullptr)); }
 
  private:
+  ContactPatch& next() {
+    if (*link_ == nullptr) *link_ = pool_.take();
+    ContactPatch& patch = **link_;
+    link_ = &patch.next;
+    return patch;
+  }
+
   static double radius_of(const Collider& c) {
     if (const auto* s = std::get_if<Sphere>(&c.def.shape)) return s->radius;
     if (const auto* k = std::get_if<Capsule>(&c.def.shape)) return k->radius;
@@ -196,19 +222,43 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
   return 1;
 }
 
+/// What the surface's queries want to know of the pair's last patches.
+void trace_patches(const QueryPair& pair, const Collider& mesh, const PairCache& cache,
+                   std::vector<PatchTrace>& before) {
+  before.clear();
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
+    // Patches are kept in the body's frame, normals are compared in the mesh's own.
+    const bool other_frame = !pair.a->is_surface() && !mesh.local_identity;
+    before.push_back(
+        {other_frame ? Vec3(mesh.local_rotation().transpose() * p->normal_l) : p->normal_l,
+         p->features, p->cluster, p->count});
+  }
+}
+
+void query_sphere_on_surface(const QueryPair& pair, const Reach& reach, PairCache& cache,
+                             QueryScratch& scratch, PatchWriter& writer) {
+  const Collider& mesh = *pair.b;
+  trace_patches(pair, mesh, cache, scratch.before);
+  if (cache.triangles == nullptr) cache.triangles = std::make_unique<TriangleList>();
+  const Vec3 centre = mesh.rotation.transpose() * -(mesh.position - pair.a->position);
+  const double radius = std::get<Sphere>(pair.a->def.shape).radius;
+  if (const auto* field = std::get_if<Field>(&mesh.def.shape)) {
+    touch_surface(centre, radius, reach.margin, **field, scratch.before, *cache.triangles,
+                  scratch.sphere);
+  } else {
+    touch_surface(centre, radius, reach.margin, *std::get<Mesh>(mesh.def.shape), scratch.before,
+                  *cache.triangles, scratch.sphere);
+  }
+  for (const SphereTouch& touch : scratch.sphere.touches) writer.store_sphere(touch);
+}
+
 void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, QueryScratch& scratch,
                 std::size_t& queries) {
   const Vec3& origin = pair.a->position;
   const Collider& mesh = pair.a->is_surface() ? *pair.a : *pair.b;
   const MeshPose pose{mesh.rotation, mesh.position - origin};
   scratch.raw.clear();
-  scratch.before.clear();
-  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
-    scratch.before.push_back(*p);
-    // Patches are kept in the body's frame, normals are compared in the mesh's own.
-    ContactPatch& patch = scratch.before.back();
-    if (!pair.a->is_surface()) patch.normal_l = mesh.local_rotation.transpose() * patch.normal_l;
-  }
+  trace_patches(pair, mesh, cache, scratch.before);
   if (pair.a->is_surface()) {
     const Vec3 n = pair.b->plane_normal();
     const double offset =
@@ -226,30 +276,6 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
     queries += collide_mesh(core, *std::get<Mesh>(mesh.def.shape), pose, reach, scratch.before,
                             *cache.triangles, scratch.mesh, scratch.raw);
   }
-}
-
-/// What the pair's material is.
-void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
-  m.friction = combined_friction(a.def.material, b.def.material);
-  m.restitution = combined_restitution(a.def.material, b.def.material);
-}
-
-/// Into the order of the colliders.
-void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m) {
-  constexpr std::uint64_t kClusterMask = (std::uint64_t{1} << kClusterBits) - 1;
-  const Collider& first = pair.swapped ? *pair.b : *pair.a;
-  const Collider& second = pair.swapped ? *pair.a : *pair.b;
-  m.key = key;
-  m.order = (std::uint64_t{first.rank} << (kIndexBits + kClusterBits)) |
-            (std::uint64_t{second.rank} << kClusterBits) | (key & kClusterMask);
-  set_material(*pair.a, *pair.b, m);
-  m.body_a = pair.a->def.body.index;
-  m.body_b = pair.b->def.body.index;
-  if (!pair.swapped) return;
-  std::swap(m.body_a, m.body_b);
-  std::swap(m.radius_a, m.radius_b);
-  m.normal = -m.normal;
-  for (int i = 0; i < m.count; ++i) std::swap(m.points[i].anchor_a_l, m.points[i].anchor_b_l);
 }
 
 }  // namespace
@@ -278,6 +304,14 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   return reach;
 }
 
+PairReach reach_at_rest(const QueryPair& pair) {
+  PairReach reach;
+  reach.speculative = std::min(pair.a->speculative, pair.b->speculative);
+  reach.recycle = std::min(pair.a->recycle, pair.b->recycle);
+  reach.margin = reach.speculative;
+  return reach;
+}
+
 bool is_direct(const QueryPair& pair) {
   return pair.a->kind == Kind::Sphere && has_sphere_contact(pair.b->kind);
 }
@@ -292,7 +326,6 @@ bool still_apart(const QueryPair& pair, const PairReach& reach, const PairCache&
 bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
                  double max_angle) {
   if (!cache.valid || reach.recycle <= 0.0) return false;
-  if (pair.a->still && pair.b->still) return true;
   // The sine is within 1e-3 of itself for angles up to 0.1 rad, which is all that is asked.
   double distance = 0.0;
   // Within what was asked then lies all that matters now.
@@ -306,7 +339,9 @@ std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache&
   const Vec3& origin = pair.a->position;
   std::size_t queries = 0;
   PatchWriter writer(pair, cache, pool);
-  if (pair.b->is_surface() || pair.a->is_surface()) {
+  if (pair.a->kind == Kind::Sphere && pair.b->is_surface()) {
+    query_sphere_on_surface(pair, wanted, cache, scratch, writer);
+  } else if (pair.b->is_surface() || pair.a->is_surface()) {
     query_mesh(pair, wanted, cache, scratch, queries);
     std::sort(scratch.raw.begin(), scratch.raw.end(),
               [](const RawManifold& l, const RawManifold& r) { return l.cluster < r.cluster; });
@@ -325,59 +360,6 @@ std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache&
   cache.margin = std::nextafter(static_cast<float>(wanted.margin), 0.0f);
   cache.valid = true;
   return queries;
-}
-
-void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
-          std::uint64_t key_base, std::vector<pbd::Manifold>& out) {
-  const Collider& a = *pair.a;
-  const Collider& b = *pair.b;
-  for (const ContactPatch* patch = cache.patches; patch != nullptr; patch = patch->next) {
-    const Collider& frame = patch->in_a ? a : b;
-    const Collider& other = patch->in_a ? b : a;
-    const Vec3 normal = frame.body.orientation * patch->normal_l;
-    const Vec3 in_other = other.body.orientation.conjugate() * normal;
-    const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
-    const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
-    const double margin =
-        reach.speculative + std::max(0.0, -normal.dot(reach.sweep)) + reach.turning;
-    // Between the bodies' origins first: far from the world's origin no digits are lost.
-    const double between =
-        normal.dot(b.body.position - a.body.position) - patch->radius_a - patch->radius_b - margin;
-    std::array<bool, ContactPatch::kMaxPoints> near{};
-    bool any = false;
-    for (int i = 0; i < patch->count; ++i) {
-      near[i] = between + (n_b.dot(patch->anchor_b_l[i]) - n_a.dot(patch->anchor_a_l[i])) < 0.0;
-      any = any || near[i];
-    }
-    if (!any) continue;
-    pbd::Manifold& m = out.emplace_back();
-    m.normal = normal;
-    m.radius_a = patch->radius_a;
-    m.radius_b = patch->radius_b;
-    for (int i = 0; i < patch->count; ++i) {
-      if (!near[i]) continue;
-      m.points[m.count++] = {patch->anchor_a_l[i], patch->anchor_b_l[i], patch->features[i]};
-    }
-    finish_manifold(pair, key_base + patch->cluster, m);
-  }
-}
-
-void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t key_base,
-                 std::vector<pbd::Manifold>& out) {
-  const Collider& a = *pair.a;
-  const Collider& b = *pair.b;
-  const SphereContact contact = sphere_contact(a.position, b);
-  const double radius = std::get<Sphere>(a.def.shape).radius;
-  const double margin =
-      reach.speculative + std::max(0.0, -contact.normal.dot(reach.sweep)) + reach.turning;
-  if (contact.distance - radius - contact.radius_b >= margin) return;
-  pbd::Manifold& m = out.emplace_back();
-  m.normal = contact.normal;
-  m.radius_a = radius;
-  m.radius_b = contact.radius_b;
-  m.count = 1;
-  m.points[0] = {a.def.local.position, b.to_body(contact.on_b + (a.position - b.position)), 0};
-  finish_manifold(pair, key_base, m);
 }
 
 }  // namespace tandem::collision

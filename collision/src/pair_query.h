@@ -9,6 +9,7 @@
 #include "collider.h"
 #include "contact_patch.h"
 #include "mesh_manifold.h"
+#include "sphere_surface.h"
 #include "tandem/pbd/manifold.h"
 
 namespace tandem::collision {
@@ -33,6 +34,8 @@ struct PairReach {
 };
 
 PairReach reach_of(const QueryPair& pair, double dt);
+/// The same for two that do not move.
+PairReach reach_at_rest(const QueryPair& pair);
 
 /// A sphere with a convex shape or a half-space has a closed form that costs less than looking at
 /// a cache; see sphere_contact.h.
@@ -48,8 +51,9 @@ bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache&
 /// Memory of the narrow phase, one for each worker, kept from pair to pair.
 struct QueryScratch {
   MeshScratch mesh;
+  SphereScratch sphere;
   std::vector<RawManifold> raw;
-  std::vector<ContactPatch> before;
+  std::vector<PatchTrace> before;
 };
 
 /// Ask the narrow phase and renew the cache. The cache's old patches, where valid, give ids.

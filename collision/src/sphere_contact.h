@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
+
 #include "collider.h"
 
 namespace tandem::collision {
@@ -17,6 +19,14 @@ struct SphereContact {
 /// Whether sphere_contact() knows the kind.
 inline bool has_sphere_contact(Kind kind) {
   return (kind < Kind::Triangles && kind != Kind::Polytope) || kind == Kind::HalfSpace;
+}
+
+/// Whether two spheres are too far apart for a contact within the step, whichever way they move.
+inline bool spheres_apart(const Collider& a, const Collider& b) {
+  const double reach =
+      0.5 * (a.size + b.size) + std::min(a.speculative, b.speculative) + (a.travel + b.travel);
+  constexpr double kRounding = 1.0 + 1e-12;
+  return (b.position - a.position).squaredNorm() > kRounding * (reach * reach);
 }
 
 /// Closed forms for a sphere at `centre` (m, world). The collision library has the same ones for

@@ -30,6 +30,10 @@ constexpr int kPushSweeps = 8;
 constexpr double kSubstepsPerLoad = 4.0 / 11.0;
 constexpr double kFallShare = 0.08;
 constexpr double kMost = 32.0;
+/// An island whose last sweep still changes this share of what gravity adds in a substep has not
+/// been solved, at the start of a tall pile for one: it gets this many times the substeps.
+constexpr double kUnsolved = 0.1;
+constexpr double kToSettle = 4.0;
 /// Contacts that a world refines in full; where more want it, each gets a share: thousands of small
 /// stacks cost too much.
 constexpr double kWorthRefining = 2000.0;
@@ -287,11 +291,16 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
     island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
   }
+  const double unsolved = kUnsolved * gravity * ctx.h / ctx.substeps;
   double wanting = 0.0;  // contacts
   for (IslandLoad& island : loads) {
     if (island.contacts == 0) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
+    const auto lowest = static_cast<std::uint32_t>(&island - loads.data());
+    if (impl_->convergence.stands(lowest) && impl_->convergence.unrest(lowest) > unsolved) {
+      island.wanted = std::max(island.wanted, kToSettle * ctx.substeps);
+    }
     if (island.wanted > ctx.substeps) wanting += island.contacts;
   }
   const double share = std::min(1.0, kWorthRefining / std::max(1.0, wanting));

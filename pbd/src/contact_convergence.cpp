@@ -44,9 +44,9 @@ int ContactConvergence::run(const Rule& rule, std::uint32_t first, std::uint32_t
   places_.clear();
   for (std::uint32_t k = first; k < last; ++k) places_.push_back(k);
   int swept = 0;
-  for (int sweep = 0; sweep < rule.sweeps; ++sweep) {
+  for (int sweep = 0; sweep <= rule.sweeps; ++sweep) {
     drop_solved(rule, rows, changes, bodies);
-    if (places_.empty()) break;
+    if (places_.empty() || sweep == rule.sweeps) break;
     reverse = !reverse;
     const std::size_t n = places_.size();
     for (std::size_t i = 0; i < n; ++i) {

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,6 +34,10 @@ class ContactConvergence {
 
   /// Whether the island stood when the step began: it pays to solve it well.
   bool stands(std::uint32_t island) const { return islands_[island].stands(); }
+  /// What its last sweep still changed, rms over its rows, m/s.
+  double unrest(std::uint32_t island) const {
+    return std::sqrt(islands_[island].change2 / std::max(1u, islands_[island].rows));
+  }
   /// Whether the island was not solved by the first sweep at some time in this step.
   bool was_hard(std::uint32_t island) const { return islands_[island].hard; }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tandem/pbd/corrections.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -28,27 +27,23 @@ void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
   q = rotated(q, axis * (std::atan2(sine, cosine) / sine));
 }
 
-/// Torque-free rotation of a body whose inertia is not the same about all axes. Fast spin is cut
-/// into parts of half a radian.
+/// Torque-free rotation of a body whose inertia is not the same about all axes.
 void spin_freely(SolverBody& body, const BodyProps& props, double h) {
-  constexpr double kPart = 0.5;  // rad
-  constexpr double kMaxParts = 256.0;
   Vec3 w_l = body.q.conjugate() * body.w;
-  Vec3 momentum_l = props.inertia_l * w_l;
+  const Vec3 momentum_l = props.inertia_l * w_l;
   const Vec3 torque_l = w_l.cross(momentum_l);
   if (torque_l.squaredNorm() * h * h <= kGyroscopicTolerance * momentum_l.squaredNorm()) return;
-  const Vec3 momentum_w = body.q * momentum_l;
-  const double parts = std::clamp(std::ceil(h * w_l.norm() / kPart), 1.0, kMaxParts);
-  const double part = h / parts;
-  for (int i = 0; i < static_cast<int>(parts); ++i) {
-    const Vec3 next_l = torque_free_step(props.inertia_l, w_l, part);
-    body.q = rotated(body.q, body.q * Vec3(0.5 * part * (w_l + next_l)));
-    w_l = next_l;
-    momentum_l = props.inertia_l * w_l;
-    align_momentum(body.q, momentum_l, momentum_w);
-  }
+  body.q = free_rotation(body.q, props.inertia_l, w_l, h);
   body.w = body.q * w_l;
   body.w_applied = body.w;
+}
+
+/// Whether the inertia is not the same about all axes.
+bool has_axes(const Mat3& inv_inertia) {
+  constexpr double kIsotropic = 1e-20;
+  const double mean = inv_inertia.trace() / 3.0;
+  const double spread = (inv_inertia - mean * Mat3::Identity()).squaredNorm();
+  return spread > kIsotropic * mean * mean;
 }
 
 }  // namespace
@@ -98,14 +93,33 @@ void advance_pose(SolverBody& body, double h) {
   body.w_applied = body.w;
 }
 
-void absorb_corrections(SolverBody& body, double h) {
+/// Fast spin is cut into parts of half a radian.
+Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h) {
+  constexpr double kPart = 0.5;  // rad
+  constexpr double kMaxParts = 256.0;
+  const Vec3 momentum_w = q * Vec3(inertia_l * w_l);
+  const double parts = std::clamp(std::ceil(h * w_l.norm() / kPart), 1.0, kMaxParts);
+  const double part = h / parts;
+  for (int i = 0; i < static_cast<int>(parts); ++i) {
+    const Vec3 next_l = torque_free_step(inertia_l, w_l, part);
+    q = rotated(q, q * Vec3(0.5 * part * (w_l + next_l)));
+    w_l = next_l;
+    align_momentum(q, inertia_l * w_l, momentum_w);
+  }
+  return q;
+}
+
+void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {
   const double inverse_h = 1.0 / h;
   const Vec3 dv = inverse_h * body.dx;
   const Vec3 before = body.w;
   body.v += dv;
   body.v_applied += dv;
   body.w += inverse_h * body.dtheta;
-  body.w = transported_spin(body);
+  if (!body.dtheta.isZero(0.0) && !props.locks.any() && has_axes(body.inv_inertia_w)) {
+    const Vec3 momentum = body.inv_inertia_w.inverse() * body.w;
+    body.w = tensor_to_world(body.q, props.inverse_inertia_l) * momentum;
+  }
   body.w_applied += body.w - before;
   body.dx.setZero();
   body.dtheta.setZero();

@@ -20,8 +20,15 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
 /// Bring the pose up to what v and w say of this substep and the pose does not show yet.
 void advance_pose(SolverBody& body, double h);
 
-/// Velocities learn what rows that project poses have moved.
-void absorb_corrections(SolverBody& body, double h);
+/// Velocities learn what rows that project poses have moved. Corrections change angular momentum,
+/// not spin: without that a fast top loses its spin to the joint that holds it, since its inertia
+/// turns with it.
+/// @pre `inv_inertia_w` is that of the predicted pose
+void absorb_corrections(SolverBody& body, const BodyProps& props, double h);
+
+/// Where a body turns to by itself in h (s); keeps energy and angular momentum.
+/// @param w_l  rad/s, frame of the body, at the start; becomes that at the end
+Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h);
 
 /// Take out the velocity along and about locked axes.
 void enforce_locks(SolverBody& body, const AxisLocks& locks);

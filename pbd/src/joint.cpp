@@ -10,95 +10,19 @@
 namespace tandem::pbd {
 namespace {
 
-void save_frame(ByteWriter& out, const JointFrame& frame) {
-  out.vec3(frame.anchor);
-  out.quat(frame.basis);
-}
+/// rad, how far the bodies of a joint may turn against each other in a substep.
+constexpr double kTurn = 0.07;
+/// Steps that spin is looked ahead, as if it went on to change as it did in the last one: a chain
+/// that whips has its substeps before it needs them.
+constexpr double kAhead = 2.0;
 
-void load_frame(ByteReader& in, JointFrame& frame) {
-  frame.anchor = in.vec3();
-  frame.basis = in.quat();
-}
-
-void save_axis(ByteWriter& out, const JointAxis& axis) {
-  out.u8(static_cast<std::uint8_t>(axis.freedom));
-  out.u8(static_cast<std::uint8_t>(axis.motor.mode));
-  for (const double value : {axis.lower, axis.upper, axis.compliance, axis.damping,
-                             axis.spring.stiffness, axis.spring.rest, axis.spring.damping,
-                             axis.motor.target, axis.motor.max_force, axis.motor.max_speed}) {
-    out.f64(value);
-  }
-}
-
-void load_axis(ByteReader& in, JointAxis& axis) {
-  axis.freedom = static_cast<Freedom>(in.u8());
-  axis.motor.mode = static_cast<MotorMode>(in.u8());
-  for (double* value : {&axis.lower, &axis.upper, &axis.compliance, &axis.damping,
-                        &axis.spring.stiffness, &axis.spring.rest, &axis.spring.damping,
-                        &axis.motor.target, &axis.motor.max_force, &axis.motor.max_speed}) {
-    *value = in.f64();
-  }
-}
-
-void save_record(ByteWriter& out, const JointRecord& record) {
-  const SixDofJointDef& def = record.def;
-  for (const BodyId id : {def.a, def.b}) {
-    out.u32(id.index);
-    out.u32(id.generation);
-  }
-  save_frame(out, def.frame_a);
-  save_frame(out, def.frame_b);
-  for (const JointAxis& axis : def.linear) save_axis(out, axis);
-  for (const JointAxis& axis : def.angular) save_axis(out, axis);
-  out.f64(def.cone);
-  out.f64(def.cone_compliance);
-  out.f64(def.break_force);
-  out.f64(def.break_torque);
-  out.u8(def.enabled ? 1 : 0);
-  out.u8(record.alive ? 1 : 0);
-  for (const double gap : record.gap) out.f64(gap);
-  out.f64(record.twist);
-  out.f64(record.surplus);
-  for (const double position : record.state.position) out.f64(position);
-  out.f64(record.state.swing);
-  for (const double load : record.state.load) out.f64(load);
-  out.vec3(record.state.force);
-  out.vec3(record.state.torque);
-  out.f64(record.state.residual);
-  out.u8(record.state.broken ? 1 : 0);
-}
-
-void load_record(ByteReader& in, JointRecord& record) {
-  SixDofJointDef& def = record.def;
-  for (BodyId* id : {&def.a, &def.b}) {
-    id->index = in.u32();
-    id->generation = in.u32();
-  }
-  load_frame(in, def.frame_a);
-  load_frame(in, def.frame_b);
-  for (JointAxis& axis : def.linear) load_axis(in, axis);
-  for (JointAxis& axis : def.angular) load_axis(in, axis);
-  def.cone = in.f64();
-  def.cone_compliance = in.f64();
-  def.break_force = in.f64();
-  def.break_torque = in.f64();
-  def.enabled = in.u8() != 0;
-  record.alive = in.u8() != 0;
-  for (double& gap : record.gap) gap = in.f64();
-  record.twist = in.f64();
-  record.surplus = in.f64();
-  for (double& position : record.state.position) position = in.f64();
-  record.state.swing = in.f64();
-  for (double& load : record.state.load) load = in.f64();
-  record.state.force = in.vec3();
-  record.state.torque = in.vec3();
-  record.state.residual = in.f64();
-  record.state.broken = in.u8() != 0;
-  record.refresh();
+/// rad/s, of b against a.
+Vec3 relative_spin(const SixDofJointDef& def, std::span<const SolverBody> bodies) {
+  const Vec3& w_b = bodies[def.b.index].w;
+  return def.a.valid() ? Vec3(w_b - bodies[def.a.index].w) : w_b;
 }
 
 }  // namespace
-
 class JointBlock::Impl {
  public:
   using Channel = JointSystem::Channel;
@@ -228,7 +152,10 @@ void JointBlock::take_changed(std::vector<std::uint32_t>& bodies) {
 void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
   for (const JointRecord& record : impl_->records) {
     if (!record.active()) continue;
-    want_for_turn(ctx, record.def.a, record.def.b, wanted);
+    const Vec3 spin = relative_spin(record.def, ctx.bodies);
+    const Vec3 soon = spin + kAhead * (spin - record.spin);
+    double& most = wanted[record.def.b.index];
+    most = std::max(most, ctx.h / kTurn * std::max(spin.norm(), soon.norm()));
   }
 }
 
@@ -240,6 +167,9 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
     impl_->natural = ctx.order.natural();
   }
   impl_->system.sort_groups(ctx.bodies);
+  for (JointRecord& record : impl_->records) {
+    if (record.active()) record.spin = relative_spin(record.def, ctx.bodies);
+  }
 }
 
 void JointBlock::begin_substep(const SubstepContext& ctx) {
@@ -358,7 +288,7 @@ void JointBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->records.size()));
   for (std::size_t i = 0; i < impl_->records.size(); ++i) {
     out.u32(impl_->generations[i]);
-    save_record(out, impl_->records[i]);
+    impl_->records[i].save(out);
   }
   out.u32(static_cast<std::uint32_t>(impl_->free.size()));
   for (const std::uint32_t index : impl_->free) out.u32(index);
@@ -375,7 +305,7 @@ void JointBlock::load(ByteReader& in) {
   for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
     impl_->generations.push_back(in.u32());
     impl_->records.emplace_back();
-    load_record(in, impl_->records.back());
+    impl_->records.back().load(in);
     if (impl_->records.back().alive) ++impl_->count;
   }
   const std::uint32_t free_count = in.u32();

@@ -53,9 +53,8 @@ JointAxis locked(double compliance, double damping) {
   return {.freedom = Freedom::Locked, .compliance = compliance, .damping = damping};
 }
 
-/// Everything locked, from the fields that all short forms share.
-template <class Def>
-SixDofJointDef base(const Def& def) {
+/// A held point, from the fields that all short forms share.
+SixDofJointDef base(const JointMount& def) {
   SixDofJointDef six;
   six.a = def.a;
   six.b = def.b;
@@ -110,10 +109,13 @@ FixedJointDef::operator SixDofJointDef() const {
 BallJointDef::operator SixDofJointDef() const {
   SixDofJointDef six = base(*this);
   six.cone = cone;
+  six.cone_compliance = angular_compliance;
   if (limit_twist) {
-    six.angular[0].freedom = Freedom::Limited;
-    six.angular[0].lower = lower_twist;
-    six.angular[0].upper = upper_twist;
+    six.angular[0] = {.freedom = Freedom::Limited,
+                      .lower = lower_twist,
+                      .upper = upper_twist,
+                      .compliance = angular_compliance,
+                      .damping = angular_damping};
   }
   return six;
 }

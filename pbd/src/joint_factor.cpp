@@ -4,12 +4,6 @@
 
 /// The linear algebra of JointSystem: one sparse symmetric system for each part.
 namespace tandem::pbd {
-namespace {
-
-constexpr std::uint32_t kNone = JointGraph::kNone;
-
-}  // namespace
-
 void JointSystem::assemble(const JointGraph::Part& part) {
   std::fill_n(values_.begin() + part.value, part.value_count, 0.0);
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {

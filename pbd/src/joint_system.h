@@ -7,36 +7,9 @@
 
 #include "joint_algebra.h"
 #include "joint_graph.h"
-#include "joint_rows.h"
-#include "tandem/pbd/joint.h"
+#include "joint_record.h"
 
 namespace tandem::pbd {
-
-/// A joint as the block stores it.
-struct JointRecord {
-  SixDofJointDef def;
-  JointState state;
-  std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
-  std::array<double, kCoordinates> bound{};  ///< where the total channel holds it
-  double twist = 0.0;                        ///< rad, counting turns
-  double surplus = 0.0;    ///< J, what the part that it comes first in has gained; see guard()
-  std::uint32_t used = 0;  ///< bit per coordinate that may get a row
-  bool point = false;      ///< all displacements locked alike: rows along the world's axes
-  bool alive = false;
-
-  bool active() const { return alive && def.enabled && !state.broken; }
-  /// Recompute `used` and `point` from the definition.
-  void refresh();
-  /// The settings of coordinate c, 0 to 6.
-  JointAxis axis(int c) const;
-  /// Whether nothing in it stores or supplies energy.
-  bool passive() const;
-  int rows() const { return __builtin_popcount(used); }
-};
-
-/// Coordinates of a joint as its bodies stand now; twist within half a turn of `near`.
-void coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b, double near,
-                 double* c);
 
 /// The rows of all joints as one sparse system for each part of the joint graph: what is needed to
 /// project them together. Scratch memory only.
@@ -73,11 +46,9 @@ class JointSystem {
                  const SubstepContext& ctx);
   /// Forces of the substep into the records; joints that they are too much for break.
   void finish(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
-  /// rad/s, how fast joints turn the lever arms of their bodies against each other.
-  double turn_rate(std::uint32_t part, std::span<const JointRecord> records,
-                   std::span<const SolverBody> bodies) const;
 
  private:
+  static constexpr std::uint32_t kNone = JointGraph::kNone;
   using Rows = Eigen::Matrix<double, 3, kCoordinates>;
   /// Column k belongs to coordinate k: dC/dt = dir (v_b - v_a) + arm_b w_b - arm_a w_a.
   struct NodeState {
@@ -88,7 +59,7 @@ class JointSystem {
     std::array<Segment::Kind, kCoordinates> kind{};
     std::array<Segment::Kind, kCoordinates> last_kind{};  ///< by coordinate
     std::array<std::uint8_t, kCoordinates> flips{};       ///< by coordinate, within this substep
-    std::array<double, kCoordinates> lambda{}, w{}, at{}, twist_near{};
+    std::array<double, kCoordinates> lambda{}, w{}, at{};
     double pull_a = 0.0,
            pull_b = 0.0;          ///< N m s^2, how much the ends are pulled away from the centres
     Vec3 r_a, r_b;                ///< m, world
@@ -106,6 +77,10 @@ class JointSystem {
     Vec3 sum_dtheta = Vec3::Zero();
     Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
     Vec3 w = Vec3::Zero();
+    Quat q_start = Quat::Identity();  ///< at the start of the substep
+    Quat q = Quat::Identity();        ///< predicted
+    bool alone = false;               ///< no other rows have turned it from there
+    bool carried = false;             ///< see turn()
   };
   struct PartState {
     bool prepared = false;
@@ -113,13 +88,15 @@ class JointSystem {
     int iteration = 0;
     bool restarted = false;
     double last_move = 0.0;
-    double stiffness_ratio = 0.0;
     Channel channel = Channel::Real;
   };
   struct GroupPart {
     std::uint32_t group, part;
   };
 
+  void keep_time(const JointGraph::Part& part, std::span<JointRecord> records,
+                 const SubstepContext& ctx);
+  static void turn(SolverBody& body, Slot& slot, double h);
   void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
                const SubstepContext& ctx);
   void turn_gradients(const JointGraph::Part& part, PartState& state,
@@ -139,7 +116,7 @@ class JointSystem {
                              const SolverBody& b);
   /// Inverse inertia times gradients, and the mobility of each row by itself.
   void weigh(const JointGraph::Part& part, std::span<const JointRecord> records);
-  void stiffen(const JointGraph::Part& part, PartState& state, const SubstepContext& ctx);
+  void stiffen(const JointGraph::Part& part, const SubstepContext& ctx);
   void restart(const JointGraph::Part& part, std::span<const JointRecord> records,
                const SubstepContext& ctx);
   static void add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda);

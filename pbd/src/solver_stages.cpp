@@ -210,8 +210,8 @@ void Solver::Impl::project_joints() {
     context_.reverse = !context_.reverse;
   }
   context_.reverse = reverse;
-  for_group([&](SolverBody& body, std::uint32_t) {
-    if (body.projected) absorb_corrections(body, h);
+  for_group([&](SolverBody& body, std::uint32_t i) {
+    if (body.projected) absorb_corrections(body, world_->props_[i], h);
   });
 }
 

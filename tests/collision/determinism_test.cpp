@@ -168,6 +168,88 @@ TEST_CASE("determinism: a restored world goes on with the same bits", "[collisio
   }
 }
 
+namespace {
+
+/// Boxes and a ball on a mesh, run until all sleep.
+struct Sleepers {
+  Fixture f;
+  std::vector<BodyId> bodies;
+  Solver solver;
+
+  Sleepers() {
+    f.fixed(flat_mesh(20.0, 23));
+    for (int i = 0; i < 3; ++i)
+      bodies.push_back(f.add(Box{Vec3::Constant(0.2)}, at(0, 0, 0.2 + 0.4 * i)));
+    bodies.push_back(f.add(Sphere{0.2}, at(2.05, 0.1, 0.2)));
+    bodies.push_back(f.add(Box{Vec3::Constant(0.2)}, at(3, 0, 0.2)));
+    f.world.set_contact_source(&f.scene);
+    run();
+  }
+  /// @return whether all sleep
+  bool run() {
+    for (int step = 0; step < 240; ++step) solver.step(f.world, kDt);
+    return std::none_of(bodies.begin(), bodies.end(), [&](BodyId id) { return f.world.awake(id); });
+  }
+  std::vector<std::uint64_t> keys() {
+    std::vector<std::uint64_t> out;
+    for (const Manifold& m : f.collect()) out.push_back(m.key);
+    return out;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("sleep: what sleeps keeps its contacts without being looked at", "[collision][unit]") {
+  Sleepers s;
+  REQUIRE(s.run());
+  const std::vector<std::byte> before = bytes_of(s.f.collect());
+  CHECK(s.f.manifolds.size() == 5);
+  AllocationCount allocations;
+  std::size_t queries = 0;
+  for (int step = 0; step < 30; ++step) {
+    s.solver.step(s.f.world, kDt);
+    queries += s.f.scene.stats().queries;
+  }
+  CHECK(allocations.count() == 0);
+  CHECK(queries == 0);
+  CHECK(bytes_of(s.f.collect()) == before);
+}
+
+TEST_CASE("sleep: a sleeping body that is moved is found where it is", "[collision][fault]") {
+  Sleepers s;
+  REQUIRE(s.run());
+  // The top of the stack onto the box beside, the ball away from everything.
+  s.f.world.set_pose(s.bodies[2], at(3, 0, 0.6));
+  s.f.world.set_pose(s.bodies[3], at(2, 0, 5));
+  Fixture fresh;
+  fresh.fixed(flat_mesh(20.0, 23));
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    const Pose pose = s.f.world.pose(s.bodies[i]);
+    if (i == 3) {
+      fresh.add(Sphere{0.2}, pose);
+    } else {
+      fresh.add(Box{Vec3::Constant(0.2)}, pose);
+    }
+  }
+  std::vector<std::uint64_t> expected;
+  for (const Manifold& m : fresh.collect()) expected.push_back(m.key);
+  CHECK(expected.size() == 4);
+  CHECK(s.keys() == expected);
+}
+
+TEST_CASE("sleep: a snapshot of sleepers brings back their contacts", "[collision][golden]") {
+  Sleepers s;
+  REQUIRE(s.run());
+  const std::vector<std::byte> snapshot = s.f.world.snapshot();
+  const std::vector<std::byte> before = bytes_of(s.f.collect());
+  s.f.world.set_pose(s.bodies[2], at(3, 0, 0.6));
+  s.f.world.set_pose(s.bodies[3], at(1, 0, 0.2));
+  REQUIRE(s.run());  // they sleep again, elsewhere
+  CHECK(bytes_of(s.f.collect()) != before);
+  s.f.world.restore(snapshot);
+  CHECK(bytes_of(s.f.collect()) == before);
+}
+
 TEST_CASE("determinism: bytes that are no snapshot of the scene are refused",
           "[collision][fault]") {
   Fixture f;

@@ -5,7 +5,6 @@
 #include "fixture.h"
 #include "support/targets.h"
 #include "tandem/collision/contact_events.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/distance_joint.h"
@@ -19,20 +18,19 @@ using namespace tandem::pbd;
 namespace {
 
 /// All that a snapshot has to bring back: bodies that sleep and bodies that move, a heavy box on
-/// light ones whose island is refined, joints of three kinds that carry loads, one of them broken,
-/// a kinematic body under way to a target, a force for the next step, targets, materials, rows just
-/// added.
+/// light ones whose island is refined, joints of several kinds that carry loads, one of them
+/// broken, a kinematic body under way to a target, a force for the next step, targets, materials,
+/// rows just added.
 struct Scene {
   World world;
   CollisionScene shapes;
   ContactEvents events;
   tandem::testing::FixedTargets targets;
-  BallJoints& balls = world.add_block<BallJoints>();
   DistanceJoints& rods = world.add_block<DistanceJoints>();
   JointBlock& joints = world.add_block<JointBlock>();
   std::vector<BodyId> ids;
-  std::vector<ConstraintId> ball_ids, rod_ids;
-  std::vector<JointId> joint_ids;
+  std::vector<ConstraintId> rod_ids;
+  std::vector<JointId> ball_ids, joint_ids;
   BodyId lift, sleeper;
   Solver solver;
   StepReport report;
@@ -55,7 +53,7 @@ struct Scene {
     std::vector<BodyId> links;
     for (int i = 0; i < 9; ++i) links.push_back(add(Sphere{0.1}, at(8.0 + 0.3 * i, 3.0, 4.0)));
     for (std::size_t i = 0; i + 1 < 3; ++i) {
-      ball_ids.push_back(balls.add(
+      ball_ids.push_back(joints.add(
           world, ball_joint_at(world, links[i], links[i + 1], world.pose(links[i]).position)));
     }
     rod_ids.push_back(
@@ -70,7 +68,7 @@ struct Scene {
       joint_ids.push_back(joints.add(world, def));
     }
     ball_ids.push_back(
-        balls.add(world, ball_joint_at(world, BodyId{}, links[0], Vec3(7.8, 3.0, 4.0))));
+        joints.add(world, ball_joint_at(world, BodyId{}, links[0], Vec3(7.8, 3.0, 4.0))));
     targets.targets.push_back({.body = ids[3],
                                .pose = at(0.3, 0.2, 0.4),
                                .share = 0.05,
@@ -153,27 +151,23 @@ std::vector<std::byte> readings(const Scene& s) {
   }
   out.u8(s.world.contacts()->any_friction() ? 1 : 0);
   out.u8(s.world.contacts()->any_restitution() ? 1 : 0);
-  for (const ConstraintId id : s.ball_ids) {
-    const BallJoint& joint = s.balls.at(id);
-    out.vec3(joint.force());
-    out.f64(joint.residual());
-    out.f64(joint.total_residual());
-  }
   for (const ConstraintId id : s.rod_ids) {
     const DistanceJoint& joint = s.rods.at(id);
     out.f64(joint.force());
     out.f64(joint.residual());
     out.f64(joint.total_residual());
   }
-  for (const JointId id : s.joint_ids) {
-    const JointState& state = s.joints.at(id);
-    out.vec3(state.force);
-    out.vec3(state.torque);
-    for (const double v : state.position) out.f64(v);
-    for (const double v : state.load) out.f64(v);
-    out.f64(state.swing);
-    out.f64(state.residual);
-    out.u8(state.broken ? 1 : 0);
+  for (const auto& ids : {s.ball_ids, s.joint_ids}) {
+    for (const JointId id : ids) {
+      const JointState& state = s.joints.at(id);
+      out.vec3(state.force);
+      out.vec3(state.torque);
+      for (const double v : state.position) out.f64(v);
+      for (const double v : state.load) out.f64(v);
+      out.f64(state.swing);
+      out.f64(state.residual);
+      out.u8(state.broken ? 1 : 0);
+    }
   }
   for (const auto& block : s.world.blocks()) {
     const BlockReport report = block->report();
@@ -238,7 +232,7 @@ TEST_CASE("restore: all that can be read of a world is as it was, and so is all 
   REQUIRE(straight.world.awake(straight.ids[2]));
   REQUIRE(straight.report.groups > 1);
   REQUIRE(straight.joints.at(straight.joint_ids.back()).broken);
-  REQUIRE(straight.balls.at(straight.ball_ids.back()).force().norm() > 1.0);
+  REQUIRE(straight.joints.at(straight.ball_ids.back()).force.norm() > 1.0);
   REQUIRE(straight.world.correction(straight.ids[3]).translation.norm() > 0.0);
   const auto& contacts = straight.world.contacts()->contacts();
   REQUIRE(std::any_of(contacts.begin(), contacts.end(),

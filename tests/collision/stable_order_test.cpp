@@ -7,7 +7,6 @@
 
 #include "fixture.h"
 #include "support/bodies.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
@@ -25,7 +24,7 @@ constexpr std::size_t kJointed = 23;
 constexpr std::size_t kGround = kBodies;  // two meshes side by side, and a plane below
 constexpr std::size_t kAll = kBodies + 3;
 
-/// A heap of seven kinds of shapes, compounds among them, with joints of three kinds, on a mesh.
+/// A heap of seven kinds of shapes, compounds among them, with joints of several kinds, on a mesh.
 /// Everything is added in an order that the seed gives; 0 is the order of numbers.
 struct Scene {
   World world;
@@ -35,7 +34,6 @@ struct Scene {
 
   Scene(std::uint64_t seed, bool named, int threads = 1) : solver({.threads = threads}) {
     world.set_contact_source(&shapes);
-    auto& balls = world.add_block<BallJoints>();
     auto& rods = world.add_block<DistanceJoints>();
     auto& joints = world.add_block<JointBlock>();
     // Drawn before anything is shuffled, so that all seeds have the same scene.
@@ -99,7 +97,7 @@ struct Scene {
       const Vec3 middle = 0.5 * (world.pose(a).position + world.pose(b).position);
       const double length = (world.pose(a).position - world.pose(b).position).norm();
       if (k % 3 == 0) {
-        balls.add(world, ball_joint_at(world, a, b, middle));
+        joints.add(world, ball_joint_at(world, a, b, middle));
       } else if (k % 3 == 1) {
         rods.add(world, {.a = a, .b = b, .rest_length = length});
         if (c != a) rods.add(world, {.a = c, .b = a, .rest_length = 1.0, .compliance = 1e-3});

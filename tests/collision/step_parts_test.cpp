@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "fixture.h"
 #include "support/targets.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
 using namespace tandem::collision;
@@ -70,8 +70,8 @@ TEST_CASE("parts: free bodies run neither rows nor rotation", "[collision][unit]
   CHECK(report.parts.rotation);
   // A torque and a joint may turn as well.
   world.apply_torque(world.body_at(0), Vec3(0.1, 0, 0));
-  auto& balls = world.add_block<BallJoints>();
-  balls.add(world, ball_joint_at(world, world.body_at(3), world.body_at(4), Vec3(3.5, 0, 0)));
+  auto& joints = world.add_block<JointBlock>();
+  joints.add(world, ball_joint_at(world, world.body_at(3), world.body_at(4), Vec3(3.5, 0, 0)));
   CHECK(solver.step(world, kDt).turning == 4);
   CHECK(stages(report) == "begin integrate project velocity end");
   CHECK(report.parts.joints);

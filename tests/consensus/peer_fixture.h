@@ -12,7 +12,7 @@
 #include "support/toy_contacts.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 #include "tandem/pbd/tether.h"
 

@@ -111,8 +111,8 @@ Build pendulum(double aside) {
     pbd::BodyDef def = ball({std::sin(angle), 0.0, -std::cos(angle)});
     def.pose.orientation = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
     site.share(def);
-    auto& joints = site.world.add_block<pbd::BallJoints>();
-    joints.add(site.world, {.b = site.body, .anchor_b_l = Vec3(0.0, 0.0, 1.0)});
+    auto& joints = site.world.add_block<pbd::JointBlock>();
+    joints.add(site.world, pbd::BallJointDef{{.b = site.body, .frame_b = {Vec3(0.0, 0.0, 1.0)}}});
   };
 }
 double period(const Track& track, double dt) {

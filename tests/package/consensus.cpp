@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "tandem/consensus/aggregate.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
 // A shared pendulum without shapes: a joint, a remote state, and one step.
@@ -13,8 +13,8 @@ int main() {
   using namespace tandem;
   pbd::World world;
   const pbd::BodyId ball = world.add_body({.pose = {.position = pbd::Vec3(0, 0, -1)}});
-  auto& joints = world.add_block<pbd::BallJoints>();
-  joints.add(world, {.b = ball, .anchor_b_l = pbd::Vec3(0, 0, 1)});
+  auto& joints = world.add_block<pbd::JointBlock>();
+  joints.add(world, pbd::BallJointDef{{.b = ball, .frame_b = {pbd::Vec3(0, 0, 1)}}});
   pbd::Solver solver;
   if (solver.step(world, 1.0 / 60.0).status != pbd::StepStatus::Ok) return 1;
 

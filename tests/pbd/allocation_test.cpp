@@ -6,8 +6,8 @@
 #include "support/catch.h"
 #include "support/targets.h"
 #include "support/toy_contacts.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/tether.h"
 
 // Every allocation of this executable comes through here.
@@ -71,7 +71,7 @@ TEST_CASE("allocation: a step in the steady state makes none", "[pbd][regression
     FixedTargets source;
     world.set_contact_source(&contacts);
     world.set_target_source(&source);
-    auto& balls = world.add_block<BallJoints>();
+    auto& balls = world.add_block<JointBlock>();
     auto& rods = world.add_block<DistanceJoints>();
     auto& tethers = world.add_block<Tethers>();
     const BodyId ground = add_ground(world);

@@ -327,3 +327,26 @@ TEST_CASE("contact: a resting box does not notice that its features are named an
   run(world, solver, 1.0, [&] { REQUIRE(world.in_contact(box)); });
   CHECK(std::abs(world.pose(box).position.z() - height) < 1e-9);
 }
+
+TEST_CASE("contact: what lands on a stack without restitution stays there", "[pbd][contact]") {
+  for (const int substeps : {1, 4, 8}) {
+    World world;
+    ToyContacts contacts;
+    world.set_contact_source(&contacts);
+    const BodyId ground = add_ground(world);
+    const BodyId lower = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.5)));
+    const BodyId upper = world.add_body(box_def(1.0, kHalf, Vec3(0.02, 0.0, 1.6)));
+    contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, lower, kHalf, {});
+    contacts.box_on_box(lower, kHalf, upper, kHalf, {});
+    Solver solver({.substeps = substeps, .sleep_after = 0.0});
+    const double impact = std::sqrt(2.0 * 9.81 * 0.1);  // m/s
+    double rise = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      solver.step(world, 1.0 / 60.0);
+      rise = std::max({rise, world.twist(lower).linear.z(), world.twist(upper).linear.z()});
+    }
+    CAPTURE(substeps);
+    CHECK(rise <= 0.05 * impact);  // 0.25 % of the energy
+    CHECK(world.pose(upper).position.z() == Approx(1.5).margin(1e-3));
+  }
+}

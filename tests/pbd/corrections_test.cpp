@@ -40,20 +40,6 @@ TEST_CASE("corrections: a pair of opposite impulses keeps both momenta", "[pbd][
   CHECK(angle_between(a.q, turn(a.dtheta) * some_body().q) < 1e-15);
 }
 
-TEST_CASE("corrections: velocities change as positions do, for the same impulse", "[pbd][unit]") {
-  SolverBody a = some_body();
-  SolverBody b = some_body();
-  const Vec3 p(0.4, 0.2, -0.1);
-  const Vec3 r_a(0.1, 0.2, 0.3);
-  const Vec3 r_b(-0.3, 0.1, 0.2);
-  apply_velocity_pair(a, b, p, r_a, r_b);
-  apply_pair(a, b, p, r_a, r_b);
-  CHECK((a.v - a.dx).norm() < 1e-16);
-  CHECK((a.w - a.dtheta).norm() < 1e-15);
-  CHECK((b.v - b.dx).norm() < 1e-16);
-  CHECK((b.w - b.dtheta).norm() < 1e-15);
-}
-
 TEST_CASE("corrections: an immovable body takes none", "[pbd][unit]") {
   SolverBody wall = some_body();
   wall.inv_mass = 0.0;
@@ -116,37 +102,4 @@ TEST_CASE("corrections: a damped multiplier meets the damper's law", "[pbd][anal
 
 TEST_CASE("corrections: a row without mobility asks for nothing", "[pbd][unit]") {
   CHECK(row_multiplier(0.1, 0.0, 0.0, {}, 0.0) == 0.0);
-}
-
-TEST_CASE("corrections: the lever arm blends over between its two limits", "[pbd][unit]") {
-  SolverBody body;
-  body.inv_mass = 1.0;
-  body.inv_inertia_w = Mat3::Identity() * 2.0;
-  const Vec3 r(0.5, 0.0, 0.0);
-  // |lambda| |r| times the inverse inertia across r: 2 axes of 2.
-  const double rate2 = 0.5 * 4.0;
-  CHECK(arm_blend(body, 0.0, r) == 0.0);
-  CHECK(arm_blend(body, 0.2 / rate2, r) == 0.0);
-  CHECK(arm_blend(body, 0.625 / rate2, r) == Approx(0.5).epsilon(1e-12));
-  CHECK(arm_blend(body, 1.0 / rate2, r) == Approx(1.0).epsilon(1e-12));
-  CHECK(arm_blend(body, 50.0, r) == 1.0);
-  CHECK(arm_blend(body, 50.0, Vec3::Zero()) == 0.0);
-}
-
-TEST_CASE("corrections: the displacement of a point is its motion to first order", "[pbd][unit]") {
-  SolverBody body = some_body();
-  body.v = Vec3(0.3, -0.1, 0.2);
-  body.w = Vec3(0.5, 1.0, -0.4);
-  const double h = 1e-4;
-  const Vec3 r_l(0.2, 0.1, -0.3);
-  const Vec3 r = body.q * r_l;
-  const Vec3 before = body.x + r;
-  SolverBody moved = body;
-  moved.x += h * body.v;
-  moved.q = turn(h * body.w) * body.q;
-  apply_correction(moved, Vec3(1e-5, 2e-5, 0.0), Vec3(0.0, 1e-6, 1e-6));
-  const Vec3 after = moved.x + moved.q * r_l;
-  CHECK((point_displacement(moved, r, h) - (after - before)).norm() < 1e-8);
-  CHECK((after - before).norm() > 1e-5);
-  CHECK((point_velocity(body, r) - (body.v + body.w.cross(r))).norm() == 0.0);
 }

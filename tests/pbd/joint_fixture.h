@@ -9,6 +9,10 @@ namespace tandem::testing {
 
 inline const Vec3 kHalf(0.2, 0.15, 0.1);  ///< m
 
+inline pbd::JointAxis limit(double lower, double upper) {
+  return {.freedom = pbd::Freedom::Limited, .lower = lower, .upper = upper};
+}
+
 /// One box and one joint to the world, without gravity unless asked for.
 struct Mounted {
   pbd::World world;

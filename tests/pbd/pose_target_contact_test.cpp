@@ -3,8 +3,8 @@
 #include "support/catch.h"
 #include "support/targets.h"
 #include "support/toy_contacts.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/pose_target.h"
 
 using namespace tandem::pbd;
@@ -228,7 +228,7 @@ TEST_CASE("pose_target contact: bodies of other islands keep their very bits",
   const auto build = [](bool target, FixedTargets& source, ToyContacts& contacts, World& world,
                         std::vector<BodyId>& second) {
     world.set_contact_source(&contacts);
-    auto& joints = world.add_block<BallJoints>();
+    auto& joints = world.add_block<JointBlock>();
     const BodyId ground = add_ground(world);
     for (int column = 0; column < 2; ++column) {
       BodyId below;

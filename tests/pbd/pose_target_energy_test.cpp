@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "support/catch.h"
 #include "support/targets.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/pose_target.h"
 
 using namespace tandem::pbd;
@@ -21,7 +21,7 @@ struct Peer {
 
   explicit Peer(double sign) {
     const Vec3 half(0.2, 0.2, 0.2);
-    auto& joints = world.add_block<BallJoints>();
+    auto& joints = world.add_block<JointBlock>();
     for (int i = 0; i < 3; ++i) {
       const Vec3 turned = i < 2 ? Vec3(0.0, 0.0, 0.0) : sign * Vec3(0.3, -0.8, 0.5);
       BodyDef def = box_def(1.0 + i, half, Vec3(2.0 * i, 0.0, 0.0), turn(turned));

@@ -6,8 +6,8 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 #include "support/toy_contacts.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
@@ -28,7 +28,7 @@ struct Scene {
 
   Scene() {
     world.set_contact_source(&contacts);
-    auto& balls = world.add_block<BallJoints>();
+    auto& balls = world.add_block<JointBlock>();
     auto& rods = world.add_block<DistanceJoints>();
     tethers = &world.add_block<Tethers>();
     const Vec3 half(0.2, 0.3, 0.25);
@@ -168,12 +168,12 @@ TEST_CASE("snapshot: a world built otherwise refuses it", "[pbd][fault]") {
   CHECK(names(refusal([&] { empty.restore(bytes); }), "World::restore", "bytes", "same blocks"));
 
   World three_blocks;  // the same number, other kinds, no source
-  three_blocks.add_block<BallJoints>();
+  three_blocks.add_block<JointBlock>();
   three_blocks.add_block<DistanceJoints>();
   const auto other = three_blocks.snapshot();
   World swapped;
-  swapped.add_block<BallJoints>();
-  swapped.add_block<BallJoints>();
+  swapped.add_block<JointBlock>();
+  swapped.add_block<JointBlock>();
   const auto before = swapped.snapshot();
   CHECK(names(refusal([&] { swapped.restore(other); }), "World::restore", "bytes", "same blocks"));
   CHECK(swapped.snapshot() == before);

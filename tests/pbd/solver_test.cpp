@@ -9,8 +9,8 @@
 #include "support/catch.h"
 #include "support/targets.h"
 #include "support/toy_contacts.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/joint.h"
 
 using namespace tandem::pbd;
 using namespace tandem::testing;
@@ -169,7 +169,7 @@ TEST_CASE("solver: a world recovers from a step that spoiled its joints and cont
     ToyContacts contacts;
     FixedTargets source;
     world.set_contact_source(&contacts);
-    auto& balls = world.add_block<BallJoints>();
+    auto& balls = world.add_block<JointBlock>();
     auto& rods = world.add_block<DistanceJoints>();
     const BodyId ground = add_ground(world);
     const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.5)));
@@ -203,7 +203,7 @@ TEST_CASE("solver: the report counts rows, bodies and stages", "[pbd][unit]") {
   World world;
   ToyContacts contacts;
   world.set_contact_source(&contacts);
-  auto& balls = world.add_block<BallJoints>();
+  auto& balls = world.add_block<JointBlock>();
   world.add_block<DistanceJoints>();  // stays empty
   const BodyId ground = add_ground(world);
   const BodyId box = world.add_body(box_def(1.0, kHalf, Vec3(0.0, 0.0, 0.4)));
@@ -219,7 +219,7 @@ TEST_CASE("solver: the report counts rows, bodies and stages", "[pbd][unit]") {
   CHECK(report.velocity_iterations >= 7);
   CHECK(report.velocity_iterations <= 7 * solver.options().velocity_iterations);
   REQUIRE(report.blocks.size() == 2);
-  CHECK(report.blocks[0].name == "ball_joint");
+  CHECK(report.blocks[0].name == "joint");
   CHECK(report.blocks[0].rows == 2);
   CHECK(report.blocks[1].name == "contact");
   CHECK(report.blocks[1].rows == 1);
@@ -277,14 +277,14 @@ TEST_CASE("solver: the order in which kinds of constraints were added does not m
     ToyContacts contacts;
     if (!reversed) world.set_contact_source(&contacts);
     DistanceJoints* rods = nullptr;
-    BallJoints* balls = nullptr;
+    JointBlock* balls = nullptr;
     if (reversed) {
-      balls = &world.add_block<BallJoints>();
+      balls = &world.add_block<JointBlock>();
       rods = &world.add_block<DistanceJoints>();
       world.set_contact_source(&contacts);
     } else {
       rods = &world.add_block<DistanceJoints>();
-      balls = &world.add_block<BallJoints>();
+      balls = &world.add_block<JointBlock>();
     }
     const BodyId ground = add_ground(world);
     const BodyId a =

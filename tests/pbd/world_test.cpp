@@ -8,8 +8,8 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 #include "support/toy_contacts.h"
-#include "tandem/pbd/ball_joint.h"
 #include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/tether.h"
 
 using namespace tandem::pbd;
@@ -183,7 +183,7 @@ TEST_CASE("world: removing a body takes its rows and contacts along", "[pbd][uni
   ToyContacts contacts;
   world.set_contact_source(&contacts);
   auto& rods = world.add_block<DistanceJoints>();
-  auto& balls = world.add_block<BallJoints>();
+  auto& balls = world.add_block<JointBlock>();
   auto& tethers = world.add_block<Tethers>();
   const BodyId ground = add_ground(world);
   const Vec3 half = Vec3::Constant(0.5);
@@ -220,12 +220,12 @@ TEST_CASE("world: blocks are kept in the order in which they are solved", "[pbd]
   World world;
   ToyContacts contacts;
   world.set_contact_source(&contacts);
-  world.add_block<BallJoints>();
+  world.add_block<JointBlock>();
   world.add_block<Tethers>();
   world.add_block<DistanceJoints>();
   std::vector<std::string> order;
   for (const auto& block : world.blocks()) order.emplace_back(block->name());
-  CHECK(order == std::vector<std::string>{"tether", "distance_joint", "ball_joint", "contact"});
+  CHECK(order == std::vector<std::string>{"tether", "distance_joint", "joint", "contact"});
 }
 
 TEST_CASE("world: kinetic and mechanical energy are those of the textbook",
@@ -246,7 +246,7 @@ TEST_CASE("world: kinetic and mechanical energy are those of the textbook",
 
 TEST_CASE("world: a moved world keeps its bodies and the references to its blocks", "[pbd][unit]") {
   World world;
-  auto& balls = world.add_block<BallJoints>();
+  auto& balls = world.add_block<JointBlock>();
   const BodyId body = world.add_body({});
   balls.add(world, ball_joint_at(world, {}, body, Vec3(0.0, 0.0, 1.0)));
   const std::uint64_t hash = world.hash();

@@ -20,10 +20,13 @@ struct Aabb {
   pbd::Vec3 max = pbd::Vec3::Zero();  ///< m
 
   bool overlaps(const Aabb& other) const {
-    return (min.array() <= other.max.array()).all() && (other.min.array() <= max.array()).all();
+    // Axis by axis: most boxes are apart along the first one.
+    return min.x() <= other.max.x() && other.min.x() <= max.x() && min.y() <= other.max.y() &&
+           other.min.y() <= max.y() && min.z() <= other.max.z() && other.min.z() <= max.z();
   }
   bool contains(const Aabb& other) const {
-    return (min.array() <= other.min.array()).all() && (other.max.array() <= max.array()).all();
+    return min.x() <= other.min.x() && other.max.x() <= max.x() && min.y() <= other.min.y() &&
+           other.max.y() <= max.y() && min.z() <= other.min.z() && other.max.z() <= max.z();
   }
   Aabb merged(const Aabb& other) const {
     return {min.cwiseMin(other.min), max.cwiseMax(other.max)};

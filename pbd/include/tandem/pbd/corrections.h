@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <algorithm>
-
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/math.h"
 
@@ -33,15 +31,6 @@ inline void apply_pair(SolverBody& a, SolverBody& b, const Vec3& p, const Vec3& 
                        const Vec3& r_b) {
   apply_correction(a, -p, -r_a.cross(p));
   apply_correction(b, p, r_b.cross(p));
-}
-
-/// The same on velocities; p in N s.
-inline void apply_velocity_pair(SolverBody& a, SolverBody& b, const Vec3& p, const Vec3& r_a,
-                                const Vec3& r_b) {
-  a.v -= a.inv_mass * p;
-  a.w -= a.inv_inertia_w * r_a.cross(p);
-  b.v += b.inv_mass * p;
-  b.w += b.inv_inertia_w * r_b.cross(p);
 }
 
 /// w = 1/m + (r x n)^T I^-1 (r x n). Source: [mueller2020] Sec. 3.3.1.
@@ -89,56 +78,8 @@ inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
   return block.inverse() * (-c - softness.at * lambda - softness.gamma * slip);
 }
 
-/// Which lever arm a rigid row turns bodies by, as a blend from the substep's start (0) to the
-/// predicted pose (1). The start keeps energy but is stable only while the joint's own force turns
-/// the body slowly, (rate h)^2 = |lambda| |r| / I well below 4; the predicted pose damps and is
-/// stable beyond. Blends over from 1/4 to 1.
-/// @param lambda  N s^2, size of the multiplier in the last substep     @param r  m, lever arm
-inline double arm_blend(const SolverBody& body, double lambda, const Vec3& r) {
-  const double length = r.norm();
-  if (length < kMinLength) return 0.0;
-  // Turning about r itself does not move the anchor.
-  const double across =
-      body.inv_inertia_w.trace() - r.dot(body.inv_inertia_w * r) / (length * length);
-  return std::clamp((lambda * length * across - 0.25) / 0.75, 0.0, 1.0);
-}
-
-/// Angular velocity (rad/s) that keeps the angular momentum of the predicted pose once corrections
-/// have turned the body on, R = rotation by dtheta: w = R I^-1 R^T I w. Without it a fast top loses
-/// its spin to the joint that holds it, since its inertia turns with it.
-/// @pre w includes dtheta / h; `inv_inertia_w` is that of the predicted pose
-inline Vec3 transported_spin(const SolverBody& body) {
-  const Mat3& inv = body.inv_inertia_w;
-  const double mean = inv.trace() / 3.0;
-  const double spread = (inv - mean * Mat3::Identity()).squaredNorm();
-  constexpr double kIsotropic = 1e-20;
-  if (!(spread > kIsotropic * mean * mean) || body.dtheta.squaredNorm() == 0.0) return body.w;
-  const Mat3 turn = exp_map(body.dtheta).toRotationMatrix();
-  const Vec3 momentum = inv.inverse() * body.w;
-  return turn * (inv * (turn.transpose() * momentum));
-}
-
 /// What agreement left of a row's violation is let into the real channel at this rate for each
 /// substep once no target is about that could repair it without velocity: 1 mm fades at 12 mm/s.
 inline constexpr double kGapDecay = 0.98;
-
-/// Velocity (m/s) of the material point of `body` at lever arm r.
-inline Vec3 point_velocity(const SolverBody& body, const Vec3& r) {
-  return body.v + body.w.cross(r);
-}
-
-/// Displacement (m) of that point within this substep so far, before derive_velocities.
-inline Vec3 point_displacement(const SolverBody& body, const Vec3& r, double h) {
-  return h * point_velocity(body, r) + body.dx + body.dtheta.cross(r);
-}
-
-/// Ask for as many substeps of a step of ctx.h as keep two joined bodies from turning by more than
-/// 0.05 rad against each other in one: swinging chains then keep their energy to about 1 %.
-inline void want_for_turn(const SubstepContext& ctx, BodyId a, BodyId b, std::span<double> wanted) {
-  constexpr double kTurn = 0.05;  // rad
-  const Vec3 w_a = a.valid() ? ctx.bodies[a.index].w : Vec3(Vec3::Zero());
-  const double count = ctx.h * (ctx.bodies[b.index].w - w_a).norm() / kTurn;
-  wanted[b.index] = std::max(wanted[b.index], count);
-}
 
 }  // namespace tandem::pbd

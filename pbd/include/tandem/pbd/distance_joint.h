@@ -12,7 +12,7 @@ namespace tandem::pbd {
 /// C = |p_b - p_a| - rest_length [m];  n = (p_b - p_a) / |p_b - p_a|, dC/dx_b = n,
 /// dC/dtheta_b = r_b x n, mirrored for a. Rigid limit (compliance 0): a rod. Infinitely soft: none.
 /// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs:
-/// gradients are those of the substep's start (see BallJoint).
+/// gradients are those of the substep's start (see JointBlock).
 class DistanceJoint {
  public:
   static constexpr std::string_view kName = "distance_joint";

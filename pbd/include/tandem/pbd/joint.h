@@ -69,9 +69,10 @@ class JointBlock final : public ConstraintBlock {
     return any_total(ctx);
   }
   void end_step(const SubstepContext& ctx) override;
-  /// As many as keep the bodies of a joint from turning by more than 0.05 rad against each other in
-  /// one substep. Taut chains need no more for their stiffness; only fast folding does.
   void take_changed(std::vector<std::uint32_t>& bodies) override;
+  /// As many as keep the bodies of a joint from turning by more than 0.07 rad against each other in
+  /// one substep, now or two steps on. Taut chains need no more for their stiffness; only fast
+  /// folding does.
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;

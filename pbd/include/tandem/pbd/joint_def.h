@@ -68,60 +68,42 @@ struct SixDofJointDef {
   bool enabled = true;
 };
 
-/// Holds b in a: no freedom.
-struct FixedJointDef {
-  BodyId a, b;
+/// What the short forms share. The compliances and dampings are those of what they lock or stop.
+struct JointMount {
+  BodyId a, b;  ///< as above
   JointFrame frame_a, frame_b;
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
-  double angular_damping = 0.0;     ///< N m s/rad
+  double angular_damping = 0.0;     ///< N m s/rad, not of a cone
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
+};
+
+/// Holds b in a: no freedom.
+struct FixedJointDef : JointMount {
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor): a short form of it
 };
 
 /// Holds a point of b at a point of a.
-struct BallJointDef {
-  BodyId a, b;
-  JointFrame frame_a, frame_b;
-  double compliance = 0.0;          ///< m/N
-  double damping = 0.0;             ///< N s/m
+struct BallJointDef : JointMount {
   double cone = kUnlimited;         ///< rad, largest swing of the x axis
   bool limit_twist = false;         ///< by the next two
   double lower_twist = 0.0;         ///< rad
   double upper_twist = 0.0;         ///< rad
-  double break_force = 0.0;         ///< N
-  double break_torque = 0.0;        ///< N m
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b turn about the x axis of a. Limits, spring and motor are those of `axis`.
-struct HingeJointDef {
-  BodyId a, b;
-  JointFrame frame_a, frame_b;
+struct HingeJointDef : JointMount {
   JointAxis axis;                   ///< rad, N m
-  double compliance = 0.0;          ///< m/N
-  double damping = 0.0;             ///< N s/m
-  double angular_compliance = 0.0;  ///< rad/(N m)
-  double angular_damping = 0.0;     ///< N m s/rad
-  double break_force = 0.0;         ///< N
-  double break_torque = 0.0;        ///< N m
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b move along the x axis of a, without turning. Limits, spring and motor are those of
 /// `axis`.
-struct SliderJointDef {
-  BodyId a, b;
-  JointFrame frame_a, frame_b;
+struct SliderJointDef : JointMount {
   JointAxis axis;                   ///< m, N
-  double compliance = 0.0;          ///< m/N
-  double damping = 0.0;             ///< N s/m
-  double angular_compliance = 0.0;  ///< rad/(N m)
-  double angular_damping = 0.0;     ///< N m s/rad
-  double break_force = 0.0;         ///< N
-  double break_torque = 0.0;        ///< N m
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
@@ -131,7 +113,7 @@ SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Ve
                                 const Vec3& axis_w = Vec3::UnitX());
 FixedJointDef fixed_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w);
 BallJointDef ball_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
-                           const Vec3& twist_axis_w);
+                           const Vec3& twist_axis_w = Vec3::UnitX());
 HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
                              const Vec3& axis_w);
 SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,

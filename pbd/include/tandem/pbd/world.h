@@ -84,7 +84,7 @@ class World {
   std::span<const BodyState> states() const { return states_; }
   std::span<const BodyProps> all_props() const { return props_; }
 
-  /// Add a block of constraints: `auto& balls = world.add_block<BallJoints>();`. References stay
+  /// Add a block of constraints: `auto& joints = world.add_block<JointBlock>();`. References stay
   /// valid as long as the world lives (moves included).
   template <class Block, class... Args>
   Block& add_block(Args&&... args) {

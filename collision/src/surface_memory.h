@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact_patch.h"
+#include "tandem/collision/triangle_mesh.h"
+
+// What spheres and other convex shapes on a TriangleMesh or a HeightField have in common: which
+// triangles are near, and which contact carries on which one of the last step.
+
+namespace tandem::collision {
+
+/// Cosine above which two normals belong to one manifold.
+inline constexpr double kSameCluster = 0.99;
+/// Cosine above which a cluster carries on one of the last step.
+inline constexpr double kSameAsBefore = 0.9;
+/// Cosine above which a normal is the front's and noise.
+inline constexpr double kIsFront = 1.0 - 1e-6;
+/// Sine by which a normal may leave a Voronoi region.
+inline constexpr double kRegionSlop = 1e-4;
+/// By what share of its size the box is wider that triangles are searched for.
+inline constexpr double kListShare = 0.25;
+
+/// What is remembered of a patch of the last step, normal in the mesh frame.
+struct PatchTrace {
+  Vec3 normal_l;
+  std::array<std::uint32_t, 4> features;
+  std::uint16_t cluster = 0;
+  std::uint8_t count = 0;
+};
+
+inline bool was_touched(std::span<const PatchTrace> previous, const Vec3& front_l) {
+  return std::any_of(previous.begin(), previous.end(), [&](const PatchTrace& patch) {
+    return patch.count > 0 && -patch.normal_l.dot(front_l) > kSameAsBefore;
+  });
+}
+
+/// The patch of the last step that the cluster carries on, or null.
+/// @param taken  what has a `cluster` already
+template <class Taken>
+const PatchTrace* match(const Vec3& normal_l, std::span<const PatchTrace> previous,
+                        const Taken& taken) {
+  const PatchTrace* best = nullptr;
+  double cosine = kSameAsBefore;
+  for (const PatchTrace& patch : previous) {
+    const double value = patch.normal_l.dot(normal_l);
+    const bool used = std::any_of(taken.begin(), taken.end(),
+                                  [&](const auto& t) { return t.cluster == patch.cluster; });
+    if (!used && value > cosine) {
+      cosine = value;
+      best = &patch;
+    }
+  }
+  return best;
+}
+
+template <class Taken>
+std::uint32_t free_number(std::span<const PatchTrace> previous, const Taken& taken) {
+  for (std::uint32_t number = 0;; ++number) {
+    const auto has_it = [&](const auto& one) { return one.cluster == number; };
+    if (!std::any_of(previous.begin(), previous.end(), has_it) &&
+        !std::any_of(taken.begin(), taken.end(), has_it)) {
+      return number;
+    }
+  }
+}
+
+/// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
+template <class Surface>
+void find_triangles(const Surface& surface, const Aabb& bounds, TriangleList& list) {
+  if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
+    const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);
+    if (slack.maxCoeff() < (bounds.max - bounds.min).maxCoeff()) return;
+  }
+  const Aabb wide = bounds.expanded(kListShare * (bounds.max - bounds.min).maxCoeff());
+  list.triangles.clear();
+  surface.query(wide, list.triangles);
+  list.min = wide.min;
+  list.max = wide.max;
+  list.filled = true;
+}
+
+}  // namespace tandem::collision

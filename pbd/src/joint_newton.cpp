@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "integrate.h"
+#include "joint_system.h"
+
+/// The Newton iteration of JointSystem: rows from poses, poses from multipliers.
+namespace tandem::pbd {
+namespace {
+
+/// Rows that may repeat each other share their load as if they had this much compliance, relative
+/// to their own mobility. A rope of 50 links held at both ends sags by less than 1e-8 m from it.
+constexpr double kRedundancy = 1e-9;
+/// Moves that shrink less than this from iteration to iteration call for a better matrix.
+constexpr double kSlow = 0.3;
+/// m; smaller moves are rounding as like as not.
+constexpr double kFine = 1e-7;
+/// rad; bodies turn no further in one iteration.
+constexpr double kTrust = 0.5;
+/// How often a limit may come and go within a substep.
+constexpr int kFlips = 6;
+/// rad: smaller turns do not matter.
+constexpr double kNoTurn = 1e-13;
+
+}  // namespace
+
+double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> records,
+                            const SubstepContext& ctx) {
+  const JointGraph::Part& part = graph_.parts()[p];
+  PartState& state = state_[p];
+  if (state.channel == Channel::Total) {
+    // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
+    // the clean-up, which comes last, has the bodies' own masses again.
+    prepare(part, state, records, ctx);
+    turn_gradients(part, state, records, ctx);
+    return newton(part, state, records, ctx);
+  }
+  if (!state.prepared) prepare(part, state, records, ctx);
+  const double before = state.last_move;
+  state.last_move = newton(part, state, records, ctx);
+  const auto is_slow = [&] {
+    return state.iteration > 1 && state.last_move > kSlow * before && state.last_move > kFine;
+  };
+  if (is_slow() && !state.restarted) {
+    restart(part, records, ctx);
+    state.restarted = true;
+    state.factored = false;
+    state.iteration = 0;
+    prepare(part, state, records, ctx);
+    state.last_move = newton(part, state, records, ctx);
+  } else if (is_slow()) {
+    turn_gradients(part, state, records, ctx);
+  }
+  return state.last_move;
+}
+
+double JointSystem::newton(const JointGraph::Part& part, PartState& state,
+                           std::span<const JointRecord> records, const SubstepContext& ctx) {
+  const bool changed = evaluate(part, records, ctx);
+  if (changed || !state.factored) {
+    assemble(part);
+    factor(part);
+    state.factored = true;
+  }
+  solve(part);
+  ++state.iteration;
+  return apply(part, ctx);
+}
+
+void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
+                          std::span<const JointRecord> records, const SubstepContext& ctx) {
+  state.prepared = true;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    slots_[s].inv_mass = body.inv_mass;
+    slots_[s].inv_inertia = body.inv_inertia_w;
+    slots_[s].dx.setZero();
+    slots_[s].dtheta.setZero();
+    slots_[s].sum_dx.setZero();
+    slots_[s].sum_dtheta.setZero();
+    slots_[s].v = body.v;
+    slots_[s].w = state.channel == Channel::Real ? body.w : Vec3(Vec3::Zero());
+    slots_[s].q = body.q;
+    slots_[s].alone = body.dtheta.isZero(0.0);
+    slots_[s].carried = false;
+  }
+  if (state.channel == Channel::Real) stiffen(part, ctx);
+  weigh(part, records);
+}
+
+void JointSystem::take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
+                                 const SolverBody& b) {
+  const SixDofJointDef& def = record.def;
+  const JointPlace place = JointPlace::of(def, a, b);
+  node.r_a = place.r_a;
+  node.r_b = place.r_b;
+  if (record.point) {
+    node.dir.leftCols<3>().setIdentity();
+    node.arm_a.leftCols<3>() = skew(place.r_a);
+    node.arm_b.leftCols<3>() = skew(place.r_b);
+  }
+  if (!node.simple) {
+    const Quat basis_a = a.q * def.frame_a.basis;
+    const Mat3 axes = basis_a.toRotationMatrix();
+    if (!record.point) {
+      for (int i = 0; i < 3; ++i) {
+        node.dir.col(i) = axes.col(i);
+        node.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
+        node.arm_b.col(i) = place.r_b.cross(axes.col(i));
+      }
+    }
+    if ((record.used >> 3) != 0) {
+      const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+      node.dir.rightCols<4>().setZero();
+      node.arm_b.col(kTwist) = axes * turn.twist_gradient();
+      node.arm_b.col(4) = axes * turn.swing_gradient(1);
+      node.arm_b.col(5) = axes * turn.swing_gradient(2);
+      node.arm_b.col(kCone) = axes * turn.u;
+      node.arm_a.rightCols<4>() = node.arm_b.rightCols<4>();
+    }
+  }
+}
+
+/// Take the gradients anew, from the poses as they are.
+void JointSystem::turn_gradients(const JointGraph::Part& part, PartState& state,
+                                 std::span<const JointRecord> records, const SubstepContext& ctx) {
+  const SolverBody ground;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const std::uint32_t joint = graph_.nodes()[k].joint;
+    if (joint == kNone || nodes_[k].off) continue;
+    const SixDofJointDef& def = records[joint].def;
+    take_gradients(nodes_[k], records[joint], body_of(def.a, ctx.bodies, ground),
+                   body_of(def.b, ctx.bodies, ground));
+  }
+  weigh(part, records);
+  state.factored = false;
+}
+
+void JointSystem::weigh(const JointGraph::Part& part, std::span<const JointRecord> records) {
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    double inv_mass = 0.0;
+    if (plan.slot_a != kNone) inv_mass += slots_[plan.slot_a].inv_mass;
+    if (plan.slot_b != kNone) inv_mass += slots_[plan.slot_b].inv_mass;
+    if (node.simple) {
+      if (plan.slot_a != kNone) {
+        node.b_a.leftCols<3>().noalias() =
+            slots_[plan.slot_a].inv_inertia.lazyProduct(node.arm_a.leftCols<3>());
+      }
+      if (plan.slot_b != kNone) {
+        node.b_b.leftCols<3>().noalias() =
+            slots_[plan.slot_b].inv_inertia.lazyProduct(node.arm_b.leftCols<3>());
+      }
+    } else {
+      for_bits(records[plan.joint].used, [&](int i) {
+        if (plan.slot_a != kNone) {
+          node.b_a.col(i) = slots_[plan.slot_a].inv_inertia * node.arm_a.col(i);
+        }
+        if (plan.slot_b != kNone) {
+          node.b_b.col(i) = slots_[plan.slot_b].inv_inertia * node.arm_b.col(i);
+        }
+      });
+    }
+    for_bits(records[plan.joint].used, [&](int i) {
+      double w = inv_mass * node.dir.col(i).squaredNorm();
+      if (plan.slot_a != kNone) w += node.arm_a.col(i).dot(node.b_a.col(i));
+      if (plan.slot_b != kNone) w += node.arm_b.col(i).dot(node.b_b.col(i));
+      node.w[i] = w;
+    });
+  }
+}
+
+bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRecord> records,
+                           const SubstepContext& ctx) {
+  bool changed = false;
+  const SolverBody ground;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    double* right = &right_[plan.right];
+    if (plan.joint == kNone) {
+      std::fill_n(right, plan.rows, 0.0);
+      continue;
+    }
+    if (node.off) continue;
+    const JointRecord& record = records[plan.joint];
+    const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
+    if (node.simple) {
+      const JointPlace place = JointPlace::of(record.def, a, b);
+      changed = changed || node.n != 3;
+      node.n = 3;
+      for (int i = 0; i < 3; ++i) {
+        node.coordinate[i] = static_cast<std::uint8_t>(i);
+        const ForceLaw& law = node.law[i];
+        node.at[i] = part.regular ? law.at : std::max(law.at, kRedundancy * node.w[i]);
+        right[i] = -(place.d[i] - law.target) - node.at[i] * node.lambda[i];
+      }
+      continue;
+    }
+    double c[kCoordinates];
+    coordinates(record, a, b, record.twist, c);
+    int n = 0;
+    for_bits(record.used, [&](int i) {
+      Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
+      if (segment.kind != node.last_kind[i]) ++node.flips[i];
+      const bool stop =
+          segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
+      if (stop && node.flips[i] > kFlips) {
+        // It cannot settle with its neighbours: let go, the next substep sees where it stands.
+        segment = {Segment::Kind::Force, c[i], 1e9 * node.w[i], 0.0};
+      }
+      node.last_kind[i] = segment.kind;
+      if (segment.kind == Segment::Kind::None) return;
+      changed = changed || n >= node.n || node.coordinate[n] != i || node.kind[n] != segment.kind;
+      node.coordinate[n] = static_cast<std::uint8_t>(i);
+      node.kind[n] = segment.kind;
+      node.at[n] = part.regular ? segment.at : std::max(segment.at, kRedundancy * node.w[i]);
+      right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
+      ++n;
+    });
+    changed = changed || n != node.n;
+    node.n = n;
+  }
+  return changed;
+}
+
+/// Turn the body by slot.dtheta. Where it spins about another axis the correction is an impulse at
+/// the start of the substep, from where it turns freely with its new angular momentum: turning it
+/// afterwards is right to first order in w h only, and costs a fast top its spin.
+void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
+  if (slot.alone && !slot.carried && h * slot.w.cross(slot.dtheta).norm() > kNoTurn) {
+    slot.carried = body.inv_inertia_w.determinant() > 0.0;  // no axis is locked
+  }
+  if (!slot.carried) {
+    body.q = rotated(body.q, slot.dtheta);
+    return;
+  }
+  const Mat3 axes = slot.q.toRotationMatrix();
+  const Mat3 inertia_l = axes.transpose() * body.inv_inertia_w.inverse() * axes;
+  const Vec3 spin_l = axes.transpose() * (slot.w + body.dtheta / h);
+  const Vec3 momentum_w = axes * (inertia_l * spin_l);
+  Vec3 w_l = inertia_l.inverse() * (slot.q_start.conjugate() * momentum_w);
+  body.q = free_rotation(slot.q_start, inertia_l, w_l, h);
+}
+
+double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx) {
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.n == 0) continue;
+    const double* dlambda = &right_[plan.right];
+    Vec3 p = Vec3::Zero();
+    Vec3 turn_a = Vec3::Zero();
+    Vec3 turn_b = Vec3::Zero();
+    if (node.simple) {
+      p = Eigen::Map<const Vec3>(dlambda);
+      for (int i = 0; i < 3; ++i) node.lambda[i] += dlambda[i];
+      if (plan.slot_a != kNone) turn_a = node.b_a.leftCols<3>().lazyProduct(p);
+      if (plan.slot_b != kNone) turn_b = node.b_b.leftCols<3>().lazyProduct(p);
+    } else {
+      for (int r = 0; r < node.n; ++r) {
+        const int i = node.coordinate[r];
+        node.lambda[i] += dlambda[r];
+        p += dlambda[r] * node.dir.col(i);
+        if (plan.slot_a != kNone) turn_a += dlambda[r] * node.b_a.col(i);
+        if (plan.slot_b != kNone) turn_b += dlambda[r] * node.b_b.col(i);
+      }
+    }
+    if (plan.slot_a != kNone) {
+      Slot& slot = slots_[plan.slot_a];
+      slot.dx -= slot.inv_mass * p;
+      slot.dtheta -= turn_a;
+    }
+    if (plan.slot_b != kNone) {
+      Slot& slot = slots_[plan.slot_b];
+      slot.dx += slot.inv_mass * p;
+      slot.dtheta += turn_b;
+    }
+  }
+  // A turn that no gradient reaches is taken in parts.
+  double turn2 = 0.0;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    turn2 = std::max(turn2, slots_[s].dtheta.squaredNorm());
+  }
+  if (turn2 > kTrust * kTrust) {
+    const double share = kTrust / std::sqrt(turn2);
+    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+      slots_[s].dx *= share;
+      slots_[s].dtheta *= share;
+    }
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      NodeState& node = nodes_[k];
+      if (graph_.nodes()[k].joint == kNone) continue;
+      const double* dlambda = &right_[graph_.nodes()[k].right];
+      for (int r = 0; r < node.n; ++r)
+        node.lambda[node.coordinate[r]] -= (1.0 - share) * dlambda[r];
+    }
+  }
+  double largest = 0.0;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.x += slot.dx;
+    body.dx += slot.dx;
+    slot.sum_dx += slot.dx;
+    slot.sum_dtheta += slot.dtheta;
+    body.dtheta += slot.dtheta;
+    turn(body, slot, ctx.h);
+    largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  }
+  return std::sqrt(largest);
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <bit>
+#include <span>
+
+#include "joint_rows.h"
+#include "tandem/pbd/joint.h"
+
+namespace tandem::pbd {
+
+/// A joint as the block stores it.
+struct JointRecord {
+  SixDofJointDef def;
+  JointState state;
+  std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
+  std::array<double, kCoordinates> bound{};  ///< where the total channel holds it
+  double twist = 0.0;                        ///< rad, counting turns
+  double surplus = 0.0;      ///< J, what the part that it comes first in has gained; see guard()
+  double h = 0.0;            ///< s, length of the last substep; 0 before the first
+  Vec3 spin = Vec3::Zero();  ///< rad/s, of b against a when the step began
+  std::uint32_t used = 0;    ///< bit per coordinate that may get a row
+  bool point = false;        ///< all displacements locked alike: rows along the world's axes
+  bool alive = false;
+
+  bool active() const { return alive && def.enabled && !state.broken; }
+  /// Recompute `used` and `point` from the definition.
+  void refresh();
+  /// The settings of coordinate c, 0 to 6.
+  JointAxis axis(int c) const;
+  /// Whether nothing in it stores or supplies energy.
+  bool passive() const;
+  int rows() const { return std::popcount(used); }
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in);
+};
+
+/// Coordinates of a joint as its bodies stand now; twist within half a turn of `near`.
+void coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b, double near,
+                 double* c);
+
+/// The body of an id; `ground`, which nothing moves, where that stands for the world.
+inline const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies,
+                                 const SolverBody& ground) {
+  return id.valid() ? bodies[id.index] : ground;
+}
+
+/// Visit the indices of the bits that are set, lowest first.
+template <class Visit>
+void for_bits(std::uint32_t bits, Visit&& visit) {
+  for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
+}
+
+}  // namespace tandem::pbd

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "joint_system.h"
+
+/// What keeps joints stable where the substep does not resolve them.
+namespace tandem::pbd {
+namespace {
+
+/// Part of the geometric stiffness that is added to inertia where the substep does not resolve it:
+/// from 1/4 on no rate is too high (the average acceleration method of Newmark).
+constexpr double kStiffShare = 0.3;
+/// How much of it brakes neighbours that turn against each other.
+constexpr double kStiffDamping = 0.1;
+/// Both come in over this range of (rate h)^2; leapfrog is stable below 4.
+constexpr double kStiffFrom = 2.0;
+constexpr double kStiffTo = 8.0;
+/// Part of a part's kinetic energy that its joints may have given it before it is taken back.
+constexpr double kSurplus = 0.01;
+
+}  // namespace
+
+void JointSystem::add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda) {
+  if (plan.slot_a != kNone) node.pull_a = std::max(node.pull_a, -node.r_a.dot(lambda));
+  if (plan.slot_b != kNone) node.pull_b = std::max(node.pull_b, node.r_b.dot(lambda));
+}
+
+/// Start the substep anew, now that the load is known.
+void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRecord> records,
+                          const SubstepContext& ctx) {
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.x -= slot.sum_dx;
+    body.dx -= slot.sum_dx;
+    body.q = slot.q;
+    body.dtheta -= slot.sum_dtheta;
+  }
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    Vec3 lambda = Vec3::Zero();
+    for_bits(records[plan.joint].used & 7u,
+             [&](int i) { lambda += node.lambda[i] * node.dir.col(i); });
+    add_pull(plan, node, lambda);
+    node.lambda.fill(0.0);
+  }
+}
+
+/// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
+/// back at a rate that its step may not resolve. With the stiffness of the end of the substep
+/// weighted by a share of at least 1/4, any rate is stable and slow turning is not braked
+/// (Newmark's average acceleration). As the change of a lever arm against uniform turning is the
+/// correction's own, the share adds to inertia: (I + share K) dtheta = r x lambda.
+void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ctx) {
+  // Until the first iteration dx and dtheta are free: dx.x holds the body's (rate h)^2.
+  const auto for_pulls = [&](auto&& visit) {
+    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+      const JointGraph::Node& plan = graph_.nodes()[k];
+      const NodeState& node = nodes_[k];
+      if (plan.joint != kNone && !node.off) visit(plan, node, node.pull_a, node.pull_b);
+    }
+  };
+  const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
+    if (pull <= 0.0) return;
+    const Mat3& inv = slots_[s].inv_inertia;
+    slots_[s].dx.x() += pull * (inv.trace() - r.dot(inv * r) / r.squaredNorm());
+  };
+  for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
+    rate(plan.slot_a, node.r_a, a);
+    rate(plan.slot_b, node.r_b, b);
+  });
+  double largest = 0.0;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    largest = std::max(largest, slots_[s].dx.x());
+  }
+  if (largest > kStiffFrom) {
+    const auto share = [&](std::uint32_t s) {
+      return std::clamp((slots_[s].dx.x() - kStiffFrom) / (kStiffTo - kStiffFrom), 0.0, 1.0);
+    };
+    const auto add = [&](std::uint32_t s, const Vec3& r, double pull) {
+      if (pull <= 0.0) return;
+      slots_[s].stiffness +=
+          share(s) * pull * (Mat3::Identity() - r * r.transpose() / r.squaredNorm());
+    };
+    for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
+      add(plan.slot_a, node.r_a, a);
+      add(plan.slot_b, node.r_b, b);
+      if (plan.slot_a == kNone || plan.slot_b == kNone) return;
+      // Neighbours that turn against each other at a rate that is not resolved are braked.
+      const Vec3 turn = ctx.h * (ctx.bodies[graph_.bodies()[plan.slot_b]].w -
+                                 ctx.bodies[graph_.bodies()[plan.slot_a]].w);
+      slots_[plan.slot_a].dtheta += kStiffDamping * share(plan.slot_a) * std::max(a, 0.0) * turn;
+      slots_[plan.slot_b].dtheta -= kStiffDamping * share(plan.slot_b) * std::max(b, 0.0) * turn;
+    });
+  }
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    Slot& slot = slots_[s];
+    if (slot.dx.x() > kStiffFrom) {
+      SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+      const Mat3 inv =
+          (Mat3::Identity() + (kStiffShare + kStiffDamping) * slot.inv_inertia * slot.stiffness)
+              .inverse() *
+          slot.inv_inertia;
+      slot.inv_inertia = 0.5 * (inv + inv.transpose());
+      const Vec3 dtheta = slot.inv_inertia * slot.dtheta;
+      body.q = rotated(body.q, dtheta);
+      body.dtheta += dtheta;
+      slot.sum_dtheta += dtheta;
+      slot.stiffness.setZero();
+    }
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  }
+}
+
+/// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
+/// a substep than its gradients can follow, the surplus is taken back from the motion of the part
+/// against its mean: it may shake where it is not resolved, but not more and more.
+void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
+                        const SubstepContext& ctx) {
+  double work = 0.0;
+  double energy = 0.0;  // before, against the mean
+  double mass = 0.0;
+  Vec3 mean = Vec3::Zero();
+  const double rate = 1.0 / ctx.h;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    mass += 1.0 / body.inv_mass;
+    mean += body.v / body.inv_mass;
+  }
+  mean /= mass;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const Slot& slot = slots_[s];
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    const Vec3 dv = rate * slot.sum_dx;
+    const Vec3 dw = rate * slot.sum_dtheta;
+    const Mat3 inertia = body.inv_inertia_w.inverse();
+    // The inertia turns with the body, the angular momentum does not.
+    const Vec3 momentum = inertia * (slot.w + dw);
+    const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
+    work += dv.dot(slot.v + 0.5 * dv) / body.inv_mass +
+            0.5 * (momentum_l.dot(body.inv_inertia_w * momentum_l) - slot.w.dot(inertia * slot.w));
+    energy += 0.5 * ((body.v - mean).squaredNorm() / body.inv_mass + body.w.dot(inertia * body.w));
+  }
+  std::uint32_t first = part.node;
+  while (graph_.nodes()[first].joint == kNone) ++first;
+  double& surplus = records[graph_.nodes()[first].joint].surplus;
+  const double room = kSurplus * energy;
+  surplus = std::max(surplus + work, -room);
+  if (!(surplus > room)) return;
+  const double excess = surplus - room;
+  const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
+  surplus = room;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    body.v = mean + scale * (body.v - mean);
+    body.w *= scale;
+  }
+}
+
+}  // namespace tandem::pbd
