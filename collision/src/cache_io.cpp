@@ -42,6 +42,8 @@ void save_cache(pbd::ByteWriter& out, const PairCache& cache) {
 
 bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool) {
   pool.give(std::exchange(cache.patches, nullptr));
+  // The slot may have been another pair's.
+  if (cache.triangles != nullptr) cache.triangles->filled = false;
   cache.valid = in.u8() != 0;
   cache.axis = in.u8();
   cache.margin = in.f32();
@@ -103,6 +105,8 @@ void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
 }
 
 bool CollisionScene::Impl::load(pbd::ByteReader& in) {
+  order_is_old_ = true;
+  restored_ = true;
   if (in.u32() != kCacheMagic || in.u32() != colliders_.size()) return false;
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
     Collider& collider = colliders_[i];

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tandem::collision {
 namespace {
@@ -129,6 +131,23 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
   c.speculative = std::min(options.speculative_margin, options.speculative_size_share * c.size);
   c.recycle = std::min(options.recycle_distance, options.recycle_size_share * c.size);
   return c;
+}
+
+void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order) {
+  for (std::uint32_t i = 0; i < colliders.size(); ++i) {
+    colliders[i].rank = i;
+    colliders[i].body_rank = order.rank(colliders[i].def.body.index);
+  }
+  if (order.natural()) return;
+  std::vector<std::uint32_t> sorted;
+  for (std::uint32_t i = 0; i < colliders.size(); ++i) sorted.push_back(i);
+  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t l, std::uint32_t r) {
+    const auto place = [&](std::uint32_t i) {
+      return std::pair(colliders[i].body_rank, colliders[i].added);
+    };
+    return place(l) < place(r);
+  });
+  for (std::uint32_t rank = 0; rank < sorted.size(); ++rank) colliders[sorted[rank]].rank = rank;
 }
 
 bool same_state(const Collider& c, const pbd::BodyState& state) {

@@ -2,6 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "convex_core.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/pbd/world.h"
@@ -36,6 +39,8 @@ struct Collider {
   /// pushes a body out of one may push it to the wrong side.
   std::uint8_t guarded = 0;
   std::uint32_t generation = 0;
+  std::uint32_t rank = 0;       ///< place among all colliders; see put_in_order()
+  std::uint32_t body_rank = 0;  ///< place of its body
 
   // Once.
   double size = 0.0;         ///< m, least extent; huge for half-spaces and meshes
@@ -51,6 +56,7 @@ struct Collider {
   Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
   double span = 0.0;                 ///< s, the step that these are for
 
+  std::uint64_t added = 0;  ///< how many were added before it
   ColliderDef def;
 
   bool is_half_space() const { return kind == Kind::HalfSpace; }
@@ -83,6 +89,10 @@ struct Collider {
 
 /// @pre def and options are valid
 Collider make_collider(const ColliderDef& def, const CollisionOptions& options);
+
+/// Give colliders their places: by pbd::BodyOrder, those of one body as they were added; by index
+/// where the bodies have no order of their own.
+void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order);
 
 /// Read the body's state and bring what depends on it up to date.
 void update_collider(Collider& collider, const pbd::World& world, double dt);

@@ -144,8 +144,10 @@ class ContactEvents::Impl {
     if (!pair.a.valid() || !pair.b.valid()) return false;
     pair.body_a = scene.collider(pair.a).body;
     pair.body_b = scene.collider(pair.b).body;
-    return pair.body_a.index == reading.manifold->body_a &&
-           pair.body_b.index == reading.manifold->body_b;
+    const auto is = [&](std::uint32_t a, std::uint32_t b) {
+      return reading.manifold->body_a == a && reading.manifold->body_b == b;
+    };
+    return is(pair.body_a.index, pair.body_b.index) || is(pair.body_b.index, pair.body_a.index);
   }
 
   bool touches(const ContactReading& reading, double gap, const ContactPair& pair) const {
@@ -167,7 +169,8 @@ class ContactEvents::Impl {
     if (reading.approach_speed <= hit.speed) return;
     hit.speed = reading.approach_speed;
     hit.point = nearest.point;
-    hit.normal = reading.manifold->normal;
+    const bool from_a = reading.manifold->body_a == pair.body_a.index;
+    hit.normal = from_a ? reading.manifold->normal : pbd::Vec3(-reading.manifold->normal);
   }
 
   ContactEventOptions options_;

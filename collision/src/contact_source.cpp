@@ -34,6 +34,8 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   const std::uint32_t generation = colliders_[index].generation;
   colliders_[index] = make_collider(def, options_);
   colliders_[index].generation = generation;
+  colliders_[index].added = added_++;
+  order_is_old_ = true;
   broad_.add(index, colliders_[index]);
   if (def.sensor) ++sensor_count_;
   return {index, generation};
@@ -53,6 +55,7 @@ void CollisionScene::Impl::remove(ColliderId id) {
   if (collider.def.sensor) --sensor_count_;
   broad_.remove(id.index, collider);
   const std::uint32_t generation = collider.generation + 1;
+  order_is_old_ = true;
   collider = {};
   collider.generation = generation;
   free_.push_back(id.index);
@@ -142,6 +145,7 @@ void CollisionScene::Impl::collect_pairs(std::size_t begin, std::size_t end, dou
 void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                                    std::vector<pbd::Manifold>& out) {
   const std::size_t first = out.size();
+  update_order(world);
   workers_.resize(static_cast<std::size_t>(workers.count()));
   for (Worker& worker : workers_) {
     worker.stats = {};
@@ -199,6 +203,17 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
   for (std::size_t i = first; i < out.size(); ++i) {
     stats_.points += static_cast<std::size_t>(out[i].count);
   }
+}
+
+void CollisionScene::Impl::update_order(const pbd::World& world) {
+  const pbd::BodyOrder order = world.order();
+  if (!order_is_old_ && natural_order_ == order.natural()) return;
+  order_is_old_ = false;
+  // Two colliders change places only here, and then no cache says which of them was the first.
+  if (natural_order_ != order.natural() && !restored_) broad_.reset();
+  restored_ = false;
+  natural_order_ = order.natural();
+  put_in_order(colliders_, order);
 }
 
 CollisionScene::CollisionScene(const CollisionOptions& options) {

@@ -74,6 +74,7 @@ class CollisionScene::Impl {
   CoreHit first_hit(Collider& collider, bool bullet, std::span<const pbd::Pose> after,
                     Worker& worker) const;
   void guard(std::uint32_t index, std::uint32_t near);
+  void update_order(const pbd::World& world);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,
                     std::vector<pbd::Manifold>& out);
   void collect_pairs(std::size_t begin, std::size_t end, double dt, Worker& worker,
@@ -84,6 +85,11 @@ class CollisionScene::Impl {
   std::vector<Collider> colliders_;
   std::vector<std::uint32_t> free_;
   std::size_t sensor_count_ = 0;
+  std::uint64_t added_ = 0;
+  bool order_is_old_ = true;
+  bool natural_order_ = true;
+  /// What is known was loaded, in the order of the world that comes with it.
+  bool restored_ = false;
   BroadPhase broad_;
   PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot

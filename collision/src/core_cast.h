@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "collider.h"
@@ -13,12 +14,19 @@ double core_radius(const Collider& c);
 /// m, world: where that ball is when the body is at `body`.
 Vec3 core_centre(const Collider& c, const pbd::Pose& body);
 
+inline bool lies_before(const Vec3& l, const Vec3& r) {
+  return std::lexicographical_compare(l.data(), l.data() + 3, r.data(), r.data() + 3);
+}
+
 struct CoreHit {
   double share = 1.0;
   Vec3 normal = Vec3::UnitZ();  ///< unit, world, out of the target
 
+  /// Of two at once the one that does not depend on who came first.
   void take_first(const CoreHit& other) {
-    if (other.share < share) *this = other;
+    if (other.share < share || (other.share == share && lies_before(other.normal, normal))) {
+      *this = other;
+    }
   }
 };
 

@@ -69,7 +69,8 @@ void CollisionScene::Impl::limit_motion(const pbd::World& world, std::span<const
     limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
   }
   std::sort(limits.begin(), limits.end(), [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
-    return l.body != r.body ? l.body < r.body : l.share < r.share;
+    if (l.body != r.body) return l.body < r.body;
+    return l.share != r.share ? l.share < r.share : lies_before(l.normal, r.normal);
   });
   limits.erase(std::unique(limits.begin(), limits.end(),
                            [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {

@@ -18,9 +18,14 @@ void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
   m.restitution = combined_restitution(a.def.material, b.def.material);
 }
 
-/// Into the order of the colliders' indices.
+/// Into the order of the colliders.
 void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m) {
+  constexpr std::uint64_t kClusterMask = (std::uint64_t{1} << kClusterBits) - 1;
+  const Collider& first = pair.swapped ? *pair.b : *pair.a;
+  const Collider& second = pair.swapped ? *pair.a : *pair.b;
   m.key = key;
+  m.order = (std::uint64_t{first.rank} << (kIndexBits + kClusterBits)) |
+            (std::uint64_t{second.rank} << kClusterBits) | (key & kClusterMask);
   set_material(*pair.a, *pair.b, m);
   m.body_a = pair.a->def.body.index;
   m.body_b = pair.b->def.body.index;

@@ -280,10 +280,12 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
 
 }  // namespace
 
-QueryPair order_pair(const Collider& low, const Collider& high) {
-  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.def.body.index); };
-  if (order(high) < order(low)) return {&high, &low, true};
-  return {&low, &high, false};
+QueryPair order_pair(const Collider& one, const Collider& other) {
+  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.body_rank); };
+  const Collider& first = one.rank < other.rank ? one : other;
+  const Collider& second = one.rank < other.rank ? other : one;
+  if (order(second) < order(first)) return {&second, &first, true};
+  return {&first, &second, false};
 }
 
 PairReach reach_of(const QueryPair& pair, double dt) {

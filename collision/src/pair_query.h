@@ -14,15 +14,15 @@
 
 namespace tandem::collision {
 
-/// Two colliders in the order of the query: kinds ascending, then by body, then by index, so that
-/// the result does not depend on the order in which they were added.
+/// Two colliders in the order of the query: kinds ascending, then by the order of their bodies, so
+/// that the result does not depend on the order in which they were added.
 struct QueryPair {
   const Collider* a = nullptr;
   const Collider* b = nullptr;
-  bool swapped = false;  ///< a is the one with the higher index
+  bool swapped = false;  ///< b is the earlier one
 };
 
-QueryPair order_pair(const Collider& low, const Collider& high);
+QueryPair order_pair(const Collider& one, const Collider& other);
 
 /// How near the pair has to be looked at in this step.
 struct PairReach {

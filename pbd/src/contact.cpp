@@ -48,7 +48,8 @@ CarriedContact remember(const Contact& contact) {
                          .key = contact.manifold.key,
                          .count = contact.manifold.count,
                          .force = contact.force,
-                         .debt = contact.debt};
+                         .debt = contact.debt,
+                         .overlap = contact.overlap};
   for (int i = 0; i < contact.manifold.count; ++i) {
     carried.feature[i] = contact.manifold.points[i].feature;
     carried.force[i] *= contact.carried_share;
@@ -62,6 +63,7 @@ void carry(const CarriedContact& old, Contact& contact) {
   std::array<bool, 4> taken{};
   std::array<bool, 4> done{};
   const Manifold& m = contact.manifold;
+  contact.overlap = old.overlap;
   const auto take = [&](int i, int j) {
     contact.force[i] = old.force[j];
     contact.debt[i] = old.debt[j];
@@ -97,6 +99,8 @@ ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
 ContactBlock::~ContactBlock() = default;
 
 std::span<const Contact> ContactBlock::contacts() const { return impl_->contacts; }
+bool ContactBlock::any_friction() const { return impl_->any_friction; }
+bool ContactBlock::any_restitution() const { return impl_->any_restitution; }
 bool ContactBlock::empty() const { return impl_->contacts.empty(); }
 
 void ContactBlock::configure(const ContactOptions& options) { impl_->options = options; }
@@ -113,10 +117,14 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
     carried.push_back(remember(contact));
   }
   contacts.clear();
+  impl_->any_friction = false;
+  impl_->any_restitution = false;
   std::size_t j = 0;
   for (const Manifold& manifold : manifolds) {
     Contact& contact = contacts.emplace_back();
     contact.manifold = manifold;
+    impl_->any_friction = impl_->any_friction || manifold.friction > 0.0;
+    impl_->any_restitution = impl_->any_restitution || manifold.restitution > 0.0;
     while (j < carried.size() && carried[j].key < manifold.key) impl_->note_lost(carried[j++]);
     if (j < carried.size() && carried[j].key == manifold.key) carry(carried[j++], contact);
   }
@@ -127,11 +135,12 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
 void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
   for (std::vector<TotalRow>& rows : m.total) rows.clear();
-  m.order.build(m.contacts, ctx.bodies);
+  m.put_in_sequence();
+  m.order.build(m.contacts, m.sequence, ctx.bodies);
   const auto places = m.order.places();
   m.rows.resize(places.size());
   m.changes.resize(places.size());
-  m.convergence.begin_step(ctx.bodies);
+  m.convergence.begin_step(ctx.bodies, ctx.order);
   m.extra_rows = 0;
   ctx.workers->for_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -241,9 +250,17 @@ void ContactBlock::end_step(const SubstepContext& ctx) {
   impl_->total_residual = 0.0;
   for (Contact& contact : impl_->contacts) {
     const Manifold& m = contact.manifold;
+    const SolverBody& a = ctx.bodies[m.body_a];
+    const SolverBody& b = ctx.bodies[m.body_b];
+    const bool asleep = a.group == SolverBody::kNoGroup && b.group == SolverBody::kNoGroup;
+    if (!asleep || contact.overlap < 0.0) {  // what sleeps is as it was
+      contact.overlap = 0.0;
+      for (int i = 0; i < m.count; ++i) {
+        contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
+      }
+    }
+    impl_->residual = std::max(impl_->residual, contact.overlap);
     for (int i = 0; i < m.count; ++i) {
-      const double gap = gap_of(m, ctx.bodies[m.body_a], ctx.bodies[m.body_b], i);
-      impl_->residual = std::max(impl_->residual, -gap);
       impl_->total_residual = std::max(impl_->total_residual, -contact.debt[i]);
       if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
     }
@@ -260,10 +277,12 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
   if (!(gravity > 0.0)) return;
   std::vector<IslandLoad>& loads = impl_->loads;
   loads.assign(ctx.bodies.size(), {});
-  for (const Contact& contact : impl_->contacts) {
+  for (std::size_t n = 0; n < impl_->contacts.size(); ++n) {
+    const Contact& contact = impl_->contacts[impl_->nth(n)];
     const std::uint32_t a = contact.manifold.body_a;
     const std::uint32_t b = contact.manifold.body_b;
     const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
+    if (ctx.bodies[movable].group == SolverBody::kNoGroup) continue;
     IslandLoad& island = loads[ctx.bodies[movable].island];
     ++island.contacts;
     // An impact is no load, and only what stands can fall.
@@ -315,17 +334,25 @@ BlockReport ContactBlock::report() const {
 }
 
 void ContactBlock::save(ByteWriter& out) const {
+  out.u32(static_cast<std::uint32_t>(impl_->changed.size()));
+  for (const std::uint32_t body : impl_->changed) out.u32(body);
+  out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
+  out.f64(impl_->residual);
+  out.f64(impl_->total_residual);
   out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
   for (const Contact& contact : impl_->contacts) {
     const Manifold& m = contact.manifold;
     out.u64(m.key);
     out.u32(m.body_a);
     out.u32(m.body_b);
+    out.u64(m.order);
     out.vec3(m.normal);
-    for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution,
-                               contact.approach_speed, contact.impulse, contact.carried_share}) {
+    for (const double value :
+         {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
+          contact.impulse, contact.carried_share, contact.overlap}) {
       out.f64(value);
     }
+    out.vec3(contact.friction_force);
     out.u8(static_cast<std::uint8_t>(m.count));
     for (int i = 0; i < m.count; ++i) {
       out.vec3(m.points[i].anchor_a_l);
@@ -340,6 +367,14 @@ void ContactBlock::save(ByteWriter& out) const {
 void ContactBlock::load(ByteReader& in) {
   auto& contacts = impl_->contacts;
   contacts.clear();
+  impl_->changed.clear();
+  const std::uint32_t changed = in.u32();
+  for (std::uint32_t k = 0; k < changed && !in.failed(); ++k) impl_->changed.push_back(in.u32());
+  impl_->extra_rows = static_cast<int>(in.u32());
+  impl_->residual = in.f64();
+  impl_->total_residual = in.f64();
+  impl_->any_friction = false;
+  impl_->any_restitution = false;
   const std::uint32_t size = in.u32();
   for (std::uint32_t k = 0; k < size && !in.failed(); ++k) {
     Contact& contact = contacts.emplace_back();
@@ -347,11 +382,14 @@ void ContactBlock::load(ByteReader& in) {
     m.key = in.u64();
     m.body_a = in.u32();
     m.body_b = in.u32();
+    m.order = in.u64();
     m.normal = in.vec3();
-    for (double* value : {&m.radius_a, &m.radius_b, &m.friction, &m.restitution,
-                          &contact.approach_speed, &contact.impulse, &contact.carried_share}) {
+    for (double* value :
+         {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
+          &contact.impulse, &contact.carried_share, &contact.overlap}) {
       *value = in.f64();
     }
+    contact.friction_force = in.vec3();
     m.count = std::min<int>(in.u8(), Manifold::kMaxPoints);
     for (int i = 0; i < m.count; ++i) {
       m.points[i].anchor_a_l = in.vec3();
@@ -360,6 +398,8 @@ void ContactBlock::load(ByteReader& in) {
       contact.force[i] = in.f64();
       contact.debt[i] = in.f64();
     }
+    impl_->any_friction = impl_->any_friction || m.friction > 0.0;
+    impl_->any_restitution = impl_->any_restitution || m.restitution > 0.0;
   }
 }
 

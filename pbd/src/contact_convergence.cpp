@@ -7,9 +7,10 @@
 
 namespace tandem::pbd {
 
-void ContactConvergence::begin_step(std::span<const SolverBody> bodies) {
+void ContactConvergence::begin_step(std::span<const SolverBody> bodies, const BodyOrder& order) {
   islands_.assign(bodies.size(), {});
-  for (const SolverBody& body : bodies) {
+  for (std::uint32_t rank = 0; rank < bodies.size(); ++rank) {
+    const SolverBody& body = bodies[order.slot(rank)];
     if (body.group == SolverBody::kNoGroup) continue;
     islands_[body.island].speed2 += body.v.squaredNorm();
     ++islands_[body.island].bodies;

@@ -23,7 +23,7 @@ class ContactConvergence {
   };
 
   /// Once per step: how fast the islands move.
-  void begin_step(std::span<const SolverBody> bodies);
+  void begin_step(std::span<const SolverBody> bodies, const BodyOrder& order);
 
   /// Sweep what needs it of the places from `first` to `last`.
   /// @param reverse  the direction of the first sweep

@@ -20,6 +20,7 @@ struct CarriedContact {
   std::array<std::uint32_t, 4> feature{};
   std::array<double, 4> force{};
   std::array<double, 4> debt{};
+  double overlap = -1.0;
   std::array<Vec3, 4> anchor_b_l;
 };
 
@@ -41,7 +42,8 @@ struct IslandLoad {
 };
 
 struct ContactBlock::Impl {
-  std::vector<Contact> contacts;
+  std::vector<Contact> contacts;        ///< by ascending key
+  std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
   std::vector<CarriedContact> carried;
   std::vector<std::uint32_t> changed;        ///< bodies that lost a load, until the next step
   std::vector<ContactRow> rows;              ///< by place in the order
@@ -54,12 +56,28 @@ struct ContactBlock::Impl {
   int extra_rows = 0;             ///< rows swept again in this step
   double residual = 0.0;
   double total_residual = 0.0;
+  bool any_friction = false;
+  bool any_restitution = false;
 
   /// A contact without a successor: what it held up has to wake.
   void note_lost(const CarriedContact& lost) {
     if (*std::max_element(lost.force.begin(), lost.force.end()) <= 0.0) return;
     changed.push_back(lost.body_a);
     changed.push_back(lost.body_b);
+  }
+
+  /// The contact that is nth in order.
+  std::size_t nth(std::size_t n) const { return sequence.empty() ? n : sequence[n]; }
+  void put_in_sequence() {
+    const auto before = [](const Contact& l, const Contact& r) {
+      return l.manifold.order < r.manifold.order;
+    };
+    sequence.clear();
+    if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) sequence.push_back(i);
+    std::sort(sequence.begin(), sequence.end(), [&](std::uint32_t l, std::uint32_t r) {
+      return before(contacts[l], contacts[r]) || (!before(contacts[r], contacts[l]) && l < r);
+    });
   }
 
   double largest_change(std::uint32_t group) const {

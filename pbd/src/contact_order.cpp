@@ -17,12 +17,15 @@ std::uint32_t group_of(const Contact& contact, std::span<const SolverBody> bodie
 
 }  // namespace
 
-void ContactOrder::build(std::span<const Contact> contacts, std::span<const SolverBody> bodies) {
+void ContactOrder::build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
+                         std::span<const SolverBody> bodies) {
+  const auto nth = [&](std::size_t n) { return sequence.empty() ? n : sequence[n]; };
   level_of_body_.assign(bodies.size(), 0);
   slot_of_contact_.resize(contacts.size());
   level_count_.clear();
   // Levels: one above the rows before that share a body.
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const std::size_t i = nth(n);
     const std::uint32_t group = group_of(contacts[i], bodies);
     if (group == SolverBody::kNoGroup) continue;
     const std::uint32_t a = contacts[i].manifold.body_a;
@@ -37,7 +40,7 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const Solv
     if (group >= level_count_.size()) level_count_.resize(group + 1, 0);
     level_count_[group] = std::max(level_count_[group], level + 1);
   }
-  // Counting sort by group, then level; equal ones stay in the order of keys.
+  // Counting sort by group, then level; equal ones stay in sequence.
   first_level_.assign(level_count_.size() + 1, 0);
   for (std::size_t g = 0; g < level_count_.size(); ++g) {
     first_level_[g + 1] = first_level_[g] + level_count_[g];
@@ -63,7 +66,8 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const Solv
     group.last_run = static_cast<std::uint32_t>(runs_.size());
     groups_.push_back(group);
   }
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const std::size_t i = nth(n);
     if (group_of(contacts[i], bodies) == SolverBody::kNoGroup) continue;
     places_[starts_[slot_of_contact_[i]]++] = static_cast<std::uint32_t>(i);
   }

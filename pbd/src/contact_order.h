@@ -11,14 +11,17 @@
 
 namespace tandem::pbd {
 
-/// The order in which rows are swept. It is the order of keys within each group, cut into *levels*:
+/// The order in which rows are swept. It is the order of manifolds within each group (see
+/// Manifold::order), cut into *levels*:
 /// a row's level is one above the highest of the earlier rows that share a movable body with it.
 /// Rows of one level share no such body, so they may be solved in any order or at once, with the
-/// same bits as one after the other by key.
+/// same bits as one after the other.
 class ContactOrder {
  public:
   /// Arrange the contacts of awake groups. `places()[k]` is the contact solved at place k.
-  void build(std::span<const Contact> contacts, std::span<const SolverBody> bodies);
+  /// @param sequence  indices of contacts in the order meant above; empty = as they are
+  void build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
+             std::span<const SolverBody> bodies);
   std::span<const std::uint32_t> places() const { return places_; }
 
   /// Call visit(place) for the rows of a group, forwards or backwards.

@@ -127,6 +127,7 @@ void DistanceJoint::save(ByteWriter& out) const {
   out.f64(def_.max_length);
   out.f64(gap_);
   out.f64(force_);
+  out.f64(residual_);
 }
 
 void DistanceJoint::load(ByteReader& in) {
@@ -144,6 +145,7 @@ void DistanceJoint::load(ByteReader& in) {
   def_.max_length = in.f64();
   gap_ = in.f64();
   force_ = in.f64();
+  residual_ = in.f64();
 }
 
 }  // namespace tandem::pbd

@@ -71,9 +71,13 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
                      std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   islands_.assign(count, {});
+  bool pushed = false;  // by something immovable that moves
   for (std::uint32_t i = 0; i < count; ++i) {
     bodies[i].island = islands.of()[i];
-    if (bodies[i].inv_mass == 0.0) continue;
+    if (bodies[i].inv_mass == 0.0) {
+      pushed = pushed || moves(bodies[i]);
+      continue;
+    }
     Island& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
@@ -93,8 +97,10 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
       const SolverBody& body = bodies[target.body.index];
       if (body.inv_mass > 0.0 && disagrees(target, body)) islands_[body.island].awake = true;
     }
-    Disturber disturber(islands_, bodies);
-    for (const auto& block : blocks) block->links(disturber);
+    if (pushed) {
+      Disturber disturber(islands_, bodies);
+      for (const auto& block : blocks) block->links(disturber);
+    }
   }
   for (Group& group : groups_) {
     group.bodies.clear();
@@ -130,6 +136,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const std::unique_ptr<ConstraintBlock>> blocks,
                     std::span<const double> wanted, std::span<const BodyProps> props,
                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+  if (count_ == 0) return;
   const auto count = static_cast<std::uint32_t>(bodies.size());
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;

@@ -77,6 +77,7 @@ class JointBlock::Impl {
   JointSystem system;
   int count = 0;
   bool dirty = true;
+  bool natural = true;  ///< the order that the system was built with: slots
 };
 
 JointBlock::JointBlock() : impl_(std::make_unique<Impl>()) {}
@@ -159,9 +160,11 @@ void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> want
 }
 
 void JointBlock::begin_step(const SubstepContext& ctx) {
-  if (impl_->dirty || !impl_->system.fits(impl_->records, ctx.bodies)) {
-    impl_->system.build(impl_->records, ctx.bodies);
+  if (impl_->dirty || impl_->natural != ctx.order.natural() ||
+      !impl_->system.fits(impl_->records, ctx.bodies)) {
+    impl_->system.build(impl_->records, ctx.bodies, ctx.order);
     impl_->dirty = false;
+    impl_->natural = ctx.order.natural();
   }
   impl_->system.sort_groups(ctx.bodies);
   for (JointRecord& record : impl_->records) {
@@ -289,6 +292,8 @@ void JointBlock::save(ByteWriter& out) const {
   }
   out.u32(static_cast<std::uint32_t>(impl_->free.size()));
   for (const std::uint32_t index : impl_->free) out.u32(index);
+  out.u32(static_cast<std::uint32_t>(impl_->changed.size()));
+  for (const std::uint32_t body : impl_->changed) out.u32(body);
 }
 
 void JointBlock::load(ByteReader& in) {
@@ -306,6 +311,9 @@ void JointBlock::load(ByteReader& in) {
   const std::uint32_t free_count = in.u32();
   impl_->free.reserve(impl_->records.size());
   for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) impl_->free.push_back(in.u32());
+  impl_->changed.clear();
+  const std::uint32_t changed = in.u32();
+  for (std::uint32_t i = 0; i < changed && !in.failed(); ++i) impl_->changed.push_back(in.u32());
   impl_->dirty = true;
 }
 

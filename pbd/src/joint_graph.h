@@ -51,13 +51,19 @@ class JointGraph {
   };
 
   void build(std::span<const Edge> edges);
+  /// Call the bodies by other names: `name(body)` in place of what the edges said.
+  template <class Name>
+  void rename_bodies(Name&& name) {
+    for (std::uint32_t& body : bodies_) body = name(body);
+  }
 
   const std::vector<Node>& nodes() const { return nodes_; }  ///< by part, in elimination order
   const std::vector<Later>& later() const { return later_; }
   const std::vector<std::uint32_t>& updates() const { return updates_; }
   const std::vector<Link>& links() const { return links_; }
-  const std::vector<std::uint32_t>& bodies() const { return bodies_; }  ///< by part, ascending
-  const std::vector<std::uint8_t>& hubs() const { return hubs_; }       ///< by slot
+  /// By part, ascending by the numbers that the edges gave them.
+  const std::vector<std::uint32_t>& bodies() const { return bodies_; }
+  const std::vector<std::uint8_t>& hubs() const { return hubs_; }  ///< by slot
   const std::vector<Part>& parts() const { return parts_; }
   std::uint32_t value_count() const { return value_count_; }
   std::uint32_t right_count() const { return right_count_; }

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_system.h"
 
+#include <algorithm>
+
 namespace tandem::pbd {
 namespace {
 
@@ -11,15 +13,24 @@ std::uint32_t movable(BodyId id, std::span<const SolverBody> bodies) {
 
 }  // namespace
 
-void JointSystem::build(std::span<const JointRecord> records, std::span<const SolverBody> bodies) {
+void JointSystem::build(std::span<const JointRecord> records, std::span<const SolverBody> bodies,
+                        const BodyOrder& order) {
   std::vector<JointGraph::Edge> edges;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const JointRecord& r = records[i];
     if (!r.active() || r.used == 0) continue;
-    edges.push_back({static_cast<std::uint32_t>(i), movable(r.def.a, bodies),
-                     movable(r.def.b, bodies), r.rows()});
+    // Known to the graph by their places in the order.
+    edges.push_back({static_cast<std::uint32_t>(i), order.rank(movable(r.def.a, bodies)),
+                     order.rank(movable(r.def.b, bodies)), r.rows()});
+  }
+  if (!order.natural()) {
+    std::sort(edges.begin(), edges.end(), [&](const auto& l, const auto& r) {
+      return order.row_before(records[l.joint].def.a, records[l.joint].def.b, l.joint,
+                              records[r.joint].def.a, records[r.joint].def.b, r.joint);
+    });
   }
   graph_.build(edges);
+  graph_.rename_bodies([&](std::uint32_t rank) { return order.slot(rank); });
   nodes_.assign(graph_.nodes().size(), {});
   slots_.assign(graph_.bodies().size(), {});
   state_.assign(graph_.parts().size(), {});

@@ -17,8 +17,10 @@ class JointSystem {
  public:
   enum class Channel { Real, Total };
 
-  /// Plan for the joints that are active; allocates.
-  void build(std::span<const JointRecord> records, std::span<const SolverBody> bodies);
+  /// Plan for the joints that are active; allocates. Where bodies have an order of their own,
+  /// joints are taken by the order of their bodies, else by slot.
+  void build(std::span<const JointRecord> records, std::span<const SolverBody> bodies,
+             const BodyOrder& order);
   /// Whether the plan still fits which bodies can move.
   bool fits(std::span<const JointRecord> records, std::span<const SolverBody> bodies) const;
   /// Sort parts by group for for_parts().

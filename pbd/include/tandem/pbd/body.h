@@ -5,6 +5,8 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "tandem/pbd/types.h"
 
@@ -52,6 +54,9 @@ struct BodyDef {
   AxisLocks locks;                        ///< dynamic bodies only
   bool bullet = false;    ///< contacts look for the time of impact along its path: small and fast
   bool can_sleep = true;  ///< may be put to rest with its island
+  /// A name for the body, the same in every world that holds it; unique in its world. See
+  /// BodyOrder.
+  std::optional<std::uint64_t> stable_id = {};
 };
 
 /// What a body is between two steps.
@@ -73,6 +78,7 @@ struct BodyProps {
   AxisLocks locks;
   bool bullet = false;
   bool can_sleep = true;
+  std::optional<std::uint64_t> stable_id;
 };
 
 /// What the solver remembers of a body from step to step.
@@ -81,6 +87,42 @@ struct BodyActivity {
   std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
   std::uint16_t calm = 0;  ///< steps in a row for which a lower level would have done
   double still = 0.0;      ///< s for which it has been slow
+};
+
+/// The order in which bodies are taken wherever a result depends on one: those with a stable id by
+/// ascending id, then the others by slot, which is the order in which they were added as long as
+/// none is removed. Two bodies never change places. Worlds whose bodies have the same stable ids
+/// move alike bit for bit, whatever the order in which bodies, colliders and constraints were
+/// added, with this exception: colliders of one body, and constraints of one kind between the same
+/// two bodies, are taken in the order in which they were added.
+/// A view into its world, until bodies are added or removed.
+class BodyOrder {
+ public:
+  BodyOrder() = default;  ///< by slot
+  BodyOrder(std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> slots)
+      : ranks_(ranks), slots_(slots) {}
+
+  /// Whether it is the order of slots.
+  bool natural() const { return ranks_.empty(); }
+  /// Place of a slot; BodyId::kNone keeps its value.
+  std::uint32_t rank(std::uint32_t slot) const {
+    return slot < ranks_.size() ? ranks_[slot] : slot;
+  }
+  std::uint32_t slot(std::uint32_t rank) const { return natural() ? rank : slots_[rank]; }
+  /// Whether a constraint between the slots a and b comes before another one: by its bodies, what
+  /// holds a body to the world first, then by `index`.
+  bool row_before(BodyId a, BodyId b, std::uint32_t index, BodyId other_a, BodyId other_b,
+                  std::uint32_t other_index) const {
+    // The world comes first: its rank wraps round to 0.
+    const auto place = [&](BodyId id) { return rank(id.index) + 1; };
+    if (place(a) != place(other_a)) return place(a) < place(other_a);
+    if (place(b) != place(other_b)) return place(b) < place(other_b);
+    return index < other_index;
+  }
+
+ private:
+  std::span<const std::uint32_t> ranks_;  ///< by slot; empty where slots are in order
+  std::span<const std::uint32_t> slots_;  ///< by rank
 };
 
 /// Force (N) and torque about the centre of mass (N m), both in the world frame.

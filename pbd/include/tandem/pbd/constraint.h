@@ -41,6 +41,9 @@ struct alignas(64) SolverBody {
   bool total = false;  ///< takes part in the total channel in this step
   /// Some row of a block before contacts names it: its predicted pose is made before they project.
   bool projected = false;
+  /// Something may turn it in this step. Where nothing can (no spin, no row with a lever arm), its
+  /// inverse inertia is 0 for the step and its orientation is left alone.
+  bool turns = false;
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 };
 
@@ -64,15 +67,14 @@ struct SubstepContext {
   /// whose bodies carries its number.
   std::uint32_t group = 0;
   Workers* workers = nullptr;  ///< may share the work of a verb; never null within a step
+  /// What is not taken by slot where the outcome depends on it: the order of rows, sums over
+  /// bodies.
+  BodyOrder order = {};
+  bool shared = false;  ///< some body takes part in the total channel
 };
 
 /// Whether any body takes part in the total channel.
-inline bool any_total(const SubstepContext& ctx) {
-  for (const SolverBody& body : ctx.bodies) {
-    if (body.total) return true;
-  }
-  return false;
-}
+inline bool any_total(const SubstepContext& ctx) { return ctx.shared; }
 
 /// What a block tells about itself after a step.
 struct BlockReport {

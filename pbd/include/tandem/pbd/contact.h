@@ -45,7 +45,8 @@ struct Contact {
   std::array<double, 4> debt{};  ///< m, <= 0: the overlap that agreement left behind
   /// m/s, fastest approach that an impulse stopped in the last step; >= 0
   double approach_speed = 0.0;
-  double impulse = 0.0;  ///< N s, normal, sum over points and substeps of the last step
+  double impulse = 0.0;   ///< N s, normal, sum over points and substeps of the last step
+  double overlap = -1.0;  ///< m, at the end of the last step, >= 0; below 0: not known yet
 
   /// Whether any point carried a load in the last substep.
   bool loaded() const {
@@ -53,7 +54,8 @@ struct Contact {
   }
 };
 
-/// All contacts of a world, one for each manifold of the last detection, by ascending key.
+/// All contacts of a world, one for each manifold of the last detection, by ascending key; solved
+/// in the order of their manifolds.
 ///
 /// C_i = normal . (p_b,i - p_a,i) - radius_a - radius_b  [m];  C >= 0, lambda >= 0, C lambda = 0.
 /// All normals of a manifold are solved together, as a linear complementarity problem of up to four
@@ -77,6 +79,8 @@ class ContactBlock final : public ConstraintBlock {
   void set_manifolds(std::vector<Manifold>& manifolds);
   void configure(const ContactOptions& options);
   std::span<const Contact> contacts() const;
+  bool any_friction() const;     ///< some contact has a coefficient above 0
+  bool any_restitution() const;  ///< likewise
 
   std::string_view name() const override { return "contact"; }
   int order() const override { return static_cast<int>(SolveOrder::Contact); }

@@ -31,8 +31,12 @@ struct ManifoldPoint {
 struct Manifold {
   static constexpr int kMaxPoints = 4;
 
-  /// Names the pair, the same in every step; rows are solved in ascending order of keys.
+  /// Names the pair, the same in every step.
   std::uint64_t key = 0;
+  /// Manifolds are solved in ascending order of this, equal ones by key. It may change from step to
+  /// step as long as no two manifolds change places; a source that follows World::order() makes
+  /// motion independent of the order in which a scene was built.
+  std::uint64_t order = 0;
   std::uint32_t body_a = BodyId::kNone;  ///< index into the world's bodies
   std::uint32_t body_b = BodyId::kNone;
   Vec3 normal = Vec3::UnitZ();  ///< world, unit, from a to b

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,18 @@ struct ConsensusEnergy {
   double leak = 0.0;  ///< kinetic energy that braking of blocked bodies removed, <= 0
 };
 
+/// What the bodies and rows of a step asked for. What nothing asks for is left out.
+struct StepParts {
+  bool contacts = false;
+  bool friction = false;
+  bool restitution = false;
+  bool joints = false;      ///< rows that project poses: joints, springs, tethers
+  bool rotation = false;    ///< some body turns or may be turned
+  bool sleep = false;       ///< bodies are watched for rest
+  bool refinement = false;  ///< islands are asked how many substeps they need
+  bool targets = false;
+};
+
 /// What one step did. A reference that is valid until the solver's next step.
 struct StepReport {
   StepStatus status = StepStatus::Ok;
@@ -40,10 +53,14 @@ struct StepReport {
   int substeps = 0;       ///< of the group that had most
   int bodies = 0;
   int targets = 0;
-  int awake = 0;                              ///< bodies that were solved
-  int stopped = 0;                            ///< bodies that would have got through something
-  int groups = 0;                             ///< of islands with different numbers of substeps
-  int velocity_iterations = 0;                ///< over all substeps
+  int awake = 0;                ///< bodies that were solved
+  int stopped = 0;              ///< bodies that would have got through something
+  int groups = 0;               ///< of islands with different numbers of substeps
+  int velocity_iterations = 0;  ///< over all substeps
+  int turning = 0;              ///< bodies whose orientation something may change
+  int threads = 1;
+  std::array<bool, kStageCount> ran{};  ///< whether the stage had anything to do
+  StepParts parts;
   std::array<double, kStageCount> stage_s{};  ///< wall time of each stage, s
   std::vector<BlockReport> blocks;            ///< rows and residuals, in solve order
   ConsensusEnergy energy;
@@ -54,5 +71,8 @@ struct StepReport {
     return sum;
   }
 };
+
+/// A few lines on what the step ran and what it left out: stages, parts, blocks, threads.
+std::string describe(const StepReport& report);
 
 }  // namespace tandem::pbd

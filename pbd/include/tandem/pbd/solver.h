@@ -74,6 +74,9 @@ class Solver {
   /// @param dt  s, finite and > 0; anything else leaves the world as it is and reports no substep
   const StepReport& step(World& world, double dt) noexcept;
 
+  /// What the last step ran and what it left out; see describe(const StepReport&).
+  std::string describe() const;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

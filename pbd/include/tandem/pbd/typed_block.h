@@ -23,7 +23,8 @@ struct ConstraintId {
   friend auto operator<=>(const ConstraintId&, const ConstraintId&) = default;
 };
 
-/// All constraints of the kind C, in one array, swept in the order of their slots.
+/// All constraints of the kind C, in one array, swept in the order of their slots, or of their
+/// bodies where those have stable ids.
 ///
 /// C is a plain class that names the verbs it needs, out of those of ConstraintBlock, for one row:
 ///   static constexpr std::string_view kName;  static constexpr int kOrder;
@@ -42,6 +43,7 @@ class TypedBlock final : public ConstraintBlock {
   ConstraintId add(const World& world, const Def& def) {
     C::check(world, def);
     changed(def);
+    sequence_is_old_ = true;
     if (!free_.empty()) {
       const std::uint32_t index = free_.back();
       free_.pop_back();
@@ -78,6 +80,7 @@ class TypedBlock final : public ConstraintBlock {
   int order() const override { return C::kOrder; }
   bool empty() const override { return count_ == 0; }
 
+  void begin_step(const SubstepContext& ctx) override { put_in_sequence(ctx.order); }
   void begin_substep(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.begin_substep(ctx); }) {
       sweep_group(ctx, [&](C& c) { c.begin_substep(ctx); });
@@ -163,6 +166,8 @@ class TypedBlock final : public ConstraintBlock {
     }
     out.u32(static_cast<std::uint32_t>(free_.size()));
     for (const std::uint32_t index : free_) out.u32(index);
+    out.u32(static_cast<std::uint32_t>(changed_.size()));
+    for (const std::uint32_t body : changed_) out.u32(body);
   }
   void load(ByteReader& in) override {
     const std::uint32_t size = in.u32();
@@ -171,6 +176,7 @@ class TypedBlock final : public ConstraintBlock {
     generations_.clear();
     free_.clear();
     count_ = 0;
+    sequence_is_old_ = true;
     for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
       alive_.push_back(in.u8());
       generations_.push_back(in.u32());
@@ -181,16 +187,32 @@ class TypedBlock final : public ConstraintBlock {
     const std::uint32_t free_count = in.u32();
     free_.reserve(rows_.size());
     for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) free_.push_back(in.u32());
+    changed_.clear();
+    const std::uint32_t changed_count = in.u32();
+    for (std::uint32_t i = 0; i < changed_count && !in.failed(); ++i) changed_.push_back(in.u32());
   }
 
  private:
   template <class Visit>
   void sweep(bool reverse, Visit&& visit) {
-    const std::size_t n = rows_.size();
+    const std::size_t n = sequence_.empty() ? rows_.size() : sequence_.size();
     for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t i = reverse ? n - 1 - k : k;
+      const std::size_t at = reverse ? n - 1 - k : k;
+      const std::size_t i = sequence_.empty() ? at : sequence_[at];
       if (alive_[i] != 0) visit(rows_[i]);
     }
+  }
+  void put_in_sequence(const BodyOrder& order) {
+    if (!sequence_is_old_ && natural_ == order.natural()) return;
+    sequence_is_old_ = false;
+    natural_ = order.natural();
+    sequence_.clear();
+    if (natural_) return;
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) sequence_.push_back(i);
+    std::sort(sequence_.begin(), sequence_.end(), [&](std::uint32_t l, std::uint32_t r) {
+      return order.row_before(rows_[l].body_a(), rows_[l].body_b(), l, rows_[r].body_a(),
+                              rows_[r].body_b(), r);
+    });
   }
   template <class Visit>
   void sweep_group(const SubstepContext& ctx, Visit&& visit) {
@@ -224,6 +246,7 @@ class TypedBlock final : public ConstraintBlock {
   }
   void erase(std::uint32_t index) {
     changed(rows_[index].def());
+    sequence_is_old_ = true;
     alive_[index] = 0;
     ++generations_[index];
     free_.push_back(index);
@@ -234,7 +257,10 @@ class TypedBlock final : public ConstraintBlock {
   std::vector<std::uint8_t> alive_;
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint32_t> free_;
-  std::vector<std::uint32_t> changed_;  ///< bodies, until the next step
+  std::vector<std::uint32_t> changed_;   ///< bodies, until the next step
+  std::vector<std::uint32_t> sequence_;  ///< slots in the order of sweeps; empty = as they are
+  bool sequence_is_old_ = true;
+  bool natural_ = true;  ///< the order of bodies that the sequence was made for
   int count_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <utility>
@@ -16,6 +17,7 @@
 
 namespace tandem::pbd {
 
+class BodyBuffer;
 class ContactBlock;
 
 struct WorldDef {
@@ -46,6 +48,10 @@ class World {
   /// Slots in use or free; indices are below this.
   std::uint32_t slot_count() const;
   std::size_t body_count() const;
+
+  /// The body with this stable id, or an invalid id where there is none.
+  BodyId find(std::uint64_t stable_id) const;
+  BodyOrder order() const;
 
   const BodyState& state(BodyId id) const;
   const Pose& pose(BodyId id) const { return state(id).pose; }
@@ -124,6 +130,7 @@ class World {
   std::uint64_t hash() const;
 
  private:
+  friend class BodyBuffer;
   friend class Solver;
 
   void insert_block(std::unique_ptr<ConstraintBlock> block);
@@ -144,6 +151,11 @@ class World {
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint8_t> alive_;
   std::vector<std::uint32_t> free_;
+  std::map<std::uint64_t, std::uint32_t> by_stable_id_;  ///< slots
+  /// What order() shows, made when it is asked for; empty where no body has a stable id.
+  mutable std::vector<std::uint32_t> ranks_;
+  mutable std::vector<std::uint32_t> slots_by_rank_;
+  mutable bool order_is_old_ = false;
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
   std::vector<BodyActivity> activity_;    ///< by slot

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "body_buffer.h"
+
+#include <algorithm>
+
+#include "integrate.h"
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/math.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// Bodies given to a worker at a time.
+constexpr std::size_t kGrain = 256;
+
+bool is_finite(const SolverBody& body) {
+  return body.x.allFinite() && body.q.coeffs().allFinite() && body.v.allFinite() &&
+         body.w.allFinite();
+}
+
+void load_body(const BodyState& state, const BodyProps& props, SolverBody& body) {
+  body.x = state.pose.position;
+  body.q = state.pose.orientation;
+  body.v = state.twist.linear;
+  body.w = state.twist.angular;
+  body.inv_mass = props.inverse_mass;
+  body.gravity_scale = body.inv_mass > 0.0 ? props.gravity_scale : 0.0;
+  body.inv_inertia_w.setZero();
+  body.dx.setZero();
+  body.dtheta.setZero();
+  body.v_push.setZero();
+  body.w_push.setZero();
+  body.group = SolverBody::kNoGroup;
+  body.total = false;
+  body.projected = false;
+  body.turns = false;
+}
+
+/// Marks every body that rows name.
+class TurnMarker final : public LinkVisitor {
+ public:
+  explicit TurnMarker(std::span<SolverBody> bodies) : bodies_(bodies) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a != BodyId::kNone) bodies_[a].turns = true;
+    if (b != BodyId::kNone) bodies_[b].turns = true;
+  }
+
+ private:
+  std::span<SolverBody> bodies_;
+};
+
+}  // namespace
+
+void BodyBuffer::load(World& world, double dt, Workers& workers) {
+  const std::size_t count = world.states_.size();
+  bodies_.resize(count);
+  kinematic_.clear();
+  workers.for_chunks(count, kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      load_body(world.states_[i], world.props_[i], bodies_[i]);
+    }
+  });
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (world.props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
+  }
+  for (const World::KinematicTarget& target : world.kinematic_targets_) {
+    SolverBody& body = bodies_[target.index];
+    body.v = (target.pose.position - body.x) / dt;
+    body.w = rotation_between(body.q, target.pose.orientation) / dt;
+    world.states_[target.index].twist = {body.v, body.w};
+  }
+}
+
+int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Workers& workers) {
+  bool all_turn = true;
+  for (const Group& group : groups) {
+    for (const std::uint32_t i : group.bodies) {
+      SolverBody& body = bodies_[i];
+      body.turns = body.projected || body.total || !body.w.isZero(0.0) ||
+                   (!world.wrenches_.empty() && !world.wrenches_[i].torque.isZero(0.0));
+      all_turn = all_turn && body.turns;
+    }
+  }
+  if (!all_turn) mark_turned(world);
+  workers.for_chunks(bodies_.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
+      // One that sleeps may still be named in the total channel.
+      if (solved || bodies_[i].total) refresh_inertia(bodies_[i], world.props_[i]);
+    }
+  });
+  int count = 0;
+  for (const Group& group : groups) {
+    for (const std::uint32_t i : group.bodies) count += bodies_[i].turns ? 1 : 0;
+  }
+  return count;
+}
+
+/// Rows give a torque, but for contacts without friction whose force goes through the centre.
+void BodyBuffer::mark_turned(const World& world) {
+  TurnMarker marker(bodies_);
+  for (const auto& block : world.blocks_) {
+    if (block.get() != world.contacts_) block->links(marker);
+  }
+  if (world.contacts_ == nullptr) return;
+  for (const Contact& contact : world.contacts_->contacts()) {
+    const Manifold& m = contact.manifold;
+    bool arm_a = m.friction > 0.0;
+    bool arm_b = m.friction > 0.0;
+    for (int i = 0; i < m.count; ++i) {
+      arm_a = arm_a || !m.points[i].anchor_a_l.isZero(0.0);
+      arm_b = arm_b || !m.points[i].anchor_b_l.isZero(0.0);
+    }
+    if (arm_a) bodies_[m.body_a].turns = true;
+    if (arm_b) bodies_[m.body_b].turns = true;
+  }
+}
+
+void BodyBuffer::move_kinematic(double h) {
+  for (const std::uint32_t i : kinematic_) {
+    bodies_[i].x += h * bodies_[i].v;
+    bodies_[i].q = rotated(bodies_[i].q, h * bodies_[i].w);
+  }
+}
+
+void BodyBuffer::rewind_kinematic(const World& world) {
+  for (const std::uint32_t i : kinematic_) {
+    bodies_[i].x = world.states_[i].pose.position;
+    bodies_[i].q = world.states_[i].pose.orientation;
+  }
+}
+
+void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, StepReport& report) {
+  for (const Group& group : groups) {
+    for (const std::uint32_t i : group.bodies) {
+      const SolverBody& body = bodies_[i];
+      BodyState& state = world.states_[i];
+      if (is_finite(body)) {
+        state.pose = {body.x, body.q};
+        state.twist = {body.v, body.w};
+        continue;
+      }
+      state.twist = {};  // the pose stays where the step began
+      if (report.status == StepStatus::Ok || i < report.first_bad_body.index) {
+        report.status = StepStatus::NonFinite;
+        report.first_bad_body = {i, world.generations_[i]};
+      }
+    }
+  }
+  store_kinematic(world, dt);
+  if (world.contacts_ != nullptr) mark_contacts(world);
+}
+
+void BodyBuffer::store_kinematic(World& world, double dt) {
+  for (const std::uint32_t i : kinematic_) {
+    Pose& pose = world.states_[i].pose;
+    pose.position += dt * bodies_[i].v;
+    pose.orientation = rotated(pose.orientation, dt * bodies_[i].w);
+  }
+  for (const World::KinematicTarget& target : world.kinematic_targets_) {
+    world.states_[target.index] = {target.pose, {}};
+  }
+  world.kinematic_targets_.clear();
+}
+
+void BodyBuffer::mark_contacts(World& world) {
+  std::fill(world.in_contact_.begin(), world.in_contact_.end(), std::uint8_t{0});
+  for (const Contact& contact : world.contacts_->contacts()) {
+    if (!contact.loaded()) continue;
+    world.in_contact_[contact.manifold.body_a] = 1;
+    world.in_contact_[contact.manifold.body_b] = 1;
+  }
+}
+
+}  // namespace tandem::pbd

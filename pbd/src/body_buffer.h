@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "groups.h"
+#include "tandem/pbd/constraint.h"
+#include "tandem/pbd/report.h"
+#include "tandem/pbd/workers.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::pbd {
+
+/// The world's bodies as the pass sees them, by slot, for one step.
+class BodyBuffer {
+ public:
+  /// Kinematic bodies with a target get the velocity that takes them there.
+  void load(World& world, double dt, Workers& workers);
+  /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
+  /// @return how many those are
+  int prepare(const World& world, std::span<const Group> groups, Workers& workers);
+  std::span<SolverBody> all() { return bodies_; }
+  SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
+  std::size_t size() const { return bodies_.size(); }
+
+  void move_kinematic(double h);
+  /// Back to where the step began: each group sees them move.
+  void rewind_kinematic(const World& world);
+
+  /// Back into the world. A body that has left the finite numbers stays where the step began, at
+  /// rest, and is named in the report.
+  void store(World& world, double dt, std::span<const Group> groups, StepReport& report);
+
+ private:
+  void mark_turned(const World& world);
+  void store_kinematic(World& world, double dt);
+  static void mark_contacts(World& world);
+
+  std::vector<SolverBody> bodies_;
+  std::vector<std::uint32_t> kinematic_;
+};
+
+}  // namespace tandem::pbd

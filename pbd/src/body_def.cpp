@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "body_def.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::pbd {
+
+void check_pose(const Pose& pose, std::string_view kind) {
+  detail::require_finite(pose.position, kind, "pose.position");
+  const double norm = pose.orientation.norm();
+  detail::require(std::abs(norm - 1.0) < 1e-3, kind, "pose.orientation", norm,
+                  "a quaternion of unit norm (within 1e-3)");
+}
+
+void check_twist(const Twist& twist, std::string_view kind) {
+  detail::require_finite(twist.linear, kind, "twist.linear");
+  detail::require_finite(twist.angular, kind, "twist.angular");
+}
+
+void check_damping(double linear, double angular, std::string_view kind) {
+  detail::require(linear >= 0.0 && std::isfinite(linear), kind, "linear_damping", linear,
+                  "finite and >= 0");
+  detail::require(angular >= 0.0 && std::isfinite(angular), kind, "angular_damping", angular,
+                  "finite and >= 0");
+}
+
+void check_def(const BodyDef& def) {
+  constexpr std::string_view kKind = "BodyDef";
+  check_pose(def.pose, kKind);
+  check_twist(def.twist, kKind);
+  detail::require(std::isfinite(def.gravity_scale), kKind, "gravity_scale", def.gravity_scale,
+                  "finite");
+  check_damping(def.linear_damping, def.angular_damping, kKind);
+  if (def.type != BodyType::Dynamic) return;
+  detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
+                  "finite and > 0");
+  detail::require(def.inertia.allFinite(), kKind, "inertia", def.inertia.sum(), "finite");
+  const double asymmetry = (def.inertia - def.inertia.transpose()).cwiseAbs().maxCoeff();
+  const double size = def.inertia.cwiseAbs().maxCoeff();
+  detail::require(asymmetry <= 1e-9 * size, kKind, "inertia", asymmetry, "symmetric");
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(def.inertia, Eigen::EigenvaluesOnly);
+  const Vec3& moments = eigen.eigenvalues();  // ascending
+  detail::require(moments[0] > 0.0, kKind, "inertia", moments[0], "positive definite");
+  detail::require(moments[0] + moments[1] >= moments[2] * (1.0 - 1e-6), kKind, "inertia",
+                  moments[2], "largest moment at most the sum of the other two");
+}
+
+BodyProps make_props(const BodyDef& def) {
+  BodyProps props;
+  props.type = def.type;
+  props.gravity_scale = def.gravity_scale;
+  props.stable_id = def.stable_id;
+  if (def.type == BodyType::Dynamic) {
+    props.mass = def.mass;
+    props.inverse_mass = 1.0 / def.mass;
+    props.inertia_l = 0.5 * (def.inertia + def.inertia.transpose());
+    props.inverse_inertia_l = props.inertia_l.inverse();
+    props.linear_damping = def.linear_damping;
+    props.angular_damping = def.angular_damping;
+    props.locks = def.locks;
+    props.bullet = def.bullet;
+    props.can_sleep = def.can_sleep;
+  }
+  return props;
+}
+
+namespace detail {
+
+void require(bool ok, std::string_view kind, std::string_view field, double value,
+             std::string_view rule) {
+  if (ok) return;
+  throw std::invalid_argument(std::string(kind) + ": " + std::string(field) + " = " +
+                              std::to_string(value) + " breaks the rule: " + std::string(rule));
+}
+
+void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {
+  for (int i = 0; i < 3; ++i) require(std::isfinite(value[i]), kind, field, value[i], "finite");
+}
+
+void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field) {
+  if (world.contains(id)) return;
+  throw std::invalid_argument(std::string(kind) + ": " + std::string(field) + " = body " +
+                              std::to_string(id.index) + " (generation " +
+                              std::to_string(id.generation) + ") names no body of this world");
+}
+
+}  // namespace detail
+
+}  // namespace tandem::pbd

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <vector>
+
+#include "body_buffer.h"
+#include "groups.h"
+#include "islands.h"
+#include "stage_clock.h"
+#include "tandem/pbd/solver.h"
+#include "tandem/pbd/workers.h"
+#include "targets.h"
+
+namespace tandem::pbd {
+
+/// The step: what it does in which order is in solver.cpp, the stages are in solver_stages.cpp.
+class Solver::Impl {
+ public:
+  explicit Impl(const SolverOptions& options) : options_(options), workers_(options.threads) {}
+  const SolverOptions& options() const { return options_; }
+  const StepReport& report() const { return report_; }
+
+  const StepReport& step(World& world, double dt);
+  /// For a step that is none.
+  const StepReport& refuse();
+
+ private:
+  /// Bodies given to a worker at a time.
+  static constexpr std::size_t kBodyGrain = 256;
+
+  // Stages.
+  void begin_step(World& world, double dt);
+  void begin_group(std::uint32_t group);
+  void begin_substep(int i);
+  /// Velocities to the end of the substep; poses only of bodies whose rows project them.
+  void integrate();
+  void project();
+  void advance_poses();
+  /// Before the contact velocity pass, so that contacts can veto it.
+  void agree_velocities();
+  void solve_velocities();
+  /// The total channel: the same rows once more, for where bodies are and not for how they move.
+  void solve_total(int iterations);
+  void clean_up();
+  void end_step();
+
+  // Parts of stages.
+  void reset_report();
+  void end_stage(Stage stage);
+  void detect();
+  void collect_targets();
+  /// Not-a-number never enters a world, whoever made the target.
+  bool usable(const PoseTarget& target) const;
+  /// Islands, and from them the groups that are solved together.
+  void arrange_groups();
+  Groups::Rule group_rule() const;
+  void list_parts();
+  void project_joints();
+  /// Nothing tunnels: bodies that would get through something stop on their way.
+  void limit_motion();
+  /// Non-penetration has the last word in each sweep.
+  static bool is_last(const ConstraintBlock& block) {
+    return block.order() >= static_cast<int>(SolveOrder::Contact);
+  }
+  template <class Visit>
+  void for_blocks(Visit&& visit) {
+    for (const auto& block : world_->blocks_) {
+      if (!block->empty()) visit(*block);
+    }
+  }
+
+  /// Bodies of the current group, shared out among the workers.
+  template <class Visit>
+  void for_group(Visit&& visit) {
+    const std::vector<std::uint32_t>& list = group_->bodies;
+    workers_.for_chunks(list.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) visit(bodies_[list[k]], list[k]);
+    });
+  }
+
+  SolverOptions options_;
+  Workers workers_;
+  World* world_ = nullptr;  ///< during a step only
+  double dt_ = 0.0;
+  SubstepContext context_;
+  StepReport report_;
+  StageClock clock_;
+  Targets targets_;
+  Islands islands_;
+  BodyBuffer bodies_;
+  bool has_rows_ = false;  ///< there is a row, and a body that is awake
+  bool projects_ = false;  ///< some row projects poses
+  Groups groups_;
+  std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
+  std::vector<double> wanted_;          ///< by body: substeps that rows ask for
+  const Group* group_ = nullptr;        ///< the one being solved
+  std::vector<Manifold> manifolds_;
+  std::vector<Pose> after_;  ///< by slot
+  std::vector<MotionLimit> limits_;
+  std::vector<PoseTarget> pose_targets_;
+};
+
+}  // namespace tandem::pbd

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The stages of a step, in their order, and below them the parts that they are made of.
+#include <algorithm>
+#include <cmath>
+
+#include "integrate.h"
+#include "solver_impl.h"
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/math.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// Marks the bodies whose poses rows project.
+class ProjectedMarker final : public LinkVisitor {
+ public:
+  explicit ProjectedMarker(std::span<SolverBody> bodies) : bodies_(bodies) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a != BodyId::kNone) bodies_[a].projected = true;
+    if (b != BodyId::kNone) bodies_[b].projected = true;
+  }
+
+ private:
+  std::span<SolverBody> bodies_;
+};
+
+}  // namespace
+
+void Solver::Impl::begin_step(World& world, double dt) {
+  world_ = &world;
+  dt_ = dt;
+  clock_.start(options_.measure_stages);
+  reset_report();
+  detect();
+  if (world.contact_source_ != nullptr) end_stage(Stage::Detect);
+  bodies_.load(world, dt, workers_);
+  collect_targets();
+  arrange_groups();
+  report_.turning = bodies_.prepare(world, groups_.all(), workers_);
+  list_parts();
+  context_ = {.bodies = bodies_.all(),
+              .h = dt / options_.substeps,
+              .gravity = world.gravity_,
+              .workers = &workers_,
+              .order = world.order(),
+              .shared = !targets_.empty()};
+  for_blocks([&](ConstraintBlock& block) { block.begin_step(context_); });
+  end_stage(Stage::Begin);
+}
+
+void Solver::Impl::begin_group(std::uint32_t group) {
+  group_ = &groups_.all()[group];
+  context_.group = group;
+  context_.substeps = group_->substeps;
+  context_.h = dt_ / group_->substeps;
+  if (group > 0) bodies_.rewind_kinematic(*world_);
+  if (!targets_.empty()) {
+    const int parts = options_.form == ConsensusForm::Substep ? group_->substeps : 1;
+    targets_.select_group(group, parts, bodies_.all());
+  }
+  report_.substeps = std::max(report_.substeps, group_->substeps);
+}
+
+void Solver::Impl::begin_substep(int i) {
+  context_.substep = i;
+  context_.last = i + 1 == context_.substeps;
+  context_.reverse = (i % 2) == 1;
+  for_blocks([&](ConstraintBlock& block) { block.begin_substep(context_); });
+  clock_.stop(Stage::Begin);
+}
+
+void Solver::Impl::integrate() {
+  const double h = context_.h;
+  for_group([&](SolverBody& body, std::uint32_t i) {
+    const Wrench* wrench = world_->wrenches_.empty() ? nullptr : &world_->wrenches_[i];
+    integrate_velocity(body, world_->props_[i], wrench, context_.gravity, h);
+  });
+  bodies_.move_kinematic(h);
+  end_stage(Stage::Integrate);
+}
+
+void Solver::Impl::project() {
+  if (!has_rows_) return;
+  for_blocks([&](ConstraintBlock& block) { block.warm_start(context_); });
+  for (int i = 0; i < options_.position_iterations; ++i) {
+    if (projects_) project_joints();
+    for_blocks([&](ConstraintBlock& block) {
+      if (is_last(block)) block.project(context_);
+    });
+  }
+  end_stage(Stage::Project);
+}
+
+void Solver::Impl::advance_poses() {
+  const double h = context_.h;
+  for_group([&](SolverBody& body, std::uint32_t i) {
+    if (world_->props_[i].locks.any()) enforce_locks(body, world_->props_[i].locks);
+    advance_pose(body, h);
+  });
+  clock_.stop(Stage::Integrate);
+}
+
+void Solver::Impl::agree_velocities() {
+  if (targets_.empty() || !targets_.selected()) return;
+  targets_.advance(context_.h, context_.h * (context_.substep + 1));
+  if (options_.form == ConsensusForm::Substep || context_.last) {
+    targets_.agree_velocities(bodies_.all(), world_->props_, world_->corrections_, report_.energy);
+  }
+}
+
+void Solver::Impl::solve_velocities() {
+  if (!has_rows_ && targets_.empty()) return;
+  const bool reverse = context_.reverse;
+  for (int i = 0; i < options_.velocity_iterations; ++i) {
+    double change = 0.0;
+    context_.reverse = (context_.substep + i) % 2 == 0;
+    for_blocks(
+        [&](ConstraintBlock& block) { change = std::max(change, block.solve_velocity(context_)); });
+    ++report_.velocity_iterations;
+    if (change <= options_.velocity_tolerance) break;
+  }
+  context_.reverse = reverse;
+  for_blocks([&](ConstraintBlock& block) { block.finish_velocity(context_); });
+  if (group_->locked) {
+    for_group(
+        [&](SolverBody& body, std::uint32_t i) { enforce_locks(body, world_->props_[i].locks); });
+  }
+  end_stage(Stage::Velocity);
+}
+
+void Solver::Impl::solve_total(int iterations) {
+  if (targets_.empty() || !targets_.selected()) return;
+  SubstepContext context = context_;
+  if (options_.form == ConsensusForm::Step) context.h = dt_;
+  targets_.begin_total(bodies_.all());
+  for_blocks([&](ConstraintBlock& block) { block.begin_total(context); });
+  targets_.move_bodies(bodies_.all());
+  for (int i = 0; i < iterations; ++i) {
+    context.reverse = (context_.substep + i) % 2 == 1;
+    for_blocks([&](ConstraintBlock& block) { block.project_total(context); });
+  }
+  for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
+  targets_.end_total(bodies_.all(), world_->props_, world_->corrections_, context_.gravity,
+                     report_.energy);
+  end_stage(Stage::Total);
+}
+
+void Solver::Impl::clean_up() {
+  if (!has_rows_ && targets_.empty()) return;
+  bool ran = !targets_.empty();
+  SubstepContext context = context_;
+  context.h = dt_;
+  for (int i = 0; i < options_.clean_up_iterations; ++i) {
+    bool any = false;
+    context.reverse = i % 2 == 1;
+    for_blocks([&](ConstraintBlock& block) { any = block.clean_up(context) || any; });
+    if (!any) break;
+    ran = true;
+  }
+  if (!targets_.empty()) {
+    for (context.group = 0; context.group < groups_.all().size(); ++context.group) {
+      for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
+    }
+    targets_.leak(options_.leak, dt_, bodies_.all(), world_->props_, report_.energy);
+  }
+  clock_.stop(Stage::CleanUp);
+  report_.ran[static_cast<std::size_t>(Stage::CleanUp)] = ran;
+}
+
+void Solver::Impl::end_step() {
+  SubstepContext context = context_;
+  context.h = dt_;
+  context.substeps = options_.substeps;
+  for_blocks([&](ConstraintBlock& block) { block.end_step(context); });
+  wanted_.assign(bodies_.size(), 0.0);
+  if (report_.parts.refinement) {
+    for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
+  }
+  groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->props_,
+                 world_->activity_, bodies_.all());
+  limit_motion();
+  bodies_.store(*world_, dt_, groups_.all(), report_);
+  world_->wrenches_.clear();
+  world_->time_ += dt_;
+  for (const auto& block : world_->blocks_) {
+    if (!block->empty()) report_.blocks.push_back(block->report());
+  }
+  end_stage(Stage::End);
+  report_.stage_s = clock_.seconds();
+}
+
+// --- parts of stages ----------------------------------------------------------------------------
+
+void Solver::Impl::project_joints() {
+  const double h = context_.h;
+  for_group([&](SolverBody& body, std::uint32_t i) {
+    if (!body.projected) return;
+    advance_pose(body, h);
+    refresh_inertia(body, world_->props_[i]);
+  });
+  const bool reverse = context_.reverse;
+  for (int i = 0; i < options_.joint_iterations; ++i) {
+    double largest = 0.0;
+    for_blocks([&](ConstraintBlock& block) {
+      if (!is_last(block)) largest = std::max(largest, block.project(context_));
+    });
+    if (largest <= options_.joint_tolerance) break;
+    context_.reverse = !context_.reverse;
+  }
+  context_.reverse = reverse;
+  for_group([&](SolverBody& body, std::uint32_t i) {
+    if (body.projected) absorb_corrections(body, world_->props_[i], h);
+  });
+}
+
+void Solver::Impl::reset_report() {
+  report_.status = StepStatus::Ok;
+  report_.first_bad_body = {};
+  report_.substeps = 0;
+  report_.bodies = static_cast<int>(world_->body_count());
+  report_.velocity_iterations = 0;
+  report_.groups = 0;
+  report_.stopped = 0;
+  report_.awake = 0;
+  report_.turning = 0;
+  report_.threads = options_.threads;
+  report_.ran = {};
+  report_.parts = {};
+  report_.blocks.clear();
+  report_.energy = {};
+}
+
+void Solver::Impl::end_stage(Stage stage) {
+  clock_.stop(stage);
+  report_.ran[static_cast<std::size_t>(stage)] = true;
+}
+
+void Solver::Impl::list_parts() {
+  const bool awake = !groups_.all().empty();
+  const ContactBlock* contacts = world_->contacts_;
+  const bool touching = awake && contacts != nullptr && !contacts->empty();
+  report_.parts = {.contacts = touching,
+                   .friction = touching && contacts->any_friction(),
+                   .restitution = touching && contacts->any_restitution(),
+                   .joints = projects_,
+                   .rotation = report_.turning > 0,
+                   .sleep = awake && options_.sleep_after > 0.0,
+                   .refinement = has_rows_ && options_.refine,
+                   .targets = !targets_.empty()};
+}
+
+void Solver::Impl::detect() {
+  if (world_->contact_source_ == nullptr) return;
+  manifolds_.clear();
+  world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
+  world_->contacts_->configure(options_.contact);
+  world_->contacts_->set_manifolds(manifolds_);
+}
+
+void Solver::Impl::collect_targets() {
+  pose_targets_.clear();
+  if (world_->target_source_ != nullptr) {
+    world_->target_source_->collect(*world_, dt_, pose_targets_);
+    std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t); });
+    world_->corrections_.assign(bodies_.size(), {});
+  }
+  targets_.begin_step(pose_targets_, bodies_.all(), world_->states_, dt_);
+  report_.targets = targets_.size();
+}
+
+void Solver::Impl::arrange_groups() {
+  islands_.build(world_->blocks_, bodies_.all());
+  changed_.clear();
+  for (const auto& block : world_->blocks_) block->take_changed(changed_);
+  groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_, world_->props_,
+                  world_->activity_, bodies_.all());
+  if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.all());
+  report_.groups = static_cast<int>(groups_.all().size());
+  report_.awake = 0;
+  for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
+  ProjectedMarker marker(bodies_.all());
+  projects_ = false;
+  has_rows_ = false;
+  if (groups_.all().empty()) return;
+  for_blocks([&](ConstraintBlock& block) {
+    has_rows_ = true;
+    if (is_last(block)) return;
+    projects_ = true;
+    block.links(marker);
+  });
+}
+
+Groups::Rule Solver::Impl::group_rule() const {
+  return {.substeps = options_.substeps,
+          .sleep_after = options_.sleep_after,
+          .sleep_speed = options_.sleep_speed,
+          .sleep_spin = options_.sleep_spin};
+}
+
+bool Solver::Impl::usable(const PoseTarget& target) const {
+  return world_->contains(target.body) && target.pose.position.allFinite() &&
+         std::abs(target.pose.orientation.norm() - 1.0) < 1e-3 && target.twist.linear.allFinite() &&
+         target.twist.angular.allFinite() && target.rotation_error.allFinite() &&
+         std::isfinite(target.share);
+}
+
+void Solver::Impl::limit_motion() {
+  if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
+  after_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) after_[i] = {bodies_[i].x, bodies_[i].q};
+  world_->contact_source_->limit_motion(*world_, after_, workers_, limits_);
+  for (const MotionLimit& limit : limits_) {
+    SolverBody& body = bodies_[limit.body];
+    const Vec3& start = world_->states_[limit.body].pose.position;
+    body.x = start + limit.share * (body.x - start);
+    body.v -= std::min(0.0, body.v.dot(limit.normal)) * limit.normal;
+  }
+  report_.stopped = static_cast<int>(limits_.size());
+}
+
+}  // namespace tandem::pbd

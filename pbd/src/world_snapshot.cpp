@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// A world as bytes: everything that the next step depends on.
+#include <stdexcept>
+#include <string>
+
+#include "tandem/pbd/bytes.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::pbd {
+namespace {
+
+constexpr std::uint32_t kSnapshotMagic = 0x53444e54;  // "TNDS"
+constexpr std::uint32_t kSnapshotVersion = 3;
+
+/// Bytes of one slot: head, properties, activity, state.
+constexpr std::size_t kBytesPerSlot =
+    (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8) + (1 + 1 + 4 + 8) + 13 * 8;
+
+void save_props(ByteWriter& out, const BodyProps& props) {
+  out.u8(static_cast<std::uint8_t>(props.type));
+  for (const double value : {props.mass, props.inverse_mass, props.gravity_scale,
+                             props.linear_damping, props.angular_damping}) {
+    out.f64(value);
+  }
+  for (const bool locked : props.locks.linear) out.u8(locked ? 1 : 0);
+  for (const bool locked : props.locks.angular) out.u8(locked ? 1 : 0);
+  out.u8(props.bullet ? 1 : 0);
+  out.u8(props.can_sleep ? 1 : 0);
+  for (int k = 0; k < 9; ++k) out.f64(props.inertia_l(k / 3, k % 3));
+  for (int k = 0; k < 9; ++k) out.f64(props.inverse_inertia_l(k / 3, k % 3));
+  out.u8(props.stable_id ? 1 : 0);
+  out.u64(props.stable_id.value_or(0));
+}
+
+void load_props(ByteReader& in, BodyProps& props) {
+  props.type = static_cast<BodyType>(in.u8());
+  for (double* value : {&props.mass, &props.inverse_mass, &props.gravity_scale,
+                        &props.linear_damping, &props.angular_damping}) {
+    *value = in.f64();
+  }
+  for (bool& locked : props.locks.linear) locked = in.u8() != 0;
+  for (bool& locked : props.locks.angular) locked = in.u8() != 0;
+  props.bullet = in.u8() != 0;
+  props.can_sleep = in.u8() != 0;
+  for (int k = 0; k < 9; ++k) props.inertia_l(k / 3, k % 3) = in.f64();
+  for (int k = 0; k < 9; ++k) props.inverse_inertia_l(k / 3, k % 3) = in.f64();
+  const bool named = in.u8() != 0;
+  const std::uint64_t id = in.u64();
+  props.stable_id = named ? std::optional(id) : std::nullopt;
+}
+
+void save_activity(ByteWriter& out, const BodyActivity& activity) {
+  out.u8(activity.awake ? 1 : 0);
+  out.u8(activity.level);
+  out.u32(activity.calm);
+  out.f64(activity.still);
+}
+
+void load_activity(ByteReader& in, BodyActivity& activity) {
+  activity.awake = in.u8() != 0;
+  activity.level = in.u8();
+  activity.calm = static_cast<std::uint16_t>(in.u32());
+  activity.still = in.f64();
+}
+
+void save_state(ByteWriter& out, const BodyState& state) {
+  out.vec3(state.pose.position);
+  out.quat(state.pose.orientation);
+  out.vec3(state.twist.linear);
+  out.vec3(state.twist.angular);
+}
+
+void load_state(ByteReader& in, BodyState& state) {
+  state.pose.position = in.vec3();
+  state.pose.orientation = in.quat();
+  state.twist.linear = in.vec3();
+  state.twist.angular = in.vec3();
+}
+
+/// Which kinds of constraints a world holds, in order: a snapshot fits no other.
+std::uint64_t kinds_of(std::span<const std::unique_ptr<ConstraintBlock>> blocks) {
+  std::uint64_t hash = hash_bytes({});
+  for (const auto& block : blocks) {
+    const std::string_view name = block->name();
+    hash = hash_bytes(std::as_bytes(std::span(name.data(), name.size())), hash);
+  }
+  return hash;
+}
+
+}  // namespace
+
+std::vector<std::byte> World::snapshot() const {
+  std::vector<std::byte> bytes;
+  ByteWriter out(bytes);
+  out.u32(kSnapshotMagic);
+  out.u32(kSnapshotVersion);
+  out.u32(static_cast<std::uint32_t>(blocks_.size()));
+  out.u64(kinds_of(blocks_));
+  out.u8(contact_source_ != nullptr ? 1 : 0);
+  out.vec3(gravity_);
+  out.f64(time_);
+  out.u32(slot_count());
+  for (std::uint32_t i = 0; i < slot_count(); ++i) {
+    out.u8(alive_[i]);
+    out.u32(generations_[i]);
+    out.u8(in_contact_[i]);
+    save_props(out, props_[i]);
+    save_activity(out, activity_[i]);
+    save_state(out, states_[i]);
+  }
+  out.u32(static_cast<std::uint32_t>(free_.size()));
+  for (const std::uint32_t index : free_) out.u32(index);
+  out.u32(static_cast<std::uint32_t>(wrenches_.size()));
+  for (const Wrench& wrench : wrenches_) {
+    out.vec3(wrench.force);
+    out.vec3(wrench.torque);
+  }
+  out.u32(static_cast<std::uint32_t>(kinematic_targets_.size()));
+  for (const KinematicTarget& target : kinematic_targets_) {
+    out.u32(target.index);
+    out.vec3(target.pose.position);
+    out.quat(target.pose.orientation);
+  }
+  out.u32(static_cast<std::uint32_t>(corrections_.size()));
+  for (const Correction& correction : corrections_) {
+    out.vec3(correction.translation);
+    out.vec3(correction.rotation);
+    out.vec3(correction.twist.linear);
+    out.vec3(correction.twist.angular);
+  }
+  for (const auto& block : blocks_) block->save(out);
+  if (contact_source_ != nullptr) contact_source_->save(out);
+  out.u64(hash_bytes(bytes));
+  return bytes;
+}
+
+void World::restore(std::span<const std::byte> bytes) {
+  const auto refuse = [](const char* rule) {
+    throw std::invalid_argument(std::string("World::restore: bytes break the rule: ") + rule);
+  };
+  // The check value comes first: nothing is written before all bytes are known to be good.
+  constexpr std::size_t kCheckBytes = 8;
+  if (bytes.size() < kCheckBytes) refuse("whole");
+  const auto content = bytes.first(bytes.size() - kCheckBytes);
+  if (ByteReader(bytes.last(kCheckBytes)).u64() != hash_bytes(content)) refuse("whole");
+  ByteReader in(content);
+  if (in.u32() != kSnapshotMagic || in.u32() != kSnapshotVersion) {
+    refuse("a snapshot of this version");
+  }
+  if (in.u32() != blocks_.size() || in.u64() != kinds_of(blocks_) ||
+      (in.u8() != 0) != (contact_source_ != nullptr)) {
+    refuse("taken from a world with the same blocks and contact source");
+  }
+  gravity_ = in.vec3();
+  time_ = in.f64();
+  const std::uint32_t slots = in.u32();
+  if (in.failed() || slots > in.remaining() / kBytesPerSlot) refuse("whole");
+  states_.assign(slots, {});
+  props_.assign(slots, {});
+  generations_.assign(slots, 0);
+  alive_.assign(slots, 0);
+  in_contact_.assign(slots, 0);
+  activity_.assign(slots, {});
+  by_stable_id_.clear();
+  order_is_old_ = true;
+  for (std::uint32_t i = 0; i < slots; ++i) {
+    alive_[i] = in.u8();
+    generations_[i] = in.u32();
+    in_contact_[i] = in.u8();
+    load_props(in, props_[i]);
+    load_activity(in, activity_[i]);
+    load_state(in, states_[i]);
+    if (props_[i].stable_id) by_stable_id_.emplace(*props_[i].stable_id, i);
+  }
+  const std::uint32_t free_count = in.u32();
+  if (in.failed() || free_count > slots) refuse("whole");
+  free_.clear();
+  free_.reserve(slots);
+  for (std::uint32_t i = 0; i < free_count; ++i) free_.push_back(in.u32());
+  const std::uint32_t wrench_count = in.u32();
+  if (in.failed() || (wrench_count != 0 && wrench_count != slots)) refuse("whole");
+  wrenches_.assign(wrench_count, {});
+  for (Wrench& wrench : wrenches_) {
+    wrench.force = in.vec3();
+    wrench.torque = in.vec3();
+  }
+  const std::uint32_t kinematic_count = in.u32();
+  if (in.failed() || kinematic_count > slots) refuse("whole");
+  kinematic_targets_.assign(kinematic_count, {});
+  for (KinematicTarget& target : kinematic_targets_) {
+    target.index = in.u32();
+    target.pose.position = in.vec3();
+    target.pose.orientation = in.quat();
+    if (target.index >= slots) refuse("whole");
+  }
+  const std::uint32_t correction_count = in.u32();
+  if (in.failed() || (correction_count != 0 && correction_count != slots)) refuse("whole");
+  corrections_.assign(correction_count, {});
+  for (Correction& correction : corrections_) {
+    correction.translation = in.vec3();
+    correction.rotation = in.vec3();
+    correction.twist.linear = in.vec3();
+    correction.twist.angular = in.vec3();
+  }
+  for (const auto& block : blocks_) block->load(in);
+  if (contact_source_ != nullptr) contact_source_->load(in);
+  if (in.failed() || in.remaining() != 0) refuse("whole");
+}
+
+std::uint64_t World::hash() const {
+  std::vector<std::byte> bytes;
+  ByteWriter out(bytes);
+  for (std::uint32_t i = 0; i < slot_count(); ++i) {
+    if (alive_[i] == 0) continue;
+    out.u32(i);
+    save_state(out, states_[i]);
+  }
+  return hash_bytes(bytes);
+}
+
+}  // namespace tandem::pbd
