@@ -214,14 +214,15 @@ void write_csv(const Report& report, const std::string& folder) {
   }
   write_file(folder + "/divergence.csv", samples);
 
-  std::string tracks = "time_s,peer,body,x,y,z\n";
+  std::string tracks = "time_s,peer,body,x,y,z,qw,qx,qy,qz\n";
   for (const PeerRecord& peer : report.run.peers) {
     for (std::size_t i = 0; i < peer.tracks.size(); ++i) {
       for (const TrackSample& s : peer.tracks[i].samples()) {
-        tracks +=
-            format("%.6f,%llu,%s,%.6f,%.6f,%.6f\n", static_cast<double>(s.time - start) * 1e-9,
-                   static_cast<unsigned long long>(peer.id), report.body_names[i].c_str(),
-                   s.position.x(), s.position.y(), s.position.z());
+        tracks += format("%.6f,%llu,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n",
+                         static_cast<double>(s.time - start) * 1e-9,
+                         static_cast<unsigned long long>(peer.id), report.body_names[i].c_str(),
+                         s.position.x(), s.position.y(), s.position.z(), s.orientation.w(),
+                         s.orientation.x(), s.orientation.y(), s.orientation.z());
       }
     }
   }

@@ -76,6 +76,7 @@ std::uint32_t Controls::hold(std::size_t body, const consensus::GrabDef& def) {
   hold.alone = true;
   hold.body = body;
   hold.moved = now_;
+  hold.anchor = def.anchor_w;
   log_spring(Input::Kind::Hold, body, def);
   return next_++;
 }
@@ -89,9 +90,11 @@ void Controls::move(std::uint32_t spring, const pbd::Vec3& anchor_w) {
   }
   pbd::Tether::Def def = tethers().def(hold.tether);
   const double dt = 1e-9 * static_cast<double>(now_ - hold.moved);
-  if (dt > 0.0) def.anchor_velocity = (anchor_w - def.anchor_w) / dt;
+  // From the last move: the solver has carried its own anchor on since.
+  if (dt > 0.0) def.anchor_velocity = (anchor_w - hold.anchor) / dt;
   def.anchor_w = anchor_w;
   hold.moved = now_;
+  hold.anchor = anchor_w;
   tethers().set(*scene_.world, hold.tether, def);
 }
 

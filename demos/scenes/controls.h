@@ -70,7 +70,8 @@ class Controls {
     pbd::ConstraintId tether;  ///< of one that is known here alone
     bool alone = false;
     std::size_t body = 0;
-    consensus::SessionTime moved = 0;  ///< ns
+    consensus::SessionTime moved = 0;      ///< ns
+    pbd::Vec3 anchor = pbd::Vec3::Zero();  ///< m, world, as it was then
   };
   pbd::Tethers& tethers();
   void log_spring(Input::Kind kind, std::size_t body, const consensus::GrabDef& def);

@@ -62,6 +62,11 @@ class Words {
   std::size_t line_;
 };
 
+bool is_unit(const double* q) {
+  const double squares = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  return std::abs(squares - 1.0) < 1e-6;
+}
+
 Input read_line(Words& in) {
   Input input;
   input.time = in.number<consensus::SessionTime>();
@@ -76,6 +81,8 @@ Input read_line(Words& in) {
       input.values.push_back(in.number<double>());
       if (!std::isfinite(input.values.back())) in.refuse("numbers must be finite");
     }
+    const bool turns = input.kind == Input::Kind::Drive || input.kind == Input::Kind::Jump;
+    if (turns && !is_unit(&input.values[3])) in.refuse("orientations must be unit quaternions");
     return input;
   }
   in.refuse("must name a kind of input");

@@ -16,8 +16,8 @@ namespace {
 
 using pbd::Vec3;
 
-constexpr double kWall = 0.06;  // m, half its height
-constexpr double kThick = 0.01;
+constexpr double kWall = 0.06;   // m, half its height
+constexpr double kThick = 0.01;  // half that of the walls around
 constexpr double kTurned = 0.5 * std::numbers::pi;
 
 pbd::Pose at(double x, double y, double z) { return {Vec3(x, y, z), pbd::Quat::Identity()}; }
@@ -106,12 +106,12 @@ bool PianoOptions::parse(const std::string& variant, PianoOptions& options) {
 Vec3 piano_handle(std::size_t user) { return {user == 0 ? -0.08 : 0.08, 0.0, 0.02}; }
 
 PianoPath::PianoPath()
-    : poses_{{-0.25, -0.12, kTurned}, {-0.25, 0.13, kTurned}, {-0.25, 0.13, 0.0},
-             {0.005, 0.13, 0.0},      {0.005, 0.13, kTurned}, {0.005, -0.13, kTurned},
-             {0.005, -0.13, 0.0},     {0.255, -0.13, 0.0},    {0.255, -0.13, kTurned},
-             {0.255, 0.12, kTurned}} {
+    : poses_{{-0.28, -0.13, kTurned}, {-0.28, 0.14, kTurned}, {-0.28, 0.14, 0.0},
+             {0.005, 0.14, 0.0},      {0.005, 0.14, kTurned}, {0.005, -0.14, kTurned},
+             {0.005, -0.14, 0.0},     {0.29, -0.14, 0.0},     {0.29, -0.14, kTurned},
+             {0.29, 0.13, kTurned}} {
   constexpr double kMove = 1.7;  // s
-  constexpr double kTurn = 1.3;
+  constexpr double kTurn = 1.5;
   times_.push_back(0.0);
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     const bool turns = poses_[i].angle != poses_[i - 1].angle;
@@ -147,9 +147,10 @@ Scene PianoScenario::build(const SceneOptions& options) const {
     wall(side * (kPianoArenaX + kThick), 0.0, kThick, kPianoArenaY);
     wall(0.0, side * (kPianoArenaY + kThick), kPianoArenaX + 2.0 * kThick, kThick);
   }
-  // Two walls from opposite sides; the way round them is an S.
-  wall(-0.12, -0.115, kThick, 0.135);
-  wall(0.13, 0.115, kThick, 0.135);
+  // The way round them is an S.
+  constexpr double kHalf = 0.5 * kPianoArenaY;
+  wall(kPianoWallX[0], -kHalf, kPianoWallHalf, kHalf);
+  wall(kPianoWallX[1], kHalf, kPianoWallHalf, kHalf);
   return builder.build(options);
 }
 

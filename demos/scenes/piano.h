@@ -50,8 +50,11 @@ class PianoScenario final : public Scenario {
   PianoOptions options_;
 };
 
-inline constexpr double kPianoArenaX = 0.37;  ///< m, half the maze
-inline constexpr double kPianoArenaY = 0.25;
+inline constexpr double kPianoArenaX = 0.42;  ///< m, half the maze
+inline constexpr double kPianoArenaY = 0.27;
+/// m: two walls, the first from -y and the second from +y, end in the middle; half as thick as:
+inline constexpr double kPianoWallX[2] = {-0.14, 0.15};
+inline constexpr double kPianoWallHalf = 0.01;
 inline constexpr double kPianoMass = 0.4;  ///< kg
 
 /// m, in the frame of the piano's centre of mass: where user A (0) or B (1) grasps it.

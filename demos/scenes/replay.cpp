@@ -17,7 +17,7 @@ pbd::Vec3 vec3(const std::vector<double>& v, std::size_t at) {
 pbd::Pose pose(const std::vector<double>& v) {
   pbd::Pose result;
   result.position = vec3(v, 0);
-  result.orientation = pbd::Quat(v[6], v[3], v[4], v[5]).normalized();
+  result.orientation = pbd::Quat(v[6], v[3], v[4], v[5]);
   return result;
 }
 

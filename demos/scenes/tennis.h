@@ -19,7 +19,7 @@ struct TennisCourt {
   double table_bounce = 0.88;  ///< restitution
   double blade_bounce = 0.75;
   double hold_height = 1.5;  ///< m, where balls wait
-  double serve_x = 1.2;      ///< m, on the side of who serves them
+  double serve_x = 1.25;     ///< m, on the side of who serves them
 };
 
 /// Two users play table tennis, after [friston] Sec. 5.3. Each owns a racket; the balls are

@@ -199,7 +199,7 @@ void TennisPlayer::go_home(double time) {
   to_ = pbd::Quat::Identity();
   MinJerkMove::State home;
   home.position = tennis_home(court_, user_);
-  move_ = MinJerkMove(time, move_.at(time), time + 0.4, home);
+  move_ = MinJerkMove(time, move_.at(time), time + 0.5, home);
 }
 
 }  // namespace tandem::demos

@@ -53,7 +53,7 @@ TEST_CASE("controls: inputs come back from their text with every bit", "[demos][
 TEST_CASE("controls: text that is no input is refused with its line", "[demos][fault]") {
   CHECK(inputs_from_text("").empty());
   for (const char* bad : {"7", "0 0 fly 1 1", "0 0 move 1 1 0 0", "0 0 move 1 1 0 0 nan",
-                          "0 0 move 1 1 0 0 1e999", "x 0 let 1 1"}) {
+                          "0 0 move 1 1 0 0 1e999", "x 0 let 1 1", "0 0 drive 1 1 0 0 0 0 0 0 0"}) {
     CHECK_THROWS_WITH(inputs_from_text("0 0 let 1 1\n" + std::string(bad) + "\n"),
                       Catch::Contains("line = 2"));
   }

@@ -44,8 +44,8 @@ int free_port() {
 /// One running demo. Its output goes to a file of its folder.
 class Process {
  public:
-  explicit Process(const std::vector<std::string>& arguments) {
-    std::vector<std::string> words{TANDEM_CUBES_PROGRAM, "--quiet"};
+  explicit Process(const std::vector<std::string>& arguments, const std::string& demo = "cubes") {
+    std::vector<std::string> words{std::string(TANDEM_DEMO_FOLDER) + demo, "--quiet"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -113,6 +113,20 @@ TEST_CASE("processes: two of them agree over TCP as peers in virtual time do", "
     CHECK(number(folder.file(peer), "divergence_resting_m", "p50") <= 0.5e-3);
     CHECK(number(folder.file(peer), "divergence_moving_m", "p50") <= 5e-3);
     CHECK(number(folder.file(peer), "divergence_moving_m", "count") > 500);
+  }
+}
+
+TEST_CASE("processes: every demo runs as one process for each peer", "[demos][socket]") {
+  // The cliff would not be in time on a busy machine.
+  for (const std::string demo : {"piano", "room", "tennis"}) {
+    INFO(demo);
+    const Folder folder;
+    const std::string port = std::to_string(free_port());
+    Process a({"--listen", port, "--seconds", "3", "--json", folder.file("a")}, demo);
+    Process b({"--connect", "localhost:" + port, "--seconds", "3"}, demo);
+    CHECK(a.wait() == 0);
+    CHECK(b.wait() == 0);
+    CHECK(number(folder.file("a"), "divergence_m", "count") > 100);
   }
 }
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // What every scenario promises, and what each of them is about.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -111,28 +112,31 @@ TEST_CASE("tennis: a game goes on where the network is good", "[demos][soak]") {
   }
 }
 
-TEST_CASE("tennis: both peers see the hit at about the same time, whoever hits", "[demos][soak]") {
-  // Over 63.5 ms the remote player's report comes 4 steps late; the ball turns before.
-  const RunResult result = run_virtual(TennisScenario(), quiet(4, 6.0));
-  const Scene scene = TennisScenario().build({});
-  const std::size_t ball = scene.index_of("ball/0");
+TEST_CASE("tennis: both peers see the ball turn at the same time, whoever hits it",
+          "[demos][soak]") {
+  const RunResult result = run_virtual(TennisScenario(), quiet(3, 8.0));
+  const std::size_t ball = TennisScenario().build({}).index_of("ball/0");
   const auto turns = [&](const PeerRecord& peer) {
     std::vector<double> times;
     const std::vector<TrackSample>& way = peer.tracks[ball].samples();
     for (std::size_t i = 2; i < way.size(); ++i) {
       const double before = way[i - 1].position.x() - way[i - 2].position.x();
       const double after = way[i].position.x() - way[i - 1].position.x();
-      if (before * after < 0.0 && std::abs(after) > 0.02) {
-        times.push_back(1e-9 * static_cast<double>(way[i].time));
-      }
+      if (before * after < 0.0) times.push_back(1e-9 * static_cast<double>(way[i].time));
     }
     return times;
   };
   const std::vector<double> a = turns(result.peers[0]);
   const std::vector<double> b = turns(result.peers[1]);
-  REQUIRE(a.size() >= 3);
-  REQUIRE(b.size() == a.size());
-  for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::abs(a[i] - b[i]) < 0.05);
+  int hits = 0;
+  for (const double time : a) {
+    if (time > 1.0 + 7.9) continue;  // the session may end between the two; it begins at 1 s
+    double nearest = 1.0;
+    for (const double other : b) nearest = std::min(nearest, std::abs(other - time));
+    CHECK(nearest < 0.05);  // three steps
+    ++hits;
+  }
+  CHECK(hits >= 5);
 }
 
 TEST_CASE("room: two people hand over, carry, stack and throw across an ocean", "[demos][soak]") {
@@ -162,8 +166,8 @@ TEST_CASE("piano: the way through the maze keeps clear of the walls", "[demos][a
         const double y = pose.y + std::sin(pose.angle) * lx + std::cos(pose.angle) * ly;
         CHECK(std::abs(x) < kPianoArenaX);
         CHECK(std::abs(y) < kPianoArenaY);
-        const bool in_first = std::abs(x + 0.12) < 0.01 && y < 0.02;
-        const bool in_second = std::abs(x - 0.13) < 0.01 && y > -0.02;
+        const bool in_first = std::abs(x - kPianoWallX[0]) < kPianoWallHalf && y < 0.0;
+        const bool in_second = std::abs(x - kPianoWallX[1]) < kPianoWallHalf && y > 0.0;
         CHECK_FALSE(in_first);
         CHECK_FALSE(in_second);
       }
@@ -178,6 +182,14 @@ TEST_CASE("piano: delivered on a good network, with bounded forces", "[demos][so
     CHECK(result.peers[i].fault == "");
     CHECK(number(result.peers[i], "delivered") == 1.0);
     CHECK(number(result.peers[i], i == 0 ? "a_force_max_N" : "b_force_max_N") < 2.0);
+  }
+}
+
+TEST_CASE("piano: springs that only one peer knows bring it there as well", "[demos][soak]") {
+  const RunResult result = run_virtual(PianoScenario(), quiet(1, 24.0));
+  for (std::size_t i = 0; i < 2; ++i) {
+    CHECK(result.peers[i].fault == "");
+    CHECK(number(result.peers[i], "delivered") == 1.0);
   }
 }
 
@@ -196,8 +208,9 @@ TEST_CASE("haptic device: the pen rests where the springs of hand and coupling b
           "[demos][analytic]") {
   HapticOptions options;
   HapticDevice device(options, Vec3::Zero());
-  const Vec3 wall(-0.02, 0.0, 0.0);
-  for (int i = 0; i < 300; ++i) device.run(1.0 / 60.0, Vec3(0.01, 0.0, 0.0), HapticPoint{wall, {}});
+  HapticPoint proxy;
+  proxy.position = Vec3(-0.02, 0.0, 0.0);
+  for (int i = 0; i < 300; ++i) device.run(1.0 / 60.0, Vec3(0.01, 0.0, 0.0), proxy);
   const double k = options.hand_stiffness, c = options.coupling_stiffness;
   CHECK(device.pen().position.x() == Approx((k * 0.01 - c * 0.02) / (k + c)).margin(1e-9));
   CHECK(device.force() == Approx(c * (device.pen().position.x() + 0.02)).margin(1e-6));
@@ -209,7 +222,9 @@ TEST_CASE("haptic device: the pen rests where the springs of hand and coupling b
 TEST_CASE("haptic device: the motors give no more than they have", "[demos][unit]") {
   HapticOptions options;
   HapticDevice device(options, Vec3::Zero());
-  device.run(0.1, Vec3::Zero(), HapticPoint{Vec3(1.0, 0.0, 0.0), {}});
+  HapticPoint proxy;
+  proxy.position = Vec3(1.0, 0.0, 0.0);
+  device.run(0.1, Vec3::Zero(), proxy);
   CHECK(device.force() == Approx(options.force_limit));
   CHECK(device.largest_force() > 50.0);
 }
