@@ -104,6 +104,11 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
     for (const PredictionSample& p : peer.predictions) ages.push_back(1e3 * p.age);
   }
   if (!ages.empty()) mean_age = 1e-3 * metrics.latency_ms.mean;
+  // What a step makes of the news is seen at its end.
+  double step = 0.0;
+  for (const PeerRecord& peer : run.peers) {
+    if (peer.step_hz > 0.0) step = std::max(step, 1.0 / peer.step_hz);
+  }
   m.latency_histogram = histogram(ages, 0.0, 1.0, kLatencyBins);
   if (!options.over_network()) {
     constexpr double kProbe = 10.0;  // s
@@ -113,16 +118,18 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
     m.link_ms = distribution(link);
   }
   m.acceleration_histogram = histogram(accelerations_log(run.peers), -2.0, 0.1, kAccelerationBins);
-  m.hits = after_blows(run.peers, metrics.samples, mean_age);
+  m.hits = after_blows(run.peers, metrics.samples, mean_age + step);
   std::vector<double> contacts = contact_disagreement(run.peers);
   if (!contacts.empty()) m.contact_disagreement_end = contacts.back();
   m.contact_disagreement = distribution(contacts);
   m.agree_s = time_to_agree(run.peers, metrics.samples, Measures::kAgreed);
-  m.held_limit_m = held_limit(run.peers, mean_age);
+  m.held_limit_m = held_limit(run.peers, mean_age + step);
   m.held_by_one_m = held_by_one(run.peers);
   if (!run.peers.empty()) divergence_over_time(metrics, m, run.peers.front().tracks.size());
   if (reference != nullptr && !reference->peers.empty()) {
     m.reference = smoothness(reference->peers);
+    m.reference_acceleration_histogram =
+        histogram(accelerations_log(reference->peers), -2.0, 0.1, kAccelerationBins);
     m.reference_outcome = reference->peers.front().outcome;
     m.residual_m = high_pass_residual(run.peers, reference->peers.front());
   }
@@ -133,6 +140,8 @@ void write_classes(JsonWriter& json, const Metrics& metrics) {
   write_box(json, "divergence_box_m", metrics.divergence_m);
   write_box(json, "divergence_box_deg", metrics.divergence_deg);
   write_box(json, "divergence_calm_m", metrics.calm_m);
+  write_box(json, "divergence_shared_m", metrics.shared_m);
+  write_box(json, "divergence_shared_moving_m", metrics.shared_moving_m);
   json.field("jumps", metrics.jumps);
   json.key("classes").begin_object();
   for (std::size_t c = 0; c < kObjectClasses; ++c) {
@@ -188,6 +197,7 @@ void write_measures(JsonWriter& json, const Measures& m,
   json.key("reference").begin_object();
   write_smoothness(json, *m.reference);
   write_box(json, "high_pass_residual_m", m.residual_m);
+  write_array(json, "acceleration_histogram", m.reference_acceleration_histogram);
   json.key("outcome").begin_object();
   for (const auto& [name, value] : m.reference_outcome) json.field(name, value);
   json.end_object();

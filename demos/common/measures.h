@@ -40,6 +40,7 @@ struct Measures {
 
   /// The same inputs at one peer, where they were run.
   std::optional<Smoothness> reference;
+  std::vector<std::uint64_t> reference_acceleration_histogram;
   Outcome reference_outcome;
   Distribution residual_m;  ///< see high_pass_residual
 };

@@ -105,14 +105,19 @@ void for_predictions(std::span<const PeerRecord> peers, const EvaluationOptions&
 
 void add_classes(std::span<const PeerRecord> peers, const EvaluationOptions& options, Metrics& m) {
   std::array<std::vector<double>, kObjectClasses> distance, angle;
-  std::vector<double> calm;
+  std::vector<double> calm, shared, moving;
   for (const DivergenceSample& sample : m.samples) {
     if (sample.jumped) continue;
     const auto c = static_cast<std::size_t>(sample.object);
     distance[c].push_back(sample.distance);
     angle[c].push_back(sample.angle * 180.0 / std::numbers::pi);
     calm.push_back(sample.distance);
+    if (sample.object == ObjectClass::Owned) continue;
+    shared.push_back(sample.distance);
+    if (sample.object != ObjectClass::Resting) moving.push_back(sample.distance);
   }
+  m.shared_m = distribution(shared);
+  m.shared_moving_m = distribution(moving);
   m.calm_m = distribution(calm);
   auto errors = prediction_errors_by_class(peers, options);
   for (std::size_t c = 0; c < kObjectClasses; ++c) {

@@ -82,8 +82,9 @@ struct Metrics {
   Distribution divergence_deg;
   /// Of each class, jumps left out.
   std::array<Distribution, kObjectClasses> object_m, object_deg, object_prediction_m;
-  Distribution calm_m;    ///< divergence of all but owned bodies that jumped
-  std::size_t jumps = 0;  ///< how often an owner put a body somewhere else
+  Distribution calm_m;                     ///< divergence of all but owned bodies that jumped
+  Distribution shared_m, shared_moving_m;  ///< of what nobody owns; of that what does not rest
+  std::size_t jumps = 0;                   ///< how often an owner put a body somewhere else
   Distribution prediction_error_m;
   Distribution latency_ms;                    ///< from the sender's step to each use of the update
   Distribution step_ms;                       ///< wall time of the solver's step

@@ -258,6 +258,7 @@ TEST_CASE("metrics: what has just jumped is told apart and stays in the whole", 
   CHECK(m.calm_m.max == 0.0);
   CHECK(m.calm_m.count == 42);  // 18 steps in 0.3 s
   CHECK(m.object_m[static_cast<std::size_t>(ObjectClass::Owned)].count == 42);
+  CHECK(m.shared_m.count == 0);
 }
 
 TEST_CASE("metrics: whiskers end at the last values within 1.5 boxes", "[demos][unit]") {
