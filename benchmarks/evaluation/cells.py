@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 # s of session time: as long as the script has something to do.
-SECONDS = {"cubes": 20, "room": 22, "tennis": 20, "piano": 22, "cliff": 8}
+SECONDS = {"cubes": 20, "room": 32, "tennis": 20, "piano": 22, "cliff": 8}
 MOTION = "motion"  # the check of speeds, see motion.cpp
 
 

@@ -48,8 +48,12 @@ def _divergence(results):
         rows.append(_most(results, every[:3], moving, MM, 5, "mm",
                           f"{s}: moving p50, profiles 1 to 3"))
         rows.append(_most(results, every[4:], moving, MM, 25, "mm", f"{s}: moving p50, profile 5"))
-        rows.append(_most(results, every[4:], "divergence_calm_m.p99", MM, 50, "mm",
-                          f"{s}: p99 over everything but jumps, profile 5"))
+        row = _most(results, every[4:], "divergence_calm_m.p99", MM, 50, "mm",
+                    f"{s}: p99 over everything but jumps, profile 5")
+        limit = worst(results.get(every[4]), "limit_of_all_m.p99", MM)
+        if limit is not None:
+            row["measured"] += f"; {short(limit)} mm is the physical limit's"
+        rows.append(row)
     rows.append(_most(results, [("cliff", "default", 5)], "divergence_m.p50", MM, 10, "mm",
                       "cliff: median, profile 5"))
     rows.append(_most(results, [("piano", "default", 5)], "divergence_m.p50", MM, 10, "mm",

@@ -86,6 +86,28 @@ Distribution held_limit(std::span<const PeerRecord> peers, double age) {
   return distribution(values);
 }
 
+Distribution limit_of_all(std::span<const PeerRecord> peers, double age,
+                          const EvaluationOptions& options) {
+  std::vector<double> values;
+  if (peers.empty()) return distribution(values);
+  const auto late = static_cast<SessionTime>(std::llround(1e9 * age));
+  for (std::size_t body = 0; body < peers.front().tracks.size(); ++body) {
+    for (const TrackSample& sample : peers.front().tracks[body].samples()) {
+      double limit = 0.0;
+      for (const PeerRecord& peer : peers) {
+        const auto now = peer.tracks[body].at(sample.time, options.max_gap);
+        const auto before = peer.tracks[body].at(sample.time - late, options.max_gap);
+        if (!now || !before) continue;
+        const bool own = body < peer.owners.size() && peer.owners[body] == peer.id;
+        if (!own && now->users == 0) continue;
+        limit = std::max(limit, 0.5 * age * (now->velocity - before->velocity).norm());
+      }
+      values.push_back(limit);
+    }
+  }
+  return distribution(values);
+}
+
 Distribution held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options) {
   std::vector<double> values;
   for (const PeerRecord& peer : peers) {

@@ -25,6 +25,11 @@ double time_to_agree(std::span<const PeerRecord> peers, std::span<const Divergen
 /// acceleration at the holder's peer, mean over the age, times the age squared.
 Distribution held_limit(std::span<const PeerRecord> peers, double age);
 
+/// m: the same for every body at every step of the first peer: nothing where no hand moves it, by a
+/// spring or as its owner. No network with this age can come below these numbers, whatever it does.
+Distribution limit_of_all(std::span<const PeerRecord> peers, double age,
+                          const EvaluationOptions& options = {});
+
 /// m: how far such bodies are apart: those that one user of one peer holds.
 Distribution held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options = {});
 

@@ -183,6 +183,9 @@ TEST_CASE("agreement: the limit of a body held with constant acceleration is a t
   const Distribution limit = held_limit(peers, 0.1);
   CHECK(limit.p50 == Approx(0.5 * 3.0 * 0.1 * 0.1));
   CHECK(limit.max == Approx(limit.p50));
+  const Distribution all = limit_of_all(peers, 0.1);
+  CHECK(all.count == 60);
+  CHECK(all.max == Approx(limit.p50));
   CHECK(held_by_one(peers).p50 == Approx(0.01));
 }
 
