@@ -88,6 +88,7 @@ void Participant::add_user(std::size_t user, const UserOptions& options,
                            const std::vector<Input>* replay) {
   record_.epoch = options.epoch;
   Seat seat;
+  seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
   seat.controls = std::make_unique<Controls>(user, scene_, peer_, options.epoch, &signals_);
   if (replay != nullptr) {
     seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
@@ -150,9 +151,13 @@ const PeerRecord& Participant::record() {
   record_.series.clear();
   if (referee_) record_.outcome = referee_->outcome(scene_);
   for (const Seat& seat : seats_) {
-    const Outcome own = seat.user->outcome();
-    record_.outcome.insert(record_.outcome.end(), own.begin(), own.end());
-    for (Series& series : seat.user->series()) record_.series.push_back(std::move(series));
+    for (const auto& [name, value] : seat.user->outcome()) {
+      record_.outcome.emplace_back(seat.prefix + name, value);
+    }
+    for (Series& series : seat.user->series()) {
+      series.name = seat.prefix + series.name;
+      record_.series.push_back(std::move(series));
+    }
     const std::vector<Input>& log = seat.controls->log();
     record_.inputs.insert(record_.inputs.end(), log.begin(), log.end());
   }

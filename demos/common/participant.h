@@ -60,6 +60,7 @@ class Participant final : private consensus::PeerObserver {
 
   /// A user and what they act by.
   struct Seat {
+    std::string prefix;  ///< of what they tell, "a_" for user 0
     std::unique_ptr<Controls> controls;
     std::unique_ptr<User> user;
   };

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "scenes/cubes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -18,6 +19,43 @@ void require(bool ok, const char* field, double value, const char* rule) {
   throw std::invalid_argument(std::string("CubesOptions: ") + field + " = " +
                               std::to_string(value) + " breaks: " + rule);
 }
+
+/// How far the plate was carried, and what is still on it.
+class CubesReferee final : public Referee {
+ public:
+  CubesReferee(const CubesOptions& cubes, const Scene& scene)
+      : cubes_(cubes), plate_(scene.index_of("plate")) {}
+  void watch(const Scene& scene, double /*time*/) override {
+    const pbd::Vec3 moved = scene.pose(plate_).position - scene.bodies[plate_].start;
+    lifted_ = std::max(lifted_, moved.z());
+    carried_ = std::max(carried_, std::abs(moved.y()));
+  }
+  Outcome outcome(const Scene& scene) const override {
+    const pbd::Pose& plate = scene.pose(plate_);
+    double on_plate = 0.0, standing = 0.0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      if (!scene.bodies[i].name.starts_with("cube/")) continue;
+      const pbd::Vec3 local = plate.to_local(scene.pose(i).position);
+      const bool above = local.z() > 0.0 && std::abs(local.x()) < 0.5 * cubes_.plate.x() &&
+                         std::abs(local.y()) < 0.5 * cubes_.plate.y();
+      if (!above) continue;
+      on_plate += 1.0;
+      // Where it was on the plate at the start.
+      const pbd::Vec3 place = scene.bodies[i].start - scene.bodies[plate_].start;
+      if ((local - place).norm() < 0.5 * cubes_.edge) standing += 1.0;
+    }
+    return {{"plate_lifted_m", lifted_},
+            {"plate_carried_m", carried_},
+            {"cubes_on_plate", on_plate},
+            {"cubes_in_stacks", standing}};
+  }
+
+ private:
+  CubesOptions cubes_;
+  std::size_t plate_;
+  double lifted_ = 0.0;   ///< m
+  double carried_ = 0.0;  ///< m
+};
 
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
@@ -72,6 +110,10 @@ std::unique_ptr<User> CubesScenario::make_user(std::size_t user, Controls& contr
   }
   return std::make_unique<ScriptedUser>(controls, options,
                                         cubes_tasks(user, options_, controls.scene(), options));
+}
+
+std::unique_ptr<Referee> CubesScenario::make_referee(const Scene& scene) const {
+  return std::make_unique<CubesReferee>(options_, scene);
 }
 
 std::string CubesScenario::fault(const Scene& scene) const {

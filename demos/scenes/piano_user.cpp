@@ -30,9 +30,8 @@ PianoUser::PianoUser(std::size_t user, const PianoOptions& piano, Controls& cont
       tremor_(options.seed, options.tremor),
       home_(path_.handle(user, 0.0, 0.2)),
       device_(piano.device, home_) {
-  const std::string name = user == 0 ? "a_" : "b_";
-  energy_.name = name + "energy_J";
-  force_.name = name + "force_N";
+  energy_.name = "energy_J";
+  force_.name = "force_N";
 }
 
 void PianoUser::update(consensus::SessionTime /*now*/) {
@@ -121,15 +120,13 @@ Vec3 PianoUser::meant(double time) {
 }
 
 Outcome PianoUser::outcome() const {
-  const std::string name = user_ == 0 ? "a_" : "b_";
-  Outcome result{{name + "progress", seen_progress_ / path_.duration()}};
+  Outcome result{{"progress", seen_progress_ / path_.duration()}};
   if (piano_.mouse && user_ == 1) return result;
-  result.emplace_back(name + "force_max_N",
-                      std::min(device_.largest_force(), piano_.device.force_limit));
-  result.emplace_back(name + "force_wanted_N", device_.largest_force());
-  result.emplace_back(name + "energy_min_J", device_.least_energy());
-  result.emplace_back(name + "energy_J", device_.energy());
-  result.emplace_back(name + "pen_fastest_m_s", device_.fastest());
+  result.emplace_back("force_max_N", std::min(device_.largest_force(), piano_.device.force_limit));
+  result.emplace_back("force_wanted_N", device_.largest_force());
+  result.emplace_back("energy_min_J", device_.least_energy());
+  result.emplace_back("energy_J", device_.energy());
+  result.emplace_back("pen_fastest_m_s", device_.fastest());
   return result;
 }
 

@@ -111,7 +111,9 @@ std::optional<std::size_t> TennisPlayer::ball_in_play() const {
 }
 
 void TennisPlayer::serve(double time) {
-  if (ball_in_play()) quiet_since_ = time;
+  // A ball that lies on the table, or that the peers cannot agree on, is out of play as well.
+  const std::optional<std::size_t> ball = ball_in_play();
+  if (ball && sight_.seen(*ball).twist.linear.norm() > 0.2) quiet_since_ = time;
   if (time < next_serve_ || time < quiet_since_ + 0.5) return;
   for (int k = 0; k < TennisScenario::kBalls; ++k) {
     const SceneBody& body = controls_.scene().body("ball/" + std::to_string(k));
