@@ -150,6 +150,7 @@ void write_classes(JsonWriter& json, const Metrics& metrics) {
     write_box(json, "divergence_m", metrics.object_m[c]);
     write_box(json, "divergence_deg", metrics.object_deg[c]);
     write_box(json, "prediction_error_m", metrics.object_prediction_m[c]);
+    write_box(json, "euler_error_m", metrics.object_euler_m[c]);
     json.end_object();
   }
   json.end_object();

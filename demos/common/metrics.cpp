@@ -77,28 +77,44 @@ bool just_jumped(const std::vector<consensus::SessionTime>& jumps, consensus::Se
   return after != jumps.begin() && time - *(after - 1) < window;
 }
 
-/// visit(error in m, the body as it is at its sender, whether owned, whether it has just jumped)
+/// One use of a remote state.
+struct Prediction {
+  double error = 0.0;   ///< m
+  double euler = -1.0;  ///< m, of Euler's prediction; < 0: unknown
+  TrackSample body;     ///< as it is at its sender
+  bool owned = false;
+  bool jumped = false;
+};
+
 template <class Visit>
 void for_predictions(std::span<const PeerRecord> peers, const EvaluationOptions& options,
                      const Visit& visit) {
   if (peers.empty()) return;
   const auto jumps = jump_times(peers);
   for (const PeerRecord& peer : peers) {
-    for (const PredictionSample& prediction : peer.predictions) {
-      const std::size_t body = prediction.body;
-      const PeerRecord* sender = find_peer(peers, prediction.from);
+    for (const PredictionSample& sample : peer.predictions) {
+      const std::size_t body = sample.body;
+      const PeerRecord* sender = find_peer(peers, sample.from);
       if (sender == nullptr || body >= sender->tracks.size()) continue;
-      auto truth = sender->tracks[body].at(prediction.time, options.max_gap);
+      const auto truth = sender->tracks[body].at(sample.time, options.max_gap);
       if (!truth) continue;
+      Prediction p;
+      p.body = *truth;
+      p.error = (sample.position - truth->position).norm();
+      // What was sent is a sample of the sender's track.
+      const auto late = static_cast<consensus::SessionTime>(std::llround(1e9 * sample.age));
+      const auto sent = sender->tracks[body].at(sample.time - late, options.max_gap);
+      if (sent) {
+        p.euler = (sent->position + sample.age * sent->velocity - truth->position).norm();
+      }
       // Who holds it is known here at both ends.
       if (body < peer.tracks.size()) {
-        const auto own = peer.tracks[body].at(prediction.time, options.max_gap);
-        if (own) truth->users += own->users;
+        const auto own = peer.tracks[body].at(sample.time, options.max_gap);
+        if (own) p.body.users += own->users;
       }
-      const bool jumped =
-          body < jumps.size() && just_jumped(jumps[body], prediction.time, options.jump_window);
-      visit((prediction.position - truth->position).norm(), *truth,
-            is_owned(*sender, body) || is_owned(peer, body), jumped);
+      p.owned = is_owned(*sender, body) || is_owned(peer, body);
+      p.jumped = body < jumps.size() && just_jumped(jumps[body], sample.time, options.jump_window);
+      visit(p);
     }
   }
 }
@@ -119,11 +135,12 @@ void add_classes(std::span<const PeerRecord> peers, const EvaluationOptions& opt
   m.shared_m = distribution(shared);
   m.shared_moving_m = distribution(moving);
   m.calm_m = distribution(calm);
-  auto errors = prediction_errors_by_class(peers, options);
+  ClassErrors errors = prediction_errors_by_class(peers, options);
   for (std::size_t c = 0; c < kObjectClasses; ++c) {
     m.object_m[c] = distribution(distance[c]);
     m.object_deg[c] = distribution(angle[c]);
-    m.object_prediction_m[c] = distribution(errors[c]);
+    m.object_prediction_m[c] = distribution(errors.predicted[c]);
+    m.object_euler_m[c] = distribution(errors.euler[c]);
   }
   for (const PeerRecord& peer : peers) {
     for (const Input& input : peer.inputs) m.jumps += input.kind == Input::Kind::Jump ? 1 : 0;
@@ -277,21 +294,19 @@ std::vector<DivergenceSample> divergence(std::span<const PeerRecord> peers,
 std::vector<double> prediction_errors(std::span<const PeerRecord> peers,
                                       const EvaluationOptions& options) {
   std::vector<double> errors;
-  for_predictions(peers, options, [&errors](double error, const TrackSample&, bool, bool) {
-    errors.push_back(error);
-  });
+  for_predictions(peers, options, [&errors](const Prediction& p) { errors.push_back(p.error); });
   return errors;
 }
 
-std::array<std::vector<double>, kObjectClasses> prediction_errors_by_class(
-    std::span<const PeerRecord> peers, const EvaluationOptions& options) {
-  std::array<std::vector<double>, kObjectClasses> errors;
-  for_predictions(peers, options,
-                  [&errors](double error, const TrackSample& body, bool owned, bool jumped) {
-                    if (jumped) return;
-                    const ObjectClass object = object_class(std::span(&body, 1), owned);
-                    errors[static_cast<std::size_t>(object)].push_back(error);
-                  });
+ClassErrors prediction_errors_by_class(std::span<const PeerRecord> peers,
+                                       const EvaluationOptions& options) {
+  ClassErrors errors;
+  for_predictions(peers, options, [&errors](const Prediction& p) {
+    if (p.jumped || p.euler < 0.0) return;
+    const auto c = static_cast<std::size_t>(object_class(std::span(&p.body, 1), p.owned));
+    errors.predicted[c].push_back(p.error);
+    errors.euler[c].push_back(p.euler);
+  });
   return errors;
 }
 
