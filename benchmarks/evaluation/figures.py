@@ -62,8 +62,8 @@ def _histogram_lines(axes, results, path, keys, bin_width, low, label, bars=Fals
             continue
         x = [low + bin_width * (i + 0.5) for i in range(len(total))]
         if bars:
-            axes.bar(x, [t / whole for t in total], bin_width, color=colour, alpha=0.8,
-                     label=label(key))
+            full = [(at, t / whole) for at, t in zip(x, total) if t]
+            axes.bar(*zip(*full), bin_width, color=colour, alpha=0.8, label=label(key))
         else:
             axes.plot(x, [t / whole if t else float("nan") for t in total], color=colour, lw=1.2,
                       marker=".", ms=3, label=label(key))

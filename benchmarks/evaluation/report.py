@@ -178,6 +178,21 @@ def world_lines(results):
                   "overlap, mm", "E displacement, J", "E velocity", "E potential", "E leak"], lines)
 
 
+def variant_lines(results):
+    lines = []
+    for s in SCENARIOS:
+        for variant in ("default", "uneven", "soft", "mouse", "tug"):
+            own = results.get((s, variant, 5))
+            if own and (variant != "default" or (s, "uneven", 5) in results):
+                stable = sum(r["stable"] for r in own)
+                lines.append([s, variant, f"{stable} of {len(own)}"]
+                             + [text(own, f"divergence_shared_m.{q}", 1e3)
+                                for q in ("p50", "p95", "p99")]
+                             + [text(own, "divergence_shared_moving_m.p50", 1e3)])
+    return table(["scenario", "variant", "stable", "p50, mm", "p95, mm", "p99, mm",
+                  "moving p50, mm"], lines)
+
+
 def success_lines(results):
     lines = []
     for s in SCENARIOS:
@@ -278,6 +293,11 @@ def write(results, out, docs):
         "Contacts differ: of pairs that touch at either peer, the share that does not at both. "
         "Agreed: from the last input until no body that nobody owns is more than 5 mm apart; in "
         "brackets in how many runs that came.", "", *world_lines(results), "",
+        "## Variants", "",
+        "At profile 5, of what nobody owns. Uneven: 60 and 72 steps a second. The piano's default is "
+        "two haptic devices whose springs the other peer does not know; soft sends them, mouse gives "
+        "one user a mouse, tug has both pull in opposite directions.", "",
+        *variant_lines(results), "",
         "## Success", "", *success_lines(results), ""]
     (docs / "evaluation.md").write_text("\n".join(lines))
     (out / "evaluation.md").write_text("\n".join(lines))
