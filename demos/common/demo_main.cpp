@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,7 +28,12 @@ std::vector<std::string> body_names(const Scenario& scenario) {
 int run(const Scenario& scenario, const DemoOptions& options) {
   RunResult result =
       options.over_network() ? run_process(scenario, options) : run_virtual(scenario, options);
-  return publish(make_report(scenario.name(), options, std::move(result), body_names(scenario)));
+  std::optional<RunResult> reference;
+  if (options.reference && !options.over_network()) {
+    reference = run_reference(scenario, options, result);
+  }
+  return publish(make_report(scenario.name(), options, std::move(result), body_names(scenario),
+                             reference ? &*reference : nullptr));
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
 bool read_link(std::string_view name, Reader& in, DemoOptions& o) {
   constexpr std::string_view kChance = "a number from 0 to 0.99";
   if (name == "--profile") {
-    o.profile = number(name, in.value(name), 1, 5, "an integer from 1 to 5");
+    o.profile = number(name, in.value(name), 0, 5, "an integer from 0 to 5");
   } else if (name == "--loss") {
     o.loss = number(name, in.value(name), 0.0, 0.99, kChance);
   } else if (name == "--duplicate") {
@@ -176,6 +176,9 @@ bool read_output(std::string_view name, Reader& in, DemoOptions& o) {
     o.csv = text_value(name, in.value(name));
   } else if (name == "--record") {
     o.record = text_value(name, in.value(name));
+  } else if (name == "--reference") {
+    in.finish(name);
+    o.reference = true;
   } else if (name == "--quiet") {
     in.finish(name);
     o.quiet = true;
@@ -200,7 +203,8 @@ consensus::PeerOptions DemoOptions::peer_options() const {
 }
 
 consensus::LinkOptions DemoOptions::link_options() const {
-  consensus::LinkOptions result = consensus::network_profile(profile);
+  consensus::LinkOptions result;
+  if (profile > 0) result = consensus::network_profile(profile);
   result.loss = loss;
   result.duplicate = duplicate;
   result.reorder = reorder;
@@ -239,7 +243,7 @@ std::string usage(std::string_view program) {
   return "usage: " + std::string(program) + R"( [options]
 All peers in one process, in virtual time (the default):
   --peers N          peers, 1 to 64 (2)
-  --profile 1..5     link: 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
+  --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
   --loss P --duplicate P --reorder P   chances for each state on the link (0)
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
 One peer for each process, in wall time over TCP:
@@ -262,6 +266,7 @@ Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies
   --record FILE      write what the users did in each step
+  --reference        run what the users did at one peer as well, and compare
   --quiet            no table and no progress bar
   --help             this text
 )";

@@ -24,7 +24,7 @@ struct DemoOptions {
   consensus::PredictorKind predictor = consensus::PredictorKind::LocalMotion;
   consensus::Coupling solver = consensus::Coupling::OnePass;
   double update_hz = 60.0;
-  int profile = 3;                     ///< of the virtual link, [friston] Table 3
+  int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
   std::vector<double> rates = {60.0};  ///< steps each second of the peers, in turn
   std::string variant;                 ///< of the scenario; "" = its default
   double loss = 0.0;                   ///< of the virtual link: chance that a state is lost
@@ -37,10 +37,11 @@ struct DemoOptions {
   std::uint64_t peer_id = 0;            ///< of this process
   double wait = 0.0;  ///< s, how long to wait for the first other process; 0 = for ever
 
-  std::string json;    ///< file for the result, "-" = standard output, "" = none
-  std::string csv;     ///< folder for tables, "" = none
-  std::string record;  ///< file for what the users did, "" = none
-  std::string replay;  ///< file with what the users do, "" = they follow their script
+  std::string json;        ///< file for the result, "-" = standard output, "" = none
+  std::string csv;         ///< folder for tables, "" = none
+  std::string record;      ///< file for what the users did, "" = none
+  std::string replay;      ///< file with what the users do, "" = they follow their script
+  bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;
   bool help = false;
 

@@ -75,6 +75,10 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
     std::optional<consensus::PeerId> owner;
     if (body.owner) owner = seat_of(options, *body.owner) + 1;
     peer_.share({.id = body.id, .body = body.body, .owner = owner});
+    record_.owners.push_back(owner.value_or(0));
+    const std::uint32_t slot = body.body.index;
+    if (slot >= body_of_slot_.size()) body_of_slot_.resize(slot + 1, pbd::BodyId::kNone);
+    body_of_slot_[slot] = i;
     index_.emplace_back(body.id, i);
   }
   std::sort(index_.begin(), index_.end());
@@ -82,6 +86,7 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
 
 void Participant::add_user(std::size_t user, const UserOptions& options,
                            const std::vector<Input>* replay) {
+  record_.epoch = options.epoch;
   Seat seat;
   seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
   seat.controls = std::make_unique<Controls>(user, scene_, peer_, options.epoch, &signals_);
@@ -105,7 +110,11 @@ void Participant::begin(consensus::SessionTime now) {
     seat.user->update(now);
   }
   for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
+  // Two-step coupling moves bodies before the step.
+  moved_.resize(scene_.bodies.size());
+  for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   peer_.before_step(now);
+  for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_.stats().updates_received > 0) record_.first_exchange = now;
 }
 
@@ -115,6 +124,7 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   const pbd::StepReport& report = solver_.step(*scene_.world, seconds_of(end - now));
   const std::chrono::duration<double> elapsed = Clock::now() - before;
   record_.step_s.push_back(elapsed.count());
+  record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
   record_.energy.displacement += report.energy.displacement;
   record_.energy.velocity_agreement += report.energy.velocity_agreement;
   record_.energy.potential += report.energy.potential;
@@ -173,6 +183,11 @@ void Participant::record_bodies(consensus::SessionTime now) {
     sample.position = state.pose.position;
     sample.orientation = state.pose.orientation;
     sample.speed = state.twist.linear.norm();
+    sample.velocity = state.twist.linear;
+    sample.contact = scene_.world->in_contact(scene_.bodies[i].body);
+    pbd::Vec3 correction = scene_.world->correction(scene_.bodies[i].body).translation;
+    if (i < moved_.size()) correction += moved_[i];
+    sample.correction = correction.norm();
     for (const Seat& seat : seats_) sample.users += seat.controls->holds(i) ? 1 : 0;
     record_.tracks[i].push(sample);
   }
@@ -194,6 +209,25 @@ void Participant::watch(consensus::SessionTime now, const pbd::StepReport& repor
   if (steps_ % kLookEvery != 0) return;
   if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);
   append_penetrations(scene_, record_.penetration_m);
+  record_contacts(now);
+}
+
+void Participant::record_contacts(consensus::SessionTime now) {
+  if (wait_for_exchange_ && !has_exchanged()) return;
+  events_.update(*scene_.world, *scene_.contacts);
+  ContactFrame& frame = record_.contacts.emplace_back();
+  frame.time = now;
+  const auto body_at = [this](const pbd::BodyId& id) {
+    return id.index < body_of_slot_.size() ? body_of_slot_[id.index] : pbd::BodyId::kNone;
+  };
+  for (const collision::ContactPair& pair : events_.touching()) {
+    const std::uint32_t a = body_at(pair.body_a);
+    const std::uint32_t b = body_at(pair.body_b);
+    if (a == pbd::BodyId::kNone || b == pbd::BodyId::kNone) continue;
+    frame.pairs.push_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b));
+  }
+  std::sort(frame.pairs.begin(), frame.pairs.end());
+  frame.pairs.erase(std::unique(frame.pairs.begin(), frame.pairs.end()), frame.pairs.end());
 }
 
 void Participant::set_fault(consensus::SessionTime now, const std::string& text) {

@@ -12,6 +12,7 @@
 #include "common/signals.h"
 #include "common/track.h"
 #include "scenes/scenario.h"
+#include "tandem/collision/contact_events.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/pbd/solver.h"
 
@@ -54,6 +55,7 @@ class Participant final : private consensus::PeerObserver {
                      double age) override;
   void record_bodies(consensus::SessionTime now);
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
+  void record_contacts(consensus::SessionTime now);
   void set_fault(consensus::SessionTime now, const std::string& text);
 
   /// A user and what they act by.
@@ -72,6 +74,9 @@ class Participant final : private consensus::PeerObserver {
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id
+  collision::ContactEvents events_;
+  std::vector<std::uint32_t> body_of_slot_;  ///< index into the scene's bodies, by world slot
+  std::vector<pbd::Vec3> moved_;  ///< m, by body: what two-step coupling did before the step
   PeerRecord record_;
   consensus::SessionTime epoch_ = 0;
   std::uint64_t steps_ = 0;

@@ -95,7 +95,7 @@ void describe_run(JsonWriter& json, const Report& r) {
 }  // namespace
 
 Report make_report(std::string scenario, const DemoOptions& options, RunResult run,
-                   std::vector<std::string> body_names) {
+                   std::vector<std::string> body_names, const RunResult* reference) {
   Report report;
   report.scenario = std::move(scenario);
   report.options = options;
@@ -105,6 +105,7 @@ Report make_report(std::string scenario, const DemoOptions& options, RunResult r
     evaluation.max_gap = static_cast<consensus::SessionTime>(0.2e9 + 2e9 / options.update_hz);
   }
   report.metrics = evaluate(run.peers, evaluation);
+  report.measures = measure(run, report.metrics, options, reference);
   for (const PeerRecord& peer : run.peers) {
     if (report.fault.empty()) report.fault = peer.fault;
   }
@@ -168,7 +169,7 @@ std::string report_json(const Report& r) {
   json.field("p99", m.latency_ms.p99).end_object();
   json.key("overhead_us_per_object").begin_object();
   json.field("parse", m.parse_us).field("process", m.process_us);
-  json.field("aggregate", m.aggregate_us).end_object();
+  json.field("aggregate", m.aggregate_us).field("targets", m.targets_us).end_object();
   json.field("bytes_per_second", m.bytes_per_second);
   json.key("step_ms").begin_object();
   json.field("mean", m.step_ms.mean).field("p50", m.step_ms.p50).field("p99", m.step_ms.p99);
@@ -188,6 +189,9 @@ std::string report_json(const Report& r) {
     json.end_object();
   }
   json.end_object();
+  json.field("cpu_s", r.run.cpu_s > 0.0 ? r.run.cpu_s : Distribution::kNone);
+  write_classes(json, m);
+  write_measures(json, r.measures, r.body_names);
   json.field("hash", format("%016llx", static_cast<unsigned long long>(m.hash)));
   json.end_object();
   return json.text();

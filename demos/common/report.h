@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/measures.h"
 #include "common/metrics.h"
 #include "common/options.h"
 #include "common/virtual_runner.h"
@@ -17,15 +18,16 @@ struct Report {
   DemoOptions options;
   RunResult run;
   Metrics metrics;
+  Measures measures;
   std::vector<std::string> body_names;
   std::string fault;  ///< the first fault of any peer; empty where the run was stable
 
   bool stable() const { return fault.empty(); }
 };
 
-/// Evaluates the run.
+/// Evaluates the run. @param reference  null: nobody ran its inputs at one peer
 Report make_report(std::string scenario, const DemoOptions& options, RunResult run,
-                   std::vector<std::string> body_names);
+                   std::vector<std::string> body_names, const RunResult* reference = nullptr);
 
 /// For people: aligned, in mm and degrees.
 std::string report_table(const Report& report);

@@ -28,6 +28,7 @@ std::optional<TrackSample> Track::at(consensus::SessionTime time,
   result.position += s * (after->position - before.position);
   result.orientation = before.orientation.slerp(s, after->orientation);
   result.speed += s * (after->speed - before.speed);
+  result.velocity += s * (after->velocity - before.velocity);
   return result;
 }
 

@@ -20,8 +20,11 @@ struct TrackSample {
   consensus::SessionTime time = 0;         ///< ns
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, of the centre
   pbd::Quat orientation = pbd::Quat::Identity();
-  double speed = 0.0;  ///< m/s, of the centre
-  int users = 0;       ///< how many of this peer's own users hold the body
+  double speed = 0.0;                      ///< m/s, of the centre
+  pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, likewise
+  double correction = 0.0;                 ///< m, by which agreement moved it in the last step
+  bool contact = false;                    ///< felt a contact in the last step; local peers only
+  int users = 0;                           ///< how many of this peer's own users hold the body
 };
 
 /// The way of one body at one peer.
@@ -32,9 +35,9 @@ class Track {
   bool empty() const { return samples_.empty(); }
   const std::vector<TrackSample>& samples() const { return samples_; }
 
-  /// The state at `time`: position and speed interpolated linearly, orientation on the sphere,
-  /// users as at the sample before. Nothing before the first sample, after the last one, and
-  /// between two that are more than `max_gap` (ns) apart.
+  /// The state at `time`: position, speed and velocity interpolated linearly, orientation on the
+  /// sphere, the rest as at the sample before. Nothing before the first sample, after the last one,
+  /// and between two that are more than `max_gap` (ns) apart.
   std::optional<TrackSample> at(consensus::SessionTime time,
                                 consensus::SessionTime max_gap = INT64_MAX) const;
 
@@ -51,6 +54,14 @@ struct PredictionSample {
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, predicted
 };
 
+/// Which bodies touched each other at one peer at one time.
+struct ContactFrame {
+  consensus::SessionTime time = 0;  ///< ns
+  /// (lower << 32) | higher index into the scene's bodies, ascending, each once; what is fixed has
+  /// no index and is left out.
+  std::vector<std::uint64_t> pairs;
+};
+
 /// Everything that was seen of one peer. A peer in another process has tracks only.
 struct PeerRecord {
   consensus::PeerId id = 0;
@@ -58,11 +69,15 @@ struct PeerRecord {
   bool local = true;          ///< false: known by its updates alone
   std::vector<Track> tracks;  ///< one for each body of the scene
   std::vector<PredictionSample> predictions;
-  std::vector<double> step_s;         ///< wall time of each step of the solver
-  std::vector<double> penetration_m;  ///< of each overlapping pair in each frame looked at
-  pbd::ConsensusEnergy energy;        ///< sum of all steps
+  std::vector<consensus::PeerId> owners;  ///< of each body; 0 = everybody's; may be empty
+  std::vector<ContactFrame> contacts;     ///< at every look
+  consensus::SessionTime epoch = 0;       ///< ns, of the inputs
+  std::vector<double> step_s;             ///< wall time of each step of the solver
+  std::vector<double> penetration_m;      ///< of each overlapping pair in each frame looked at
+  pbd::ConsensusEnergy energy;            ///< sum of all steps
   consensus::SessionTime first_exchange = INT64_MAX;         ///< ns, the first update has come
   double parse_s = 0.0, process_s = 0.0, aggregate_s = 0.0;  ///< CPU time
+  double targets_s = 0.0;  ///< wall time of the pass's total channel, where targets are
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;
   std::uint64_t bytes_sent = 0;

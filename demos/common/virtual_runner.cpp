@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <optional>
 #include <tuple>
@@ -74,7 +75,9 @@ std::string session_note(double seconds) {
 
 }  // namespace
 
-RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
+RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
+                      const std::vector<Input>* replay) {
+  const std::clock_t cpu_start = std::clock();
   const auto wall_start = std::chrono::steady_clock::now();
   consensus::VirtualNetwork network(options.link_options(), derived_seed(options.seed, 5000),
                                     kStart);
@@ -86,10 +89,12 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
   for (std::size_t i = 0; i < count; ++i) {
     actors.emplace_back(scenario, options, i, network.transport(i + 1));
   }
-  const std::optional<std::vector<Input>> replay = replayed_inputs(options);
+  std::optional<std::vector<Input>> from_file;
+  if (replay == nullptr) from_file = replayed_inputs(options);
+  if (from_file) replay = &*from_file;
   for (std::size_t user = 0; user < scenario.user_count(); ++user) {
     actors[seat_of(options, user)].participant().add_user(user, user_options(options, user, kStart),
-                                                          replay ? &*replay : nullptr);
+                                                          replay);
   }
 
   Progress progress(options.quiet);
@@ -112,7 +117,19 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
   result.seconds = options.seconds;
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start;
   result.wall_s = wall.count();
+  result.cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   return result;
+}
+
+RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
+                        const RunResult& original) {
+  DemoOptions alone = options;
+  alone.peers = 1;
+  std::vector<Input> inputs;
+  for (const PeerRecord& peer : original.peers) {
+    inputs.insert(inputs.end(), peer.inputs.begin(), peer.inputs.end());
+  }
+  return run_virtual(scenario, alone, &inputs);
 }
 
 }  // namespace tandem::demos

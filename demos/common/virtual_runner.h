@@ -15,11 +15,18 @@ struct RunResult {
   std::vector<PeerRecord> peers;  ///< this process's own first
   double seconds = 0.0;           ///< s, session time that passed
   double wall_s = 0.0;            ///< s, that it took
+  double cpu_s = 0.0;             ///< s, processor time of it; 0 = not measured
 };
 
 /// All peers in this process, in virtual time over a virtual link. Events are ordered by time, then
 /// ends of steps before beginnings, then peer: same options, same result, bit for bit.
+/// @param replay  what the users do; null: what options.replay holds, else their script
 /// @throws std::invalid_argument where scenario or link refuse the options
-RunResult run_virtual(const Scenario& scenario, const DemoOptions& options);
+RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
+                      const std::vector<Input>* replay = nullptr);
+
+/// The same inputs at one peer, where nothing is late: what a run is compared with.
+RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
+                        const RunResult& original);
 
 }  // namespace tandem::demos

@@ -93,8 +93,8 @@ TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[
 }
 
 TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
-  CHECK(refusal({"--profile", "6"}) == "--profile = 6 breaks: an integer from 1 to 5");
-  CHECK(refusal({"--profile", "2.5"}) == "--profile = 2.5 breaks: an integer from 1 to 5");
+  CHECK(refusal({"--profile", "6"}) == "--profile = 6 breaks: an integer from 0 to 5");
+  CHECK(refusal({"--profile", "2.5"}) == "--profile = 2.5 breaks: an integer from 0 to 5");
   CHECK(refusal({"--seconds", "nan"}) == "--seconds = nan breaks: a number from 0.1 to 86400");
   CHECK(refusal({"--seconds", "inf"}) == "--seconds = inf breaks: a number from 0.1 to 86400");
   CHECK(refusal({"--seconds"}) == "--seconds =  breaks: needs a value");

@@ -43,6 +43,21 @@ TEST_CASE("virtual run: same options, same bits; another seed, others", "[demos]
   CHECK(run(options).metrics.hash != first.metrics.hash);
 }
 
+TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][golden]") {
+  const CubesScenario scenario(kSmall);
+  DemoOptions options = quiet(3.0, 5);
+  const RunResult shared = run_virtual(scenario, options);
+  const RunResult reference = run_reference(scenario, options, shared);
+  REQUIRE(reference.peers.size() == 1);
+  CHECK(reference.peers[0].first_exchange == INT64_MAX);
+  CHECK(reference.peers[0].inputs.size() ==
+        shared.peers[0].inputs.size() + shared.peers[1].inputs.size());
+  // Of what is at one peer already it is the same, bit for bit.
+  options.peers = 1;
+  const RunResult alone = run_virtual(scenario, options);
+  CHECK(run_reference(scenario, options, alone).peers[0].hash == alone.peers[0].hash);
+}
+
 TEST_CASE("virtual run: what users did, done again, gives the same bits", "[demos][golden]") {
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem-virtual-runner-inputs").string();

@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""Runs the five scenarios over networks and seeds, and writes tables, figures and docs/evaluation.md.
+
+    benchmarks/evaluation.py build/release/bin results            everything
+    benchmarks/evaluation.py build/release/bin results --quick    two seeds
+    benchmarks/evaluation.py build/release/bin results --report   from what is there
+
+Cells that are finished are kept, so that a matrix that was broken off goes on; a program that is
+newer than a cell runs it again.
+"""
+import argparse
+import os
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(HERE / "evaluation"))
+
+try:
+    import matplotlib  # noqa: F401
+except ImportError:
+    # Another Python of this machine may be able to draw.
+    if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():
+        os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
+
+import cells
+import report
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("binaries", type=Path, help="folder of the programs")
+    parser.add_argument("out", type=Path, help="folder for the results")
+    parser.add_argument("--quick", action="store_true", help="two seeds, shorter cliff")
+    parser.add_argument("--seeds", type=int, help="how many (5, quick 2)")
+    parser.add_argument("--profiles", type=int, nargs="*", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--scenarios", nargs="*", default=list(cells.SECONDS),
+                        choices=list(cells.SECONDS))
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--report", action="store_true", help="run nothing")
+    parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
+    args = parser.parse_args()
+
+    seeds = args.seeds or (2 if args.quick else 5)
+    matrix = cells.matrix(args.scenarios, args.profiles, seeds, args.quick)
+    if not args.report:
+        cells.run_all(matrix, args.binaries, args.out, args.jobs)
+    report.write(cells.load(matrix, args.out), args.out, args.docs)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""The cells of the matrix: which there are, how each is run, and what came out."""
+import json
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+# s of session time: as long as the script has something to do.
+SECONDS = {"cubes": 20, "room": 32, "tennis": 20, "piano": 22, "cliff": 8}
+MOTION = "motion"  # the check of speeds, see motion.cpp
+
+
+@dataclass(frozen=True)
+class Cell:
+    scenario: str
+    variant: str
+    profile: int
+    seed: int
+    seconds: float
+
+    @property
+    def name(self):
+        return f"{self.scenario}-{self.variant}-p{self.profile}-s{self.seed}-{self.seconds:g}"
+
+    def recorded(self, folder):
+        """What the users did, to be replayed under something else."""
+        return folder / f"{self.name}.inputs"
+
+    def command(self, binaries, folder):
+        args = [str(binaries / self.scenario), "--quiet", "--profile", str(self.profile),
+                "--seed", str(self.seed), "--seconds", f"{self.seconds:g}"]
+        extra = {
+            "default": ["--reference", "--record", str(self.recorded(folder))],
+            "control": ["--influence", "0"],
+            "soft": ["--variant", "soft"],
+            "mouse": ["--variant", "mouse"],
+            "tug": ["--variant", "tug"],
+            "live": [],
+            "uneven": ["--uneven"],
+        }[self.variant]
+        return args + extra
+
+
+def matrix(scenarios, profiles, seed_count, quick):
+    """In the order of running: what matters most comes first."""
+    first, second = [], []
+    for scenario in scenarios:
+        seconds = SECONDS[scenario]
+        if quick and scenario == "cliff":
+            seconds = 6
+        for seed in range(1, seed_count + 1):
+            def add(where, variant, profile):
+                where.append(Cell(scenario, variant, profile, seed, seconds))
+
+            for profile in profiles:
+                add(first, "default", profile)
+                add(second, "control", profile)
+                if scenario == "piano":
+                    add(second, "soft", profile)
+            if 5 in profiles:
+                if scenario == "piano":
+                    add(second, "mouse", 5)
+                    add(second, "tug", 5)
+                if scenario != "cliff" or seed == 1:
+                    add(second, "uneven", 5)
+            if scenario == "tennis":
+                add(second, "live", 0)  # nothing is late
+    return first, second
+
+
+def _fresh(path, binary):
+    return path.exists() and path.stat().st_mtime >= binary.stat().st_mtime
+
+
+def _run(cell, binaries, folder):
+    result = folder / f"{cell.name}.json"
+    if _fresh(result, binaries / cell.scenario):
+        return
+    part = folder / f"{cell.name}.part"
+    done = subprocess.run(cell.command(binaries, folder) + ["--json", str(part)],
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False, text=True)
+    if not part.exists():
+        raise RuntimeError(f"{cell.name}: {done.stderr.strip()}")
+    part.rename(result)
+
+
+def _bar(done, total, start):
+    if not sys.stderr.isatty() and done % 20 and done != total:
+        return
+    passed = time.monotonic() - start
+    width = 40
+    full = width * done // max(total, 1)
+    end = "\r" if sys.stderr.isatty() and done != total else "\n"
+    print(f"[{'#' * full}{'.' * (width - full)}] {done}/{total}, {passed:.0f} s", end=end,
+          file=sys.stderr, flush=True)
+
+
+def run_all(rounds, binaries, out, jobs):
+    folder = out / "cells"
+    folder.mkdir(parents=True, exist_ok=True)
+    motion = binaries / MOTION
+    if motion.exists() and not _fresh(out / "motion.json", motion):
+        (out / "motion.json").write_text(
+            subprocess.run([str(motion)], check=True, capture_output=True, text=True).stdout)
+    total = sum(len(cells) for cells in rounds)
+    done = 0
+    start = time.monotonic()
+    for cells in rounds:
+        # The longest first, so that none is left over alone at the end.
+        order = sorted(cells, key=lambda c: c.scenario not in ("cliff", "cubes"))
+        with ThreadPoolExecutor(jobs) as pool:
+            for future in as_completed([pool.submit(_run, c, binaries, folder) for c in order]):
+                future.result()
+                done += 1
+                _bar(done, total, start)
+
+
+def load(rounds, out):
+    """{(scenario, variant, profile): [result of each seed]}; cells that are missing are left out."""
+    results = {}
+    for cells in rounds:
+        for cell in cells:
+            path = out / "cells" / f"{cell.name}.json"
+            if path.exists():
+                key = (cell.scenario, cell.variant, cell.profile)
+                results.setdefault(key, []).append(json.loads(path.read_text()))
+    return results

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""The bounds, each with what was measured. A bound holds where it holds for every seed."""
+from stats import get, mean, short, values, worst
+
+MM = 1e3
+SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
+
+
+def _row(what, measured, bound, holds):
+    return {"what": what, "measured": measured, "bound": bound, "holds": holds}
+
+
+def _most(results, keys, path, factor, limit, unit, what, bound=None):
+    """The worst seed of the worst of some cells against a limit."""
+    found = [(worst(results.get(k), path, factor), k) for k in keys]
+    found = [(v, k) for v, k in found if v is not None]
+    bound = bound or f"<= {short(limit)} {unit}"
+    if not found:
+        return _row(what, "not run", bound, None)
+    value, key = max(found)
+    where = f" (profile {key[2]})" if len(keys) > 1 else ""
+    return _row(what, f"{short(value)} {unit}{where}", bound, value <= limit)
+
+
+def _stable(results):
+    rows = []
+    runs = [(k, r) for k, seeds in results.items() if k[1] != "control" for r in seeds]
+    broken = [f"{k[0]} {k[1]} {k[2]}, seed {r['seed']}: {r['fault']}"
+              for k, r in runs if not r["stable"]]
+    text = f"{len(runs) - len(broken)} of {len(runs)} runs"
+    if broken:
+        text += "; " + "; ".join(broken[:3])
+    rows.append(_row("stable, nothing lost", text, "all", not broken))
+    lost = sum(v for k, r in runs if k[0] == "cliff"
+               for v in (get(r, "outcome.peer_1.lost"), get(r, "outcome.peer_2.lost")) if v)
+    rows.append(_row("cliff: balls lost", short(lost), "0", lost == 0))
+    return rows
+
+
+def _divergence(results):
+    rows = []
+    for s in ("cubes", "room"):
+        every = [(s, "default", p) for p in range(1, 6)]
+        resting = "classes.resting.divergence_m.p50"
+        moving = "divergence_shared_moving_m.p50"
+        rows.append(_most(results, every, resting, MM, 0.5, "mm", f"{s}: resting p50"))
+        rows.append(_most(results, every[:3], moving, MM, 5, "mm",
+                          f"{s}: moving p50, profiles 1 to 3"))
+        rows.append(_most(results, every[4:], moving, MM, 25, "mm", f"{s}: moving p50, profile 5"))
+        row = _most(results, every[4:], "divergence_calm_m.p99", MM, 50, "mm",
+                    f"{s}: p99 over everything but jumps, profile 5")
+        limit = worst(results.get(every[4]), "limit_of_all_m.p99", MM)
+        if limit is not None:
+            row["measured"] += f"; {short(limit)} mm is the physical limit's"
+        rows.append(row)
+    rows.append(_most(results, [("cliff", "default", 5)], "divergence_m.p50", MM, 10, "mm",
+                      "cliff: median, profile 5"))
+    rows.append(_most(results, [("piano", "default", 5)], "divergence_m.p50", MM, 10, "mm",
+                      "piano: median, profile 5"))
+    return rows
+
+
+def _against_none(results):
+    rows = []
+    groups = (("p50 of all", "divergence_shared_m.p50"), ("p95 of all", "divergence_shared_m.p95"),
+              ("p50 of what moves", "divergence_shared_moving_m.p50"))
+    for s in SCENARIOS:
+        for name, path in groups:
+            # Most of the balls of tennis wait for their serve: their median says nothing.
+            if s == "tennis" and name == "p50 of all":
+                continue
+            ratios = []
+            for p in range(1, 6):
+                own = mean(results.get((s, "default", p)), path)
+                none = mean(results.get((s, "control", p)), path)
+                if own is not None and none is not None:
+                    ratios.append((none / own if own > 0 else float("inf"), p))
+            what = f"{s}: influence 0 over ours, {name}"
+            if not ratios:
+                rows.append(_row(what, "not run", ">= 5 x", None))
+                continue
+            text = ", ".join(short(r) for r, _ in ratios)
+            rows.append(_row(what, f"{text} x at profiles {', '.join(str(p) for _, p in ratios)}",
+                             ">= 5 x", min(ratios)[0] >= 5))
+    return rows
+
+
+def _limit(results):
+    rows = []
+    for s in ("cubes", "room"):
+        for quantile in ("p50", "p95"):
+            ratios = []
+            for p in range(1, 6):
+                cells = results.get((s, "default", p))
+                own = mean(cells, f"held_by_one_m.{quantile}")
+                limit = mean(cells, f"held_limit_m.{quantile}")
+                if own is not None and limit:
+                    ratios.append((own / limit, p))
+            what = f"{s}: held by one, {quantile} over the physical limit's"
+            if not ratios:
+                rows.append(_row(what, "not run", "<= 2", None))
+                continue
+            text = ", ".join(short(r) for r, _ in ratios)
+            rows.append(_row(what, f"{text} at profiles {', '.join(str(p) for _, p in ratios)}",
+                             "<= 2", max(ratios)[0] <= 2))
+    return rows
+
+
+def _continue(cells):
+    """Share of strokes after which the rally goes on: hits over hits and serves."""
+    hits = sum(sum(values(cells, f"outcome.peer_{i}.hits")) for i in (1, 2))
+    served = sum(sum(values(cells, f"outcome.peer_{i}.served")) for i in (1, 2))
+    return hits / (hits + served) if hits + served else None
+
+
+def _tennis(results):
+    rows = []
+    keys = [("tennis", "default", p) for p in range(1, 6)]
+    through = sum(sum(values(results.get(k), f"outcome.peer_{i}.tunnelled"))
+                  for k in keys for i in (1, 2))
+    rows.append(_row("tennis: balls through a racket", short(through), "0", through == 0))
+    zero = _continue(results.get(("tennis", "live", 0)))
+    shares = [(_continue(results.get(k)), k[2]) for k in keys]
+    shares = [(v / zero, p) for v, p in shares if v is not None and zero]
+    text = ", ".join(f"{100 * v:.0f}" for v, _ in shares)
+    rows.append(_row("tennis: strokes that keep the rally going, of those where nothing is late",
+                     f"{text} % at profiles {', '.join(str(p) for _, p in shares)} "
+                     f"(there {100 * (zero or 0):.0f} % of hits and serves are hits)",
+                     ">= 90 %", min(shares)[0] >= 0.9 if shares else None))
+    rows.append(_most(results, keys, "blows.after_m.p95", MM, 30, "mm",
+                      "tennis: ball apart, p95 from 150 ms after delivery"))
+    rows.append(_most(results, keys, "blows.before_m.p95", MM, 300, "mm",
+                      "tennis: ball apart, p95 before"))
+    return rows
+
+
+def _motion(motion):
+    rows = []
+    for name, value in (motion or {}).get("local-motion", {}).items():
+        rows.append(_row(f"no treacle: {name}, speed against alone, profile 5",
+                         f"{100 * value:.3g} %", "<= 1 %", value <= 0.01))
+    if not rows:
+        rows.append(_row("no treacle", "not run", "<= 1 %", None))
+    return rows
+
+
+def _piano(results):
+    rows = []
+    cells = results.get(("piano", "default", 5), [])
+    there = sum(all(get(r, f"outcome.peer_{i}.delivered") == 1 for i in (1, 2)) for r in cells)
+    rows.append(_row("piano: delivered at both peers, profile 5", f"{there} of {len(cells)}", "all",
+                     there == len(cells) if cells else None))
+    for variant in ("default", "tug"):
+        cells = results.get(("piano", variant, 5), [])
+        name = "pulling apart" if variant == "tug" else "carrying"
+        force = [v for w in "ab" for i in (1, 2)
+                 for v in values(cells, f"outcome.peer_{i}.{w}_force_max_N")]
+        energy = [v for w in "ab" for i in (1, 2)
+                  for v in values(cells, f"outcome.peer_{i}.{w}_energy_min_J")]
+        stable = all(r["stable"] for r in cells)
+        rows.append(_row(f"piano: {name}: force of the devices, profile 5",
+                         f"{short(max(force))} N" if force else "not run", "<= 3.3 N",
+                         max(force) <= 3.3 + 1e-9 and stable if force else None))
+        rows.append(_row(f"piano: {name}: least energy seen by the passivity observer, profile 5",
+                         f"{short(min(energy))} J" if energy else "not run", ">= 0 J",
+                         min(energy) >= -1e-9 if energy else None))
+    return rows
+
+
+def _predictors(results):
+    """The default's error over Euler's for the same states, worst scenario and profile."""
+    rows = []
+    bounds = {"resting": (0.2, 0.5), "touching": (0.2, 0.5), "free": (None, 1.1),
+              "held": (None, 1.1), "owned": (None, 1.1)}
+    for name, (p50_bound, p95_bound) in bounds.items():
+        for quantile, bound in (("p50", p50_bound), ("p95", p95_bound)):
+            for label, profiles, limit in (("profiles 1 to 4", range(1, 5), bound),
+                                           ("profile 5", (5,), 1.1)):
+                if limit is None:
+                    continue
+                found = []
+                for s in SCENARIOS:
+                    # Prediction wants the springs that the piano's users keep to themselves.
+                    variant = "soft" if s == "piano" else "default"
+                    for p in profiles:
+                        cells = results.get((s, variant, p))
+                        path = f"classes.{name}.{{}}_error_m.{quantile}"
+                        own = mean(cells, path.format("prediction"))
+                        euler = mean(cells, path.format("euler"))
+                        # Nobody can see a tenth of a millimetre.
+                        if own is None or euler is None or max(own, euler) < 1e-4:
+                            continue
+                        found.append((own / euler if euler else float("inf"), s, p))
+                if not found:
+                    rows.append(_row(f"prediction: {name} {quantile} over Euler's, {label}",
+                                     "nothing above 0.1 mm", f"<= {limit}", True))
+                    continue
+                ratio, s, p = max(found)
+                rows.append(_row(f"prediction: {name} {quantile} over Euler's, {label}",
+                                 f"{short(ratio)} ({s}, profile {p}); best "
+                                 f"{short(min(found)[0])}", f"<= {limit}", ratio <= limit))
+    return rows
+
+
+def _cost(results):
+    cells = [r for p in range(1, 6) for r in results.get(("cliff", "default", p), [])]
+    if not cells:
+        return [_row("cliff: cost", "not run", "<= 1 us", None)]
+    sums = [sum(get(r, f"overhead_us_per_object.{k}") for k in ("parse", "process", "aggregate"))
+            for r in cells]
+    targets = mean(cells, "overhead_us_per_object.targets")
+    load = [r["cpu_s"] / (r["peers"] * r["seconds"]) for r in cells if r.get("cpu_s")]
+    return [_row("cliff: parse + process + aggregate, for each object and update",
+                 f"{short(max(sums))} us, mean {short(sum(sums) / len(sums))} us "
+                 f"(targets in the pass: {short(targets)} us more)", "<= 1 us", max(sums) <= 1),
+            _row("cliff: processor time of a whole peer, of real time",
+                 f"{short(max(load))} x" if load else "not run", "<= 1 x",
+                 max(load) <= 1 if load else None)]
+
+
+def rows(results, motion):
+    return (_stable(results) + _divergence(results) + _against_none(results) + _limit(results)
+            + _tennis(results) + _motion(motion) + _piano(results) + _predictors(results)
+            + _cost(results))
