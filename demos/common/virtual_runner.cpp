@@ -74,7 +74,8 @@ std::string session_note(double seconds) {
 
 }  // namespace
 
-RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
+RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
+                      std::span<consensus::PeerObserver* const> observers) {
   const auto wall_start = std::chrono::steady_clock::now();
   consensus::VirtualNetwork network(options.link_options(), derived_seed(options.seed, 5000),
                                     kStart);
@@ -85,6 +86,7 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options) {
   actors.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     actors.emplace_back(scenario, options, i, network.transport(i + 1));
+    if (i < observers.size()) actors.back().participant().watch_with(observers[i]);
   }
   const std::optional<std::vector<Input>> replay = replayed_inputs(options);
   for (std::size_t user = 0; user < scenario.user_count(); ++user) {

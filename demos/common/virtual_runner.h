@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/options.h"
@@ -20,6 +21,8 @@ struct RunResult {
 /// All peers in this process, in virtual time over a virtual link. Events are ordered by time, then
 /// ends of steps before beginnings, then peer: same options, same result, bit for bit.
 /// @throws std::invalid_argument where scenario or link refuse the options
-RunResult run_virtual(const Scenario& scenario, const DemoOptions& options);
+/// @param observers  watch the peers, in their order, beside the recorder; null = nobody
+RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
+                      std::span<consensus::PeerObserver* const> observers = {});
 
 }  // namespace tandem::demos

@@ -100,7 +100,9 @@ TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
   CHECK(refusal({"--seconds"}) == "--seconds =  breaks: needs a value");
   CHECK(refusal({"--seed", "-1"}) == "--seed = -1 breaks: an integer of 64 bits, >= 0");
   CHECK(refusal({"--influence", "1"}) == "--influence = 1 breaks: a number from 0 to 0.99");
-  CHECK(refusal({"--predictor", "Euler"}) == "--predictor = Euler breaks: euler or local-motion");
+  CHECK(refusal({"--predictor", "Euler"}) ==
+        "--predictor = Euler breaks: none, euler, second-order, "
+        "kalman, local-motion, blend or adaptive");
   CHECK(refusal({"--solver", ""}) == "--solver =  breaks: one-pass or two-step");
   CHECK(refusal({"--listen", "65536"}) == "--listen = 65536 breaks: a port from 0 (any) to 65535");
   for (const char* bad : {"host", "host:", ":80", "host:0", "host:65536", "host:8x"}) {
