@@ -66,6 +66,29 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
 }
 
+TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]") {
+  const consensus::PeerOptions plain = parse({}).peer_options();
+  CHECK(plain.mode == consensus::InputMode::Soft);
+  CHECK(plain.acceptance.empty());
+  const DemoOptions o =
+      parse({"--mode", "hard", "--predictor=kalman", "--extrapolation", "0.2",
+             "--spring-extrapolation=0", "--damped-start", "2", "--modelled-error", "0.01"});
+  const consensus::PeerOptions peer = o.peer_options();
+  CHECK(peer.mode == consensus::InputMode::Hard);
+  CHECK(peer.predictor == consensus::PredictorKind::Kalman);
+  CHECK(peer.prediction.max_extrapolation == 0.2);
+  CHECK(peer.max_anchor_extrapolation == 0.0);
+  CHECK(peer.acceptance.apply(0.4, {.heard_for = 1.0, .variance = 1e-4}) == Approx(0.1));
+  CHECK(parse({"--sleeping-threshold"}).peer_options().acceptance.apply(0.4, {}) == 0.0);
+  for (const char* name :
+       {"none", "euler", "second-order", "kalman", "local-motion", "blend", "adaptive"}) {
+    CHECK(to_string(parse({"--predictor", name}).predictor) == name);
+  }
+  for (const char* name : {"soft", "asymmetric", "hard"}) {
+    CHECK(to_string(parse({"--mode", name}).mode) == name);
+  }
+}
+
 TEST_CASE("options: rates go round the peers", "[demos][unit]") {
   const DemoOptions o =
       parse({"--rates", "60,72,90.5", "--variant", "mouse", "--record", "a", "--replay=b"});
