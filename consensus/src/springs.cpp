@@ -32,13 +32,21 @@ Springs::Springs(pbd::World& world, const PeerOptions& options)
 
 GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   if (next_ == 0) next_ = 1;
-  const pbd::ConstraintId tether = tethers_.add(world_, {.body = body,
-                                                         .anchor_l = def.attachment_l,
-                                                         .anchor_w = def.anchor_w,
-                                                         .stiffness = def.stiffness,
-                                                         .damping = def.damping,
-                                                         .max_force = def.max_force});
-  own_.push_back({.spring = next_, .revision = 1, .def = def, .tether = tether});
+  const InputMode mode = def.mode.value_or(options_.mode);
+  pbd::ConstraintId tether;
+  if (mode == InputMode::Hard) {
+    pbd::detail::require_finite(def.attachment_l, "GrabDef", "attachment_l");
+    pbd::detail::require_finite(def.anchor_w, "GrabDef", "anchor_w");
+  } else {
+    tether = tethers_.add(world_, {.body = body,
+                                   .anchor_l = def.attachment_l,
+                                   .anchor_w = def.anchor_w,
+                                   .stiffness = def.stiffness,
+                                   .damping = def.damping,
+                                   .max_force = def.max_force});
+  }
+  own_.push_back(
+      {.spring = next_, .revision = 1, .def = def, .body = body, .mode = mode, .tether = tether});
   return {next_++};
 }
 
@@ -193,6 +201,7 @@ void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
   events.insert(events.end(), pending_.begin(), pending_.end());
   pending_.clear();
   for (Own& own : own_) {
+    if (own.mode != InputMode::Soft) continue;
     if (!own.announced) {
       events.push_back(message_of(own, SpringEvent::Create, now));
       own.announced = true;
@@ -206,9 +215,25 @@ bool Springs::holds(pbd::BodyId body) const {
   const auto pulls = [&](pbd::ConstraintId tether) {
     return tethers_.contains(tether) && tethers_.def(tether).body == body;
   };
-  return std::any_of(own_.begin(), own_.end(), [&](const Own& o) { return pulls(o.tether); }) ||
+  const auto drags = [&](const Own& o) { return o.mode == InputMode::Hard && o.body == body; };
+  return std::any_of(own_.begin(), own_.end(),
+                     [&](const Own& o) { return drags(o) || pulls(o.tether); }) ||
          std::any_of(remote_.begin(), remote_.end(),
                      [&](const Remote& r) { return r.live && pulls(r.tether); });
+}
+
+bool Springs::holds_alone(pbd::BodyId body) const {
+  return std::any_of(own_.begin(), own_.end(),
+                     [&](const Own& o) { return o.mode != InputMode::Soft && o.body == body; });
+}
+
+void Springs::hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) const {
+  for (const Own& own : own_) {
+    if (own.mode != InputMode::Hard || own.body != body) continue;
+    const double since = own.moved != 0 ? kNs * static_cast<double>(now - own.moved) : 0.0;
+    const double reach = since > kStill ? 0.0 : std::max(since, 0.0);
+    out.push_back({own.def.attachment_l, own.def.anchor_w + reach * own.velocity});
+  }
 }
 
 }  // namespace tandem::consensus

@@ -38,14 +38,25 @@ class Springs {
                 std::vector<SpringUpdate>& events);
 
   bool holds(pbd::BodyId body) const;
+  /// Whether an own spring that no other peer simulates holds the body.
+  bool holds_alone(pbd::BodyId body) const;
+  /// An own spring's hand in hard mode.
+  struct Hand {
+    pbd::Vec3 attachment_l;
+    pbd::Vec3 anchor_w;  ///< m, world
+  };
+  /// The hands that drag a body, as they are at `now`; appended.
+  void hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) const;
 
  private:
   struct Own {
     std::uint32_t spring = 0;
     std::uint32_t revision = 0;
     GrabDef def;
-    pbd::ConstraintId tether = {};
-    SessionTime moved = 0;  ///< ns, of the anchor; 0 = never
+    pbd::BodyId body = {};
+    InputMode mode = InputMode::Soft;
+    pbd::ConstraintId tether = {};  ///< none in hard mode
+    SessionTime moved = 0;          ///< ns, of the anchor; 0 = never
     pbd::Vec3 velocity = pbd::Vec3::Zero();
     bool announced = false;
   };

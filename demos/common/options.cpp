@@ -62,9 +62,19 @@ class Reader {
 };
 
 consensus::PredictorKind predictor(std::string_view text) {
-  if (text == "euler") return consensus::PredictorKind::Euler;
-  if (text == "local-motion") return consensus::PredictorKind::LocalMotion;
-  refuse("--predictor", text, "euler or local-motion");
+  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Adaptive); ++i) {
+    const auto kind = static_cast<consensus::PredictorKind>(i);
+    if (text == to_string(kind)) return kind;
+  }
+  refuse("--predictor", text, "none, euler, second-order, kalman, local-motion, blend or adaptive");
+}
+
+consensus::InputMode mode(std::string_view text) {
+  for (int i = 0; i <= static_cast<int>(consensus::InputMode::Hard); ++i) {
+    const auto value = static_cast<consensus::InputMode>(i);
+    if (text == to_string(value)) return value;
+  }
+  refuse("--mode", text, "soft, asymmetric or hard");
 }
 
 consensus::Coupling coupling(std::string_view text) {
@@ -113,8 +123,6 @@ bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
     o.seed = number(name, in.value(name), std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
   } else if (name == "--influence") {
     o.influence = number(name, in.value(name), 0.0, 0.99, "a number from 0 to 0.99");
-  } else if (name == "--predictor") {
-    o.predictor = predictor(in.value(name));
   } else if (name == "--solver") {
     o.solver = coupling(in.value(name));
   } else if (name == "--update-hz") {
@@ -128,6 +136,29 @@ bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
     o.variant = text_value(name, in.value(name));
   } else if (name == "--replay") {
     o.replay = text_value(name, in.value(name));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool read_policy(std::string_view name, Reader& in, DemoOptions& o) {
+  constexpr std::string_view kSeconds = "s, a number from 0 to 10";
+  if (name == "--predictor") {
+    o.predictor = predictor(in.value(name));
+  } else if (name == "--mode") {
+    o.mode = mode(in.value(name));
+  } else if (name == "--extrapolation") {
+    o.extrapolation = number(name, in.value(name), 0.0, 10.0, kSeconds);
+  } else if (name == "--spring-extrapolation") {
+    o.spring_extrapolation = number(name, in.value(name), 0.0, 10.0, kSeconds);
+  } else if (name == "--damped-start") {
+    o.damped_start = number(name, in.value(name), 0.0, 10.0, kSeconds);
+  } else if (name == "--modelled-error") {
+    o.modelled_error = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
+  } else if (name == "--sleeping-threshold") {
+    in.finish(name);
+    o.sleeping_threshold = true;
   } else {
     return false;
   }
@@ -199,6 +230,12 @@ consensus::PeerOptions DemoOptions::peer_options() const {
   result.influence.baseline = influence;
   result.predictor = predictor;
   result.coupling = solver;
+  result.mode = mode;
+  result.prediction.max_extrapolation = extrapolation;
+  result.max_anchor_extrapolation = spring_extrapolation;
+  if (modelled_error > 0.0) result.acceptance.then(consensus::modelled_error(modelled_error));
+  if (damped_start > 0.0) result.acceptance.then(consensus::damped_start(damped_start));
+  if (sleeping_threshold) result.acceptance.then(consensus::sleeping_threshold());
   return result;
 }
 
@@ -222,7 +259,8 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
       virtual_only = name;
     } else if (read_process(name, in, options)) {
       if (name == "--peer-id" || name == "--wait") network_only = name;
-    } else if (!read_session(name, in, options) && !read_output(name, in, options)) {
+    } else if (!read_session(name, in, options) && !read_policy(name, in, options) &&
+               !read_output(name, in, options)) {
       refuse("option", name, "must be one of those that --help lists");
     }
   }
@@ -255,8 +293,14 @@ Session:
   --seconds S        length (20)
   --seed N           of everything that is drawn (1)
   --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
-  --predictor euler|local-motion   (local-motion)
   --solver one-pass|two-step       (one-pass)
+  --mode soft|asymmetric|hard      what users' springs are to the others (soft)
+  --predictor none|euler|second-order|kalman|local-motion|blend|adaptive  (adaptive)
+  --extrapolation S  longest extrapolation of states (1)
+  --spring-extrapolation S         of users' springs; 0 = off (0.3)
+  --damped-start S   shares grow over this time since a peer was heard (0)
+  --modelled-error M a predictor's own error that halves a share (0 = no rule)
+  --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
   --update-hz F      states sent each second (60)
   --rates F,F,..     steps each second of the peers, in turn (60)
   --uneven           the same as --rates 60,72
@@ -273,7 +317,28 @@ Output:
 }
 
 std::string_view to_string(consensus::PredictorKind kind) {
-  return kind == consensus::PredictorKind::Euler ? "euler" : "local-motion";
+  switch (kind) {
+    case consensus::PredictorKind::None:
+      return "none";
+    case consensus::PredictorKind::Euler:
+      return "euler";
+    case consensus::PredictorKind::SecondOrder:
+      return "second-order";
+    case consensus::PredictorKind::Kalman:
+      return "kalman";
+    case consensus::PredictorKind::LocalMotion:
+      return "local-motion";
+    case consensus::PredictorKind::Blend:
+      return "blend";
+    case consensus::PredictorKind::Adaptive:
+      break;
+  }
+  return "adaptive";
+}
+
+std::string_view to_string(consensus::InputMode mode) {
+  if (mode == consensus::InputMode::Soft) return "soft";
+  return mode == consensus::InputMode::Hard ? "hard" : "asymmetric";
 }
 
 std::string_view to_string(consensus::Coupling coupling) {

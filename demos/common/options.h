@@ -21,7 +21,13 @@ struct DemoOptions {
   double seconds = 20.0;    ///< s, of session time
   std::uint64_t seed = 1;   ///< of noise, orders, step phases, users and links
   double influence = 0.08;  ///< baseline share per 1/60 s; 0 = no agreement
-  consensus::PredictorKind predictor = consensus::PredictorKind::LocalMotion;
+  consensus::PredictorKind predictor = consensus::PredictorKind::Adaptive;
+  consensus::InputMode mode = consensus::InputMode::Soft;
+  double extrapolation = 1.0;         ///< s, longest of states
+  double spring_extrapolation = 0.3;  ///< s, longest of users' springs
+  double damped_start = 0.0;          ///< s, over which a peer's share grows; 0 = at once
+  double modelled_error = 0.0;        ///< m, of a predictor, that halves a share; 0 = none does
+  bool sleeping_threshold = false;    ///< leave small differences alone, [friston] Sec. 4.6
   consensus::Coupling solver = consensus::Coupling::OnePass;
   double update_hz = 60.0;
   int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
@@ -67,5 +73,6 @@ std::string usage(std::string_view program);
 
 std::string_view to_string(consensus::PredictorKind kind);
 std::string_view to_string(consensus::Coupling coupling);
+std::string_view to_string(consensus::InputMode mode);
 
 }  // namespace tandem::demos

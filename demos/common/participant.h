@@ -39,6 +39,9 @@ class Participant final : private consensus::PeerObserver {
   void finish(consensus::SessionTime now);
   void leave(consensus::SessionTime now) { peer_.leave(now); }
 
+  /// Another observer of the peer's estimates; null = none.
+  void watch_with(consensus::PeerObserver* observer) { observer_ = observer; }
+
   const Scene& scene() const { return scene_; }
   double step_hz() const { return record_.step_hz; }
   const std::string& fault() const { return record_.fault; }
@@ -53,6 +56,9 @@ class Participant final : private consensus::PeerObserver {
   void on_prediction(consensus::PeerId from, const consensus::SharedId& body,
                      consensus::SessionTime now, const pbd::Vec3& predicted_position,
                      double age) override;
+  void on_estimate(const consensus::EstimateEvent& event) override {
+    if (observer_ != nullptr) observer_->on_estimate(event);
+  }
   void record_bodies(consensus::SessionTime now);
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
   void record_contacts(consensus::SessionTime now);
@@ -71,6 +77,7 @@ class Participant final : private consensus::PeerObserver {
   pbd::Solver solver_;
   Signals signals_;
   consensus::Peer peer_;
+  consensus::PeerObserver* observer_ = nullptr;
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id

@@ -76,7 +76,8 @@ std::string session_note(double seconds) {
 }  // namespace
 
 RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
-                      const std::vector<Input>* replay) {
+                      const std::vector<Input>* replay,
+                      std::span<consensus::PeerObserver* const> observers) {
   const std::clock_t cpu_start = std::clock();
   const auto wall_start = std::chrono::steady_clock::now();
   consensus::VirtualNetwork network(options.link_options(), derived_seed(options.seed, 5000),
@@ -88,6 +89,7 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
   actors.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     actors.emplace_back(scenario, options, i, network.transport(i + 1));
+    if (i < observers.size()) actors.back().participant().watch_with(observers[i]);
   }
   std::optional<std::vector<Input>> from_file;
   if (replay == nullptr) from_file = replayed_inputs(options);

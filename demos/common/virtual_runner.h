@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/options.h"
@@ -21,9 +22,11 @@ struct RunResult {
 /// All peers in this process, in virtual time over a virtual link. Events are ordered by time, then
 /// ends of steps before beginnings, then peer: same options, same result, bit for bit.
 /// @param replay  what the users do; null: what options.replay holds, else their script
+/// @param observers  watch the peers, in their order, beside the recorder; null = nobody
 /// @throws std::invalid_argument where scenario or link refuse the options
 RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
-                      const std::vector<Input>* replay = nullptr);
+                      const std::vector<Input>* replay = nullptr,
+                      std::span<consensus::PeerObserver* const> observers = {});
 
 /// The same inputs at one peer, where nothing is late: what a run is compared with.
 RunResult run_reference(const Scenario& scenario, const DemoOptions& options,

@@ -77,8 +77,8 @@ void check_close(const Vec3& value, const Vec3& wanted, double tolerance = 1e-12
   CHECK((value - wanted).norm() <= tolerance);
 }
 
-const std::unique_ptr<Predictor> kEuler = make_euler_predictor();
-const std::unique_ptr<Predictor> kLocal = make_local_motion_predictor();
+const std::unique_ptr<Predictor> kEuler = make_predictor(PredictorKind::Euler);
+const std::unique_ptr<Predictor> kLocal = make_predictor(PredictorKind::Blend);
 
 TEST_CASE("predictor: Euler carries a state by age times velocity, Eq. 3", "[consensus]") {
   Dice dice(1);

@@ -66,6 +66,29 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
 }
 
+TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]") {
+  const consensus::PeerOptions plain = parse({}).peer_options();
+  CHECK(plain.mode == consensus::InputMode::Soft);
+  CHECK(plain.acceptance.empty());
+  const DemoOptions o =
+      parse({"--mode", "hard", "--predictor=kalman", "--extrapolation", "0.2",
+             "--spring-extrapolation=0", "--damped-start", "2", "--modelled-error", "0.01"});
+  const consensus::PeerOptions peer = o.peer_options();
+  CHECK(peer.mode == consensus::InputMode::Hard);
+  CHECK(peer.predictor == consensus::PredictorKind::Kalman);
+  CHECK(peer.prediction.max_extrapolation == 0.2);
+  CHECK(peer.max_anchor_extrapolation == 0.0);
+  CHECK(peer.acceptance.apply(0.4, {.heard_for = 1.0, .variance = 1e-4}) == Approx(0.1));
+  CHECK(parse({"--sleeping-threshold"}).peer_options().acceptance.apply(0.4, {}) == 0.0);
+  for (const char* name :
+       {"none", "euler", "second-order", "kalman", "local-motion", "blend", "adaptive"}) {
+    CHECK(to_string(parse({"--predictor", name}).predictor) == name);
+  }
+  for (const char* name : {"soft", "asymmetric", "hard"}) {
+    CHECK(to_string(parse({"--mode", name}).mode) == name);
+  }
+}
+
 TEST_CASE("options: rates go round the peers", "[demos][unit]") {
   const DemoOptions o =
       parse({"--rates", "60,72,90.5", "--variant", "mouse", "--record", "a", "--replay=b"});
@@ -100,7 +123,9 @@ TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
   CHECK(refusal({"--seconds"}) == "--seconds =  breaks: needs a value");
   CHECK(refusal({"--seed", "-1"}) == "--seed = -1 breaks: an integer of 64 bits, >= 0");
   CHECK(refusal({"--influence", "1"}) == "--influence = 1 breaks: a number from 0 to 0.99");
-  CHECK(refusal({"--predictor", "Euler"}) == "--predictor = Euler breaks: euler or local-motion");
+  CHECK(refusal({"--predictor", "Euler"}) ==
+        "--predictor = Euler breaks: none, euler, second-order, "
+        "kalman, local-motion, blend or adaptive");
   CHECK(refusal({"--solver", ""}) == "--solver =  breaks: one-pass or two-step");
   CHECK(refusal({"--listen", "65536"}) == "--listen = 65536 breaks: a port from 0 (any) to 65535");
   for (const char* bad : {"host", "host:", ":80", "host:0", "host:65536", "host:8x"}) {

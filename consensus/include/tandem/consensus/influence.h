@@ -26,6 +26,9 @@ struct InfluenceOptions {
   /// Announced for bodies that nobody owns. [friston] Sec. 6.3 uses 0.05 to 0.10; above about 0.2
   /// bodies were found to be sluggish there (Sec. 7.12).
   double baseline = 0.08;
+  /// Announced while this peer's user holds a body by a constraint that no other peer simulates,
+  /// [friston] Sec. 3.2.
+  double held_alone = 0.2;
   /// s: the age at which a share has halved, because prediction errors grow with it.
   double half_life = 0.5;
   /// Lower limit of the gain rule. Above 0, so that old states still bring agreement; below what a

@@ -9,6 +9,7 @@
 
 #include "tandem/consensus/inbox.h"
 #include "tandem/consensus/influence.h"
+#include "tandem/consensus/policy.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
@@ -17,24 +18,40 @@
 
 namespace tandem::consensus {
 
-enum class PredictorKind : std::uint8_t { Euler, LocalMotion };
-
 enum class Coupling : std::uint8_t {
   OnePass,  ///< remote states are targets in the solver's pass
   TwoStep,  ///< the paper's scheme: average first, [friston] Sec. 4.2 and 4.6, then a plain step
 };
 
+/// How a user's spring acts, [friston] Secs. 3.5, 4.3 and 7.1.
+enum class InputMode : std::uint8_t {
+  Soft,        ///< all peers simulate it
+  Asymmetric,  ///< this peer alone does; the others see what it does to the body
+  /// None does: the body is where the hand drags it, physics has no say. What is sent is this
+  /// user's own state of it, what is shown the mean of all users'. Stable whatever the delay.
+  Hard,
+};
+
 struct PeerOptions {
   double update_hz = 60.0;  ///< states sent each second, > 0
   InfluenceOptions influence;
-  PredictorKind predictor = PredictorKind::LocalMotion;
+  /// Rules of influence; empty = default_announcement() and default_hearing() of `influence`.
+  PolicyChain announcement;
+  PolicyChain hearing;
+  /// Further rules, after a state was carried to now; empty = none.
+  PolicyChain acceptance;
+  PredictorKind predictor = PredictorKind::Adaptive;
+  PredictorOptions prediction;
   Coupling coupling = Coupling::OnePass;
+  /// Of this peer's springs. With Hard others are believed as well that they move a body by hand:
+  /// they count as its owners while they do.
+  InputMode mode = InputMode::Soft;
   /// s: own influence grows from 0 to full over this time after the first step, against others and
   /// against remote states: a newcomer takes over what the others know before it is heard.
   double authority_ramp = 1.0;
   /// s: springs of a peer that has fallen silent are let go after this.
   double spring_timeout = 1.0;
-  /// s: an anchor is carried on by its velocity no longer than this.
+  /// s: an anchor is carried on by its velocity no longer than this; 0 = not at all.
   double max_anchor_extrapolation = 0.3;
   /// s: time constant of the low-pass on anchor velocities.
   double anchor_velocity_filter = 0.025;
@@ -52,7 +69,7 @@ struct ShareDef {
   std::optional<PeerId> owner;
 };
 
-/// A user's spring on a shared body; simulated by every peer.
+/// A user's spring on a shared body.
 struct GrabDef {
   SharedId body;
   pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
@@ -60,6 +77,7 @@ struct GrabDef {
   double stiffness = 500.0;                    ///< N/m
   double damping = 20.0;                       ///< N s/m
   double max_force = 1e6;                      ///< N
+  std::optional<InputMode> mode = {};          ///< nullopt = the peer's
 };
 
 /// Names one of this peer's own springs.
@@ -83,6 +101,15 @@ struct PeerStats {
   InboxCounters inbox;
 };
 
+/// A remote state that is about to be used, with all that predictors may go by.
+struct EstimateEvent {
+  PeerId from = 0;
+  const StateUpdate& update;
+  const MotionHistory& own;
+  const PredictionContext& context;
+  const Prediction& prediction;
+};
+
 /// Watches what a peer does with remote states; for recorders. Called from before_step.
 class PeerObserver {
  public:
@@ -90,6 +117,8 @@ class PeerObserver {
   /// A remote state was carried to `now` and applied. `age` in s, from the sender's stamp.
   virtual void on_prediction(PeerId from, const SharedId& body, SessionTime now,
                              const pbd::Vec3& predicted_position, double age) = 0;
+  /// The same with what it came from. References are valid during the call.
+  virtual void on_estimate(const EstimateEvent& /*event*/) {}
 };
 
 /// One participant: shares bodies of a world with the other peers of a transport.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "tandem/consensus/transport.h"
@@ -33,11 +34,14 @@ class MotionHistory {
   /// `sample.time` must grow; `displaced`, `turned`, `agreed` and `agreed_moment` are summed here.
   void push(SessionTime time, const pbd::Pose& pose, const pbd::Twist& twist,
             const pbd::Correction& correction, bool coupled);
-  void clear() { count_ = 0; }
+  void clear() { count_ = free_for_ = 0; }
   bool empty() const { return count_ == 0; }
   const MotionSample& newest() const { return at(0); }
   /// The state at `time`, interpolated between samples, clamped to the ends of the history.
   MotionSample at_time(SessionTime time) const;
+  /// Whether the orientation at `time` is surely within `angle` (rad, below a quarter turn) of `q`;
+  /// cheaper than at_time(), and false where that would have to tell.
+  bool within(SessionTime time, const pbd::Quat& q, double angle) const;
   /// Whether the body was coupled at any time since `time`.
   bool coupled_since(SessionTime time) const;
   /// Whether the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
@@ -52,8 +56,51 @@ class MotionHistory {
   std::array<MotionSample, kCapacity> samples_;
   std::size_t head_ = 0;
   std::size_t count_ = 0;
+  std::size_t free_for_ = 0;  ///< samples since the newest one that was coupled
   SessionTime origin_ = 0;
   MotionSample sum_;
+};
+
+enum class PredictorKind : std::uint8_t {
+  None,         ///< the state as it was stamped
+  Euler,        ///< first order, [friston] Eq. 3
+  SecondOrder,  ///< and its acceleration, with a limit of frequency, [friston] Sec. 3.3
+  Kalman,       ///< a filter of constant velocity that knows its own variance
+  LocalMotion,  ///< this peer's own motion since the stamp, always
+  Blend,        ///< own motion where bodies are coupled, differences of velocity where free, linear
+                ///< where a hand moves them
+  Adaptive,     ///< the mean of several, weighted by how well each did on this body of late
+};
+
+/// What a predictor is limited by.
+struct PredictorOptions {
+  /// s: a state is carried on by its velocity no longer than this. A shorter time trades
+  /// responsiveness for stability, [friston] Sec. 3.3.
+  double max_extrapolation = 1.0;
+  /// Hz, of SecondOrder: accelerations that change faster count nothing, those at half of it fully.
+  double max_frequency = 4.0;
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
+/// What a predictor keeps of one peer's states of one body, from update to update.
+struct PredictorMemory {
+  SessionTime stamp = 0;  ///< ns, of the last update taken in; 0 = none
+  pbd::Vec3 position = pbd::Vec3::Zero();
+  pbd::Vec3 velocity = pbd::Vec3::Zero();
+  pbd::Vec3 acceleration = pbd::Vec3::Zero();
+  double frequency = 0.0;  ///< Hz, at which the acceleration changes
+  double position_variance = 0.0;
+  double covariance = 0.0;
+  double velocity_variance = 0.0;
+  double noise = 0.0;  ///< m^2/s^3, of the acceleration
+
+  /// Of Adaptive: what its ways said of a time that is checked once a state of that time has come.
+  static constexpr std::size_t kWays = 3;
+  SessionTime probed = 0;  ///< ns; 0 = nothing
+  std::array<pbd::Vec3, kWays> said = {pbd::Vec3::Zero(), pbd::Vec3::Zero(), pbd::Vec3::Zero()};
+  std::array<double, kWays> error = {-1.0, -1.0, -1.0};  ///< m^2, mean of late; < 0 = not known
 };
 
 /// A remote state carried to now, as what the local body misses of it.
@@ -62,6 +109,7 @@ struct Prediction {
   pbd::Vec3 rotation = pbd::Vec3::Zero();     ///< rad, own to target orientation, world
   pbd::Twist twist;                           ///< target minus own twist
   pbd::TargetMotion motion = pbd::TargetMotion::WithBody;
+  double variance = 0.0;  ///< m^2, expected square of the error in position; 0 = not known
 };
 
 /// What a predictor may know besides the update and the own history.
@@ -69,10 +117,14 @@ struct PredictionContext {
   SessionTime now = 0;
   /// Share that the sender gives to my states over the share that I give to its.
   double mirrored_share = 1.0;
-  int peers = 1;  ///< remote peers that share the body
+  int peers = 1;                          ///< remote peers that share the body
+  pbd::Vec3 gravity = pbd::Vec3::Zero();  ///< m/s^2, on this body
+  /// Of this body and sender. Null: predictors that remember do without.
+  PredictorMemory* memory = nullptr;
 };
 
-/// Carries a remote state to now. Stateless; one object serves all bodies.
+/// Carries a remote state to now. Stateless but for the context's memory; one object serves all
+/// bodies.
 class Predictor {
  public:
   virtual ~Predictor() = default;
@@ -80,14 +132,11 @@ class Predictor {
                              const PredictionContext& context) const = 0;
   /// c of the gain rule, see effective_share(): what the predictor bears.
   virtual double gain() const = 0;
+  /// Whether it uses the context's memory.
+  virtual bool remembers() const { return false; }
 };
 
-/// First-order Euler extrapolation, [friston] Eq. 3; orientations are carried by the angular
-/// velocity as well, which the paper's prototype left out.
-std::unique_ptr<Predictor> make_euler_predictor();
-
-/// Own motion since the stamp, corrections left out, carries the remote state of bodies in contact,
-/// jointed or held; free ones add the difference of velocities; owner-driven ones are linear.
-std::unique_ptr<Predictor> make_local_motion_predictor();
+/// @throws std::invalid_argument where the options are not valid
+std::unique_ptr<Predictor> make_predictor(PredictorKind kind, const PredictorOptions& options = {});
 
 }  // namespace tandem::consensus

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "hard_input.h"
+
+#include "tandem/pbd/math.h"
+
+namespace tandem::consensus {
+namespace {
+
+constexpr int kSweeps = 10;  ///< a sweep over two hands leaves about a third of the error
+
+}  // namespace
+
+pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
+                  std::span<const Springs::Hand> hands) {
+  pbd::Pose result = pose;
+  if (!(props.inverse_mass > 0.0)) return result;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const Springs::Hand& hand : hands) {
+      const pbd::Vec3 arm = result.orientation * hand.attachment_l;
+      const pbd::Vec3 missing = hand.anchor_w - (result.position + arm);
+      const pbd::Mat3 inverse_inertia =
+          pbd::tensor_to_world(result.orientation, props.inverse_inertia_l);
+      const pbd::Mat3 cross = pbd::skew(arm);
+      const pbd::Mat3 inverse_mass =
+          pbd::Mat3(props.inverse_mass * pbd::Mat3::Identity()) - cross * inverse_inertia * cross;
+      const pbd::Vec3 impulse = inverse_mass.ldlt().solve(missing);
+      result.position += props.inverse_mass * impulse;
+      result.orientation = pbd::rotated(result.orientation, inverse_inertia * arm.cross(impulse));
+      if (hands.size() == 1 && missing.norm() == 0.0) return result;
+    }
+  }
+  return result;
+}
+
+pbd::BodyState carried(const pbd::BodyState& state, double dt) {
+  return {{state.pose.position + dt * state.twist.linear,
+           pbd::rotated(state.pose.orientation, dt * state.twist.angular)},
+          state.twist};
+}
+
+pbd::BodyState mean_of(const pbd::BodyState& own, const pbd::BodyState& others, int count) {
+  const double part = static_cast<double>(count) / (1.0 + static_cast<double>(count));
+  const pbd::Vec3 turn = pbd::rotation_between(own.pose.orientation, others.pose.orientation);
+  return {{own.pose.position + part * (others.pose.position - own.pose.position),
+           pbd::rotated(own.pose.orientation, part * turn)},
+          {own.twist.linear + part * (others.twist.linear - own.twist.linear),
+           own.twist.angular + part * (others.twist.angular - own.twist.angular)}};
+}
+
+}  // namespace tandem::consensus

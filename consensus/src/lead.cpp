@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "lead.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::consensus {
+namespace {
+
+/// rad: leading grows from none to full between these angles.
+constexpr double kFromAngle = 0.6;
+constexpr double kToAngle = 1.2;
+/// A follower that neighbours keep from turning pulls harder with time, so that a body wedged in
+/// different ways is set right after some two seconds instead of never.
+constexpr double kGrowth = 6.0;  // 1/s^2
+
+}  // namespace
+
+double Lead::share(double share, double angle, bool follows, SessionTime now) {
+  const double doubt = std::clamp((angle - kFromAngle) / (kToAngle - kFromAngle), 0.0, 1.0);
+  if (!follows) return share * (1.0 - doubt);
+  if (doubt < 0.5 || since_ == 0) since_ = now;
+  const double waited = 1e-9 * static_cast<double>(now - since_);
+  const double strength = (1.0 + doubt) * (1.0 + doubt * kGrowth * waited * waited);
+  return doubt > 0.0 ? 1.0 - std::pow(1.0 - share, strength) : share;
+}
+
+}  // namespace tandem::consensus

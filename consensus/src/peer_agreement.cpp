@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cpu_clock.h"
+#include "peer_impl.h"
+#include "tandem/pbd/math.h"
+#include "two_step.h"
+
+namespace tandem::consensus {
+namespace {
+
+constexpr double kNs = 1e-9;
+
+/// A peer that does not own a body is heard with no more than this, whatever it claims.
+constexpr double kMaxSharedInfluence = 0.5;
+
+/// rad: closer orientations are an average's business, see Lead.
+constexpr double kNoDoubt = 0.5;
+
+}  // namespace
+
+Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)
+    : options_(options),
+      announcement_(options.announcement.empty() ? default_announcement(options.influence)
+                                                 : options.announcement),
+      hearing_(options.hearing.empty() ? default_hearing(options.influence) : options.hearing),
+      world_(world),
+      transport_(transport),
+      springs_(world, options_),
+      inbox_({.max_age = options.influence.max_age}),
+      predictor_(make_predictor(options.predictor, options.prediction)),
+      keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {}
+
+void Peer::Impl::share(const ShareDef& def) {
+  if (!def.id.valid()) throw std::invalid_argument("ShareDef: id = 0 breaks the rule: not zero");
+  pbd::detail::require_body(world_, def.body, "ShareDef", "body");
+  if (find(def.id) != nullptr) {
+    throw std::invalid_argument("ShareDef: id = " + def.id.to_string() +
+                                " breaks the rule: shared once only");
+  }
+  const auto at =
+      std::lower_bound(shared_.begin(), shared_.end(), def.id,
+                       [](const Shared& s, const SharedId& id) { return s.def.id < id; });
+  shared_.insert(at, Shared{.def = def});
+  inbox_.add_id(def.id);
+}
+
+Peer::Impl::Shared* Peer::Impl::find(const SharedId& id) {
+  const auto it = std::lower_bound(shared_.begin(), shared_.end(), id,
+                                   [](const Shared& s, const SharedId& i) { return s.def.id < i; });
+  return it != shared_.end() && it->def.id == id ? &*it : nullptr;
+}
+
+Peer::Impl::Shared& Peer::Impl::at(const SharedId& id) {
+  Shared* shared = find(id);
+  if (shared == nullptr) {
+    throw std::invalid_argument("Peer: id = " + id.to_string() + " breaks the rule: shared here");
+  }
+  return *shared;
+}
+
+bool Peer::Impl::held(const SharedId& id) const {
+  const Shared* shared = const_cast<Impl*>(this)->find(id);
+  return shared != nullptr && springs_.holds(shared->def.body);
+}
+
+void Peer::Impl::before_step(SessionTime now) {
+  step_dt_ = last_before_ > 0 ? kNs * static_cast<double>(now - last_before_) : 1.0 / 60.0;
+  last_before_ = now;
+  now_ = now;
+  for (Shared& shared : shared_) {
+    // An instance that nothing has moved yet is known from now on.
+    if (shared.history.empty()) remember(shared, now, {});
+  }
+  receive(now);
+  springs_.prepare(now);
+  aggregate(now);
+  if (options_.coupling != Coupling::TwoStep) return;
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    targeted_[i]->averaged = average_state(world_, targets_[i], step_dt_);
+  }
+}
+
+void Peer::Impl::after_step(SessionTime now) {
+  now_ = now;
+  if (started_ == 0) started_ = now;
+  mark_joints();
+  const double dt = kNs * static_cast<double>(now - last_before_);
+  for (Shared& shared : shared_) {
+    if (!world_.contains(shared.def.body)) continue;
+    if (shared.hard.active) {
+      // Whatever the step has made of it: physics has no say, [friston] Fig. 2.
+      shared.hard.own = carried(shared.hard.own, dt);
+      shared.hard.shown = carried(shared.hard.shown, dt);
+      world_.set_pose(shared.def.body, shared.hard.shown.pose);
+      world_.set_twist(shared.def.body, shared.hard.shown.twist);
+    }
+    remember(shared, now,
+             options_.coupling == Coupling::OnePass ? world_.correction(shared.def.body)
+                                                    : shared.averaged);
+    shared.averaged = {};
+  }
+  if (now >= next_send_) {
+    const auto interval = static_cast<SessionTime>(1.0 / (kNs * options_.update_hz));
+    next_send_ = std::max(next_send_ + interval, now - interval);
+    send(now);
+  }
+}
+
+void Peer::Impl::collect(std::vector<pbd::PoseTarget>& out) const {
+  if (options_.coupling == Coupling::OnePass) {
+    out.insert(out.end(), targets_.begin(), targets_.end());
+  }
+}
+
+void Peer::Impl::aggregate(SessionTime now) {
+  const CpuTimer timer(stats_.aggregate_s);
+  targets_.clear();
+  targeted_.clear();
+  for (Shared& shared : shared_) {
+    if (!world_.contains(shared.def.body)) continue;
+    if (shared.def.owner == transport_.self()) continue;
+    estimate(shared, now);
+    if (drag(shared, now) || estimates_.empty()) continue;
+    ++stats_.bodies_aggregated;
+    pbd::PoseTarget& target = targets_.emplace_back();
+    target.body = shared.def.body;
+    target.motion = motion_;
+    targeted_.push_back(&shared);
+    if (!fuse(world_.pose(shared.def.body), estimates_, target)) {
+      targets_.pop_back();
+      targeted_.pop_back();
+    }
+  }
+}
+
+void Peer::Impl::estimate(Shared& shared, SessionTime now) {
+  estimates_.clear();
+  const auto newest = inbox_.newest(shared.def.id);
+  if (newest.empty()) return;
+  const pbd::BodyState& own = world_.state(shared.def.body);
+  const double own_announced = announced(shared);
+  const double own_confidence = confidence();
+  InfluenceContext known{.gain = predictor_->gain()};
+  for (const Inbox::Received& received : newest) {
+    const StateUpdate& update = received.update;
+    const bool owner = shared.def.owner == received.peer ||
+                       (!shared.def.owner.has_value() && hard_at_sender(update));
+    if (shared.def.owner.has_value() && !owner) continue;
+    known.age = kNs * static_cast<double>(now - update.stamp);
+    const double claimed = static_cast<double>(update.influence);
+    const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
+    double share = hearing_.apply(heard, known);
+    if (!owner) {
+      if (own_confidence >= 1.0) {  // a newcomer leads nobody
+        // Compared at the stamp: what spins fast turns far within the age of an update.
+        double angle = 0.0;
+        if (!shared.history.within(update.stamp, update.pose.orientation, kNoDoubt)) {
+          const pbd::Quat then = shared.history.at_time(update.stamp).pose.orientation;
+          angle = pbd::rotation_between(then, update.pose.orientation).norm();
+        }
+        share = shared.lead.share(share, angle, received.peer < transport_.self(), now);
+      }
+      share = against_own(share);
+    }
+    if (!(share > 0.0)) continue;
+    Heard* memory = keeps_heard_ ? &heard_from(shared, received.peer, now) : nullptr;
+    const double mirrored = hearing_.apply(own_announced, known);
+    const PredictionContext context{
+        .now = now,
+        .mirrored_share = mirrored / share,
+        .peers = static_cast<int>(newest.size()),
+        .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity(),
+        .memory = memory != nullptr ? &memory->memory : nullptr};
+    const Prediction prediction = predictor_->predict(update, shared.history, context);
+    if (memory != nullptr && !owner) {
+      share = accepted(share, prediction, *memory, now);
+      if (!(share > 0.0)) continue;
+    }
+    const pbd::Vec3 position = own.pose.position + prediction.translation;
+    estimates_.push_back(
+        {.peer = received.peer,
+         .pose = {position, pbd::rotated(own.pose.orientation, prediction.rotation)},
+         .twist = {own.twist.linear + prediction.twist.linear,
+                   own.twist.angular + prediction.twist.angular},
+         .share = share});
+    motion_ = prediction.motion;
+    if (observer_ != nullptr) {
+      observer_->on_prediction(received.peer, shared.def.id, now, position, known.age);
+      observer_->on_estimate({received.peer, update, shared.history, context, prediction});
+    }
+  }
+}
+
+bool Peer::Impl::hard_at_sender(const StateUpdate& update) const {
+  return options_.mode == InputMode::Hard && update.flags.owner_driven && update.influence >= 1.0F;
+}
+
+double Peer::Impl::accepted(double share, const Prediction& prediction, const Heard& heard,
+                            SessionTime now) const {
+  if (options_.acceptance.empty()) return share;
+  return options_.acceptance.apply(share,
+                                   {.confidence = confidence(),
+                                    .heard_for = kNs * static_cast<double>(now - heard.first),
+                                    .variance = prediction.variance,
+                                    .distance = prediction.translation.norm(),
+                                    .angle = prediction.rotation.norm(),
+                                    .speed = prediction.twist.linear.norm(),
+                                    .angular_speed = prediction.twist.angular.norm()});
+}
+
+Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTime now) {
+  auto it = std::lower_bound(shared.heard.begin(), shared.heard.end(), peer,
+                             [](const Heard& h, PeerId id) { return h.peer < id; });
+  if (it == shared.heard.end() || it->peer != peer) {
+    it = shared.heard.insert(it, {.peer = peer, .first = now, .memory = {}});
+  }
+  return *it;
+}
+
+bool Peer::Impl::drag(Shared& shared, SessionTime now) {
+  hands_.clear();
+  springs_.hands(shared.def.body, now, hands_);
+  HardInput& hard = shared.hard;
+  if (hands_.empty()) {
+    hard.active = false;
+    return false;
+  }
+  const pbd::BodyState last = hard.own;
+  const pbd::BodyState& shown = world_.state(shared.def.body);
+  hard.own.pose = dragged(world_.props(shared.def.body), shown.pose, hands_);
+  if (!hard.active) {
+    hard.own.twist = {};
+  } else {
+    // `last` is where the hand was going to be by now: what it missed is a change of velocity.
+    const double part = 1.0 - std::exp(-step_dt_ / options_.anchor_velocity_filter);
+    hard.own.twist.linear += part / step_dt_ * (hard.own.pose.position - last.pose.position);
+    hard.own.twist.angular +=
+        part / step_dt_ * pbd::rotation_between(last.pose.orientation, hard.own.pose.orientation);
+  }
+  hard.active = true;
+  std::erase_if(estimates_, [](const PeerEstimate& estimate) { return estimate.share < 1.0; });
+  hard.shown = hard.own;
+  pbd::PoseTarget others;
+  if (!estimates_.empty() && fuse(hard.own.pose, estimates_, others)) {
+    hard.shown =
+        mean_of(hard.own, {others.pose, others.twist}, static_cast<int>(estimates_.size()));
+  }
+  world_.set_pose(shared.def.body, hard.shown.pose);
+  world_.set_twist(shared.def.body, hard.shown.twist);
+  return true;
+}
+
+double Peer::Impl::announced(const Shared& shared) const {
+  return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
+                                   .sender_owns = shared.def.owner == transport_.self(),
+                                   .held_alone = springs_.holds_alone(shared.def.body),
+                                   .confidence = confidence()});
+}
+
+double Peer::Impl::confidence() const {
+  if (options_.authority_ramp <= 0.0) return 1.0;
+  const double since = started_ == 0 ? 0.0 : kNs * static_cast<double>(now_ - started_);
+  return std::clamp(since / options_.authority_ramp, 0.0, 1.0);
+}
+
+double Peer::Impl::against_own(double share) const {
+  const double weight = weight_of_share(share);
+  return weight > 0.0 ? share_of_weight(weight / confidence()) : 0.0;
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "cpu_clock.h"
+#include "peer_impl.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
+constexpr SessionTime kMaxAhead = 1'000'000'000;
+
+/// Marks bodies that a joint (not a contact, not a user's spring) holds to another.
+class JointMarker final : public pbd::LinkVisitor {
+ public:
+  explicit JointMarker(std::vector<std::uint8_t>& marks) : marks_(marks) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a == pbd::BodyId::kNone || b == pbd::BodyId::kNone) return;
+    marks_[a] = 1;
+    marks_[b] = 1;
+  }
+
+ private:
+  std::vector<std::uint8_t>& marks_;
+};
+
+}  // namespace
+
+void Peer::Impl::receive(SessionTime now) {
+  packets_.clear();
+  transport_.drain(packets_);
+  for (const Packet& packet : packets_) {
+    if (packet.from == 0) continue;  // no peer has this id
+    ++stats_.packets_received;
+    const CpuTimer parse(stats_.parse_s);
+    const CodecResult result = decode(packet.bytes, incoming_);
+    if (!result.ok()) {
+      ++stats_.packets_rejected;
+      transport_.drop(packet.from, "undecodable packet: " + result.reason());
+      continue;
+    }
+    stats_.updates_received += incoming_.states.size();
+    const CpuTimer process(stats_.process_s);
+    take_in(packet.from, now);
+  }
+}
+
+void Peer::Impl::take_in(PeerId from, SessionTime now) {
+  inbox_.add_peer(from);
+  const SessionTime farewell = farewell_of(from);
+  for (const StateUpdate& update : incoming_.states) {
+    // Overtaken by the farewell; what is stamped later comes from a successor.
+    if (update.stamp <= farewell) continue;
+    if (inbox_.offer(from, update, now) == InboxVerdict::UnknownId) ++stats_.unknown_ids;
+  }
+  for (const SpringUpdate& update : incoming_.springs) {
+    const Shared* shared = find(update.body);
+    if (shared == nullptr || !world_.contains(shared->def.body)) {
+      ++stats_.springs_refused;
+      continue;
+    }
+    if (!springs_.receive(from, update, shared->def.body, now)) ++stats_.springs_refused;
+  }
+  if (!incoming_.leaves.empty()) {
+    inbox_.remove_peer(from);
+    std::erase_if(farewells_, [from](const auto& entry) { return entry.first == from; });
+    // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
+    // successor.
+    farewells_.emplace_back(from, std::min(now + kMaxAhead, incoming_.leaves.back().stamp));
+    springs_.drop_peer(from, now);
+  }
+}
+
+SessionTime Peer::Impl::farewell_of(PeerId peer) const {
+  for (const auto& [id, stamp] : farewells_) {
+    if (id == peer) return stamp;
+  }
+  return std::numeric_limits<SessionTime>::min();
+}
+
+void Peer::Impl::mark_joints() {
+  jointed_.assign(world_.slot_count(), 0);
+  JointMarker marker(jointed_);
+  for (const auto& block : world_.blocks()) {
+    if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->links(marker);
+  }
+}
+
+void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction& correction) {
+  const pbd::BodyState& state = world_.state(shared.def.body);
+  shared.held = springs_.holds(shared.def.body);
+  const bool jointed =
+      shared.def.body.index < jointed_.size() && jointed_[shared.def.body.index] != 0;
+  const bool coupled = shared.held || jointed || world_.in_contact(shared.def.body);
+  shared.history.push(now, state.pose, state.twist, correction, coupled);
+}
+
+void Peer::Impl::send(SessionTime now) {
+  states_.clear();
+  for (const Shared& shared : shared_) {
+    if (!world_.contains(shared.def.body)) continue;
+    const pbd::BodyState& state =
+        shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
+    const MotionSample& sample = shared.history.newest();
+    const bool by_hand = shared.hard.active || springs_.holds_alone(shared.def.body);
+    states_.push_back(
+        {.id = shared.def.id,
+         .pose = state.pose,
+         .twist = state.twist,
+         .influence = shared.hard.active ? 1.0F : static_cast<float>(announced(shared)),
+         .stamp = now,
+         .flags = {.in_contact = sample.coupled && !shared.held,
+                   .held = shared.held,
+                   .owner_driven = by_hand || shared.def.owner == transport_.self()}});
+  }
+  spring_states_.clear();
+  spring_events_.clear();
+  springs_.announce(now, spring_states_, spring_events_);
+  post_records(std::span<const SpringUpdate>(spring_events_), kMaxSpringsPerPacket,
+               Delivery::Reliable);
+  post_records(std::span<const SpringUpdate>(spring_states_), kMaxSpringsPerPacket,
+               Delivery::Newest);
+  post_records(std::span<const StateUpdate>(states_), kMaxStatesPerPacket, Delivery::Newest);
+}
+
+template <class Record>
+void Peer::Impl::post_records(std::span<const Record> records, std::size_t most,
+                              Delivery delivery) {
+  while (!records.empty()) {
+    const std::size_t count = std::min(most, records.size());
+    outgoing_.clear();
+    encode(records.first(count), outgoing_);
+    post_all(delivery);
+    records = records.subspan(count);
+  }
+}
+
+void Peer::Impl::leave(SessionTime now) {
+  outgoing_.clear();
+  encode(Leave{.stamp = now}, outgoing_);
+  post_all(Delivery::Reliable);
+}
+
+void Peer::Impl::post_all(Delivery delivery) {
+  if (outgoing_.empty()) return;
+  for (const PeerStatus& peer : transport_.peers()) {
+    if (peer.connected && transport_.post(peer.id, outgoing_, delivery)) {
+      stats_.bytes_sent += outgoing_.size();
+    }
+  }
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "hard_input.h"
+#include "lead.h"
+#include "springs.h"
+#include "tandem/consensus/aggregate.h"
+#include "tandem/consensus/peer.h"
+#include "tandem/consensus/update.h"
+
+namespace tandem::consensus {
+
+/// What one peer does in a step. Receiving and sending are in peer_exchange.cpp, prediction and
+/// fusion in peer_agreement.cpp.
+class Peer::Impl {
+ public:
+  Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
+
+  void share(const ShareDef& def);
+  void set_owner(const SharedId& id, std::optional<PeerId> owner) { at(id).def.owner = owner; }
+
+  GrabId grab(const GrabDef& def) { return springs_.grab(def, at(def.body).def.body); }
+  Springs& springs() { return springs_; }
+  bool held(const SharedId& id) const;
+
+  void before_step(SessionTime now);
+  void after_step(SessionTime now);
+  void leave(SessionTime now);
+  void collect(std::vector<pbd::PoseTarget>& out) const;
+
+  /// The world must not ask a peer that is gone for targets.
+  void release_world(const Peer* peer) {
+    if (world_.target_source() == peer) world_.set_target_source(nullptr);
+  }
+
+  const PeerStats& stats() {
+    stats_.inbox = inbox_.totals();
+    return stats_;
+  }
+  SessionTime now() const { return now_; }
+  void set_observer(PeerObserver* observer) { observer_ = observer; }
+
+ private:
+  /// What is kept of another peer's states of one body.
+  struct Heard {
+    PeerId peer = 0;
+    SessionTime first = 0;  ///< ns, when the first state was used
+    PredictorMemory memory;
+  };
+  struct Shared {
+    ShareDef def;
+    MotionHistory history = {};
+    pbd::Correction averaged = {};  ///< by two-step coupling, this step
+    bool held = false;
+    Lead lead = {};
+    HardInput hard = {};
+    std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
+  };
+
+  Shared* find(const SharedId& id);
+  Shared& at(const SharedId& id);
+
+  // Receive.
+  void receive(SessionTime now);
+  void take_in(PeerId from, SessionTime now);
+  /// Stamp of a peer's farewell; the beginning of time where it has not left.
+  SessionTime farewell_of(PeerId peer) const;
+
+  // Predict and fuse.
+  void aggregate(SessionTime now);
+  /// Every peer's newest state of one body, carried to now.
+  void estimate(Shared& shared, SessionTime now);
+  /// What this peer's user does to a body in hard mode. @return whether it is so
+  bool drag(Shared& shared, SessionTime now);
+  bool hard_at_sender(const StateUpdate& update) const;
+  double accepted(double share, const Prediction& prediction, const Heard& heard,
+                  SessionTime now) const;
+  Heard& heard_from(Shared& shared, PeerId peer, SessionTime now);
+  /// The share that others should give this peer's states of a body.
+  double announced(const Shared& shared) const;
+  /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
+  /// after the first step, so that a newcomer takes over what the others know and is heard later.
+  double confidence() const;
+  /// A share is meant against a local weight of 1; this is what it comes to against confidence().
+  double against_own(double share) const;
+
+  // Remember and send.
+  void mark_joints();
+  void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
+  void send(SessionTime now);
+  template <class Record>
+  void post_records(std::span<const Record> records, std::size_t most, Delivery delivery);
+  void post_all(Delivery delivery);
+
+  PeerOptions options_;
+  PolicyChain announcement_;
+  PolicyChain hearing_;
+  pbd::World& world_;
+  Transport& transport_;
+  Springs springs_;
+  Inbox inbox_;
+  std::unique_ptr<Predictor> predictor_;
+  bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
+  PeerObserver* observer_ = nullptr;
+  PeerStats stats_;
+  std::vector<Shared> shared_;  ///< by id
+  std::vector<std::pair<PeerId, SessionTime>> farewells_;
+  std::vector<std::uint8_t> jointed_;
+  SessionTime now_ = 0;
+  SessionTime started_ = 0;
+  SessionTime last_before_ = 0;
+  SessionTime next_send_ = 0;
+  double step_dt_ = 1.0 / 60.0;
+  pbd::TargetMotion motion_ = pbd::TargetMotion::WithBody;
+
+  // Scratch, kept for its capacity.
+  std::vector<Packet> packets_;
+  DecodedPacket incoming_;
+  std::vector<PeerEstimate> estimates_;
+  std::vector<Springs::Hand> hands_;
+  std::vector<pbd::PoseTarget> targets_;
+  std::vector<Shared*> targeted_;  ///< of targets_
+  std::vector<StateUpdate> states_;
+  std::vector<SpringUpdate> spring_states_;
+  std::vector<SpringUpdate> spring_events_;
+  std::vector<std::byte> outgoing_;
+};
+
+}  // namespace tandem::consensus

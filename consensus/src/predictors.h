@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <memory>
+
+#include "tandem/consensus/predictor.h"
+
+/// What the predictors have in common.
+namespace tandem::consensus::detail {
+
+inline double seconds(SessionTime ns) { return 1e-9 * static_cast<double>(ns); }
+
+inline pbd::Twist difference(const pbd::Twist& a, const pbd::Twist& b) {
+  return {a.linear - b.linear, a.angular - b.angular};
+}
+
+/// Neither touches, is joined nor held at the stamp.
+inline bool is_free(const StateUpdate& update) {
+  return !update.flags.in_contact && !update.flags.held && !update.flags.owner_driven;
+}
+
+/// What misses to a state that was carried on by itself.
+Prediction to_state(const StateUpdate& update, const MotionSample& own, const pbd::Vec3& position,
+                    const pbd::Twist& twist, double age);
+
+std::unique_ptr<Predictor> make_extrapolator(PredictorKind kind, const PredictorOptions& options);
+std::unique_ptr<Predictor> make_kalman(const PredictorOptions& options);
+std::unique_ptr<Predictor> make_local_motion(PredictorKind kind, const PredictorOptions& options);
+
+}  // namespace tandem::consensus::detail
