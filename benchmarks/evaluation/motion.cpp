@@ -16,7 +16,7 @@
 
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
-#include "tandem/pbd/ball_joint.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
 namespace {
@@ -143,8 +143,8 @@ void pendulum(Site& site, bool /*first*/) {
   const double angle = 0.5 + 0.5 * spin * t;
   const Vec3 along(std::sin(angle), 0.0, -std::cos(angle));
   site.share(along, spin * Vec3(std::cos(angle), 0.0, std::sin(angle)));
-  auto& joints = site.world().add_block<pbd::BallJoints>();
-  joints.add(site.world(), {.b = site.ball(), .anchor_b_l = -along});
+  auto& joints = site.world().add_block<pbd::JointBlock>();
+  joints.add(site.world(), pbd::BallJointDef{{.b = site.ball(), .frame_b = {.anchor = -along}}});
 }
 
 /// The first peer's hand holds the ball, swings it and lets go. Both peers have the hand where it

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "predictors/comparison.h"
+#include "comparison.h"
 
 #include <algorithm>
 

@@ -14,7 +14,7 @@
 #include "common/metrics.h"
 #include "common/options.h"
 #include "common/virtual_runner.h"
-#include "predictors/comparison.h"
+#include "comparison.h"
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"
 #include "scenes/piano.h"
