@@ -302,7 +302,7 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
     const auto lowest = static_cast<std::uint32_t>(&island - loads.data());
-    if (impl_->convergence.stands(lowest) && impl_->convergence.unrest(lowest) > unsolved) {
+    if (impl_->convergence.unrest(lowest) > unsolved) {
       island.wanted = std::max(island.wanted, kToSettle * ctx.substeps);
     }
     if (island.wanted > ctx.substeps) wanting += island.contacts;

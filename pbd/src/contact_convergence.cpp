@@ -33,7 +33,7 @@ void ContactConvergence::drop_solved(const Rule& rule, std::span<const ContactRo
   }
   std::erase_if(places_, [&](std::uint32_t k) {
     const Island& island = island_of(k);
-    return !island.stands() || island.change2 <= rule.resting * rule.resting * island.rows;
+    return !island.worth_it() || island.change2 <= rule.resting * rule.resting * island.rows;
   });
 }
 

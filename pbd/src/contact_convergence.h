@@ -33,9 +33,10 @@ class ContactConvergence {
           std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
 
   /// Whether the island stood when the step began: it pays to solve it well.
-  bool stands(std::uint32_t island) const { return islands_[island].stands(); }
-  /// What its last sweep still changed, rms over its rows, m/s.
+  bool stands(std::uint32_t island) const { return !islands_[island].faster_than(kStanding); }
+  /// What its last sweep still changed, rms over its rows, m/s; 0 where it moves.
   double unrest(std::uint32_t island) const {
+    if (!islands_[island].worth_it()) return 0.0;
     return std::sqrt(islands_[island].change2 / std::max(1u, islands_[island].rows));
   }
   /// Whether the island was not solved by the first sweep at some time in this step.
@@ -43,6 +44,9 @@ class ContactConvergence {
 
  private:
   static constexpr double kStanding = 0.5;  ///< m/s, rms
+  /// m/s, rms: an island of more than kSmall rows that moves faster is not swept on.
+  static constexpr double kAtRest = 0.15;
+  static constexpr std::uint32_t kSmall = 100;
 
   struct Island {
     double speed2 = 0.0;   ///< m^2/s^2, sum over bodies
@@ -51,7 +55,8 @@ class ContactConvergence {
     std::uint32_t rows = 0;
     bool hard = false;
 
-    bool stands() const { return speed2 <= kStanding * kStanding * bodies; }
+    bool worth_it() const { return !faster_than(rows > kSmall ? kAtRest : kStanding); }
+    bool faster_than(double speed) const { return speed2 > speed * speed * bodies; }
   };
 
   /// Keep the places of islands that are not solved.

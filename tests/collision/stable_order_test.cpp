@@ -182,7 +182,7 @@ TEST_CASE("order: a scene built in another order moves alike bit for bit", "[col
       REQUIRE(others[k].bits() == straight.bits());
     }
   }
-  CHECK(straight.world.contacts()->contacts().size() > 40);
+  CHECK(straight.world.contacts()->contacts().size() > 30);
   for (const BodyId id : straight.ids) sleepers += straight.world.awake(id) ? 0 : 1;
   CHECK(sleepers > 0);
 }
