@@ -27,8 +27,8 @@ struct ColliderId {
 };
 
 /// A shape on a body. A body may have any number of colliders; they do not touch each other.
-/// Contacts are taken in the order of bodies (pbd::BodyOrder), then in the order in which a body got
-/// its colliders: where motion must not depend on how a scene was built, give each body its own
+/// Contacts are taken in the order of bodies (pbd::BodyOrder), then in the order in which a body
+/// got its colliders: where motion must not depend on how a scene was built, give each body its own
 /// ones in a fixed order.
 struct ColliderDef {
   pbd::BodyId body;

@@ -135,7 +135,8 @@ class ConstraintBlock {
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
   /// At the end of a step of ctx.h (s): raise the entries (by body) of bodies whose rows need that
-  /// many substeps, where that is more than ctx.substeps, the solver's. Their islands get them from the next step on.
+  /// many substeps, where that is more than ctx.substeps, the solver's. Their islands get them from
+  /// the next step on.
   virtual void want_substeps(const SubstepContext&, std::span<double> /*wanted*/) const {}
   /// A body is about to leave the world: drop the rows that name it.
   virtual void remove_body(BodyId) {}
