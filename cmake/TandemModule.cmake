@@ -51,7 +51,7 @@ function(tandem_module name)
   install(EXPORT tandem-${name}-targets NAMESPACE tandem::
           DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tandem")
 
-  if(TANDEM_BUILD_TESTS)
+  if(TANDEM_BUILD_TESTS AND TANDEM_CHECK_HEADERS)
     _tandem_header_check(${name})
   endif()
 endfunction()
