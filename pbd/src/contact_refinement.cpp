@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Which islands of contacts want more substeps than the solver's.
+#include <algorithm>
+#include <cmath>
+
+#include "contact_impl.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// An island whose contacts carry n times the weight of the lighter body (rms: a tall stack, a
+/// heavy body on a light one) wants this many times n substeps; a body of the size r wants them
+/// shorter than this share of the time in which it topples, sqrt(r / g): pebbles of a millimetre
+/// rock otherwise. Up to a limit.
+constexpr double kSubstepsPerLoad = 4.0 / 11.0;
+constexpr double kFallShare = 0.08;
+constexpr double kMost = 32.0;
+/// An island whose last sweep still changes this share of what gravity adds in a substep has not
+/// been solved, at the start of a tall pile for one: it gets this many times the substeps.
+constexpr double kUnsolved = 0.1;
+constexpr double kToSettle = 4.0;
+/// Contacts that a world refines in full; where more want it, each gets a share: thousands of small
+/// stacks cost too much.
+constexpr double kWorthRefining = 2000.0;
+
+}  // namespace
+
+void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
+  const double gravity = ctx.gravity.norm();
+  if (!(gravity > 0.0)) return;
+  std::vector<IslandLoad>& loads = impl_->loads;
+  loads.assign(ctx.bodies.size(), {});
+  for (std::size_t n = 0; n < impl_->contacts.size(); ++n) {
+    const Contact& contact = impl_->contacts[impl_->nth(n)];
+    const std::uint32_t a = contact.manifold.body_a;
+    const std::uint32_t b = contact.manifold.body_b;
+    const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
+    if (ctx.bodies[movable].group == SolverBody::kNoGroup) continue;
+    IslandLoad& island = loads[ctx.bodies[movable].island];
+    ++island.contacts;
+    // An impact is no load, and only what stands can fall.
+    if (!impl_->convergence.stands(ctx.bodies[movable].island)) continue;
+    const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
+    const double load = contact.impulse / ctx.h;  // N, mean of the step
+    island.ratio2 += load * load * lightness * lightness / (gravity * gravity);
+    const ManifoldPoint& point = contact.manifold.points[0];
+    const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
+                                    : point.anchor_b_l.norm() + contact.manifold.radius_b;
+    island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
+  }
+  const double unsolved = kUnsolved * gravity * ctx.h / ctx.substeps;
+  double wanting = 0.0;  // contacts
+  for (IslandLoad& island : loads) {
+    if (island.contacts == 0) continue;
+    island.wanted =
+        std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
+    const auto lowest = static_cast<std::uint32_t>(&island - loads.data());
+    if (impl_->convergence.unrest(lowest) > unsolved) {
+      island.wanted = std::max(island.wanted, kToSettle * ctx.substeps);
+    }
+    if (island.wanted > ctx.substeps) wanting += island.contacts;
+  }
+  const double share = std::min(1.0, kWorthRefining / std::max(1.0, wanting));
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    wanted[i] = std::max(wanted[i], std::min(kMost, share * loads[i].wanted));
+  }
+}
+
+}  // namespace tandem::pbd
