@@ -96,11 +96,14 @@ void advance_pose(SolverBody& body, double h) {
 /// Fast spin is cut into parts of half a radian.
 Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h) {
   constexpr double kPart = 0.5;  // rad
-  constexpr double kMaxParts = 256.0;
+  constexpr int kMaxParts = 256;
   const Vec3 momentum_w = q * Vec3(inertia_l * w_l);
-  const double parts = std::clamp(std::ceil(h * w_l.norm() / kPart), 1.0, kMaxParts);
+  const double wanted = std::ceil(h * w_l.norm() / kPart);
+  // A spin that is not a number takes one part: the step reports the body afterwards.
+  int parts = 1;
+  if (wanted > 1.0) parts = wanted < kMaxParts ? static_cast<int>(wanted) : kMaxParts;
   const double part = h / parts;
-  for (int i = 0; i < static_cast<int>(parts); ++i) {
+  for (int i = 0; i < parts; ++i) {
     const Vec3 next_l = torque_free_step(inertia_l, w_l, part);
     q = rotated(q, q * Vec3(0.5 * part * (w_l + next_l)));
     w_l = next_l;
