@@ -82,14 +82,14 @@ BoxAxis BoxPair::face_of_b() const {
 template <int kI, int kJ>
 void BoxPair::across_edges(BoxAxis& best) const {
   constexpr std::uint8_t kId = 6 + 3 * kI + kJ;
-  constexpr int i1 = (kI + 1) % 3;
-  constexpr int i2 = (kI + 2) % 3;
-  constexpr int j1 = (kJ + 1) % 3;
-  constexpr int j2 = (kJ + 2) % 3;
-  // a_i x b_j in a's frame has the coordinates (0, -c_2j, c_1j) along (i, i1, i2).
-  const double d = in_a_[i2] * turn_(i1, kJ) - in_a_[i1] * turn_(i2, kJ);
-  const double extent = a_.half[i1] * turn_abs_(i2, kJ) + a_.half[i2] * turn_abs_(i1, kJ) +
-                        b_.half[j1] * turn_abs_(kI, j2) + b_.half[j2] * turn_abs_(kI, j1);
+  constexpr int kI1 = (kI + 1) % 3;
+  constexpr int kI2 = (kI + 2) % 3;
+  constexpr int kJ1 = (kJ + 1) % 3;
+  constexpr int kJ2 = (kJ + 2) % 3;
+  // a_i x b_j in a's frame has the coordinates (0, -c_2j, c_1j) along (i, i + 1, i + 2).
+  const double d = in_a_[kI2] * turn_(kI1, kJ) - in_a_[kI1] * turn_(kI2, kJ);
+  const double extent = a_.half[kI1] * turn_abs_(kI2, kJ) + a_.half[kI2] * turn_abs_(kI1, kJ) +
+                        b_.half[kJ1] * turn_abs_(kI, kJ2) + b_.half[kJ2] * turn_abs_(kI, kJ1);
   const double gap = std::abs(d) - extent;
   // An overlap only grows by the division below.
   if (gap <= 0.0 && gap <= best.separation) return;

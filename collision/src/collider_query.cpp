@@ -112,7 +112,7 @@ bool ray_surface(const Surface& surface, const MeshPose& pose, const Vec3& direc
   out.triangle = TriangleMesh::kNone;
   surface.walk([&](const Aabb& box) { return sweep.rank(box, best); },
                [&](std::uint32_t t) {
-                 const Vec3 front = surface.normal(t);
+                 const Vec3& front = surface.normal(t);
                  const double facing = d.dot(front);
                  if (sides == MeshSides::Front && facing >= 0.0) return;
                  const TriangleMesh::Triangle ids = surface.corners(t);

@@ -76,6 +76,7 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
 std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
   std::vector<Triangle> faces = first_tetrahedron(points, extent);
   std::vector<Plane> planes;
+  planes.reserve(faces.size());
   for (const Triangle& t : faces) planes.push_back(plane_of(points, t));
   std::vector<Triangle> kept;
   std::vector<Plane> kept_planes;
@@ -165,6 +166,7 @@ void ConvexHull::build(std::span<const Vec3> points) {
 
 void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tolerance) {
   std::vector<Plane> planes;
+  planes.reserve(triangles.size());
   for (const Triangle& t : triangles) planes.push_back(plane_of(arms_, t));
   // The triangle across each directed edge.
   const auto across = [&](std::uint32_t from, std::uint32_t to) {

@@ -73,15 +73,15 @@ CoreHit cast_on_surface(const Vec3& from, const Vec3& path, double radius, const
   CoreHit first;
   for (const std::uint32_t t : list) {
     const auto corners = surface.corners(t);
-    const Vec3 a = surface.vertex(corners[0]);
-    const Vec3 normal = surface.normal(t);
+    const Vec3& a = surface.vertex(corners[0]);
+    const Vec3& normal = surface.normal(t);
     const double start = normal.dot(from - a);
     const double end = normal.dot(to - a);
     if (start <= 0.0 || end > 0.0) continue;
     const Vec3 p = from + start / (start - end) * path;
     bool inside = true;
     for (int k = 0; k < 3 && inside; ++k) {
-      const Vec3 v = surface.vertex(corners[k]);
+      const Vec3& v = surface.vertex(corners[k]);
       const Vec3 edge = surface.vertex(corners[(k + 1) % 3]) - v;
       inside = normal.dot(edge.cross(p - v)) >= -kSeam * edge.squaredNorm();
     }

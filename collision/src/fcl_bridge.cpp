@@ -98,7 +98,7 @@ Direction distance(const ConvexCore& a, const ConvexCore& b, double reach) {
       fcl::detail::libccd_extension::ccdGJKDist2(&object_a, &object_b, &ccd, &on_a, &on_b);
   if (gap > scale * reach) return {};
   if (!(gap > kTouching)) return {Direction::Status::Unknown, Vec3::UnitZ()};
-  const Direction direction =
+  Direction direction =
       found(Vec3(on_b.v[0] - on_a.v[0], on_b.v[1] - on_a.v[1], on_b.v[2] - on_a.v[2]) / gap);
   // Of cores that just overlap it sometimes says that they are apart.
   if (scale * separation(a, b, direction.normal) < 0.5 * gap) {

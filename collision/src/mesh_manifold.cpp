@@ -105,9 +105,9 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
 template <class Surface>
 Aabb triangle_bounds(const Surface& mesh, std::uint32_t t) {
   const TriangleMesh::Triangle corners = mesh.corners(t);
-  const Vec3 a = mesh.vertex(corners[0]);
-  const Vec3 b = mesh.vertex(corners[1]);
-  const Vec3 c = mesh.vertex(corners[2]);
+  const Vec3& a = mesh.vertex(corners[0]);
+  const Vec3& b = mesh.vertex(corners[1]);
+  const Vec3& c = mesh.vertex(corners[2]);
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 

@@ -23,14 +23,14 @@ template <class Surface>
 void look_at(const Surface& surface, std::uint32_t triangle, const Vec3& centre, double radius,
              double limit, std::span<const PatchTrace> previous, std::vector<SphereTouch>& near) {
   const TriangleMesh::Triangle corners = surface.corners(triangle);
-  const Vec3 p = surface.vertex(corners[0]);
-  const Vec3 front = surface.normal(triangle);
+  const Vec3& p = surface.vertex(corners[0]);
+  const Vec3& front = surface.normal(triangle);
   const double height = front.dot(centre - p);
   const double size = 2.0 * radius;
   if (height >= limit) return;
   if (height < 0.0 && (height < -size || !was_touched(previous, front))) return;
-  const Vec3 q = surface.vertex(corners[1]);
-  const Vec3 r = surface.vertex(corners[2]);
+  const Vec3& q = surface.vertex(corners[1]);
+  const Vec3& r = surface.vertex(corners[2]);
   for (int k = 0; k < 3; ++k) {
     if (std::min({p[k], q[k], r[k]}) > centre[k] + limit) return;
     if (std::max({p[k], q[k], r[k]}) < centre[k] - limit) return;

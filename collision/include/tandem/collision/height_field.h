@@ -41,7 +41,8 @@ class HeightField {
 
   // As for TriangleMesh.
   pbd::Vec3 vertex(std::uint32_t v) const {
-    return {spacing_x_ * (v % columns_), spacing_y_ * (v / columns_), heights_[v]};
+    const std::uint32_t row = v / columns_;
+    return {spacing_x_ * (v % columns_), spacing_y_ * row, heights_[v]};
   }
   Triangle corners(std::uint32_t triangle) const;
   pbd::Vec3 normal(std::uint32_t triangle) const;
