@@ -68,21 +68,21 @@ with() {
     fail "no $what in the consumer of $component: the check for its absence sees nothing"
 }
 
-consumer pbd fcl ccd octomap tinyobjloader Asio Threads
+consumer pbd fcl ccd octomap tinyobjloader Asio
 without pbd FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without pbd Asio "$asio"
 
-consumer consensus fcl ccd octomap tinyobjloader Asio Threads
+consumer consensus fcl ccd octomap tinyobjloader Asio
 without consensus FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without consensus Asio "$asio"
 
-consumer collision tinyobjloader Asio Threads
+consumer collision tinyobjloader Asio
 without collision Asio "$asio"
 without collision tinyobjloader "$obj"
 with collision FCL "$fcl"
 with collision FCL "NEEDED libfcl"
 
-consumer obj Asio Threads
+consumer obj Asio
 without obj Asio "$asio"
 with obj tinyobjloader "$obj"
 
