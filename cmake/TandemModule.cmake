@@ -115,6 +115,8 @@ function(tandem_test name)
     set(target "${name}")
   endif()
   tandem_executable(${target} ${ARGN})
+  # Each file of tests has constants and fixtures of its own, often by the same names.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_link_libraries(${target} PRIVATE tandem_test_main)
   # One entry for the whole executable: listing its cases would run it while it is built, and a

@@ -12,7 +12,7 @@ namespace tandem::collision {
 namespace {
 
 /// m: a centre nearer than this to a point has no direction from it.
-constexpr double kTouching = 1e-7;
+constexpr double kOnSurface = 1e-7;
 /// m by which a point may lie beside a triangle and still count as over it.
 constexpr double kOver = 1e-6;
 /// Squares are compared first, with room for their rounding.
@@ -45,7 +45,7 @@ void look_at(const Surface& surface, std::uint32_t triangle, const Vec3& centre,
       const double distance2 = d.squaredNorm();
       if (height < 0.0 || distance2 > kRounding * (limit * limit)) return;
       touch.distance = std::sqrt(distance2);
-      if (touch.distance >= limit || touch.distance < kTouching) return;
+      if (touch.distance >= limit || touch.distance < kOnSurface) return;
       if (height <= kIsFront * touch.distance) {
         if (height <= kRegionSlop * touch.distance) return;
         touch.normal = d / touch.distance;

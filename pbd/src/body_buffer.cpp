@@ -12,7 +12,7 @@ namespace tandem::pbd {
 namespace {
 
 /// Bodies given to a worker at a time.
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kBodyGrain = 256;
 
 bool is_finite(const SolverBody& body) {
   return body.x.allFinite() && body.q.coeffs().allFinite() && body.v.allFinite() &&
@@ -56,7 +56,7 @@ void BodyBuffer::load(World& world, double dt, Workers& workers) {
   const std::size_t count = world.states_.size();
   bodies_.resize(count);
   kinematic_.clear();
-  workers.for_chunks(count, kGrain, [&](std::size_t begin, std::size_t end, int) {
+  workers.for_chunks(count, kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       load_body(world.states_[i], world.props_[i], bodies_[i]);
     }
@@ -83,7 +83,7 @@ int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Worke
     }
   }
   if (!all_turn) mark_turned(world);
-  workers.for_chunks(bodies_.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+  workers.for_chunks(bodies_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
       // One that sleeps may still be named in the total channel.
