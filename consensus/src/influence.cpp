@@ -45,8 +45,7 @@ void InfluenceOptions::validate() const {
   require(std::isfinite(half_life) && half_life > 0.0, "half_life", half_life,
           "must be finite and above 0 s");
   require(min_share >= 0.0 && min_share <= 1.0, "min_share", min_share, "must be 0 to 1");
-  require(std::isfinite(max_age) && max_age > 0.0, "max_age", max_age,
-          "must be finite and above 0 s");
+  require(max_age > 0.0 && max_age <= 1e8, "max_age", max_age, "must be above 0 to 1e8 s");
 }
 
 double effective_share(const InfluenceOptions& options, double announced, double age, double gain,

@@ -18,6 +18,9 @@ constexpr double kNs = 1e-9;
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
 
+/// What a sender gives my states, relative to what I give its: no honest peer's policy comes near.
+constexpr double kMostMirrored = 100.0;
+
 /// rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.5;
 
@@ -41,6 +44,13 @@ void Peer::Impl::share(const ShareDef& def) {
   if (find(def.id) != nullptr) {
     throw std::invalid_argument("ShareDef: id = " + def.id.to_string() +
                                 " breaks the rule: shared once only");
+  }
+  if (world_.props(def.body).type == pbd::BodyType::Static) {
+    throw std::invalid_argument("ShareDef: body = static breaks the rule: one that can move");
+  }
+  if (std::ranges::any_of(shared_, [&](const Shared& s) { return s.def.body == def.body; })) {
+    throw std::invalid_argument("ShareDef: body of id = " + def.id.to_string() +
+                                " breaks the rule: shared under one id only");
   }
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
@@ -78,6 +88,10 @@ bool Peer::Impl::held(const SharedId& id) const {
 
 void Peer::Impl::before_step(SessionTime now) {
   step_dt_ = last_before_ > 0 ? kNs * static_cast<double>(now - last_before_) : 1.0 / 60.0;
+  if (step_dt_ < 0.0) {  // a clock that was set back: nothing moves, and nobody falls silent
+    step_dt_ = 0.0;
+    next_send_ = now;
+  }
   last_before_ = now;
   now_ = now;
   for (Shared& shared : shared_) {
@@ -133,7 +147,11 @@ void Peer::Impl::aggregate(SessionTime now) {
   targeted_.clear();
   for (Shared& shared : shared_) {
     if (!world_.contains(shared.def.body)) continue;
-    if (shared.def.owner == transport_.self()) continue;
+    if (shared.def.owner == transport_.self()) {
+      estimates_.clear();
+      drag(shared, now);
+      continue;
+    }
     estimate(shared, now);
     if (drag(shared, now) || estimates_.empty()) continue;
     ++stats_.bodies_aggregated;
@@ -192,9 +210,10 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
   const auto newest = inbox_.newest(shared.def.id);
   if (newest.empty()) return;
   const pbd::BodyState& own = world_.state(shared.def.body);
-  const double own_announced = announced(shared);
+  const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
   const double own_confidence = confidence();
   const double own_lead = shared.initiative.strength();
+  double heaviest = 0.0;
   InfluenceContext known{.leads = own_lead, .gain = predictor_->gain()};
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = received.update;
@@ -216,6 +235,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
         }
         const bool follows = known.sender_leads || received.peer < transport_.self();
         share = shared.lead.share(share, angle, follows && own_lead == 0.0, now);
+        share = std::min(share, kMaxSharedInfluence);  // it leads, and does not own
       }
       share = against_own(share);
     }
@@ -228,7 +248,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
                                                            .gain = known.gain});
     const PredictionContext context{
         .now = now,
-        .mirrored_share = mirrored / share,
+        .mirrored_share = std::min(mirrored / share, kMostMirrored),
         .peers = static_cast<int>(newest.size()),
         .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity(),
         .memory = memory != nullptr ? &memory->memory : nullptr};
@@ -244,7 +264,8 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
          .twist = {own.twist.linear + prediction.twist.linear,
                    own.twist.angular + prediction.twist.angular},
          .share = share});
-    motion_ = prediction.motion;
+    if (share > heaviest) motion_ = prediction.motion;
+    heaviest = std::max(heaviest, share);
     if (observer_ != nullptr) {
       observer_->on_prediction(received.peer, shared.def.id, now, position, known.age);
       observer_->on_estimate({received.peer, update, shared.history, context, prediction});
@@ -273,8 +294,11 @@ Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTi
   auto it = std::lower_bound(shared.heard.begin(), shared.heard.end(), peer,
                              [](const Heard& h, PeerId id) { return h.peer < id; });
   if (it == shared.heard.end() || it->peer != peer) {
-    it = shared.heard.insert(it, {.peer = peer, .first = now, .memory = {}});
+    it = shared.heard.insert(it, {.peer = peer, .first = now, .last = now, .memory = {}});
+  } else if (kNs * static_cast<double>(now - it->last) > options_.influence.max_age) {
+    *it = {.peer = peer, .first = now, .last = now, .memory = {}};  // away, or started again
   }
+  it->last = now;
   return *it;
 }
 
@@ -291,7 +315,7 @@ bool Peer::Impl::drag(Shared& shared, SessionTime now) {
   hard.own.pose = dragged(world_.props(shared.def.body), shown.pose, hands_);
   if (!hard.active) {
     hard.own.twist = {};
-  } else {
+  } else if (step_dt_ > 0.0) {
     // `last` is where the hand was going to be by now: what it missed is a change of velocity.
     const double part = 1.0 - std::exp(-step_dt_ / options_.anchor_velocity_filter);
     hard.own.twist.linear += part / step_dt_ * (hard.own.pose.position - last.pose.position);

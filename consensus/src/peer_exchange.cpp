@@ -33,20 +33,25 @@ class JointMarker final : public pbd::LinkVisitor {
 void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   transport_.drain(packets_);
+  PeerId dropped = 0;
   for (const Packet& packet : packets_) {
-    if (packet.from == 0) continue;  // no peer has this id
+    // No peer has the id 0; and of one that was dropped here the rest is not worth a look.
+    if (packet.from == 0 || packet.from == dropped) continue;
     ++stats_.packets_received;
     const CpuTimer parse(stats_.parse_s);
     const CodecResult result = decode(packet.bytes, incoming_);
     if (!result.ok()) {
       ++stats_.packets_rejected;
       transport_.drop(packet.from, "undecodable packet: " + result.reason());
+      dropped = packet.from;
       continue;
     }
     stats_.updates_received += incoming_.states.size();
     const CpuTimer process(stats_.process_s);
     take_in(packet.from, now);
   }
+  // States that have expired since count for nothing, nor does who sent them.
+  inbox_.prune(now);
 }
 
 void Peer::Impl::take_in(PeerId from, SessionTime now) {
@@ -67,6 +72,9 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
   }
   if (!incoming_.leaves.empty()) {
     inbox_.remove_peer(from);
+    for (Shared& shared : shared_) {
+      std::erase_if(shared.heard, [from](const Heard& heard) { return heard.peer == from; });
+    }
     std::erase_if(farewells_, [from](const auto& entry) { return entry.first == from; });
     // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
     // successor.

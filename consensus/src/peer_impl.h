@@ -54,6 +54,7 @@ class Peer::Impl {
   struct Heard {
     PeerId peer = 0;
     SessionTime first = 0;  ///< ns, when the first state was used
+    SessionTime last = 0;   ///< ns, when the last one was
     PredictorMemory memory;
   };
   // Beside Springs::Grip, what touched a body in the last step.
