@@ -33,17 +33,14 @@ class JointMarker final : public pbd::LinkVisitor {
 void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   transport_.drain(packets_);
-  PeerId dropped = 0;
   for (const Packet& packet : packets_) {
-    // No peer has the id 0; and of one that was dropped here the rest is not worth a look.
-    if (packet.from == 0 || packet.from == dropped) continue;
+    if (packet.from == 0) continue;  // no peer has this id
     ++stats_.packets_received;
     const CpuTimer parse(stats_.parse_s);
     const CodecResult result = decode(packet.bytes, incoming_);
     if (!result.ok()) {
       ++stats_.packets_rejected;
       transport_.drop(packet.from, "undecodable packet: " + result.reason());
-      dropped = packet.from;
       continue;
     }
     stats_.updates_received += incoming_.states.size();
