@@ -65,14 +65,14 @@ ClippedFace clip_segment(const CoreFace& reference, const Vec3& axis, const Core
     const double slope = out.dot(d);
     const double at1 = at0 + slope;
     if (at0 > kClipSlop && at1 > kClipSlop) return {};
+    // Within the slop the side is met beyond an end of the segment.
+    const double t = std::clamp(-at0 / slope, 0.0, 1.0);
     if (at0 > kClipSlop) {
-      const double t = -at0 / slope;
       if (t > t0) {
         t0 = t;
         f0 = ids.at(0, k);
       }
     } else if (at1 > kClipSlop) {
-      const double t = -at0 / slope;
       if (t < t1) {
         t1 = t;
         f1 = ids.at(0, k);

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -27,8 +28,16 @@ struct RawManifold {
   int count = 0;
   std::array<RawPoint, kMaxPoints> points;
 
+  /// Where there is no room, the highest point makes way for a lower one.
   void add(const RawPoint& point) {
-    if (count < kMaxPoints) points[count++] = point;
+    if (count < kMaxPoints) {
+      points[count++] = point;
+      return;
+    }
+    const auto highest =
+        std::max_element(points.begin(), points.end(),
+                         [](const RawPoint& l, const RawPoint& r) { return l.gap < r.gap; });
+    if (point.gap < highest->gap) *highest = point;
   }
 };
 

@@ -82,6 +82,8 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
   std::vector<Plane> kept_planes;
   std::vector<std::array<std::uint32_t, 2>> seen;  // directed edges of the faces that see the point
   for (std::size_t round = 0; round <= points.size(); ++round) {
+    // A corner that goes in may be swallowed later, but not so many of them.
+    if (round > 2 * ConvexHull::kMaxVertices) refuse("corners = more", "at most 128 corners");
     std::uint32_t next = 0;
     double most = kOutside * extent;
     for (std::uint32_t i = 0; i < points.size(); ++i) {

@@ -14,14 +14,21 @@ constexpr double kToAngle = 1.2;
 /// A follower that neighbours keep from turning pulls harder with time, so that a body wedged in
 /// different ways is set right after some two seconds instead of never.
 constexpr double kGrowth = 6.0;  // 1/s^2
+/// ns: a difference that was not seen for longer is a new one.
+constexpr SessionTime kPause = 100'000'000;
 
 }  // namespace
 
 double Lead::share(double share, double angle, bool follows, SessionTime now) {
   const double doubt = std::clamp((angle - kFromAngle) / (kToAngle - kFromAngle), 0.0, 1.0);
   if (!follows) return share * (1.0 - doubt);
-  if (doubt < 0.5 || since_ == 0) since_ = now;
-  const double waited = 1e-9 * static_cast<double>(now - since_);
+  double waited = 0.0;
+  if (doubt >= 0.5) {
+    // Others that agree are asked in between and change nothing about the one that does not.
+    if (last_ < now - kPause) since_ = now;
+    last_ = now;
+    waited = 1e-9 * static_cast<double>(now - since_);
+  }
   const double strength = (1.0 + doubt) * (1.0 + doubt * kGrowth * waited * waited);
   return doubt > 0.0 ? 1.0 - std::pow(1.0 - share, strength) : share;
 }

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <limits>
+
 #include "tandem/consensus/transport.h"
 
 namespace tandem::consensus {
@@ -17,7 +19,9 @@ class Lead {
   double share(double share, double angle, bool follows, SessionTime now);
 
  private:
-  SessionTime since_ = 0;  ///< when the leader's orientation was last close; 0 = never
+  static constexpr SessionTime kNever = std::numeric_limits<SessionTime>::min();
+  SessionTime since_ = kNever;  ///< ns, since when a leader's orientation has been far away
+  SessionTime last_ = kNever;   ///< ns, when one was far away for the last time
 };
 
 }  // namespace tandem::consensus

@@ -21,13 +21,16 @@ void require(bool ok, const char* field, double value, const char* rule) {
 
 void PeerOptions::validate() const {
   influence.validate();
-  require(update_hz > 0.0 && update_hz <= 10000.0, "update_hz", update_hz, "above 0 to 10000");
+  prediction.validate();
+  require(update_hz >= 1e-3 && update_hz <= 10000.0, "update_hz", update_hz, "0.001 to 10000");
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "authority_ramp", authority_ramp,
           "finite and >= 0 s");
-  require(spring_timeout > 0.0 && std::isfinite(spring_timeout), "spring_timeout", spring_timeout,
-          "finite and > 0 s");
-  require(max_anchor_extrapolation >= 0.0 && std::isfinite(max_anchor_extrapolation),
-          "max_anchor_extrapolation", max_anchor_extrapolation, "finite and >= 0 s");
+  // Times in nanoseconds are 64 bit: a day is as good as never, and fits.
+  constexpr double kLongest = 86400.0;
+  require(spring_timeout > 0.0 && spring_timeout <= kLongest, "spring_timeout", spring_timeout,
+          "above 0 to 86400 s");
+  require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest,
+          "max_anchor_extrapolation", max_anchor_extrapolation, "0 to 86400 s");
   require(anchor_velocity_filter > 0.0 && std::isfinite(anchor_velocity_filter),
           "anchor_velocity_filter", anchor_velocity_filter, "finite and > 0 s");
 }

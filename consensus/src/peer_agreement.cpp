@@ -6,6 +6,7 @@
 
 #include "cpu_clock.h"
 #include "peer_impl.h"
+#include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
 #include "two_step.h"
 
@@ -16,6 +17,9 @@ constexpr double kNs = 1e-9;
 
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
+
+/// What a sender gives my states, relative to what I give its: no honest peer's policy comes near.
+constexpr double kMostMirrored = 100.0;
 
 /// rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.5;
@@ -41,11 +45,26 @@ void Peer::Impl::share(const ShareDef& def) {
     throw std::invalid_argument("ShareDef: id = " + def.id.to_string() +
                                 " breaks the rule: shared once only");
   }
+  if (world_.props(def.body).type == pbd::BodyType::Static) {
+    throw std::invalid_argument("ShareDef: body = static breaks the rule: one that can move");
+  }
+  if (std::ranges::any_of(shared_, [&](const Shared& s) { return s.def.body == def.body; })) {
+    throw std::invalid_argument("ShareDef: body of id = " + def.id.to_string() +
+                                " breaks the rule: shared under one id only");
+  }
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
   shared_.insert(at, Shared{.def = def});
   inbox_.add_id(def.id);
+  if (def.owner.has_value()) ++owned_;
+}
+
+void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
+  ShareDef& def = at(id).def;
+  if (def.owner.has_value()) --owned_;
+  if (owner.has_value()) ++owned_;
+  def.owner = owner;
 }
 
 Peer::Impl::Shared* Peer::Impl::find(const SharedId& id) {
@@ -69,6 +88,10 @@ bool Peer::Impl::held(const SharedId& id) const {
 
 void Peer::Impl::before_step(SessionTime now) {
   step_dt_ = last_before_ > 0 ? kNs * static_cast<double>(now - last_before_) : 1.0 / 60.0;
+  if (step_dt_ < 0.0) {  // a clock that was set back: nothing moves, and nobody falls silent
+    step_dt_ = 0.0;
+    next_send_ = now;
+  }
   last_before_ = now;
   now_ = now;
   for (Shared& shared : shared_) {
@@ -88,6 +111,7 @@ void Peer::Impl::after_step(SessionTime now) {
   now_ = now;
   if (started_ == 0) started_ = now;
   mark_joints();
+  mark_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
   for (Shared& shared : shared_) {
     if (!world_.contains(shared.def.body)) continue;
@@ -102,6 +126,7 @@ void Peer::Impl::after_step(SessionTime now) {
              options_.coupling == Coupling::OnePass ? world_.correction(shared.def.body)
                                                     : shared.averaged);
     shared.averaged = {};
+    update_initiative(shared, now);
   }
   if (now >= next_send_) {
     const auto interval = static_cast<SessionTime>(1.0 / (kNs * options_.update_hz));
@@ -122,7 +147,11 @@ void Peer::Impl::aggregate(SessionTime now) {
   targeted_.clear();
   for (Shared& shared : shared_) {
     if (!world_.contains(shared.def.body)) continue;
-    if (shared.def.owner == transport_.self()) continue;
+    if (shared.def.owner == transport_.self()) {
+      estimates_.clear();
+      drag(shared, now);
+      continue;
+    }
     estimate(shared, now);
     if (drag(shared, now) || estimates_.empty()) continue;
     ++stats_.bodies_aggregated;
@@ -137,20 +166,62 @@ void Peer::Impl::aggregate(SessionTime now) {
   }
 }
 
+void Peer::Impl::mark_acting() {
+  acting_.assign(world_.slot_count(), 0);
+  springs_.mark(acting_);
+  if (world_.contacts() == nullptr) return;
+  touching_.assign(world_.slot_count(), 0);
+  for (const Shared& shared : shared_) {
+    if (owned_ == 0) break;
+    if (!shared.def.owner.has_value() || !world_.contains(shared.def.body)) continue;
+    touching_[shared.def.body.index] =
+        shared.def.owner == transport_.self() ? kTouchedByOwn : kTouchedByOther;
+  }
+  for (const pbd::Contact& contact : world_.contacts()->contacts()) {
+    // Of the whole step: what bounced has left in the last substep.
+    if (!(contact.impulse > 0.0)) continue;
+    const std::uint32_t a = contact.manifold.body_a;
+    const std::uint32_t b = contact.manifold.body_b;
+    acting_[a] = static_cast<std::uint8_t>(acting_[a] | kTouched | touching_[b]);
+    acting_[b] = static_cast<std::uint8_t>(acting_[b] | kTouched | touching_[a]);
+  }
+}
+
+void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
+  if (shared.def.owner.has_value()) return;
+  const std::uint8_t bits = acting_[shared.def.body.index];
+  Initiative::Acting acting{.own = (bits & (Springs::kShared | kTouchedByOwn)) != 0,
+                            .other = (bits & (Springs::kRemote | kTouchedByOther)) != 0,
+                            .contact = shared.history.newest().coupled};
+  // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
+  if ((bits & Springs::kAlone) != 0) acting.other = true;
+  double round_trip = 0.0;
+  for (const Inbox::Received& received : inbox_.newest(shared.def.id)) {
+    if (received.update.flags.owner_driven) acting.other = true;
+    round_trip = std::max(
+        round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
+    shared.initiative.hear(received.peer, received.update.flags.leads, received.update.stamp);
+  }
+  shared.initiative.update(acting, round_trip, now);
+}
+
 void Peer::Impl::estimate(Shared& shared, SessionTime now) {
   estimates_.clear();
   const auto newest = inbox_.newest(shared.def.id);
   if (newest.empty()) return;
   const pbd::BodyState& own = world_.state(shared.def.body);
-  const double own_announced = announced(shared);
+  const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
   const double own_confidence = confidence();
-  InfluenceContext known{.gain = predictor_->gain()};
+  const double own_lead = shared.initiative.strength();
+  double heaviest = 0.0;
+  InfluenceContext known{.leads = own_lead, .gain = predictor_->gain()};
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = received.update;
     const bool owner = shared.def.owner == received.peer ||
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
     known.age = kNs * static_cast<double>(now - update.stamp);
+    known.sender_leads = update.flags.leads && own_lead == 0.0;
     const double claimed = static_cast<double>(update.influence);
     const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
     double share = hearing_.apply(heard, known);
@@ -162,16 +233,22 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
           const pbd::Quat then = shared.history.at_time(update.stamp).pose.orientation;
           angle = pbd::rotation_between(then, update.pose.orientation).norm();
         }
-        share = shared.lead.share(share, angle, received.peer < transport_.self(), now);
+        const bool follows = known.sender_leads || received.peer < transport_.self();
+        share = shared.lead.share(share, angle, follows && own_lead == 0.0, now);
+        share = std::min(share, kMaxSharedInfluence);  // it leads, and does not own
       }
       share = against_own(share);
     }
     if (!(share > 0.0)) continue;
     Heard* memory = keeps_heard_ ? &heard_from(shared, received.peer, now) : nullptr;
-    const double mirrored = hearing_.apply(own_announced, known);
+    // What the sender gives to my states by the same rules.
+    const double mirrored = hearing_.apply(own_announced, {.leads = update.flags.leads ? 1.0 : 0.0,
+                                                           .sender_leads = own_lead >= 1.0,
+                                                           .age = known.age,
+                                                           .gain = known.gain});
     const PredictionContext context{
         .now = now,
-        .mirrored_share = mirrored / share,
+        .mirrored_share = std::min(mirrored / share, kMostMirrored),
         .peers = static_cast<int>(newest.size()),
         .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity(),
         .memory = memory != nullptr ? &memory->memory : nullptr};
@@ -187,7 +264,8 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
          .twist = {own.twist.linear + prediction.twist.linear,
                    own.twist.angular + prediction.twist.angular},
          .share = share});
-    motion_ = prediction.motion;
+    if (share > heaviest) motion_ = prediction.motion;
+    heaviest = std::max(heaviest, share);
     if (observer_ != nullptr) {
       observer_->on_prediction(received.peer, shared.def.id, now, position, known.age);
       observer_->on_estimate({received.peer, update, shared.history, context, prediction});
@@ -216,8 +294,11 @@ Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTi
   auto it = std::lower_bound(shared.heard.begin(), shared.heard.end(), peer,
                              [](const Heard& h, PeerId id) { return h.peer < id; });
   if (it == shared.heard.end() || it->peer != peer) {
-    it = shared.heard.insert(it, {.peer = peer, .first = now, .memory = {}});
+    it = shared.heard.insert(it, {.peer = peer, .first = now, .last = now, .memory = {}});
+  } else if (kNs * static_cast<double>(now - it->last) > options_.influence.max_age) {
+    *it = {.peer = peer, .first = now, .last = now, .memory = {}};  // away, or started again
   }
+  it->last = now;
   return *it;
 }
 
@@ -234,7 +315,7 @@ bool Peer::Impl::drag(Shared& shared, SessionTime now) {
   hard.own.pose = dragged(world_.props(shared.def.body), shown.pose, hands_);
   if (!hard.active) {
     hard.own.twist = {};
-  } else {
+  } else if (step_dt_ > 0.0) {
     // `last` is where the hand was going to be by now: what it missed is a change of velocity.
     const double part = 1.0 - std::exp(-step_dt_ / options_.anchor_velocity_filter);
     hard.own.twist.linear += part / step_dt_ * (hard.own.pose.position - last.pose.position);
@@ -258,6 +339,7 @@ double Peer::Impl::announced(const Shared& shared) const {
   return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
                                    .sender_owns = shared.def.owner == transport_.self(),
                                    .held_alone = springs_.holds_alone(shared.def.body),
+                                   .leads = shared.initiative.strength(),
                                    .confidence = confidence()});
 }
 

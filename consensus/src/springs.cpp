@@ -31,7 +31,14 @@ Springs::Springs(pbd::World& world, const PeerOptions& options)
     : world_(world), options_(options), tethers_(world.add_block<pbd::Tethers>()) {}
 
 GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
-  if (next_ == 0) next_ = 1;
+  auto place = own_.end();
+  // The numbers wrap: zero is nobody's, and one that is still in use is not given twice.
+  for (;; ++next_) {
+    if (next_ == 0) next_ = 1;
+    place = std::lower_bound(own_.begin(), own_.end(), next_,
+                             [](const Own& o, std::uint32_t s) { return o.spring < s; });
+    if (place == own_.end() || place->spring != next_) break;
+  }
   const InputMode mode = def.mode.value_or(options_.mode);
   pbd::ConstraintId tether;
   if (mode == InputMode::Hard) {
@@ -45,7 +52,8 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
                                    .damping = def.damping,
                                    .max_force = def.max_force});
   }
-  own_.push_back(
+  own_.insert(
+      place,
       {.spring = next_, .revision = 1, .def = def, .body = body, .mode = mode, .tether = tether});
   return {next_++};
 }
@@ -137,7 +145,7 @@ bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
   it->heard = now;
   if (update.event == SpringEvent::Remove) return true;
   const pbd::Tether::Def def = tether_of(update, body);
-  if (def.stiffness <= 0.0 || def.max_force <= 0.0) {
+  if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0)) {
     let_go(*it);
     return false;
   }
@@ -220,6 +228,22 @@ bool Springs::holds(pbd::BodyId body) const {
                      [&](const Own& o) { return drags(o) || pulls(o.tether); }) ||
          std::any_of(remote_.begin(), remote_.end(),
                      [&](const Remote& r) { return r.live && pulls(r.tether); });
+}
+
+void Springs::mark(std::vector<std::uint8_t>& grips) const {
+  const auto set = [&](pbd::BodyId body, Grip grip) {
+    if (world_.contains(body)) grips[body.index] |= grip;
+  };
+  for (const Own& own : own_) {
+    if (own.mode == InputMode::Hard || tethers_.contains(own.tether)) {
+      set(own.body, own.mode == InputMode::Soft ? kShared : kAlone);
+    }
+  }
+  for (const Remote& remote : remote_) {
+    if (remote.live && tethers_.contains(remote.tether)) {
+      set(tethers_.def(remote.tether).body, kRemote);
+    }
+  }
 }
 
 bool Springs::holds_alone(pbd::BodyId body) const {

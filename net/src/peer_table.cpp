@@ -280,20 +280,31 @@ PeerTable::Record* PeerTable::find_attached(std::uint64_t link, PeerId peer) {
 
 PeerTable::Record* PeerTable::find_or_add(PeerId peer) {
   if (Record* record = find(peer)) return record;
-  if (records_.size() >= 4 * options_.max_peers) {
-    // Ids cost a stranger nothing: one that was never connected makes room.
-    const auto idle = std::ranges::find_if(
-        records_, [](const auto& entry) { return entry.second.incarnation == 0; });
-    if (idle == records_.end()) return nullptr;
-    records_.erase(idle);
-  }
+  if (records_.size() >= 4 * options_.max_peers && !make_room()) return nullptr;
   Record& record = records_[peer];
   record.status.id = peer;
   return &record;
 }
 
+/// Ids cost a stranger nothing, and a process that lives for long meets many: what was never
+/// connected goes first, then who has been away for longest, and last those that were dropped.
+bool PeerTable::make_room() {
+  auto oldest = records_.end();
+  for (auto at = records_.begin(); at != records_.end(); ++at) {
+    if (at->second.link != 0) continue;
+    const auto age = [](const Record& r) { return std::pair(r.dropped, r.departure); };
+    if (oldest == records_.end() || age(at->second) < age(oldest->second)) oldest = at;
+  }
+  if (oldest == records_.end()) return false;
+  records_.erase(oldest);
+  return true;
+}
+
 void PeerTable::disconnect(Record& record, const std::string& reason) {
-  if (record.link != 0) --connected_;
+  if (record.link != 0) {
+    --connected_;
+    record.departure = ++departures_;
+  }
   record.link = 0;
   record.status.connected = false;
   record.status.reason = reason;

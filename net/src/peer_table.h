@@ -96,7 +96,8 @@ class PeerTable {
     std::uint64_t last_received = 0;
     FrameQueue inbox;
     bool wake_posted = false;
-    bool dropped = false;  // until it makes a new handshake
+    bool dropped = false;         // until it makes a new handshake
+    std::uint64_t departure = 0;  // in the order of disconnections; 0 = never connected
     SteadyTime hold_until{};
   };
 
@@ -104,6 +105,7 @@ class PeerTable {
   const Record* find(PeerId peer) const;
   Record* find_attached(std::uint64_t link, PeerId peer);
   Record* find_or_add(PeerId peer);
+  bool make_room();
   std::optional<std::string> refusal_locked(const Hello& hello, SteadyTime now) const;
   void disconnect(Record& record, const std::string& reason);
   void ban(Record& record, const std::string& reason, SteadyTime now);
@@ -113,6 +115,7 @@ class PeerTable {
   mutable std::mutex mutex_;
   std::map<PeerId, Record> records_;  // by id: the order of drain and peers
   std::size_t connected_ = 0;
+  std::uint64_t departures_ = 0;
   std::vector<DialStatus> dials_;
   StrangerStatus strangers_;
   bool shutting_down_ = false;

@@ -45,7 +45,14 @@ void TcpMesh::add_dial(const HostPort& address, PeerId peer, bool lasting, Stead
   const bool known = std::ranges::any_of(dials_, [&](const Dial& dial) {
     return dial.address == address && (dial.peer == peer || dial.peer == 0 || peer == 0);
   });
-  if (known || dials_.size() >= options_.connect.size() + 2 * options_.max_peers) return;
+  if (known) return;
+  if (dials_.size() >= options_.connect.size() + 2 * options_.max_peers) {
+    // Hearsay, of which one peer can tell any amount, makes room for what is known first-hand.
+    const auto hearsay =
+        std::ranges::find_if(dials_, [](const Dial& dial) { return !dial.lasting && !dial.busy; });
+    if (!lasting || hearsay == dials_.end()) return;
+    dials_.erase(hearsay);
+  }
   dials_.push_back({.serial = next_serial_++,
                     .address = address,
                     .lasting = lasting,

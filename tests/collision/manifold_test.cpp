@@ -374,3 +374,36 @@ TEST_CASE("manifold: a box that slides from tile to tile of a level floor is not
     }
   }
 }
+
+TEST_CASE("manifold: the lowest of many corners of a hull is never left out",
+          "[collision][analytic]") {
+  // A prism over a polygon of 64 corners, all within reach of the floor, whichever is the lowest.
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 64; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / 64;
+    for (const double z : {-0.01, 0.01}) {
+      corners.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), z);
+    }
+  }
+  const auto hull = ConvexHull::make(corners);
+  for (int lowest = 0; lowest < 64; lowest += 9) {
+    const double towards = 2.0 * std::numbers::pi * lowest / 64;
+    const Vec3 hinge(-std::sin(towards), std::cos(towards), 0.0);
+    Fixture f;
+    Pose pose = at(0, 0, 0.012);
+    pose.orientation = Quat(Eigen::AngleAxisd(0.005, hinge));
+    f.add(HalfSpace{Vec3::UnitZ(), 0.0}, Pose{}, BodyType::Static);
+    f.add(hull, pose);
+    f.collect();
+    double least = HUGE_VAL;
+    for (const Vec3& corner : corners) {
+      least = std::min(least, (pose.position + pose.orientation * corner).z());
+    }
+    REQUIRE(f.manifolds.size() == 1);
+    double found = HUGE_VAL;
+    for (int i = 0; i < f.manifolds[0].count; ++i) {
+      found = std::min(found, f.gap(f.manifolds[0], i));
+    }
+    CHECK(found == Approx(least).margin(1e-9));
+  }
+}

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "consensus/peer_fixture.h"
+#include "consensus/stub_transport.h"
 #include "support/catch.h"
 
 namespace tandem::consensus {
@@ -143,6 +144,44 @@ TEST_CASE("mode: a soft peer does not take a hard one for an owner", "[consensus
   CHECK(soft.x().norm() > 1e-4);
   session.run(2.0);
   CHECK(soft.x().norm() < 1e-3);
+}
+
+TEST_CASE("mode: a clock that stands still or goes back moves nothing by hand",
+          "[consensus][fault]") {
+  StubTransport transport(1);
+  Site site(transport, {.mode = InputMode::Hard, .authority_ramp = 0.0}, kWeightless);
+  site.share(cube(Vec3::Zero()));
+  const GrabId grab = site.peer->grab({.body = kBody});
+  site.peer->before_step(kStart);
+  site.peer->after_step(kStart + ns(0.016));
+  site.peer->move(grab, Vec3(0.01, 0.0, 0.0), kStart + ns(0.016));
+  for (const double at : {0.016, 0.016, -0.1, -0.1}) {
+    CHECK_NOTHROW(site.peer->before_step(kStart + ns(at)));
+    CHECK_NOTHROW(site.peer->after_step(kStart + ns(at)));
+    CHECK(site.twist().linear.norm() < 5.0);
+    CHECK(site.x().norm() < 0.05);
+  }
+}
+
+TEST_CASE("mode: who becomes the owner of what it drags can still let go", "[consensus]") {
+  const auto session = pair_of(InputMode::Hard);
+  Site& site = (*session)[0];
+  const GrabId grab = site.peer->grab({.body = kBody});
+  site.user = [grab](Site& s, SessionTime now) {
+    const double t = 1e-9 * static_cast<double>(now - kStart);
+    if (t < 0.5) s.peer->move(grab, Vec3(0.2 * t, 0.0, 0.0), now);
+  };
+  session->run(0.25);
+  site.peer->set_owner(kBody, site.id);
+  session->run(0.1);
+  CHECK(site.x().x() == Approx(0.2 * 0.35).margin(0.01));  // the hand goes on
+  site.user = nullptr;
+  site.peer->release(grab);
+  session->run(0.1);
+  // What is let go is physics' again: a push counts.
+  site.world.set_twist(site.body, {Vec3(0.0, 1.0, 0.0), Vec3::Zero()});
+  session->run(0.1);
+  CHECK(site.v().y() == Approx(1.0).margin(0.05));
 }
 
 }  // namespace

@@ -270,5 +270,35 @@ TEST_CASE("peer: springs of any strength that a packet can name leave a finite w
   CHECK(duel.victim().pose().orientation.coeffs().allFinite());
 }
 
+TEST_CASE("peer: what cannot move, and what is shared already, is refused", "[consensus][fault]") {
+  StubTransport transport(1);
+  Site site(transport, {}, kWeightless);
+  site.share(ball(Vec3::Zero()));
+  const pbd::BodyId wall = site.world.add_body({.type = pbd::BodyType::Static});
+  CHECK_THROWS_WITH(site.peer->share({.id = SharedId::from_name("wall"), .body = wall}),
+                    Catch::Contains("static"));
+  CHECK_THROWS_WITH(site.peer->share({.id = SharedId::from_name("again"), .body = site.body}),
+                    Catch::Contains("one id only"));
+}
+
+TEST_CASE("peer: a leader that nobody can follow does not become an owner", "[consensus][fault]") {
+  // A lower id insists on an orientation a right angle away for ten seconds. The share that it is
+  // given grows, and stays a share: an owner's would be 1.
+  StubTransport transport(2);
+  Site site(transport, {.authority_ramp = 0.0}, kWeightless);
+  site.share(cube(Vec3::Zero()));
+  for (int i = 0; i < 600; ++i) {
+    const SessionTime now = kStart + i * ns(1.0 / 60.0);
+    StateUpdate update{.id = kBody, .influence = 0.5F, .stamp = now};
+    update.pose.orientation = Quat(Eigen::AngleAxisd(1.5, Vec3::UnitZ()));
+    transport.deliver(1, update);
+    site.peer->before_step(now);
+    std::vector<pbd::PoseTarget> targets;
+    site.peer->collect(site.world, 1.0 / 60.0, targets);
+    for (const pbd::PoseTarget& target : targets) CHECK(target.share <= 0.5 + 1e-12);
+    site.peer->after_step(now + ns(1.0 / 60.0));  // wedged: no solver turns it
+  }
+}
+
 }  // namespace
 }  // namespace tandem::consensus

@@ -304,6 +304,42 @@ TEST_CASE("springs: a peer holds 256 at most, the others are counted", "[consens
   CHECK(site.tethers().size() == 257);
 }
 
+TEST_CASE("springs: one too soft to compute with is refused and counted", "[consensus][fault]") {
+  StubTransport transport(1);
+  Site site(transport, {}, kWeightless);
+  site.share(ball(Vec3::Zero()));
+  for (const double stiffness : {1e-310, 1e-150, 1e-12}) {
+    transport.deliver(2, SpringUpdate{.spring = 1,
+                                      .revision = 1,
+                                      .event = SpringEvent::Create,
+                                      .body = kBody,
+                                      .stiffness = stiffness,
+                                      .max_force = 1.0,
+                                      .stamp = kStart});
+  }
+  site.peer->before_step(kStart);
+  CHECK(site.tethers().size() == 0);
+  CHECK(site.peer->stats().springs_refused >= 1);
+}
+
+TEST_CASE("springs: their numbers may wrap around", "[consensus]") {
+  StubTransport transport(1);
+  Site site(transport, {}, kWeightless);
+  site.share(ball(Vec3::Zero()));
+  // Numbers go on from the session's time in milliseconds.
+  const SessionTime last = SessionTime{0xffffffff} * 1'000'000;
+  site.peer->before_step(last);
+  std::vector<GrabId> grabs;
+  for (int i = 0; i < 4; ++i) grabs.push_back(site.peer->grab({.body = kBody}));
+  CHECK(grabs[0].spring == 0xffffffff);
+  CHECK(grabs[1].spring == 1);
+  for (const GrabId grab : grabs) {
+    CHECK_NOTHROW(site.peer->move(grab, Vec3::Zero(), last + ns(kFrame)));
+  }
+  for (const GrabId grab : grabs) CHECK_NOTHROW(site.peer->release(grab));
+  CHECK(site.tethers().size() == 0);
+}
+
 TEST_CASE("springs: one's own are named by grab() until they are released", "[consensus]") {
   StubTransport transport(1);
   Site site(transport, {}, kWeightless);

@@ -157,6 +157,18 @@ TEST_CASE("tcp: ids made up by strangers do not pile up", "[net][socket][fault]"
   check_alive(a);
 }
 
+TEST_CASE("tcp: a process that lives for long meets any number of peers", "[net][socket]") {
+  const raw::LeakCheck leaks;
+  auto few = options(1);
+  few.max_peers = 2;
+  TcpTransport a(few);
+  for (std::uint64_t id = 2; id < 20; ++id) {
+    TcpTransport b(options(id, {a.local_port()}));
+    REQUIRE(eventually([&] { return linked(a, b); }));
+  }
+  CHECK(a.peers().size() <= 8);  // four times as many ids as peers are remembered
+}
+
 TEST_CASE("tcp: a full session refuses one more with the reason", "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpOptions small = options(1);

@@ -139,7 +139,8 @@ class Peer final : public pbd::TargetSource {
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
 
-  /// @throws std::invalid_argument for an unknown body, an invalid id, or one shared already
+  /// @throws std::invalid_argument for an unknown or static body, an invalid id, or where either is
+  ///   shared already
   void share(const ShareDef& def);
   /// Change who owns a shared body; nullopt = everybody. @throws as share
   void set_owner(const SharedId& id, std::optional<PeerId> owner);
@@ -153,7 +154,7 @@ class Peer final : public pbd::TargetSource {
   bool held(const SharedId& id) const;
 
   /// Take in what has come and set this step's springs and estimates. `now`: session time of the
-  /// world before the step, ns.
+  /// world before the step, ns, above 0 (0 means "never" in what is remembered).
   void before_step(SessionTime now);
   /// Remember and, when it is time, send. `now`: session time of the world after the step, ns.
   void after_step(SessionTime now);

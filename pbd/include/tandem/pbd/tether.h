@@ -16,12 +16,17 @@ class Tether {
   static constexpr std::string_view kName = "tether";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
 
+  /// N/m: beyond these a spring is none, or a joint; and compliance over step squared, of which the
+  /// rows are made, would leave what a double can hold.
+  static constexpr double kMinStiffness = 1e-9;
+  static constexpr double kMaxStiffness = 1e15;
+
   struct Def {
     BodyId body;
     Vec3 anchor_l = Vec3::Zero();         ///< m, frame of the body
     Vec3 anchor_w = Vec3::Zero();         ///< m, world, at the start of the next step
     Vec3 anchor_velocity = Vec3::Zero();  ///< m/s, world
-    double stiffness = 500.0;             ///< N/m, > 0
+    double stiffness = 500.0;             ///< N/m, kMinStiffness to kMaxStiffness
     double damping = 20.0;                ///< N s/m, >= 0
     double max_force = 1e9;               ///< N, > 0
   };
