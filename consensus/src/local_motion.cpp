@@ -109,6 +109,10 @@ class LocalMotionPredictor final : public Predictor {
     return prediction;
   }
   double gain() const override { return 2.0; }
+  double gain_for(const StateUpdate& update) const override {
+    return kind_ != PredictorKind::LocalMotion && update.flags.owner_driven ? linear_->gain()
+                                                                            : gain();
+  }
   bool remembers() const override { return kind_ == PredictorKind::Adaptive; }
 
  private:

@@ -151,6 +151,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
     known.age = kNs * static_cast<double>(now - update.stamp);
+    known.gain = predictor_->gain_for(update);
     const double claimed = static_cast<double>(update.influence);
     const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
     double share = hearing_.apply(heard, known);

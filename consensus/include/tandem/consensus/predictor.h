@@ -132,6 +132,8 @@ class Predictor {
                              const PredictionContext& context) const = 0;
   /// c of the gain rule, see effective_share(): what the predictor bears.
   virtual double gain() const = 0;
+  /// The same for one state: less where another way is taken for it.
+  virtual double gain_for(const StateUpdate& /*update*/) const { return gain(); }
   /// Whether it uses the context's memory.
   virtual bool remembers() const { return false; }
 };
