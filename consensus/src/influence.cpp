@@ -41,6 +41,7 @@ double share_per_step(double share, double dt) {
 void InfluenceOptions::validate() const {
   require(baseline >= 0.0 && baseline <= 1.0, "baseline", baseline, "must be 0 to 1");
   require(held_alone >= 0.0 && held_alone <= 1.0, "held_alone", held_alone, "must be 0 to 1");
+  require(leading >= 0.0 && leading <= 1.0, "leading", leading, "must be 0 to 1");
   require(std::isfinite(half_life) && half_life > 0.0, "half_life", half_life,
           "must be finite and above 0 s");
   require(min_share >= 0.0 && min_share <= 1.0, "min_share", min_share, "must be 0 to 1");

@@ -52,6 +52,12 @@ class LocalMotionPredictor final : public Predictor {
       return prediction;
     }
 
+    // Let go or hit there, and still held or hit later here: own motion since the stamp is another.
+    if (kind_ != PredictorKind::LocalMotion && update.flags.leads && detail::is_free(update) &&
+        own.driven_since(update.stamp)) {
+      return by_itself(update, own, context);
+    }
+
     const MotionSample& now = own.newest();
     MotionSample then = own.at_time(update.stamp);
     const double age = std::max(0.0, seconds(context.now - update.stamp));
@@ -102,10 +108,9 @@ class LocalMotionPredictor final : public Predictor {
       prediction.translation += drift.linear;
       prediction.rotation += drift.angular;
     }
-    fade(update, now,
-         std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
-                  ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle)),
-         prediction);
+    const double lost = std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
+                                 ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle));
+    if (lost > 0.0) fade(by_itself(update, own, context), lost, prediction);
     return prediction;
   }
   double gain() const override { return 2.0; }
@@ -117,6 +122,19 @@ class LocalMotionPredictor final : public Predictor {
 
  private:
   using Memory = PredictorMemory;
+
+  /// Without own motion: by its velocity, and by gravity where nothing holds it.
+  Prediction by_itself(const StateUpdate& update, const MotionHistory& own,
+                       const PredictionContext& context) const {
+    const double age =
+        std::clamp(seconds(context.now - update.stamp), 0.0, options_.max_extrapolation);
+    Prediction prediction = linear_->predict(update, own, context);
+    if (detail::is_free(update)) {
+      prediction.translation += 0.5 * age * age * context.gravity;
+      prediction.twist.linear += age * context.gravity;
+    }
+    return prediction;
+  }
 
   /// Own motion, own motion and the difference of velocities, linear: weighted by what each missed.
   /// @param lost  0 to 1, how little own turning says of the remote one's
@@ -179,19 +197,14 @@ class LocalMotionPredictor final : public Predictor {
     return *std::min_element(memory.error.begin(), memory.error.end());
   }
 
-  /// Towards the remote state as it was stamped, not carried on at all.
-  static void fade(const StateUpdate& update, const MotionSample& now, double fraction,
-                   Prediction& prediction) {
-    if (fraction == 0.0) return;
-    const auto blend = [fraction](Vec3& value, const Vec3& raw) {
-      value += fraction * (raw - value);
+  static void fade(const Prediction& to, double fraction, Prediction& prediction) {
+    const auto blend = [fraction](Vec3& value, const Vec3& other) {
+      value += fraction * (other - value);
     };
-    blend(prediction.translation, update.pose.position - now.pose.position);
-    blend(prediction.rotation,
-          pbd::rotation_between(now.pose.orientation, update.pose.orientation));
-    const pbd::Twist raw = difference(update.twist, now.twist);
-    blend(prediction.twist.linear, raw.linear);
-    blend(prediction.twist.angular, raw.angular);
+    blend(prediction.translation, to.translation);
+    blend(prediction.rotation, to.rotation);
+    blend(prediction.twist.linear, to.twist.linear);
+    blend(prediction.twist.angular, to.twist.angular);
   }
 
   PredictorKind kind_;

@@ -38,7 +38,7 @@ std::size_t age_of(SessionTime time, std::size_t count, const TimeAt& time_at) {
 }  // namespace
 
 void MotionHistory::push(SessionTime time, const pbd::Pose& pose, const pbd::Twist& twist,
-                         const pbd::Correction& correction, bool coupled) {
+                         const pbd::Correction& correction, bool coupled, bool driven) {
   if (count_ == 0) origin_ = time;
   sum_.time = time;
   sum_.elapsed = seconds(time - origin_);
@@ -50,6 +50,7 @@ void MotionHistory::push(SessionTime time, const pbd::Pose& pose, const pbd::Twi
   add(sum_.agreed_moment, correction.twist, sum_.elapsed);
   sum_.coupled = coupled;
   free_for_ = coupled ? 0 : free_for_ + 1;
+  undriven_for_ = driven ? 0 : undriven_for_ + 1;
   samples_[head_] = sum_;
   head_ = (head_ + 1) % kCapacity;
   count_ = std::min(count_ + 1, kCapacity);
@@ -93,6 +94,11 @@ bool MotionHistory::within(SessionTime time, const pbd::Quat& q, double angle) c
 bool MotionHistory::coupled_since(SessionTime time) const {
   return count_ > 0 &&
          free_for_ <= age_of(time, count_, [this](std::size_t i) { return at(i).time; });
+}
+
+bool MotionHistory::driven_since(SessionTime time) const {
+  return undriven_for_ < count_ &&
+         undriven_for_ <= age_of(time, count_, [this](std::size_t i) { return at(i).time; });
 }
 
 bool MotionHistory::hit_near(SessionTime time) const {

@@ -6,6 +6,7 @@
 
 #include "cpu_clock.h"
 #include "peer_impl.h"
+#include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
 #include "two_step.h"
 
@@ -46,6 +47,14 @@ void Peer::Impl::share(const ShareDef& def) {
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
   shared_.insert(at, Shared{.def = def});
   inbox_.add_id(def.id);
+  if (def.owner.has_value()) ++owned_;
+}
+
+void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
+  ShareDef& def = at(id).def;
+  if (def.owner.has_value()) --owned_;
+  if (owner.has_value()) ++owned_;
+  def.owner = owner;
 }
 
 Peer::Impl::Shared* Peer::Impl::find(const SharedId& id) {
@@ -88,6 +97,7 @@ void Peer::Impl::after_step(SessionTime now) {
   now_ = now;
   if (started_ == 0) started_ = now;
   mark_joints();
+  mark_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
   for (Shared& shared : shared_) {
     if (!world_.contains(shared.def.body)) continue;
@@ -102,6 +112,7 @@ void Peer::Impl::after_step(SessionTime now) {
              options_.coupling == Coupling::OnePass ? world_.correction(shared.def.body)
                                                     : shared.averaged);
     shared.averaged = {};
+    update_initiative(shared, now);
   }
   if (now >= next_send_) {
     const auto interval = static_cast<SessionTime>(1.0 / (kNs * options_.update_hz));
@@ -137,6 +148,45 @@ void Peer::Impl::aggregate(SessionTime now) {
   }
 }
 
+void Peer::Impl::mark_acting() {
+  acting_.assign(world_.slot_count(), 0);
+  springs_.mark(acting_);
+  if (world_.contacts() == nullptr) return;
+  touching_.assign(world_.slot_count(), 0);
+  for (const Shared& shared : shared_) {
+    if (owned_ == 0) break;
+    if (!shared.def.owner.has_value() || !world_.contains(shared.def.body)) continue;
+    touching_[shared.def.body.index] =
+        shared.def.owner == transport_.self() ? kTouchedByOwn : kTouchedByOther;
+  }
+  for (const pbd::Contact& contact : world_.contacts()->contacts()) {
+    // Of the whole step: what bounced has left in the last substep.
+    if (!(contact.impulse > 0.0)) continue;
+    const std::uint32_t a = contact.manifold.body_a;
+    const std::uint32_t b = contact.manifold.body_b;
+    acting_[a] = static_cast<std::uint8_t>(acting_[a] | kTouched | touching_[b]);
+    acting_[b] = static_cast<std::uint8_t>(acting_[b] | kTouched | touching_[a]);
+  }
+}
+
+void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
+  if (shared.def.owner.has_value()) return;
+  const std::uint8_t bits = acting_[shared.def.body.index];
+  Initiative::Acting acting{.own = (bits & (Springs::kShared | kTouchedByOwn)) != 0,
+                            .other = (bits & (Springs::kRemote | kTouchedByOther)) != 0,
+                            .contact = shared.history.newest().coupled};
+  // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
+  if ((bits & Springs::kAlone) != 0) acting.other = true;
+  double round_trip = 0.0;
+  for (const Inbox::Received& received : inbox_.newest(shared.def.id)) {
+    if (received.update.flags.owner_driven) acting.other = true;
+    round_trip = std::max(
+        round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
+    shared.initiative.hear(received.peer, received.update.flags.leads, received.update.stamp);
+  }
+  shared.initiative.update(acting, round_trip, now);
+}
+
 void Peer::Impl::estimate(Shared& shared, SessionTime now) {
   estimates_.clear();
   const auto newest = inbox_.newest(shared.def.id);
@@ -144,7 +194,8 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
   const pbd::BodyState& own = world_.state(shared.def.body);
   const double own_announced = announced(shared);
   const double own_confidence = confidence();
-  InfluenceContext known{.gain = predictor_->gain()};
+  const double own_lead = shared.initiative.strength();
+  InfluenceContext known{.leads = own_lead, .gain = predictor_->gain()};
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = received.update;
     const bool owner = shared.def.owner == received.peer ||
@@ -152,6 +203,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
     if (shared.def.owner.has_value() && !owner) continue;
     known.age = kNs * static_cast<double>(now - update.stamp);
     known.gain = predictor_->gain_for(update);
+    known.sender_leads = update.flags.leads && own_lead == 0.0;
     const double claimed = static_cast<double>(update.influence);
     const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
     double share = hearing_.apply(heard, known);
@@ -163,13 +215,18 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
           const pbd::Quat then = shared.history.at_time(update.stamp).pose.orientation;
           angle = pbd::rotation_between(then, update.pose.orientation).norm();
         }
-        share = shared.lead.share(share, angle, received.peer < transport_.self(), now);
+        const bool follows = known.sender_leads || received.peer < transport_.self();
+        share = shared.lead.share(share, angle, follows && own_lead == 0.0, now);
       }
       share = against_own(share);
     }
     if (!(share > 0.0)) continue;
     Heard* memory = keeps_heard_ ? &heard_from(shared, received.peer, now) : nullptr;
-    const double mirrored = hearing_.apply(own_announced, known);
+    // What the sender gives to my states by the same rules.
+    const double mirrored = hearing_.apply(own_announced, {.leads = update.flags.leads ? 1.0 : 0.0,
+                                                           .sender_leads = own_lead >= 1.0,
+                                                           .age = known.age,
+                                                           .gain = known.gain});
     const PredictionContext context{
         .now = now,
         .mirrored_share = mirrored / share,
@@ -259,6 +316,7 @@ double Peer::Impl::announced(const Shared& shared) const {
   return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
                                    .sender_owns = shared.def.owner == transport_.self(),
                                    .held_alone = springs_.holds_alone(shared.def.body),
+                                   .leads = shared.initiative.strength(),
                                    .confidence = confidence()});
 }
 

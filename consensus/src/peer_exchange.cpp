@@ -92,11 +92,15 @@ void Peer::Impl::mark_joints() {
 
 void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction& correction) {
   const pbd::BodyState& state = world_.state(shared.def.body);
-  shared.held = springs_.holds(shared.def.body);
+  const bool known = shared.def.body.index < acting_.size();
+  const std::uint8_t acting = known ? acting_[shared.def.body.index] : std::uint8_t{0};
+  constexpr std::uint8_t kHeld = Springs::kShared | Springs::kAlone | Springs::kRemote;
+  shared.held = (acting & kHeld) != 0;
   const bool jointed =
       shared.def.body.index < jointed_.size() && jointed_[shared.def.body.index] != 0;
-  const bool coupled = shared.held || jointed || world_.in_contact(shared.def.body);
-  shared.history.push(now, state.pose, state.twist, correction, coupled);
+  const bool touches = (acting & kTouched) != 0 || world_.in_contact(shared.def.body);
+  const bool coupled = shared.held || jointed || touches;
+  shared.history.push(now, state.pose, state.twist, correction, coupled, (acting & ~kTouched) != 0);
 }
 
 void Peer::Impl::send(SessionTime now) {
@@ -107,6 +111,7 @@ void Peer::Impl::send(SessionTime now) {
         shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
     const MotionSample& sample = shared.history.newest();
     const bool by_hand = shared.hard.active || springs_.holds_alone(shared.def.body);
+    const bool leads = shared.initiative.strength() >= 1.0;
     states_.push_back(
         {.id = shared.def.id,
          .pose = state.pose,
@@ -115,7 +120,8 @@ void Peer::Impl::send(SessionTime now) {
          .stamp = now,
          .flags = {.in_contact = sample.coupled && !shared.held,
                    .held = shared.held,
-                   .owner_driven = by_hand || shared.def.owner == transport_.self()}});
+                   .owner_driven = by_hand || shared.def.owner == transport_.self(),
+                   .leads = leads}});
   }
   spring_states_.clear();
   spring_events_.clear();

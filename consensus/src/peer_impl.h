@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hard_input.h"
+#include "initiative.h"
 #include "lead.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
@@ -25,7 +26,7 @@ class Peer::Impl {
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
 
   void share(const ShareDef& def);
-  void set_owner(const SharedId& id, std::optional<PeerId> owner) { at(id).def.owner = owner; }
+  void set_owner(const SharedId& id, std::optional<PeerId> owner);
 
   GrabId grab(const GrabDef& def) { return springs_.grab(def, at(def.body).def.body); }
   Springs& springs() { return springs_; }
@@ -55,12 +56,17 @@ class Peer::Impl {
     SessionTime first = 0;  ///< ns, when the first state was used
     PredictorMemory memory;
   };
+  // Beside Springs::Grip, what touched a body in the last step.
+  static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns
+  static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
+  static constexpr std::uint8_t kTouched = 32;         ///< any
   struct Shared {
     ShareDef def;
     MotionHistory history = {};
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
     Lead lead = {};
+    Initiative initiative = {};
     HardInput hard = {};
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
   };
@@ -92,6 +98,10 @@ class Peer::Impl {
   /// A share is meant against a local weight of 1; this is what it comes to against confidence().
   double against_own(double share) const;
 
+  /// Who acts on which body, and what follows from it, see Initiative.
+  void mark_acting();
+  void update_initiative(Shared& shared, SessionTime now);
+
   // Remember and send.
   void mark_joints();
   void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
@@ -114,6 +124,10 @@ class Peer::Impl {
   std::vector<Shared> shared_;  ///< by id
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
+  /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
+  std::vector<std::uint8_t> acting_;
+  std::vector<std::uint8_t> touching_;
+  std::size_t owned_ = 0;  ///< bodies that have an owner
   SessionTime now_ = 0;
   SessionTime started_ = 0;
   SessionTime last_before_ = 0;

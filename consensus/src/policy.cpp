@@ -63,6 +63,13 @@ std::shared_ptr<const InfluencePolicy> raised_while_held_alone(double share) {
   });
 }
 
+std::shared_ptr<const InfluencePolicy> raised_while_leading(double share) {
+  require_share("raised_while_leading: share", share);
+  return make([share](double before, const InfluenceContext& context) {
+    return before > 0.0 && context.leads >= 1.0 ? std::max(before, share) : before;
+  });
+}
+
 std::shared_ptr<const InfluencePolicy> authority_ramp() {
   return make(
       [](double share, const InfluenceContext& context) { return share * context.confidence; });
@@ -90,9 +97,16 @@ std::shared_ptr<const InfluencePolicy> gain_rule(double min_share) {
   return make([min_share](double share, const InfluenceContext& context) {
     if (!(share > 0.0)) return 0.0;
     if (share >= 1.0) return 1.0;
+    if (context.sender_leads) return share;
     const double stable = context.gain / (std::max(context.age, 0.0) / kShareInterval + 2.0);
     // max(min_share, stable) in this order: a gain that is not a number counts as none.
     return std::min(share, std::max(min_share, stable));
+  });
+}
+
+std::shared_ptr<const InfluencePolicy> deaf_while_leading() {
+  return make([](double share, const InfluenceContext& context) {
+    return share >= 1.0 ? share : share * (1.0 - std::clamp(context.leads, 0.0, 1.0));
   });
 }
 
@@ -128,6 +142,7 @@ PolicyChain default_announcement(const InfluenceOptions& options) {
   PolicyChain chain;
   chain.then(baseline(options.baseline))
       .then(raised_while_held_alone(options.held_alone))
+      .then(raised_while_leading(options.leading))
       .then(authority_ramp())
       .then(owner_alone());
   return chain;
@@ -135,7 +150,9 @@ PolicyChain default_announcement(const InfluenceOptions& options) {
 
 PolicyChain default_hearing(const InfluenceOptions& options) {
   PolicyChain chain;
-  chain.then(age_decay(options.half_life, options.max_age)).then(gain_rule(options.min_share));
+  chain.then(age_decay(options.half_life, options.max_age))
+      .then(gain_rule(options.min_share))
+      .then(deaf_while_leading());
   return chain;
 }
 

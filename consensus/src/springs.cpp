@@ -222,6 +222,22 @@ bool Springs::holds(pbd::BodyId body) const {
                      [&](const Remote& r) { return r.live && pulls(r.tether); });
 }
 
+void Springs::mark(std::vector<std::uint8_t>& grips) const {
+  const auto set = [&](pbd::BodyId body, Grip grip) {
+    if (world_.contains(body)) grips[body.index] |= grip;
+  };
+  for (const Own& own : own_) {
+    if (own.mode == InputMode::Hard || tethers_.contains(own.tether)) {
+      set(own.body, own.mode == InputMode::Soft ? kShared : kAlone);
+    }
+  }
+  for (const Remote& remote : remote_) {
+    if (remote.live && tethers_.contains(remote.tether)) {
+      set(tethers_.def(remote.tether).body, kRemote);
+    }
+  }
+}
+
 bool Springs::holds_alone(pbd::BodyId body) const {
   return std::any_of(own_.begin(), own_.end(),
                      [&](const Own& o) { return o.mode != InputMode::Soft && o.body == body; });

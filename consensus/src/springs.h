@@ -38,6 +38,14 @@ class Springs {
                 std::vector<SpringUpdate>& events);
 
   bool holds(pbd::BodyId body) const;
+  /// How users hold a body, as bits.
+  enum Grip : std::uint8_t {
+    kShared = 1,  ///< by an own spring that all peers simulate
+    kAlone = 2,   ///< by another own one
+    kRemote = 4,  ///< by another user's
+  };
+  /// Set those bits of all bodies that somebody holds; by slot.
+  void mark(std::vector<std::uint8_t>& grips) const;
   /// Whether an own spring that no other peer simulates holds the body.
   bool holds_alone(pbd::BodyId body) const;
   /// An own spring's hand in hard mode.

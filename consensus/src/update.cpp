@@ -21,7 +21,8 @@ constexpr std::uint8_t kInContact = 1;
 constexpr std::uint8_t kHeld = 2;
 constexpr std::uint8_t kOwnerDriven = 4;
 constexpr std::uint8_t kTeleported = 8;
-constexpr std::uint8_t kKnownFlags = kInContact | kHeld | kOwnerDriven | kTeleported;
+constexpr std::uint8_t kLeads = 16;
+constexpr std::uint8_t kKnownFlags = kInContact | kHeld | kOwnerDriven | kTeleported | kLeads;
 
 std::uint8_t pack(const UpdateFlags& flags) {
   unsigned bits = 0;
@@ -29,12 +30,13 @@ std::uint8_t pack(const UpdateFlags& flags) {
   if (flags.held) bits |= kHeld;
   if (flags.owner_driven) bits |= kOwnerDriven;
   if (flags.teleported) bits |= kTeleported;
+  if (flags.leads) bits |= kLeads;
   return static_cast<std::uint8_t>(bits);
 }
 
 UpdateFlags unpack(std::uint8_t bits) {
   return {(bits & kInContact) != 0, (bits & kHeld) != 0, (bits & kOwnerDriven) != 0,
-          (bits & kTeleported) != 0};
+          (bits & kTeleported) != 0, (bits & kLeads) != 0};
 }
 
 // What the wire makes of a number. check() looks at numbers as they arrive, so that a sender and a

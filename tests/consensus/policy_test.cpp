@@ -45,6 +45,24 @@ TEST_CASE("policy: rules compose in their order", "[consensus][unit]") {
   CHECK(chain.apply(0.0, {.variance = 9e-4}) == Approx(0.04).epsilon(1e-12));
 }
 
+TEST_CASE("policy: who leads is followed and does not listen", "[consensus][unit]") {
+  const InfluenceOptions options;
+  const PolicyChain announcement = default_announcement(options);
+  CHECK(announcement.apply(0.0, {.leads = 1.0}) == options.leading);
+  CHECK(announcement.apply(0.0, {.leads = 0.9}) == options.baseline);
+  InfluenceOptions none;
+  none.baseline = 0.0;  // no agreement is none
+  CHECK(default_announcement(none).apply(0.0, {.leads = 1.0}) == 0.0);
+  const PolicyChain hearing = default_hearing(options);
+  // Not above what decays with age, and beyond the gain rule: 2^-1 at the half life.
+  CHECK(hearing.apply(0.3, {.sender_leads = true, .age = options.half_life}) == 0.15);
+  CHECK(hearing.apply(0.3, {.age = options.half_life}) < 0.15);
+  CHECK(hearing.apply(0.08, {.leads = 1.0}) == 0.0);
+  CHECK(hearing.apply(0.08, {.leads = 0.5}) == Approx(0.04).epsilon(1e-12));
+  CHECK(hearing.apply(1.0, {.leads = 1.0}) == 1.0);  // an owner's share
+  CHECK_THROWS_AS(raised_while_leading(1.5), std::invalid_argument);
+}
+
 TEST_CASE("policy: owners are beyond the rules of acceptance", "[consensus][unit]") {
   const InfluenceContext context{.heard_for = 0.0, .variance = 1.0};
   for (const auto& policy : {damped_start(1.0), modelled_error(0.01), sleeping_threshold()}) {

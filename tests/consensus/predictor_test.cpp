@@ -230,16 +230,17 @@ TEST_CASE("predictor: what a hand moves is carried on straight, whatever happens
 }
 
 TEST_CASE("predictor: own motion does not carry states far from here", "[consensus]") {
-  // This body has moved by `way` since the stamp; how much of it the remote is carried by falls
-  // from all at 10 cm (20 degrees) to nothing at 30 cm (40 degrees).
+  // This body has moved by `way` since the stamp, the remote stood then; how much of it the remote
+  // is carried by falls from all at 10 cm (20 degrees) to nothing at 30 cm (40 degrees).
   const Vec3 v(0.0, 1.0, 0.0);
   Motion own;
   own.pose = [=](double t) { return Pose{t * v, Quat::Identity()}; };
   own.twist = [=](double) { return Twist{v, Vec3::Zero()}; };
+  own.coupled = [](int) { return true; };
   const MotionHistory history = own.history(40);
   const Vec3 way = 10 * kDt * v;
   const auto carried = [&](const Vec3& offset, const Vec3& rotation) {
-    StateUpdate update = update_at(own, 29, offset);
+    StateUpdate update = update_at(own, 29, offset, -v);
     update.pose.orientation = turn(rotation);
     const Prediction p = kLocal->predict(update, history, at_step(39));
     // Uncarried, the remote stays behind by the whole way.
@@ -257,6 +258,47 @@ TEST_CASE("predictor: own motion does not carry states far from here", "[consens
   CHECK(carried(Vec3::Zero(), 41.0 * degree * x) == Approx(0.0).margin(1e-12));
   // The worse of the two counts.
   CHECK(carried(0.20 * x, 41.0 * degree * x) == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("predictor: what is far from here goes its own way", "[consensus][analytic]") {
+  // Half a metre apart; here it stands.
+  const MotionHistory history = Motion{.coupled = [](int) { return true; }}.history(40);
+  StateUpdate update = update_at({}, 29, Vec3(0.5, 0.0, 0.0), Vec3(0.0, 2.0, 0.0));
+  PredictionContext context = at_step(39);
+  context.gravity = kGravity;
+  const double age = 10 * kDt;
+  Prediction p = kLocal->predict(update, history, context);
+  const Vec3 fall = 0.5 * age * age * kGravity;
+  check_close(p.translation, Vec3(0.5, 2.0 * age, 0.0) + fall);
+  check_close(p.twist.linear, Vec3(0.0, 2.0, 0.0) + age * kGravity);
+  update.flags.in_contact = true;  // something carries it
+  p = kLocal->predict(update, history, context);
+  check_close(p.translation, Vec3(0.5, 2.0 * age, 0.0));
+  check_close(p.twist.linear, Vec3(0.0, 2.0, 0.0));
+}
+
+TEST_CASE("predictor: what was let go there is not carried by the hand that holds it here",
+          "[consensus][analytic]") {
+  MotionHistory history;
+  for (int i = 0; i < 40; ++i) {
+    const bool held = i < 35;  // the news of the release came then
+    history.push(kOrigin + i * kStep, {}, {}, {}, held, held);
+  }
+  StateUpdate update = update_at({}, 29, Vec3(0.02, 0.0, 0.0), Vec3(0.0, 2.0, 0.0));
+  update.flags.leads = true;
+  PredictionContext context = at_step(39);
+  context.gravity = kGravity;
+  const double age = 10 * kDt;
+  check_close(kLocal->predict(update, history, context).translation,
+              Vec3(0.02, 2.0 * age, 0.0) + 0.5 * age * age * kGravity);
+  // Who does not lead may not know yet what the hand does: own motion tells.
+  update.flags.leads = false;
+  check_close(kLocal->predict(update, history, context).translation, Vec3(0.02, 0.0, 0.0));
+  // Nobody has acted on it here since the stamp: velocities that differ carry it further.
+  update.flags.leads = true;
+  update.stamp = kOrigin + 36 * kStep;
+  check_close(kLocal->predict(update, history, context).translation,
+              Vec3(0.02, 2.0 * 3 * kDt, 0.0));
 }
 
 TEST_CASE("predictor: a stamp slightly ahead of now is no disagreement", "[consensus]") {

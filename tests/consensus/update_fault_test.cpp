@@ -200,7 +200,7 @@ TEST_CASE("codec: an orientation far from unit norm is refused", "[consensus][fa
 }
 
 TEST_CASE("codec: codes and ids that mean nothing are refused", "[consensus][fault]") {
-  CHECK(with_second(kStateFlags, std::uint8_t{0x10}).fault == PacketFault::BadCode);
+  CHECK(with_second(kStateFlags, std::uint8_t{0x20}).fault == PacketFault::BadCode);
   CHECK(with_second(kStateFlags, std::uint8_t{0x80}).fault == PacketFault::BadCode);
   CHECK(with_spring(kSpringEvent, std::uint8_t{0}).fault == PacketFault::BadCode);
   CHECK(with_spring(kSpringEvent, std::uint8_t{4}).fault == PacketFault::BadCode);

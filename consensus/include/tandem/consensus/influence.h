@@ -29,6 +29,10 @@ struct InfluenceOptions {
   /// Announced while this peer's user holds a body by a constraint that no other peer simulates,
   /// [friston] Sec. 3.2.
   double held_alone = 0.2;
+  /// Announced while this peer's user was the last to act on a body, and the only one: the others
+  /// follow, and this peer does not listen until they know what was done. Beyond the gain rule,
+  /// since a follower of one that does not listen is stable at any share.
+  double leading = 0.3;
   /// s: the age at which a share has halved, because prediction errors grow with it.
   double half_life = 0.5;
   /// Lower limit of the gain rule. Above 0, so that old states still bring agreement; below what a

@@ -17,6 +17,10 @@ struct InfluenceContext {
   bool owned = false;        ///< the body has an owner
   bool sender_owns = false;  ///< who announces the share is the owner
   bool held_alone = false;   ///< a user holds it by a constraint that no other peer simulates
+  /// 0 to 1: this peer's user was the last to act on it, and the only one; the others only know an
+  /// earlier state of it. Fades out.
+  double leads = 0.0;
+  bool sender_leads = false;  ///< the same of who sent the state; it does not listen
   /// 0 to 1: how long this peer has been in the session, see PeerOptions::authority_ramp.
   double confidence = 1.0;
   double age = 0.0;   ///< s, of the update
@@ -62,6 +66,8 @@ class PolicyChain {
 std::shared_ptr<const InfluencePolicy> baseline(double share);
 /// At least `share` while this peer alone knows what its user does to the body, [friston] Sec. 3.2.
 std::shared_ptr<const InfluencePolicy> raised_while_held_alone(double share);
+/// At least `share` while this peer leads; 0 stays 0.
+std::shared_ptr<const InfluencePolicy> raised_while_leading(double share);
 /// Times the confidence: the authority grows from zero at the start, [friston] Sec. 7.7.
 std::shared_ptr<const InfluencePolicy> authority_ramp();
 /// 1 from the owner, 0 from all others, where there is one.
@@ -71,8 +77,13 @@ std::shared_ptr<const InfluencePolicy> owner_alone();
 
 /// Halves with each `half_life` (s) of age, 0 beyond `max_age` (s); owners' only expires.
 std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_age);
-/// At most max(min_share, gain / (d + 2)), d the age in 1/60 s; not for owners.
+/// At most max(min_share, gain / (d + 2)), d the age in 1/60 s; not for owners and others that do
+/// not listen, whom we may follow at any share.
 std::shared_ptr<const InfluencePolicy> gain_rule(double min_share);
+
+/// Times 1 - leads: who has just acted does not listen to those who do not know it yet; not for
+/// owners.
+std::shared_ptr<const InfluencePolicy> deaf_while_leading();
 
 // Of the share that is left, after the state was carried to now; not for owners.
 
@@ -93,9 +104,9 @@ struct SleepLimits {
 /// 0 where the states differ by less than the limits: noise does not keep bodies awake.
 std::shared_ptr<const InfluencePolicy> sleeping_threshold(const SleepLimits& limits = {});
 
-/// baseline, raised while held alone, authority ramp, owner.
+/// baseline, raised while held alone and while leading, authority ramp, owner.
 PolicyChain default_announcement(const InfluenceOptions& options);
-/// age decay and gain rule: the same as effective_share().
+/// age decay and gain rule, which are the same as effective_share(), and deafness while leading.
 PolicyChain default_hearing(const InfluenceOptions& options);
 
 }  // namespace tandem::consensus

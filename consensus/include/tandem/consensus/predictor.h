@@ -33,8 +33,8 @@ class MotionHistory {
 
   /// `sample.time` must grow; `displaced`, `turned`, `agreed` and `agreed_moment` are summed here.
   void push(SessionTime time, const pbd::Pose& pose, const pbd::Twist& twist,
-            const pbd::Correction& correction, bool coupled);
-  void clear() { count_ = free_for_ = 0; }
+            const pbd::Correction& correction, bool coupled, bool driven = false);
+  void clear() { count_ = free_for_ = undriven_for_ = 0; }
   bool empty() const { return count_ == 0; }
   const MotionSample& newest() const { return at(0); }
   /// The state at `time`, interpolated between samples, clamped to the ends of the history.
@@ -44,6 +44,8 @@ class MotionHistory {
   bool within(SessionTime time, const pbd::Quat& q, double angle) const;
   /// Whether the body was coupled at any time since `time`.
   bool coupled_since(SessionTime time) const;
+  /// Whether a user acted on the body at any time since `time`: by a spring or by a body of theirs.
+  bool driven_since(SessionTime time) const;
   /// Whether the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
   /// to it. The peers' steps resolve a hit a little sooner or later, and within the step nobody
   /// knows: velocities around it cannot be compared.
@@ -56,7 +58,8 @@ class MotionHistory {
   std::array<MotionSample, kCapacity> samples_;
   std::size_t head_ = 0;
   std::size_t count_ = 0;
-  std::size_t free_for_ = 0;  ///< samples since the newest one that was coupled
+  std::size_t free_for_ = 0;      ///< samples since the newest one that was coupled
+  std::size_t undriven_for_ = 0;  ///< and since the newest one that a user acted on
   SessionTime origin_ = 0;
   MotionSample sum_;
 };

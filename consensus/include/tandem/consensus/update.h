@@ -20,6 +20,8 @@ struct UpdateFlags {
   bool held = false;          ///< pulled by a user's spring
   bool owner_driven = false;  ///< moved by hand, whatever the forces are
   bool teleported = false;    ///< jumped since the last update: do not read the jump as motion
+  /// The sender's user was the last to act on it, and the only one: the sender does not listen.
+  bool leads = false;
 
   friend bool operator==(const UpdateFlags&, const UpdateFlags&) = default;
 };

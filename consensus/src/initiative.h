@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "tandem/consensus/transport.h"
+
+namespace tandem::consensus {
+
+/// Whether this peer's user was the last to act on a body, and the only one. What the others say of
+/// it is then no other view of the same thing but old news: they have not heard yet what the hand
+/// did, and an average would take back a part of every throw and every stroke. So who has the
+/// initiative does not listen, and the others follow. It ends when somebody else acts on the body,
+/// when somebody took it later, or, once the body touches something again, after the news was
+/// there and back.
+/// One object for each shared body.
+class Initiative {
+ public:
+  /// What acts on the body in this step, as far as this peer knows.
+  struct Acting {
+    bool own = false;      ///< own user's spring or a body that this peer owns
+    bool other = false;    ///< another's
+    bool contact = false;  ///< it touches or is joined to something
+  };
+  /// Once each step. @param round_trip  s, of the news
+  void update(const Acting& acting, double round_trip, SessionTime now);
+  /// Another peer's state of the body says whether that peer has the initiative.
+  void hear(PeerId peer, bool leads, SessionTime stamp);
+
+  /// 1 = this peer has the initiative, 0 = not; fades in between.
+  double strength() const { return strength_; }
+
+ private:
+  void end() { acted_ = 0, strength_ = 0.0; }
+
+  SessionTime acted_ = 0;  ///< ns, when the own user last acted alone; 0 = has no initiative
+  SessionTime until_ = 0;  ///< ns, full initiative
+  bool flies_ = false;     ///< since then it has touched nothing
+  double strength_ = 0.0;
+  std::vector<std::pair<PeerId, SessionTime>> others_;  ///< who has it, since which stamp
+};
+
+}  // namespace tandem::consensus
