@@ -26,7 +26,7 @@ std::vector<std::size_t> all_balls(const Scene& scene) {
 }  // namespace
 
 Vec3 tennis_home(const TennisCourt& court, std::size_t user) {
-  return {tennis_side(user) * (court.half_length + 0.35), 0.0, court.height + 0.3};
+  return {tennis_side(user) * (court.half_length + 0.2), 0.0, court.height + 0.4};
 }
 
 void BallFlight::advance(const TennisCourt& court, double dt) {
@@ -75,7 +75,8 @@ TennisPlayer::TennisPlayer(std::size_t user, const TennisCourt& court, Controls&
 }
 
 void TennisPlayer::draw_target() {
-  target_ = Vec3(-side_ * random_.uniform(0.65, 0.95), random_.uniform(-0.3, 0.3),
+  // To the partner, so that it goes on.
+  target_ = Vec3(-side_ * random_.uniform(0.65, 0.95), random_.uniform(-0.1, 0.1),
                  court_.height + court_.ball_radius);
   flight_ = random_.uniform(0.55, 0.65);
   // People do not hit quite what they aim at.

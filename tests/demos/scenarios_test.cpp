@@ -97,6 +97,23 @@ TEST_CASE("tennis: a game goes on where the network is good", "[demos][soak]") {
   }
 }
 
+TEST_CASE("tennis: a game goes on across an ocean as it does where nothing is late",
+          "[demos][soak]") {
+  const auto hits = [](int profile) {
+    const RunResult result = run_virtual(TennisScenario(), quiet(profile, 15.0));
+    double sum = 0.0;
+    for (const PeerRecord& peer : result.peers) {
+      CHECK(peer.fault == "");
+      CHECK(number(peer, "tunnelled") == 0.0);
+      sum += number(peer, "hits");
+    }
+    return sum;
+  };
+  const double near_by = hits(0);
+  CHECK(near_by >= 24.0);
+  CHECK(hits(5) >= 0.9 * near_by);
+}
+
 TEST_CASE("tennis: both peers see the ball turn at the same time, whoever hits it",
           "[demos][soak]") {
   const RunResult result = run_virtual(TennisScenario(), quiet(3, 8.0));
