@@ -3,6 +3,7 @@
 #pragma once
 
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/types.h"
 
 namespace tandem::consensus {
 
@@ -16,8 +17,16 @@ class Lead {
   /// @param angle  rad, between the own orientation at the stamp and the remote one
   double share(double share, double angle, bool follows, SessionTime now);
 
+  /// Something solid between two copies keeps them apart for ever: no average brings a ball through
+  /// a table. Whether the follower's has been held back in the same way for so long that it had
+  /// better be put where the leader has it, whatever is in between.
+  /// @param missing  m, from the follower's copy to the leader's
+  bool parted(const pbd::Vec3& missing, SessionTime now);
+
  private:
   SessionTime since_ = 0;  ///< when the leader's orientation was last close; 0 = never
+  SessionTime waits_ = 0;  ///< since then nothing has become better; 0 = all is well
+  pbd::Vec3 missed_ = pbd::Vec3::Zero();  ///< m, then
 };
 
 }  // namespace tandem::consensus

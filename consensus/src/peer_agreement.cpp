@@ -18,6 +18,10 @@ constexpr double kNs = 1e-9;
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
 
+/// m: what moves so much further in a step than its velocity says was put there.
+constexpr double kJump = 0.1;
+/// States that tell of it, for some of them get lost.
+constexpr int kJumpTold = 3;
 /// rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.5;
 
@@ -108,9 +112,11 @@ void Peer::Impl::after_step(SessionTime now) {
       world_.set_pose(shared.def.body, shared.hard.shown.pose);
       world_.set_twist(shared.def.body, shared.hard.shown.twist);
     }
-    remember(shared, now,
-             options_.coupling == Coupling::OnePass ? world_.correction(shared.def.body)
-                                                    : shared.averaged);
+    const pbd::Correction correction = options_.coupling == Coupling::OnePass
+                                           ? world_.correction(shared.def.body)
+                                           : shared.averaged;
+    if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
+    remember(shared, now, correction);
     shared.averaged = {};
     update_initiative(shared, now);
   }
@@ -146,6 +152,23 @@ void Peer::Impl::aggregate(SessionTime now) {
       targeted_.pop_back();
     }
   }
+}
+
+bool Peer::Impl::jumps(const Shared& shared, const pbd::Correction& correction, double dt) const {
+  const pbd::BodyState& state = world_.state(shared.def.body);
+  const MotionSample& last = shared.history.newest();
+  const double reach =
+      2.0 * dt * std::max(state.twist.linear.norm(), last.twist.linear.norm()) + kJump;
+  const pbd::Vec3 way = state.pose.position - last.pose.position - correction.translation;
+  return way.squaredNorm() > reach * reach;
+}
+
+void Peer::Impl::place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist,
+                       SessionTime now) {
+  world_.set_pose(shared.def.body, pose);
+  world_.set_twist(shared.def.body, twist);
+  shared.history.clear();
+  remember(shared, now, {});
 }
 
 void Peer::Impl::mark_acting() {
@@ -239,12 +262,23 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
       if (!(share > 0.0)) continue;
     }
     const pbd::Vec3 position = own.pose.position + prediction.translation;
-    estimates_.push_back(
-        {.peer = received.peer,
-         .pose = {position, pbd::rotated(own.pose.orientation, prediction.rotation)},
-         .twist = {own.twist.linear + prediction.twist.linear,
-                   own.twist.angular + prediction.twist.angular},
-         .share = share});
+    const pbd::Pose pose{position, pbd::rotated(own.pose.orientation, prediction.rotation)};
+    const pbd::Twist twist{own.twist.linear + prediction.twist.linear,
+                           own.twist.angular + prediction.twist.angular};
+    if (owner) {
+      if (update.flags.teleported && update.stamp > shared.landed) {
+        shared.landed = update.stamp;
+        place(shared, pose, twist, now);
+      }
+    } else if (known.sender_leads || (received.peer < transport_.self() && own_lead == 0.0)) {
+      const bool held = shared.held || update.flags.held;
+      if (!held && shared.lead.parted(prediction.translation, now)) {
+        place(shared, pose, twist, now);
+        shared.jumped = kJumpTold;
+        ++stats_.bodies_placed;
+      }
+    }
+    estimates_.push_back({.peer = received.peer, .pose = pose, .twist = twist, .share = share});
     motion_ = prediction.motion;
     if (observer_ != nullptr) {
       observer_->on_prediction(received.peer, shared.def.id, now, position, known.age);
