@@ -21,6 +21,11 @@ constexpr double kMaxSharedInfluence = 0.5;
 /// What a sender gives my states, relative to what I give its: no honest peer's policy comes near.
 constexpr double kMostMirrored = 100.0;
 
+/// m: what moves so much further in a step than its velocity says was put there.
+constexpr double kJump = 0.1;
+/// States that tell of it, for some of them get lost.
+constexpr int kJumpTold = 3;
+
 /// rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.5;
 
@@ -122,9 +127,11 @@ void Peer::Impl::after_step(SessionTime now) {
       world_.set_pose(shared.def.body, shared.hard.shown.pose);
       world_.set_twist(shared.def.body, shared.hard.shown.twist);
     }
-    remember(shared, now,
-             options_.coupling == Coupling::OnePass ? world_.correction(shared.def.body)
-                                                    : shared.averaged);
+    const pbd::Correction correction = options_.coupling == Coupling::OnePass
+                                           ? world_.correction(shared.def.body)
+                                           : shared.averaged;
+    if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
+    remember(shared, now, correction);
     shared.averaged = {};
     update_initiative(shared, now);
   }
@@ -164,6 +171,23 @@ void Peer::Impl::aggregate(SessionTime now) {
       targeted_.pop_back();
     }
   }
+}
+
+bool Peer::Impl::jumps(const Shared& shared, const pbd::Correction& correction, double dt) const {
+  const pbd::BodyState& state = world_.state(shared.def.body);
+  const MotionSample& last = shared.history.newest();
+  const double reach =
+      2.0 * dt * std::max(state.twist.linear.norm(), last.twist.linear.norm()) + kJump;
+  const pbd::Vec3 way = state.pose.position - last.pose.position - correction.translation;
+  return way.squaredNorm() > reach * reach;
+}
+
+void Peer::Impl::place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist,
+                       SessionTime now) {
+  world_.set_pose(shared.def.body, pose);
+  world_.set_twist(shared.def.body, twist);
+  shared.history.clear();
+  remember(shared, now, {});
 }
 
 void Peer::Impl::mark_acting() {
@@ -221,6 +245,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
     known.age = kNs * static_cast<double>(now - update.stamp);
+    known.gain = predictor_->gain_for(update);
     known.sender_leads = update.flags.leads && own_lead == 0.0;
     const double claimed = static_cast<double>(update.influence);
     const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
@@ -258,12 +283,23 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
       if (!(share > 0.0)) continue;
     }
     const pbd::Vec3 position = own.pose.position + prediction.translation;
-    estimates_.push_back(
-        {.peer = received.peer,
-         .pose = {position, pbd::rotated(own.pose.orientation, prediction.rotation)},
-         .twist = {own.twist.linear + prediction.twist.linear,
-                   own.twist.angular + prediction.twist.angular},
-         .share = share});
+    const pbd::Pose pose{position, pbd::rotated(own.pose.orientation, prediction.rotation)};
+    const pbd::Twist twist{own.twist.linear + prediction.twist.linear,
+                           own.twist.angular + prediction.twist.angular};
+    if (owner) {
+      if (update.flags.teleported && update.stamp > shared.landed) {
+        shared.landed = update.stamp;
+        place(shared, pose, twist, now);
+      }
+    } else if (known.sender_leads || (received.peer < transport_.self() && own_lead == 0.0)) {
+      const bool held = shared.held || update.flags.held;
+      if (!held && shared.lead.parted(prediction.translation, now)) {
+        place(shared, pose, twist, now);
+        shared.jumped = kJumpTold;
+        ++stats_.bodies_placed;
+      }
+    }
+    estimates_.push_back({.peer = received.peer, .pose = pose, .twist = twist, .share = share});
     if (share > heaviest) motion_ = prediction.motion;
     heaviest = std::max(heaviest, share);
     if (observer_ != nullptr) {

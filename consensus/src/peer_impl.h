@@ -66,6 +66,8 @@ class Peer::Impl {
     MotionHistory history = {};
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
+    int jumped = 0;          ///< states still to be sent that tell of a jump
+    SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
     Lead lead = {};
     Initiative initiative = {};
     HardInput hard = {};
@@ -87,6 +89,10 @@ class Peer::Impl {
   void estimate(Shared& shared, SessionTime now);
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
+  /// Whether a body was put somewhere else since the last step.
+  bool jumps(const Shared& shared, const pbd::Correction& correction, double dt) const;
+  /// Put a body where it is said to be, whatever is in between.
+  void place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, SessionTime now);
   bool hard_at_sender(const StateUpdate& update) const;
   double accepted(double share, const Prediction& prediction, const Heard& heard,
                   SessionTime now) const;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
@@ -46,10 +47,11 @@ class MotionHistory {
   bool coupled_since(SessionTime time) const;
   /// Whether a user acted on the body at any time since `time`: by a spring or by a body of theirs.
   bool driven_since(SessionTime time) const;
-  /// Whether the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
-  /// to it. The peers' steps resolve a hit a little sooner or later, and within the step nobody
-  /// knows: velocities around it cannot be compared.
-  bool hit_near(SessionTime time) const;
+  /// Where the body was hit (its velocity jumped) in the step that `time` lies in, or in one next to
+  /// it: the state at `time` as it would be without the step of the hit, on that side of it whose
+  /// velocity is nearer to `velocity` (m/s), carried straight. The peers' steps resolve a hit a
+  /// little sooner or later, and within the step nobody knows. Else nothing.
+  std::optional<MotionSample> beside_hit(SessionTime time, const pbd::Vec3& velocity) const;
 
  private:
   const MotionSample& at(std::size_t age) const {
@@ -135,6 +137,8 @@ class Predictor {
                              const PredictionContext& context) const = 0;
   /// c of the gain rule, see effective_share(): what the predictor bears.
   virtual double gain() const = 0;
+  /// The same for one state: less where another way is taken for it.
+  virtual double gain_for(const StateUpdate& /*update*/) const { return gain(); }
   /// Whether it uses the context's memory.
   virtual bool remembers() const { return false; }
 };
