@@ -91,6 +91,19 @@ bool MotionHistory::within(SessionTime time, const pbd::Quat& q, double angle) c
          (age == 0 || std::abs(at(age - 1).pose.orientation.dot(q)) > least);
 }
 
+void MotionHistory::prefetch(std::size_t age) const {
+  constexpr std::size_t kLine = 64;
+  const auto fetch = [](const MotionSample& sample) {
+    const char* const bytes = reinterpret_cast<const char*>(&sample);
+    for (std::size_t i = 0; i < sizeof(MotionSample); i += kLine) __builtin_prefetch(bytes + i);
+  };
+  if (count_ == 0) return;
+  fetch(at(0));
+  for (std::size_t k = std::max<std::size_t>(age, 1) - 1; k <= age + 1 && k < count_; ++k) {
+    if (k > 0) fetch(at(k));
+  }
+}
+
 bool MotionHistory::coupled_since(SessionTime time) const {
   return count_ > 0 &&
          free_for_ <= age_of(time, count_, [this](std::size_t i) { return at(i).time; });

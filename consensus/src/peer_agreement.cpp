@@ -25,6 +25,8 @@ constexpr double kMostMirrored = 100.0;
 constexpr double kJump = 0.1;
 /// States that tell of it, for some of them get lost.
 constexpr int kJumpTold = 3;
+/// Room that is made for what is kept of other peers' states; more of them allocate once.
+constexpr std::size_t kUsualPeers = 4;
 
 /// rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.5;
@@ -60,7 +62,8 @@ void Peer::Impl::share(const ShareDef& def) {
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
-  shared_.insert(at, Shared{.def = def});
+  const auto shared = shared_.insert(at, Shared{.def = def});
+  if (keeps_heard_) shared->heard.reserve(kUsualPeers);
   inbox_.add_id(def.id);
   if (def.owner.has_value()) ++owned_;
 }
@@ -106,6 +109,7 @@ void Peer::Impl::before_step(SessionTime now) {
   receive(now);
   springs_.prepare(now);
   aggregate(now);
+  tell_observer(now);
   if (options_.coupling != Coupling::TwoStep) return;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     targeted_[i]->averaged = average_state(world_, targets_[i], step_dt_);
@@ -118,7 +122,8 @@ void Peer::Impl::after_step(SessionTime now) {
   mark_joints();
   mark_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
-  for (Shared& shared : shared_) {
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    Shared& shared = shared_[i];
     if (!world_.contains(shared.def.body)) continue;
     if (shared.hard.active) {
       // Whatever the step has made of it: physics has no say, [friston] Fig. 2.
@@ -133,7 +138,7 @@ void Peer::Impl::after_step(SessionTime now) {
     if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
     remember(shared, now, correction);
     shared.averaged = {};
-    update_initiative(shared, now);
+    update_initiative(shared, inbox_.newest_at(i), now);
   }
   if (now >= next_send_) {
     const auto interval = static_cast<SessionTime>(1.0 / (kNs * options_.update_hz));
@@ -148,18 +153,29 @@ void Peer::Impl::collect(std::vector<pbd::PoseTarget>& out) const {
   }
 }
 
+std::size_t Peer::Impl::samples_since(SessionTime stamp, SessionTime now) const {
+  const double samples = kNs * static_cast<double>(now - stamp) / std::max(step_dt_, 1e-4);
+  return static_cast<std::size_t>(std::clamp(samples, 0.0, 200.0));
+}
+
 void Peer::Impl::aggregate(SessionTime now) {
   const CpuTimer timer(stats_.aggregate_s);
   targets_.clear();
   targeted_.clear();
-  for (Shared& shared : shared_) {
+  constexpr std::size_t kAhead = 3;  // bodies
+  std::size_t age = 0;               // samples, of the states: about the same for all bodies
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    Shared& shared = shared_[i];
+    const auto newest = inbox_.newest_at(i);
+    if (i + kAhead < shared_.size()) shared_[i + kAhead].history.prefetch(age);
+    if (!newest.empty()) age = samples_since(newest.front().update.stamp, now);
     if (!world_.contains(shared.def.body)) continue;
     if (shared.def.owner == transport_.self()) {
       estimates_.clear();
       drag(shared, now);
       continue;
     }
-    estimate(shared, now);
+    estimate(shared, newest, now);
     if (drag(shared, now) || estimates_.empty()) continue;
     ++stats_.bodies_aggregated;
     pbd::PoseTarget& target = targets_.emplace_back();
@@ -211,7 +227,8 @@ void Peer::Impl::mark_acting() {
   }
 }
 
-void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
+void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Received> newest,
+                                   SessionTime now) {
   if (shared.def.owner.has_value()) return;
   const std::uint8_t bits = acting_[shared.def.body.index];
   Initiative::Acting acting{.own = (bits & (Springs::kShared | kTouchedByOwn)) != 0,
@@ -220,7 +237,7 @@ void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
   if ((bits & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;
-  for (const Inbox::Received& received : inbox_.newest(shared.def.id)) {
+  for (const Inbox::Received& received : newest) {
     if (received.update.flags.owner_driven) acting.other = true;
     round_trip = std::max(
         round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
@@ -229,9 +246,16 @@ void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
   shared.initiative.update(acting, round_trip, now);
 }
 
-void Peer::Impl::estimate(Shared& shared, SessionTime now) {
+void Peer::Impl::tell_observer(SessionTime now) {
+  for (const Noted& n : noted_) {
+    observer_->on_prediction(n.from, n.body, now, n.position, n.age);
+  }
+  noted_.clear();
+}
+
+void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newest,
+                          SessionTime now) {
   estimates_.clear();
-  const auto newest = inbox_.newest(shared.def.id);
   if (newest.empty()) return;
   const pbd::BodyState& own = world_.state(shared.def.body);
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
@@ -303,7 +327,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
     if (share > heaviest) motion_ = prediction.motion;
     heaviest = std::max(heaviest, share);
     if (observer_ != nullptr) {
-      observer_->on_prediction(received.peer, shared.def.id, now, position, known.age);
+      noted_.push_back({received.peer, shared.def.id, position, known.age});
       observer_->on_estimate({received.peer, update, shared.history, context, prediction});
     }
   }

@@ -74,6 +74,14 @@ class Peer::Impl {
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
   };
 
+  /// An estimate that the observer is told of once all is done: recording is no aggregation.
+  struct Noted {
+    PeerId from = 0;
+    SharedId body;
+    pbd::Vec3 position;  ///< m, world
+    double age = 0.0;    ///< s
+  };
+
   Shared* find(const SharedId& id);
   Shared& at(const SharedId& id);
 
@@ -86,7 +94,9 @@ class Peer::Impl {
   // Predict and fuse.
   void aggregate(SessionTime now);
   /// Every peer's newest state of one body, carried to now.
-  void estimate(Shared& shared, SessionTime now);
+  void estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  void tell_observer(SessionTime now);
+  std::size_t samples_since(SessionTime stamp, SessionTime now) const;
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
   /// Whether a body was put somewhere else since the last step.
@@ -107,7 +117,7 @@ class Peer::Impl {
 
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
-  void update_initiative(Shared& shared, SessionTime now);
+  void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
 
   // Remember and send.
   void mark_joints();
@@ -128,7 +138,7 @@ class Peer::Impl {
   bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
   PeerStats stats_;
-  std::vector<Shared> shared_;  ///< by id
+  std::vector<Shared> shared_;  ///< by id, as in inbox_
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
@@ -146,6 +156,7 @@ class Peer::Impl {
   std::vector<Packet> packets_;
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
+  std::vector<Noted> noted_;
   std::vector<Springs::Hand> hands_;
   std::vector<pbd::PoseTarget> targets_;
   std::vector<Shared*> targeted_;  ///< of targets_
