@@ -25,7 +25,9 @@ def _most(results, keys, path, factor, limit, unit, what, bound=None):
 
 def _stable(results):
     rows = []
-    runs = [(k, r) for k, seeds in results.items() if k[1] != "control" for r in seeds]
+    # Modes that are no defaults have a table of their own.
+    others = ("control", "asymmetric", "hard")
+    runs = [(k, r) for k, seeds in results.items() if k[1] not in others for r in seeds]
     broken = [f"{k[0]} {k[1]} {k[2]}, seed {r['seed']}: {r['fault']}"
               for k, r in runs if not r["stable"]]
     text = f"{len(runs) - len(broken)} of {len(runs)} runs"
@@ -61,6 +63,20 @@ def _divergence(results):
     return rows
 
 
+def _by_profile(what, over, under, bound, holds, unit=""):
+    """Ratios of means at each profile. @param over, under  the mean of a profile, or None"""
+    ratios = []
+    for p in range(1, 6):
+        a, b = over(p), under(p)
+        if a is not None and b is not None and (a > 0 or b > 0):
+            ratios.append((a / b if b > 0 else float("inf"), p))
+    if not ratios:
+        return _row(what, "not run", bound, None)
+    text = ", ".join(short(r) for r, _ in ratios)
+    return _row(what, f"{text}{unit} at profiles {', '.join(str(p) for _, p in ratios)}", bound,
+                holds([r for r, _ in ratios]))
+
+
 def _against_none(results):
     rows = []
     groups = (("p50 of all", "divergence_shared_m.p50"), ("p95 of all", "divergence_shared_m.p95"),
@@ -70,19 +86,10 @@ def _against_none(results):
             # Most of the balls of tennis wait for their serve: their median says nothing.
             if s == "tennis" and name == "p50 of all":
                 continue
-            ratios = []
-            for p in range(1, 6):
-                own = mean(results.get((s, "default", p)), path)
-                none = mean(results.get((s, "control", p)), path)
-                if own is not None and none is not None:
-                    ratios.append((none / own if own > 0 else float("inf"), p))
-            what = f"{s}: influence 0 over ours, {name}"
-            if not ratios:
-                rows.append(_row(what, "not run", ">= 5 x", None))
-                continue
-            text = ", ".join(short(r) for r, _ in ratios)
-            rows.append(_row(what, f"{text} x at profiles {', '.join(str(p) for _, p in ratios)}",
-                             ">= 5 x", min(ratios)[0] >= 5))
+            rows.append(_by_profile(f"{s}: influence 0 over ours, {name}",
+                                    lambda p: mean(results.get((s, "control", p)), path),
+                                    lambda p: mean(results.get((s, "default", p)), path),
+                                    ">= 5 x", lambda ratios: min(ratios) >= 5, " x"))
     return rows
 
 
@@ -90,20 +97,11 @@ def _limit(results):
     rows = []
     for s in ("cubes", "room"):
         for quantile in ("p50", "p95"):
-            ratios = []
-            for p in range(1, 6):
-                cells = results.get((s, "default", p))
-                own = mean(cells, f"held_by_one_m.{quantile}")
-                limit = mean(cells, f"held_limit_m.{quantile}")
-                if own is not None and limit:
-                    ratios.append((own / limit, p))
-            what = f"{s}: held by one, {quantile} over the physical limit's"
-            if not ratios:
-                rows.append(_row(what, "not run", "<= 2", None))
-                continue
-            text = ", ".join(short(r) for r, _ in ratios)
-            rows.append(_row(what, f"{text} at profiles {', '.join(str(p) for _, p in ratios)}",
-                             "<= 2", max(ratios)[0] <= 2))
+            rows.append(_by_profile(
+                f"{s}: held by one, {quantile} over the physical limit's",
+                lambda p: mean(results.get((s, "default", p)), f"held_by_one_m.{quantile}"),
+                lambda p: mean(results.get((s, "default", p)), f"held_limit_m.{quantile}"),
+                "<= 2", lambda ratios: max(ratios) <= 2))
     return rows
 
 

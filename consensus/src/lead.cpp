@@ -17,6 +17,12 @@ constexpr double kGrowth = 6.0;  // 1/s^2
 /// ns: a difference that was not seen for longer is a new one.
 constexpr SessionTime kPause = 100'000'000;
 
+/// m: copies closer than this are left alone.
+constexpr double kParted = 0.03;
+/// What is missing has changed by this part of it: something happens. A share of 0.02 needs 0.3 s.
+constexpr double kChange = 0.3;
+constexpr SessionTime kPatience = 1'000'000'000;  // ns
+
 }  // namespace
 
 double Lead::share(double share, double angle, bool follows, SessionTime now) {
@@ -31,6 +37,20 @@ double Lead::share(double share, double angle, bool follows, SessionTime now) {
   }
   const double strength = (1.0 + doubt) * (1.0 + doubt * kGrowth * waited * waited);
   return doubt > 0.0 ? 1.0 - std::pow(1.0 - share, strength) : share;
+}
+
+bool Lead::parted(const pbd::Vec3& missing, SessionTime now) {
+  if (missing.norm() < kParted) {
+    waits_ = 0;
+    return false;
+  }
+  if (waits_ == 0 || (missing - missed_).norm() > kChange * missed_.norm()) {
+    waits_ = now;
+    missed_ = missing;
+  }
+  if (now - waits_ < kPatience) return false;
+  waits_ = 0;
+  return true;
 }
 
 }  // namespace tandem::consensus

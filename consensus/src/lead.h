@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/types.h"
 
 namespace tandem::consensus {
 
@@ -18,10 +19,18 @@ class Lead {
   /// @param angle  rad, between the own orientation at the stamp and the remote one
   double share(double share, double angle, bool follows, SessionTime now);
 
+  /// Something solid between two copies keeps them apart for ever: no average brings a ball through
+  /// a table. Whether the follower's has been held back in the same way for so long that it had
+  /// better be put where the leader has it, whatever is in between.
+  /// @param missing  m, from the follower's copy to the leader's
+  bool parted(const pbd::Vec3& missing, SessionTime now);
+
  private:
   static constexpr SessionTime kNever = std::numeric_limits<SessionTime>::min();
   SessionTime since_ = kNever;  ///< ns, since when a leader's orientation has been far away
   SessionTime last_ = kNever;   ///< ns, when one was far away for the last time
+  SessionTime waits_ = 0;       ///< since then nothing has become better; 0 = all is well
+  pbd::Vec3 missed_ = pbd::Vec3::Zero();  ///< m, then
 };
 
 }  // namespace tandem::consensus

@@ -22,6 +22,9 @@ constexpr double kFadeFrom = 0.10;
 constexpr double kFadeTo = 0.30;
 constexpr double kFadeFromAngle = 0.35;
 constexpr double kFadeToAngle = 0.70;
+/// m/s: the same of velocities, where nothing else carries their difference.
+constexpr double kFadeFromSpeed = 0.5;
+constexpr double kFadeToSpeed = 1.0;
 
 // Of Adaptive.
 constexpr double kLearning = 0.3;     ///< of each check
@@ -65,11 +68,11 @@ class LocalMotionPredictor final : public Predictor {
     const double ahead = std::max(0.0, seconds(update.stamp - now.time));
     then.pose.position += ahead * now.twist.linear;
     then.pose.orientation = pbd::rotated(then.pose.orientation, ahead * now.twist.angular);
+    if (const auto side = own.beside_hit(update.stamp, update.twist.linear)) then = *side;
     const double both = 1.0 + context.mirrored_share / std::max(1, context.peers);
     const Vec3 apart = update.pose.position - then.pose.position;
     const Vec3 turned_apart = pbd::rotation_between(then.pose.orientation, update.pose.orientation);
-    const pbd::Twist closing =
-        own.hit_near(update.stamp) ? pbd::Twist{} : difference(update.twist, then.twist);
+    const pbd::Twist closing = difference(update.twist, then.twist);
     const pbd::Twist agreed = difference(now.agreed, then.agreed);
 
     Prediction prediction;
@@ -108,16 +111,35 @@ class LocalMotionPredictor final : public Predictor {
       prediction.translation += drift.linear;
       prediction.rotation += drift.angular;
     }
-    const double lost = std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
-                                 ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle));
+    double lost = std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
+                           ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle));
+    // What was hit there is about to be hit here as well.
+    if (coupled) lost = std::max(lost, ramp(closing.linear.norm(), kFadeFromSpeed, kFadeToSpeed));
+    if (coupled && kind_ == PredictorKind::Adaptive) {
+      lost = std::max(lost, straighter(then, now, closing, age));
+    }
     if (lost > 0.0) fade(by_itself(update, own, context), lost, prediction);
     return prediction;
   }
   double gain() const override { return 2.0; }
+  double gain_for(const StateUpdate& update) const override {
+    return kind_ != PredictorKind::LocalMotion && update.flags.owner_driven ? linear_->gain()
+                                                                            : gain();
+  }
   bool remembers() const override { return kind_ == PredictorKind::Adaptive; }
 
  private:
   using Memory = PredictorMemory;
+
+  /// 0 to 1: how much better a straight line is than own motion, by what either leaves out: the own
+  /// acceleration since the stamp, the difference of velocities.
+  static double straighter(const MotionSample& then, const MotionSample& now,
+                           const pbd::Twist& closing, double age) {
+    const Vec3 way = now.pose.position - then.pose.position - (now.displaced - then.displaced);
+    const double bent = (way - age * then.twist.linear).squaredNorm();
+    const double apart = age * age * closing.linear.squaredNorm();
+    return apart > 0.0 ? apart / (apart + bent) : 0.0;
+  }
 
   /// Without own motion: by its velocity, and by gravity where nothing holds it.
   Prediction by_itself(const StateUpdate& update, const MotionHistory& own,

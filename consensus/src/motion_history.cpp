@@ -91,6 +91,19 @@ bool MotionHistory::within(SessionTime time, const pbd::Quat& q, double angle) c
          (age == 0 || std::abs(at(age - 1).pose.orientation.dot(q)) > least);
 }
 
+void MotionHistory::prefetch(std::size_t age) const {
+  constexpr std::size_t kLine = 64;
+  const auto fetch = [](const MotionSample& sample) {
+    const char* const bytes = reinterpret_cast<const char*>(&sample);
+    for (std::size_t i = 0; i < sizeof(MotionSample); i += kLine) __builtin_prefetch(bytes + i);
+  };
+  if (count_ == 0) return;
+  fetch(at(0));
+  for (std::size_t k = std::max<std::size_t>(age, 1) - 1; k <= age + 1 && k < count_; ++k) {
+    if (k > 0) fetch(at(k));
+  }
+}
+
 bool MotionHistory::coupled_since(SessionTime time) const {
   return count_ > 0 &&
          free_for_ <= age_of(time, count_, [this](std::size_t i) { return at(i).time; });
@@ -101,7 +114,8 @@ bool MotionHistory::driven_since(SessionTime time) const {
          undriven_for_ <= age_of(time, count_, [this](std::size_t i) { return at(i).time; });
 }
 
-bool MotionHistory::hit_near(SessionTime time) const {
+std::optional<MotionSample> MotionHistory::beside_hit(SessionTime time,
+                                                      const Vec3& velocity) const {
   const std::size_t age = age_of(time, count_, [this](std::size_t i) { return at(i).time; });
   // at(age) is the last sample before: its own step, the one that `time` is in, and the next.
   const std::size_t first = age >= 2 ? age - 2 : 0;
@@ -110,9 +124,18 @@ bool MotionHistory::hit_near(SessionTime time) const {
     const MotionSample& after = at(k);
     const Vec3 jump = difference(after.twist, before.twist).linear -
                       difference(after.agreed, before.agreed).linear;
-    if (jump.norm() > kHitAcceleration * (after.elapsed - before.elapsed)) return true;
+    if (jump.norm() <= kHitAcceleration * (after.elapsed - before.elapsed)) continue;
+    const bool has_it_behind = (velocity - after.twist.linear).squaredNorm() <
+                               (velocity - before.twist.linear).squaredNorm();
+    const MotionSample& side = has_it_behind ? after : before;
+    MotionSample sample = at_time(time);
+    const double dt = seconds(time - side.time);
+    sample.pose.position = side.pose.position + dt * side.twist.linear;
+    sample.pose.orientation = pbd::rotated(side.pose.orientation, dt * side.twist.angular);
+    sample.twist = side.twist;
+    return sample;
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace tandem::consensus

@@ -21,6 +21,13 @@ constexpr double kMaxSharedInfluence = 0.5;
 /// What a sender gives my states, relative to what I give its: no honest peer's policy comes near.
 constexpr double kMostMirrored = 100.0;
 
+/// m: what moves so much further in a step than its velocity says was put there.
+constexpr double kJump = 0.1;
+/// States that tell of it, for some of them get lost.
+constexpr int kJumpTold = 3;
+/// Room that is made for what is kept of other peers' states; more of them allocate once.
+constexpr std::size_t kUsualPeers = 4;
+
 /// rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.5;
 
@@ -55,7 +62,8 @@ void Peer::Impl::share(const ShareDef& def) {
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
-  shared_.insert(at, Shared{.def = def});
+  const auto shared = shared_.insert(at, Shared{.def = def});
+  if (keeps_heard_) shared->heard.reserve(kUsualPeers);
   inbox_.add_id(def.id);
   if (def.owner.has_value()) ++owned_;
 }
@@ -101,6 +109,7 @@ void Peer::Impl::before_step(SessionTime now) {
   receive(now);
   springs_.prepare(now);
   aggregate(now);
+  tell_observer(now);
   if (options_.coupling != Coupling::TwoStep) return;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     targeted_[i]->averaged = average_state(world_, targets_[i], step_dt_);
@@ -113,7 +122,8 @@ void Peer::Impl::after_step(SessionTime now) {
   mark_joints();
   mark_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
-  for (Shared& shared : shared_) {
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    Shared& shared = shared_[i];
     if (!world_.contains(shared.def.body)) continue;
     if (shared.hard.active) {
       // Whatever the step has made of it: physics has no say, [friston] Fig. 2.
@@ -122,11 +132,13 @@ void Peer::Impl::after_step(SessionTime now) {
       world_.set_pose(shared.def.body, shared.hard.shown.pose);
       world_.set_twist(shared.def.body, shared.hard.shown.twist);
     }
-    remember(shared, now,
-             options_.coupling == Coupling::OnePass ? world_.correction(shared.def.body)
-                                                    : shared.averaged);
+    const pbd::Correction correction = options_.coupling == Coupling::OnePass
+                                           ? world_.correction(shared.def.body)
+                                           : shared.averaged;
+    if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
+    remember(shared, now, correction);
     shared.averaged = {};
-    update_initiative(shared, now);
+    update_initiative(shared, inbox_.newest_at(i), now);
   }
   if (now >= next_send_) {
     const auto interval = static_cast<SessionTime>(1.0 / (kNs * options_.update_hz));
@@ -141,18 +153,29 @@ void Peer::Impl::collect(std::vector<pbd::PoseTarget>& out) const {
   }
 }
 
+std::size_t Peer::Impl::samples_since(SessionTime stamp, SessionTime now) const {
+  const double samples = kNs * static_cast<double>(now - stamp) / std::max(step_dt_, 1e-4);
+  return static_cast<std::size_t>(std::clamp(samples, 0.0, 200.0));
+}
+
 void Peer::Impl::aggregate(SessionTime now) {
   const CpuTimer timer(stats_.aggregate_s);
   targets_.clear();
   targeted_.clear();
-  for (Shared& shared : shared_) {
+  constexpr std::size_t kAhead = 3;  // bodies
+  std::size_t age = 0;               // samples, of the states: about the same for all bodies
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    Shared& shared = shared_[i];
+    const auto newest = inbox_.newest_at(i);
+    if (i + kAhead < shared_.size()) shared_[i + kAhead].history.prefetch(age);
+    if (!newest.empty()) age = samples_since(newest.front().update.stamp, now);
     if (!world_.contains(shared.def.body)) continue;
     if (shared.def.owner == transport_.self()) {
       estimates_.clear();
       drag(shared, now);
       continue;
     }
-    estimate(shared, now);
+    estimate(shared, newest, now);
     if (drag(shared, now) || estimates_.empty()) continue;
     ++stats_.bodies_aggregated;
     pbd::PoseTarget& target = targets_.emplace_back();
@@ -164,6 +187,23 @@ void Peer::Impl::aggregate(SessionTime now) {
       targeted_.pop_back();
     }
   }
+}
+
+bool Peer::Impl::jumps(const Shared& shared, const pbd::Correction& correction, double dt) const {
+  const pbd::BodyState& state = world_.state(shared.def.body);
+  const MotionSample& last = shared.history.newest();
+  const double reach =
+      2.0 * dt * std::max(state.twist.linear.norm(), last.twist.linear.norm()) + kJump;
+  const pbd::Vec3 way = state.pose.position - last.pose.position - correction.translation;
+  return way.squaredNorm() > reach * reach;
+}
+
+void Peer::Impl::place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist,
+                       SessionTime now) {
+  world_.set_pose(shared.def.body, pose);
+  world_.set_twist(shared.def.body, twist);
+  shared.history.clear();
+  remember(shared, now, {});
 }
 
 void Peer::Impl::mark_acting() {
@@ -187,7 +227,8 @@ void Peer::Impl::mark_acting() {
   }
 }
 
-void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
+void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Received> newest,
+                                   SessionTime now) {
   if (shared.def.owner.has_value()) return;
   const std::uint8_t bits = acting_[shared.def.body.index];
   Initiative::Acting acting{.own = (bits & (Springs::kShared | kTouchedByOwn)) != 0,
@@ -196,7 +237,7 @@ void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
   if ((bits & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;
-  for (const Inbox::Received& received : inbox_.newest(shared.def.id)) {
+  for (const Inbox::Received& received : newest) {
     if (received.update.flags.owner_driven) acting.other = true;
     round_trip = std::max(
         round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
@@ -205,9 +246,16 @@ void Peer::Impl::update_initiative(Shared& shared, SessionTime now) {
   shared.initiative.update(acting, round_trip, now);
 }
 
-void Peer::Impl::estimate(Shared& shared, SessionTime now) {
+void Peer::Impl::tell_observer(SessionTime now) {
+  for (const Noted& n : noted_) {
+    observer_->on_prediction(n.from, n.body, now, n.position, n.age);
+  }
+  noted_.clear();
+}
+
+void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newest,
+                          SessionTime now) {
   estimates_.clear();
-  const auto newest = inbox_.newest(shared.def.id);
   if (newest.empty()) return;
   const pbd::BodyState& own = world_.state(shared.def.body);
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
@@ -221,6 +269,7 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
     known.age = kNs * static_cast<double>(now - update.stamp);
+    known.gain = predictor_->gain_for(update);
     known.sender_leads = update.flags.leads && own_lead == 0.0;
     const double claimed = static_cast<double>(update.influence);
     const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
@@ -258,16 +307,27 @@ void Peer::Impl::estimate(Shared& shared, SessionTime now) {
       if (!(share > 0.0)) continue;
     }
     const pbd::Vec3 position = own.pose.position + prediction.translation;
-    estimates_.push_back(
-        {.peer = received.peer,
-         .pose = {position, pbd::rotated(own.pose.orientation, prediction.rotation)},
-         .twist = {own.twist.linear + prediction.twist.linear,
-                   own.twist.angular + prediction.twist.angular},
-         .share = share});
+    const pbd::Pose pose{position, pbd::rotated(own.pose.orientation, prediction.rotation)};
+    const pbd::Twist twist{own.twist.linear + prediction.twist.linear,
+                           own.twist.angular + prediction.twist.angular};
+    if (owner) {
+      if (update.flags.teleported && update.stamp > shared.landed) {
+        shared.landed = update.stamp;
+        place(shared, pose, twist, now);
+      }
+    } else if (known.sender_leads || (received.peer < transport_.self() && own_lead == 0.0)) {
+      const bool held = shared.held || update.flags.held;
+      if (!held && shared.lead.parted(prediction.translation, now)) {
+        place(shared, pose, twist, now);
+        shared.jumped = kJumpTold;
+        ++stats_.bodies_placed;
+      }
+    }
+    estimates_.push_back({.peer = received.peer, .pose = pose, .twist = twist, .share = share});
     if (share > heaviest) motion_ = prediction.motion;
     heaviest = std::max(heaviest, share);
     if (observer_ != nullptr) {
-      observer_->on_prediction(received.peer, shared.def.id, now, position, known.age);
+      noted_.push_back({received.peer, shared.def.id, position, known.age});
       observer_->on_estimate({received.peer, update, shared.history, context, prediction});
     }
   }

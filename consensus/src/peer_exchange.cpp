@@ -110,7 +110,7 @@ void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction
 
 void Peer::Impl::send(SessionTime now) {
   states_.clear();
-  for (const Shared& shared : shared_) {
+  for (Shared& shared : shared_) {
     if (!world_.contains(shared.def.body)) continue;
     const pbd::BodyState& state =
         shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
@@ -126,7 +126,9 @@ void Peer::Impl::send(SessionTime now) {
          .flags = {.in_contact = sample.coupled && !shared.held,
                    .held = shared.held,
                    .owner_driven = by_hand || shared.def.owner == transport_.self(),
+                   .teleported = shared.jumped > 0,
                    .leads = leads}});
+    shared.jumped = std::max(shared.jumped - 1, 0);
   }
   spring_states_.clear();
   spring_events_.clear();

@@ -66,10 +66,20 @@ class Peer::Impl {
     MotionHistory history = {};
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
+    int jumped = 0;          ///< states still to be sent that tell of a jump
+    SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
     Lead lead = {};
     Initiative initiative = {};
     HardInput hard = {};
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
+  };
+
+  /// An estimate that the observer is told of once all is done: recording is no aggregation.
+  struct Noted {
+    PeerId from = 0;
+    SharedId body;
+    pbd::Vec3 position;  ///< m, world
+    double age = 0.0;    ///< s
   };
 
   Shared* find(const SharedId& id);
@@ -84,9 +94,15 @@ class Peer::Impl {
   // Predict and fuse.
   void aggregate(SessionTime now);
   /// Every peer's newest state of one body, carried to now.
-  void estimate(Shared& shared, SessionTime now);
+  void estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  void tell_observer(SessionTime now);
+  std::size_t samples_since(SessionTime stamp, SessionTime now) const;
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
+  /// Whether a body was put somewhere else since the last step.
+  bool jumps(const Shared& shared, const pbd::Correction& correction, double dt) const;
+  /// Put a body where it is said to be, whatever is in between.
+  void place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, SessionTime now);
   bool hard_at_sender(const StateUpdate& update) const;
   double accepted(double share, const Prediction& prediction, const Heard& heard,
                   SessionTime now) const;
@@ -101,7 +117,7 @@ class Peer::Impl {
 
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
-  void update_initiative(Shared& shared, SessionTime now);
+  void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
 
   // Remember and send.
   void mark_joints();
@@ -122,7 +138,7 @@ class Peer::Impl {
   bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
   PeerStats stats_;
-  std::vector<Shared> shared_;  ///< by id
+  std::vector<Shared> shared_;  ///< by id, as in inbox_
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
@@ -140,6 +156,7 @@ class Peer::Impl {
   std::vector<Packet> packets_;
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
+  std::vector<Noted> noted_;
   std::vector<Springs::Hand> hands_;
   std::vector<pbd::PoseTarget> targets_;
   std::vector<Shared*> targeted_;  ///< of targets_

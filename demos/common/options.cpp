@@ -2,8 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #include "common/options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -96,11 +98,6 @@ std::string address(std::string_view text) {
   return std::string(text);
 }
 
-std::string text_value(std::string_view option, std::string_view value) {
-  if (value.empty()) refuse(option, value, "must not be empty");
-  return std::string(value);
-}
-
 /// "60,72": steps each second of the peers, in turn.
 std::vector<double> rates(std::string_view text) {
   std::vector<double> result;
@@ -113,114 +110,128 @@ std::vector<double> rates(std::string_view text) {
   }
 }
 
-bool read_session(std::string_view name, Reader& in, DemoOptions& o) {
-  constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
-  if (name == "--peers") {
-    o.peers = number(name, in.value(name), 1, 64, "an integer from 1 to 64");
-  } else if (name == "--seconds") {
-    o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");
-  } else if (name == "--seed") {
-    o.seed = number(name, in.value(name), std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
-  } else if (name == "--influence") {
-    o.influence = number(name, in.value(name), 0.0, 0.99, "a number from 0 to 0.99");
-  } else if (name == "--solver") {
-    o.solver = coupling(in.value(name));
-  } else if (name == "--update-hz") {
-    o.update_hz = number(name, in.value(name), 0.1, 1000.0, "a number from 0.1 to 1000");
-  } else if (name == "--uneven") {
-    in.finish(name);
-    o.rates = {60.0, 72.0};
-  } else if (name == "--rates") {
-    o.rates = rates(in.value(name));
-  } else if (name == "--variant") {
-    o.variant = text_value(name, in.value(name));
-  } else if (name == "--replay") {
-    o.replay = text_value(name, in.value(name));
-  } else {
-    return false;
-  }
-  return true;
+/// Where an option has a meaning.
+enum class Where : std::uint8_t { Everywhere, Virtual, Network };
+
+/// An option of the command line, and what it does.
+struct Option {
+  std::string_view name;
+  Where where;
+  void (*read)(std::string_view name, Reader& in, DemoOptions& o);
+};
+
+constexpr std::string_view kSeconds = "s, a number from 0 to 10";
+constexpr std::string_view kChance = "a number from 0 to 0.99";
+constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
+
+template <bool DemoOptions::*Member>
+void read_flag(std::string_view name, Reader& in, DemoOptions& o) {
+  in.finish(name);
+  o.*Member = true;
 }
 
-bool read_policy(std::string_view name, Reader& in, DemoOptions& o) {
-  constexpr std::string_view kSeconds = "s, a number from 0 to 10";
-  if (name == "--predictor") {
-    o.predictor = predictor(in.value(name));
-  } else if (name == "--mode") {
-    o.mode = mode(in.value(name));
-  } else if (name == "--extrapolation") {
-    o.extrapolation = number(name, in.value(name), 0.0, 10.0, kSeconds);
-  } else if (name == "--spring-extrapolation") {
-    o.spring_extrapolation = number(name, in.value(name), 0.0, 10.0, kSeconds);
-  } else if (name == "--damped-start") {
-    o.damped_start = number(name, in.value(name), 0.0, 10.0, kSeconds);
-  } else if (name == "--modelled-error") {
-    o.modelled_error = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
-  } else if (name == "--sleeping-threshold") {
-    in.finish(name);
-    o.sleeping_threshold = true;
-  } else {
-    return false;
-  }
-  return true;
+template <std::string DemoOptions::*Member>
+void read_text(std::string_view name, Reader& in, DemoOptions& o) {
+  const std::string_view value = in.value(name);
+  if (value.empty()) refuse(name, value, "must not be empty");
+  o.*Member = std::string(value);
 }
 
-bool read_link(std::string_view name, Reader& in, DemoOptions& o) {
-  constexpr std::string_view kChance = "a number from 0 to 0.99";
-  if (name == "--profile") {
-    o.profile = number(name, in.value(name), 0, 5, "an integer from 0 to 5");
-  } else if (name == "--loss") {
-    o.loss = number(name, in.value(name), 0.0, 0.99, kChance);
-  } else if (name == "--duplicate") {
-    o.duplicate = number(name, in.value(name), 0.0, 0.99, kChance);
-  } else if (name == "--reorder") {
-    o.reorder = number(name, in.value(name), 0.0, 0.99, kChance);
-  } else if (name == "--bandwidth") {
-    o.bandwidth = number(name, in.value(name), 0.0, 1e12, "bit/s, a number from 0 to 1e12");
-  } else {
-    return false;
-  }
-  return true;
+template <double DemoOptions::*Member>
+void read_chance(std::string_view name, Reader& in, DemoOptions& o) {
+  o.*Member = number(name, in.value(name), 0.0, 0.99, kChance);
 }
 
-bool read_process(std::string_view name, Reader& in, DemoOptions& o) {
-  if (name == "--listen") {
-    o.listen = number(name, in.value(name), std::uint16_t{0}, std::uint16_t{65535},
-                      "a port from 0 (any) to 65535");
-  } else if (name == "--connect") {
-    o.connect.push_back(address(in.value(name)));
-  } else if (name == "--peer-id") {
-    o.peer_id = number(name, in.value(name), std::uint64_t{1}, std::uint64_t{1} << 62,
-                       "an integer >= 1, unique in the session");
-  } else if (name == "--wait") {
-    o.wait = number(name, in.value(name), 0.0, 86400.0, "a number from 0 to 86400");
-  } else {
-    return false;
-  }
-  return true;
+template <double DemoOptions::*Member>
+void read_seconds(std::string_view name, Reader& in, DemoOptions& o) {
+  o.*Member = number(name, in.value(name), 0.0, 10.0, kSeconds);
 }
 
-bool read_output(std::string_view name, Reader& in, DemoOptions& o) {
-  if (name == "--json") {
-    o.json = text_value(name, in.value(name));
-  } else if (name == "--csv") {
-    o.csv = text_value(name, in.value(name));
-  } else if (name == "--record") {
-    o.record = text_value(name, in.value(name));
-  } else if (name == "--reference") {
-    in.finish(name);
-    o.reference = true;
-  } else if (name == "--quiet") {
-    in.finish(name);
-    o.quiet = true;
-  } else if (name == "--help") {
-    in.finish(name);
-    o.help = true;
-  } else {
-    return false;
-  }
-  return true;
-}
+constexpr Option kOptions[] = {
+    {"--peers", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.peers = number(name, in.value(name), 1, 64, "an integer from 1 to 64");
+     }},
+    {"--profile", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.profile = number(name, in.value(name), 0, 5, "an integer from 0 to 5");
+     }},
+    {"--loss", Where::Virtual, read_chance<&DemoOptions::loss>},
+    {"--duplicate", Where::Virtual, read_chance<&DemoOptions::duplicate>},
+    {"--reorder", Where::Virtual, read_chance<&DemoOptions::reorder>},
+    {"--bandwidth", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       constexpr std::string_view kRule = "bit/s, 0 or a number from 1 to 1e12";
+       const std::string_view text = in.value(name);
+       o.bandwidth = number(name, text, 0.0, 1e12, kRule);
+       if (o.bandwidth > 0.0 && o.bandwidth < 1.0) refuse(name, text, kRule);
+     }},
+    {"--listen", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.listen = number(name, in.value(name), std::uint16_t{0}, std::uint16_t{65535},
+                         "a port from 0 (any) to 65535");
+     }},
+    {"--connect", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.connect.push_back(address(in.value(name)));
+     }},
+    {"--peer-id", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.peer_id = number(name, in.value(name), std::uint64_t{1}, std::uint64_t{1} << 62,
+                          "an integer >= 1, unique in the session");
+     }},
+    {"--wait", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.wait = number(name, in.value(name), 0.0, 86400.0, "a number from 0 to 86400");
+     }},
+    {"--seconds", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");
+     }},
+    {"--seed", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.seed =
+           number(name, in.value(name), std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
+     }},
+    {"--influence", Where::Everywhere, read_chance<&DemoOptions::influence>},
+    {"--solver", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.solver = coupling(in.value(name));
+     }},
+    {"--update-hz", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.update_hz = number(name, in.value(name), 0.1, 1000.0, "a number from 0.1 to 1000");
+     }},
+    {"--uneven", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       in.finish(name);
+       o.rates = {60.0, 72.0};
+     }},
+    {"--rates", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) { o.rates = rates(in.value(name)); }},
+    {"--variant", Where::Everywhere, read_text<&DemoOptions::variant>},
+    {"--replay", Where::Everywhere, read_text<&DemoOptions::replay>},
+    {"--predictor", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.predictor = predictor(in.value(name));
+     }},
+    {"--mode", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) { o.mode = mode(in.value(name)); }},
+    {"--extrapolation", Where::Everywhere, read_seconds<&DemoOptions::extrapolation>},
+    {"--spring-extrapolation", Where::Everywhere, read_seconds<&DemoOptions::spring_extrapolation>},
+    {"--damped-start", Where::Everywhere, read_seconds<&DemoOptions::damped_start>},
+    {"--modelled-error", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.modelled_error = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
+     }},
+    {"--sleeping-threshold", Where::Everywhere, read_flag<&DemoOptions::sleeping_threshold>},
+    {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
+    {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
+    {"--record", Where::Everywhere, read_text<&DemoOptions::record>},
+    {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
+    {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
+    {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},
+};
 
 }  // namespace
 
@@ -255,14 +266,14 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   std::string_view virtual_only;  // an option that has no meaning over a real network
   std::string_view network_only;
   for (std::string_view name = in.next(); !name.empty(); name = in.next()) {
-    if (read_link(name, in, options) || (name == "--peers" && read_session(name, in, options))) {
-      virtual_only = name;
-    } else if (read_process(name, in, options)) {
-      if (name == "--peer-id" || name == "--wait") network_only = name;
-    } else if (!read_session(name, in, options) && !read_policy(name, in, options) &&
-               !read_output(name, in, options)) {
+    const auto* const option = std::find_if(std::begin(kOptions), std::end(kOptions),
+                                            [name](const Option& o) { return o.name == name; });
+    if (option == std::end(kOptions)) {
       refuse("option", name, "must be one of those that --help lists");
     }
+    option->read(name, in, options);
+    if (option->where == Where::Virtual) virtual_only = name;
+    if (option->where == Where::Network) network_only = name;
   }
   if (options.over_network() && !virtual_only.empty()) {
     refuse(virtual_only, "given", "has no meaning with --listen or --connect");

@@ -44,6 +44,9 @@ net::TcpOptions tcp_options(const Scenario& scenario, const DemoOptions& options
 net::PhysicsClockOptions clock_options(double step_hz) {
   net::PhysicsClockOptions result;
   result.nominal_step = std::llround(1e9 / step_hz);
+  result.min_step = std::min(result.min_step, result.nominal_step / 2);
+  result.max_step = std::max(result.max_step, 2 * result.nominal_step);
+  result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
   return result;
 }
 

@@ -23,7 +23,7 @@ void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet)
   for (const consensus::SpringUpdate& spring : decoded_.springs) {
     if (spring.event == consensus::SpringEvent::Remove) {
       remote.springs.erase(spring.spring);
-    } else if (body_index(spring.body, body)) {
+    } else if (body_index(spring.body, body) && remote.springs.size() < kMaxSprings) {
       remote.springs[spring.spring] = body;
     }
   }

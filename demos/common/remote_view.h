@@ -27,6 +27,8 @@ class RemoteView {
   std::vector<PeerRecord> records() const;
 
  private:
+  /// Of a peer: hands beyond these are not looked at, so that nobody fills our memory.
+  static constexpr std::size_t kMaxSprings = 256;
   struct Remote {
     std::vector<Track> tracks;
     std::map<std::uint32_t, std::size_t> springs;  ///< spring to body

@@ -17,13 +17,13 @@ constexpr std::size_t kBytes = 12;            // magic u32, epoch i64
 
 void Rendezvous::update(consensus::SessionTime now) {
   now_ = now;
-  const std::vector<consensus::PeerStatus> peers = inner_.peers();
+  const std::vector<consensus::PeerStatus> company = peers();
   const bool speak = now >= next_word_;
   if (speak) next_word_ = now + kInterval;
   connected_ = false;
   bool all_heard = true;
   bool lowest = true;
-  for (const consensus::PeerStatus& peer : peers) {
+  for (const consensus::PeerStatus& peer : company) {
     if (!peer.connected) {
       heard_.erase(peer.id);
       view_.forget_hands(peer.id);
@@ -32,7 +32,7 @@ void Rendezvous::update(consensus::SessionTime now) {
     connected_ = true;
     if (speak) say(peer.id);
     all_heard = all_heard && heard_.contains(peer.id);
-    lowest = lowest && inner_.self() < peer.id;
+    lowest = lowest && self() < peer.id;
   }
   if (epoch_) return;
   for (const auto& [peer, epoch] : heard_) {
@@ -46,11 +46,7 @@ void Rendezvous::update(consensus::SessionTime now) {
 
 void Rendezvous::drain(std::vector<consensus::Packet>& out) {
   const std::size_t first = out.size();
-  inner_.drain(out);
-  const auto new_packets = out.begin() + static_cast<std::ptrdiff_t>(first);
-  out.erase(std::remove_if(new_packets, out.end(),
-                           [this](const consensus::Packet& packet) { return hear(packet); }),
-            out.end());
+  SideChannel::drain(out);
   for (std::size_t i = first; i < out.size(); ++i) view_.look(out[i].from, out[i].bytes);
 }
 
@@ -60,8 +56,7 @@ bool Rendezvous::hear(const consensus::Packet& packet) {
   if (in.u32() != kMagic) return false;
   const consensus::SessionTime epoch = in.i64();
   // An epoch of another day is nobody's script.
-  const bool plausible = epoch == 0 || (epoch > now_ - kMaxDistance && epoch < now_ + kMaxDistance);
-  if (plausible) heard_[packet.from] = epoch;
+  if (epoch == 0 || plausible(epoch, now_)) heard_[packet.from] = epoch;
   return true;
 }
 
@@ -70,7 +65,7 @@ void Rendezvous::say(consensus::PeerId to) {
   pbd::ByteWriter out(bytes);
   out.u32(kMagic);
   out.i64(epoch_.value_or(0));
-  inner_.post(to, bytes, consensus::Delivery::Newest);
+  post(to, bytes, consensus::Delivery::Newest);
 }
 
 }  // namespace tandem::demos

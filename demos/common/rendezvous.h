@@ -5,12 +5,10 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "common/remote_view.h"
-#include "tandem/consensus/transport.h"
+#include "common/side_channel.h"
 
 namespace tandem::demos {
 
@@ -21,10 +19,10 @@ namespace tandem::demos {
 /// and nobody knows one: the lowest peer id sets it. Who knows none takes over the earliest that it
 /// hears, so that a process that comes late, or comes back, joins the script where it is.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class Rendezvous final : public consensus::Transport {
+class Rendezvous final : public SideChannel {
  public:
   /// Both must outlive it.
-  Rendezvous(consensus::Transport& inner, RemoteView& view) : inner_(inner), view_(view) {}
+  Rendezvous(consensus::Transport& inner, RemoteView& view) : SideChannel(inner), view_(view) {}
 
   /// Speak where it is time, and decide. @param now  session time, ns
   void update(consensus::SessionTime now);
@@ -33,28 +31,15 @@ class Rendezvous final : public consensus::Transport {
   /// Whether anybody is connected.
   bool connected() const { return connected_; }
 
-  // consensus::Transport
-  consensus::PeerId self() const override { return inner_.self(); }
-  bool post(consensus::PeerId to, std::span<const std::byte> bytes,
-            consensus::Delivery delivery) override {
-    return inner_.post(to, bytes, delivery);
-  }
   void drain(std::vector<consensus::Packet>& out) override;
-  void drop(consensus::PeerId peer, const std::string& reason) override {
-    inner_.drop(peer, reason);
-  }
-  std::vector<consensus::PeerStatus> peers() const override { return inner_.peers(); }
 
  private:
   static constexpr consensus::SessionTime kInterval = 500'000'000;  // ns, between two words
   static constexpr consensus::SessionTime kLead = 1'000'000'000;    // ns, from decision to epoch
-  static constexpr consensus::SessionTime kMaxDistance = 86'400'000'000'000;  // ns, one day
 
-  /// Whether the packet is one of ours.
-  bool hear(const consensus::Packet& packet);
+  bool hear(const consensus::Packet& packet) override;
   void say(consensus::PeerId to);
 
-  consensus::Transport& inner_;
   RemoteView& view_;
   std::optional<consensus::SessionTime> epoch_;
   std::map<consensus::PeerId, consensus::SessionTime> heard_;  ///< epoch of each peer; 0 = none

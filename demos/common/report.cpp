@@ -18,6 +18,17 @@ namespace tandem::demos {
 
 namespace {
 
+/// ns, of the earliest sample; 0 where there is none.
+consensus::SessionTime first_time(const std::vector<PeerRecord>& peers) {
+  consensus::SessionTime first = INT64_MAX;
+  for (const PeerRecord& peer : peers) {
+    for (const Track& track : peer.tracks) {
+      if (!track.samples().empty()) first = std::min(first, track.samples().front().time);
+    }
+  }
+  return first == INT64_MAX ? 0 : first;
+}
+
 __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
   std::array<char, 256> text{};
   va_list arguments;
@@ -203,6 +214,9 @@ void write_csv(const Report& report, const std::string& folder) {
   if (error) throw std::runtime_error("cannot make " + folder + ": " + error.message());
   consensus::SessionTime start = INT64_MAX;
   for (const DivergenceSample& s : report.metrics.samples) start = std::min(start, s.time);
+  if (report.metrics.samples.empty()) {  // one peer, who disagrees with nobody
+    start = first_time(report.run.peers);
+  }
 
   std::string samples = "time_s,body,class,divergence_m,divergence_deg\n";
   std::vector<std::vector<double>> of_body(report.body_names.size());

@@ -16,7 +16,7 @@ constexpr std::size_t kBytes = 16;            // magic u32, code u32, time i64
 void Signals::update(consensus::SessionTime now) {
   now_ = now;
   std::vector<consensus::PeerId> company;
-  for (const consensus::PeerStatus& peer : inner_.peers()) {
+  for (const consensus::PeerStatus& peer : peers()) {
     if (!peer.connected) continue;
     company.push_back(peer.id);
     const bool newcomer = std::find(company_.begin(), company_.end(), peer.id) == company_.end();
@@ -41,14 +41,6 @@ bool Signals::take(consensus::SessionTime now, Signal& signal) {
   return false;
 }
 
-void Signals::drain(std::vector<consensus::Packet>& out) {
-  const std::size_t first = out.size();
-  inner_.drain(out);
-  out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                           [this](const consensus::Packet& packet) { return hear(packet); }),
-            out.end());
-}
-
 bool Signals::hear(const consensus::Packet& packet) {
   if (packet.bytes.size() != kBytes) return false;
   pbd::ByteReader in(packet.bytes);
@@ -56,8 +48,11 @@ bool Signals::hear(const consensus::Packet& packet) {
   Signal signal;
   signal.code = in.u32();
   signal.time = in.i64();
-  const bool plausible = signal.time > now_ - kMaxDistance && signal.time < now_ + kMaxDistance;
-  if (plausible && known_.size() < kMaxSignals) known_.insert(signal);
+  std::size_t& told = told_[packet.from];
+  if (!plausible(signal.time, now_) || known_.size() >= kMaxSignals || told >= kMaxFromOne) {
+    return true;
+  }
+  if (known_.insert(signal).second) ++told;
   return true;
 }
 
@@ -67,7 +62,7 @@ void Signals::say(consensus::PeerId to, const Signal& signal) {
   out.u32(kMagic);
   out.u32(signal.code);
   out.i64(signal.time);
-  inner_.post(to, bytes, consensus::Delivery::Reliable);
+  post(to, bytes, consensus::Delivery::Reliable);
 }
 
 }  // namespace tandem::demos

@@ -2,11 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <map>
 #include <set>
 #include <vector>
 
+#include "common/side_channel.h"
 #include "scenes/controls.h"
-#include "tandem/consensus/transport.h"
 
 namespace tandem::demos {
 
@@ -14,15 +15,14 @@ namespace tandem::demos {
 /// signal takes effect once at each peer, at its time or when it is heard, if that is later. Peers
 /// tell newcomers all that they know.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class Signals final : public consensus::Transport, public SignalSink {
+class Signals final : public SideChannel, public SignalSink {
  public:
-  /// Beyond this nothing more is taken from others.
+  /// Beyond these nothing more is taken from others, and nothing more from one of them.
   static constexpr std::size_t kMaxSignals = 1024;
-  /// ns: what is further from now is nobody's signal.
-  static constexpr consensus::SessionTime kMaxDistance = 86'400'000'000'000;
+  static constexpr std::size_t kMaxFromOne = 64;
 
   /// Must outlive it.
-  explicit Signals(consensus::Transport& inner) : inner_(inner) {}
+  explicit Signals(consensus::Transport& inner) : SideChannel(inner) {}
 
   /// Tell newcomers. @param now  ns, session time
   void update(consensus::SessionTime now);
@@ -30,20 +30,8 @@ class Signals final : public consensus::Transport, public SignalSink {
   /// The next signal whose time has come and that was not taken yet, in order of time.
   bool take(consensus::SessionTime now, Signal& signal);
 
-  // consensus::Transport
-  consensus::PeerId self() const override { return inner_.self(); }
-  bool post(consensus::PeerId to, std::span<const std::byte> bytes,
-            consensus::Delivery delivery) override {
-    return inner_.post(to, bytes, delivery);
-  }
-  void drain(std::vector<consensus::Packet>& out) override;
-  void drop(consensus::PeerId peer, const std::string& reason) override {
-    inner_.drop(peer, reason);
-  }
-  std::vector<consensus::PeerStatus> peers() const override { return inner_.peers(); }
-
  private:
-  bool hear(const consensus::Packet& packet);
+  bool hear(const consensus::Packet& packet) override;
   void say(consensus::PeerId to, const Signal& signal);
 
   struct InTime {
@@ -51,10 +39,10 @@ class Signals final : public consensus::Transport, public SignalSink {
       return a.time != b.time ? a.time < b.time : a.code < b.code;
     }
   };
-  consensus::Transport& inner_;
   std::set<Signal, InTime> known_;
   std::set<Signal, InTime> taken_;
-  std::vector<consensus::PeerId> company_;  ///< connected at the last update()
+  std::map<consensus::PeerId, std::size_t> told_;  ///< new ones, by who told them first
+  std::vector<consensus::PeerId> company_;         ///< connected at the last update()
   consensus::SessionTime now_ = 0;
 };
 

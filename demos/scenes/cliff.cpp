@@ -66,7 +66,7 @@ class CliffReferee final : public Referee {
 
 }  // namespace
 
-CliffScenario::CliffScenario(int balls) : balls_(balls) {
+CliffScenario::CliffScenario(int balls) : Scenario("cliff", 1), balls_(balls) {
   if (balls < 1 || balls > 1000) {
     throw std::invalid_argument("CliffScenario: balls = " + std::to_string(balls) +
                                 " breaks: 1 to 1000");
@@ -102,9 +102,7 @@ Scene CliffScenario::build(const SceneOptions& options) const {
 
 std::unique_ptr<User> CliffScenario::make_user(std::size_t user, Controls& controls,
                                                const UserOptions& options) const {
-  if (user >= user_count()) {
-    throw std::invalid_argument("CliffScenario: user = " + std::to_string(user) + " breaks: 0");
-  }
+  require_user(user);
   Random random(derived_seed(options.seed, 18));
   return std::make_unique<KeyUser>(controls, kPress + random.uniform(-0.1, 0.1));
 }

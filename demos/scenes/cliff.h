@@ -20,9 +20,7 @@ class CliffScenario final : public Scenario {
   /// @throws std::invalid_argument where the number is not within 1 to 1000
   explicit CliffScenario(int balls = 1000);
 
-  std::string name() const override { return "cliff"; }
   Scene build(const SceneOptions& options) const override;
-  std::size_t user_count() const override { return 1; }
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   void on_signal(Scene& scene, const Signal& signal, consensus::SessionTime now) const override;

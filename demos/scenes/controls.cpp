@@ -43,71 +43,38 @@ Input& Controls::note(Input::Kind kind, std::uint32_t object, std::size_t body) 
   return log_.back();
 }
 
-void Controls::log_spring(Input::Kind kind, std::size_t body, const consensus::GrabDef& def) {
+std::uint32_t Controls::add(Input::Kind kind, std::size_t body, const consensus::GrabDef& def,
+                            std::optional<consensus::InputMode> mode) {
+  consensus::GrabDef own = def;
+  own.body = scene_.bodies[body].id;
+  own.mode = mode;
+  springs_[next_] = {.id = peer_.grab(own), .body = body};
   Input& input = note(kind, next_, body);
   append(input.values, def.attachment_l);
   append(input.values, def.anchor_w);
   input.values.insert(input.values.end(), {def.stiffness, def.damping, def.max_force});
+  return next_++;
 }
 
 std::uint32_t Controls::grab(std::size_t body, const consensus::GrabDef& def) {
-  consensus::GrabDef own = def;
-  own.body = scene_.bodies[body].id;
-  Hold& hold = springs_[next_];
-  hold.id = peer_.grab(own);
-  hold.body = body;
-  log_spring(Input::Kind::Grab, body, def);
-  return next_++;
-}
-
-pbd::Tethers& Controls::tethers() {
-  if (tethers_ == nullptr) tethers_ = &scene_.world->add_block<pbd::Tethers>();
-  return *tethers_;
+  return add(Input::Kind::Grab, body, def, def.mode);
 }
 
 std::uint32_t Controls::hold(std::size_t body, const consensus::GrabDef& def) {
-  Hold& hold = springs_[next_];
-  hold.tether = tethers().add(*scene_.world, {.body = scene_.bodies[body].body,
-                                              .anchor_l = def.attachment_l,
-                                              .anchor_w = def.anchor_w,
-                                              .stiffness = def.stiffness,
-                                              .damping = def.damping,
-                                              .max_force = def.max_force});
-  hold.alone = true;
-  hold.body = body;
-  hold.moved = now_;
-  hold.anchor = def.anchor_w;
-  log_spring(Input::Kind::Hold, body, def);
-  return next_++;
+  return add(Input::Kind::Hold, body, def, consensus::InputMode::Asymmetric);
 }
 
 void Controls::move(std::uint32_t spring, const pbd::Vec3& anchor_w) {
-  Hold& hold = springs_.at(spring);
-  append(note(Input::Kind::Move, spring, hold.body).values, anchor_w);
-  if (!hold.alone) {
-    peer_.move(hold.id, anchor_w, now_);
-    return;
-  }
-  pbd::Tether::Def def = tethers().def(hold.tether);
-  const double dt = 1e-9 * static_cast<double>(now_ - hold.moved);
-  // From the last move: the solver has carried its own anchor on since.
-  if (dt > 0.0) def.anchor_velocity = (anchor_w - hold.anchor) / dt;
-  def.anchor_w = anchor_w;
-  hold.moved = now_;
-  hold.anchor = anchor_w;
-  tethers().set(*scene_.world, hold.tether, def);
+  const Spring& held = springs_.at(spring);
+  append(note(Input::Kind::Move, spring, held.body).values, anchor_w);
+  peer_.move(held.id, anchor_w, now_);
 }
 
 void Controls::release(std::uint32_t spring) {
   const auto found = springs_.find(spring);
   if (found == springs_.end()) return;
-  const Hold& hold = found->second;
-  if (hold.alone) {
-    tethers().remove(hold.tether);
-  } else {
-    peer_.release(hold.id);
-  }
-  note(Input::Kind::Release, spring, hold.body);
+  peer_.release(found->second.id);
+  note(Input::Kind::Release, spring, found->second.body);
   springs_.erase(found);
 }
 

@@ -4,12 +4,12 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "scenes/inputs.h"
 #include "scenes/scene.h"
 #include "tandem/consensus/peer.h"
-#include "tandem/pbd/tether.h"
 
 namespace tandem::demos {
 
@@ -43,7 +43,7 @@ class Controls {
   double dt() const { return dt_; }
   const Scene& scene() const { return scene_; }
 
-  /// A spring on a shared body; returns its number. Springs go to all peers.
+  /// A spring on a shared body, as the peer's mode has it; returns its number.
   /// @throws as consensus::Peer::grab
   std::uint32_t grab(std::size_t body, const consensus::GrabDef& def);
   /// The same spring, known to this peer alone: an asymmetric constraint, [friston] Sec. 3.5. The
@@ -65,16 +65,12 @@ class Controls {
   const std::vector<Input>& log() const { return log_; }
 
  private:
-  struct Hold {
-    consensus::GrabId id;      ///< of a spring that all know
-    pbd::ConstraintId tether;  ///< of one that is known here alone
-    bool alone = false;
+  struct Spring {
+    consensus::GrabId id;
     std::size_t body = 0;
-    consensus::SessionTime moved = 0;      ///< ns
-    pbd::Vec3 anchor = pbd::Vec3::Zero();  ///< m, world, as it was then
   };
-  pbd::Tethers& tethers();
-  void log_spring(Input::Kind kind, std::size_t body, const consensus::GrabDef& def);
+  std::uint32_t add(Input::Kind kind, std::size_t body, const consensus::GrabDef& def,
+                    std::optional<consensus::InputMode> mode);
   Input& note(Input::Kind kind, std::uint32_t object, std::size_t body);
 
   std::size_t user_;
@@ -82,10 +78,9 @@ class Controls {
   consensus::Peer& peer_;
   consensus::SessionTime epoch_;
   SignalSink* signals_;
-  pbd::Tethers* tethers_ = nullptr;  ///< one of the world's blocks, once there is need for it
   consensus::SessionTime now_ = 0;
   double dt_ = 1.0 / 60.0;
-  std::map<std::uint32_t, Hold> springs_;
+  std::map<std::uint32_t, Spring> springs_;
   std::uint32_t next_ = 1;
   std::vector<Input> log_;
 };

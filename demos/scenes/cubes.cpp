@@ -75,7 +75,8 @@ void CubesOptions::validate() const {
   require(std::isfinite(friction) && friction >= 0.0, "friction", friction, "finite and >= 0");
 }
 
-CubesScenario::CubesScenario(const CubesOptions& options) : options_(options) {
+CubesScenario::CubesScenario(const CubesOptions& options)
+    : Scenario("cubes", 2), options_(options) {
   options_.validate();
 }
 
@@ -104,10 +105,7 @@ Scene CubesScenario::build(const SceneOptions& options) const {
 
 std::unique_ptr<User> CubesScenario::make_user(std::size_t user, Controls& controls,
                                                const UserOptions& options) const {
-  if (user >= user_count()) {
-    throw std::invalid_argument("CubesScenario: user = " + std::to_string(user) +
-                                " breaks: 0 or 1");
-  }
+  require_user(user);
   return std::make_unique<ScriptedUser>(controls, options,
                                         cubes_tasks(user, options_, controls.scene(), options));
 }

@@ -38,9 +38,7 @@ class CubesScenario final : public Scenario {
   explicit CubesScenario(const CubesOptions& options = {});
 
   const CubesOptions& options() const { return options_; }
-  std::string name() const override { return "cubes"; }
   Scene build(const SceneOptions& options) const override;
-  std::size_t user_count() const override { return 2; }
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   /// The pillar stands: no cube has moved by 5 mm or tilted by 2 degrees.

@@ -11,8 +11,11 @@
 namespace tandem::demos {
 
 /// Minimum-jerk progress 10 s^3 - 15 s^4 + 6 s^5 from 0 to 1, held beyond both ends. Velocity and
-/// acceleration are 0 at the ends; the peak velocity is 1.875 times the mean.
+/// acceleration are 0 at the ends.
 double min_jerk(double s);
+/// Largest first and second derivative, 15/8 and 10/sqrt(3).
+inline constexpr double kMinJerkPeak = 1.875;
+inline constexpr double kMinJerkPeakAcceleration = 5.773502691896258;
 
 /// A hand's way: at rest in each knot, on minimum-jerk curves between them.
 class HandPath {

@@ -41,18 +41,43 @@ void HapticDevice::run(double seconds, const pbd::Vec3& meant,
       const pbd::Vec3 there = proxy->position + (i - 1) * cycle * proxy->velocity;
       const pbd::Vec3 wanted = o.coupling_stiffness * (there - pen_.position) +
                                o.coupling_damping * (proxy->velocity - pen_.velocity);
-      largest_force_ = std::max(largest_force_, wanted.norm());
+      largest_wanted_ = std::max(largest_wanted_, wanted.norm());
       motors = cut(wanted, o.force_limit);
+      if (o.controller) motors = controlled(hand, motors);
     }
     force_ = motors.norm();
+    largest_force_ = std::max(largest_force_, force_);
     const pbd::Vec3 before = pen_.velocity;
-    pen_.velocity += cycle / o.mass * (hand + motors - o.friction * pen_.velocity);
+    pen_.velocity = next_velocity(hand, motors);
     pen_.position += cycle * pen_.velocity;
     energy_ -= cycle * motors.dot(0.5 * (before + pen_.velocity));
     least_energy_ = std::min(least_energy_, energy_);
+    most_energy_ = std::max(most_energy_, energy_);
     fastest_ = std::max(fastest_, pen_.velocity.norm());
   }
   meant_ = meant;
+}
+
+pbd::Vec3 HapticDevice::next_velocity(const pbd::Vec3& hand, const pbd::Vec3& motors) const {
+  return pen_.velocity +
+         (hand + motors - options_.friction * pen_.velocity) / (options_.rate * options_.mass);
+}
+
+pbd::Vec3 HapticDevice::controlled(const pbd::Vec3& hand, const pbd::Vec3& motors) {
+  const double cycle = 1.0 / options_.rate;
+  const pbd::Vec3 mean = 0.5 * (pen_.velocity + next_velocity(hand, motors));
+  // Where the pen hardly moves nothing can be taken out: it begins a little before, once there was
+  // more.
+  constexpr double kReserve = 1e-3;  // J
+  const double missing =
+      cycle * motors.dot(mean) - energy_ + std::min(kReserve, 0.5 * most_energy_);  // J
+  const double square = mean.squaredNorm();
+  if (missing <= 0.0 || square <= 0.0) return motors;
+  // More than half of m / cycle, and the damping alone turns the pen back.
+  const double damping = std::min(missing / (cycle * square), 0.5 * options_.mass / cycle);
+  const pbd::Vec3 result = cut(motors - damping * mean, options_.force_limit);
+  taken_out_ += cycle * (motors - result).dot(mean);
+  return result;
 }
 
 }  // namespace tandem::demos

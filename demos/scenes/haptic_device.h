@@ -19,6 +19,7 @@ struct HapticOptions {
   double hand_stiffness = 250.0;   ///< N/m, of the hand about where it means to be
   double hand_damping = 6.0;       ///< N s/m
   double hand_limit = 10.0;        ///< N
+  bool controller = true;          ///< of passivity; false: it is observed only
 };
 
 /// Where something is and how it moves.
@@ -34,7 +35,10 @@ struct HapticPoint {
 ///
 /// The passivity observer adds up the energy that flows from the hand and the pen into the coupling
 /// and what is behind it: passive as long as that never falls below minus what was stored at the
-/// start, which is nothing, since the coupling closes at zero stretch.
+/// start, which is nothing, since the coupling closes at zero stretch. Where it would, the
+/// passivity controller [hannaford2002] adds just the damping that takes the missing energy out
+/// again, within what the motors have and what a cycle of the loop bears: what others do to a
+/// shared body a long way off cannot shake the hand.
 class HapticDevice {
  public:
   HapticDevice(const HapticOptions& options, const pbd::Vec3& position);
@@ -46,18 +50,24 @@ class HapticDevice {
 
   const HapticPoint& pen() const { return pen_; }
   double force() const { return force_; }                  ///< N, of the motors, in the last cycle
-  double largest_force() const { return largest_force_; }  ///< N, what the coupling asked for
-  double energy() const { return energy_; }                ///< J, of the observer
-  double least_energy() const { return least_energy_; }    ///< J
-  double fastest() const { return fastest_; }              ///< m/s
+  double largest_force() const { return largest_force_; }  ///< N, of the motors
+  double largest_wanted() const { return largest_wanted_; }  ///< N, what the coupling asked for
+  double energy() const { return energy_; }                  ///< J, of the observer
+  double least_energy() const { return least_energy_; }      ///< J
+  double taken_out() const { return taken_out_; }            ///< J, by the controller
+  double fastest() const { return fastest_; }                ///< m/s
 
  private:
   HapticOptions options_;
   HapticPoint pen_;
   pbd::Vec3 meant_;
+  /// m/s, of the pen after a cycle with these forces (N).
+  pbd::Vec3 next_velocity(const pbd::Vec3& hand, const pbd::Vec3& motors) const;
+  /// N, of the motors so that the observer does not fall below 0.
+  pbd::Vec3 controlled(const pbd::Vec3& hand, const pbd::Vec3& motors);
   double debt_ = 0.0;  ///< s that are not run yet
-  double force_ = 0.0, largest_force_ = 0.0;
-  double energy_ = 0.0, least_energy_ = 0.0, fastest_ = 0.0;
+  double force_ = 0.0, largest_force_ = 0.0, largest_wanted_ = 0.0;
+  double energy_ = 0.0, least_energy_ = 0.0, most_energy_ = 0.0, taken_out_ = 0.0, fastest_ = 0.0;
 };
 
 }  // namespace tandem::demos

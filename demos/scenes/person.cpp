@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "scenes/person.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -76,7 +78,10 @@ void Person::follow(Hand& hand) {
 }
 
 void Person::reach(int which, const Vec3& to, double duration) {
-  swing(which, to, Vec3::Zero(), duration);
+  const double way = (to - hand(which)).norm();
+  const double calm = std::max(kMinJerkPeak * way / kMaxSpeed,
+                               std::sqrt(kMinJerkPeakAcceleration * way / kMaxAcceleration));
+  swing(which, to, Vec3::Zero(), std::max(duration, calm));
 }
 
 void Person::swing(int which, const Vec3& to, const Vec3& velocity, double duration) {

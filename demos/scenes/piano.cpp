@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <utility>
 
 #include "scenes/piano_user.h"
@@ -156,10 +155,7 @@ Scene PianoScenario::build(const SceneOptions& options) const {
 
 std::unique_ptr<User> PianoScenario::make_user(std::size_t user, Controls& controls,
                                                const UserOptions& options) const {
-  if (user >= user_count()) {
-    throw std::invalid_argument("PianoScenario: user = " + std::to_string(user) +
-                                " breaks: 0 or 1");
-  }
+  require_user(user);
   return std::make_unique<PianoUser>(user, options_, controls, options);
 }
 

@@ -34,11 +34,10 @@ struct PianoPose {
 /// "piano".
 class PianoScenario final : public Scenario {
  public:
-  explicit PianoScenario(const PianoOptions& options = {}) : options_(options) {}
+  explicit PianoScenario(const PianoOptions& options = {})
+      : Scenario("piano", 2), options_(options) {}
 
-  std::string name() const override { return "piano"; }
   Scene build(const SceneOptions& options) const override;
-  std::size_t user_count() const override { return 2; }
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   Bounds bounds() const override { return {.max_distance = 2.0, .max_speed = 5.0, .lowest = 0.0}; }

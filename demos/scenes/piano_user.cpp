@@ -122,10 +122,11 @@ Vec3 PianoUser::meant(double time) {
 Outcome PianoUser::outcome() const {
   Outcome result{{"progress", seen_progress_ / path_.duration()}};
   if (piano_.mouse && user_ == 1) return result;
-  result.emplace_back("force_max_N", std::min(device_.largest_force(), piano_.device.force_limit));
-  result.emplace_back("force_wanted_N", device_.largest_force());
+  result.emplace_back("force_max_N", device_.largest_force());
+  result.emplace_back("force_wanted_N", device_.largest_wanted());
   result.emplace_back("energy_min_J", device_.least_energy());
   result.emplace_back("energy_J", device_.energy());
+  result.emplace_back("energy_taken_out_J", device_.taken_out());
   result.emplace_back("pen_fastest_m_s", device_.fastest());
   return result;
 }

@@ -3,7 +3,6 @@
 #include "scenes/room.h"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "scenes/room_users.h"
@@ -161,9 +160,7 @@ Scene RoomScenario::build(const SceneOptions& options) const {
 
 std::unique_ptr<User> RoomScenario::make_user(std::size_t user, Controls& controls,
                                               const UserOptions& options) const {
-  if (user >= user_count()) {
-    throw std::invalid_argument("RoomScenario: user = " + std::to_string(user) + " breaks: 0 or 1");
-  }
+  require_user(user);
   auto person = std::make_unique<Person>(user, controls, options);
   room_script(*person);
   return person;

@@ -21,9 +21,9 @@ class RoomScenario final : public Scenario {
   static constexpr double kBox = 0.12;    ///< m, edge
   static constexpr double kBench = 0.45;  ///< m, height
 
-  std::string name() const override { return "room"; }
+  RoomScenario() : Scenario("room", 2) {}
+
   Scene build(const SceneOptions& options) const override;
-  std::size_t user_count() const override { return 2; }
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   Bounds bounds() const override { return {.max_distance = 6.0, .max_speed = 15.0, .lowest = 0.0}; }

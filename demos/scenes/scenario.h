@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "scenes/controls.h"
 #include "scenes/scene.h"
@@ -33,13 +35,14 @@ class Referee {
 class Scenario {
  public:
   virtual ~Scenario() = default;
-  virtual std::string name() const = 0;
+  const std::string& name() const { return name_; }
   virtual Scene build(const SceneOptions& options) const = 0;
 
   /// How many users the script has; user u sits at peer u + 1, or at the last peer where there are
   /// fewer peers than users.
-  virtual std::size_t user_count() const = 0;
+  std::size_t user_count() const { return users_; }
   /// The controls must outlive the user.
+  /// @throws std::invalid_argument where user >= user_count()
   virtual std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                           const UserOptions& options) const = 0;
 
@@ -52,6 +55,19 @@ class Scenario {
   virtual std::string fault(const Scene& /*scene*/) const { return {}; }
   /// Null: there is no score.
   virtual std::unique_ptr<Referee> make_referee(const Scene& /*scene*/) const { return nullptr; }
+
+ protected:
+  Scenario(std::string name, std::size_t users) : name_(std::move(name)), users_(users) {}
+  /// @throws std::invalid_argument where user >= user_count()
+  void require_user(std::size_t user) const {
+    if (user < users_) return;
+    throw std::invalid_argument(name_ + ": user = " + std::to_string(user) + " breaks: below " +
+                                std::to_string(users_));
+  }
+
+ private:
+  std::string name_;
+  std::size_t users_;
 };
 
 }  // namespace tandem::demos

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "scenes/tennis_player.h"
@@ -154,10 +153,7 @@ Scene TennisScenario::build(const SceneOptions& options) const {
 
 std::unique_ptr<User> TennisScenario::make_user(std::size_t user, Controls& controls,
                                                 const UserOptions& options) const {
-  if (user >= user_count()) {
-    throw std::invalid_argument("TennisScenario: user = " + std::to_string(user) +
-                                " breaks: 0 or 1");
-  }
+  require_user(user);
   return std::make_unique<TennisPlayer>(user, court_, controls, options);
 }
 

@@ -31,9 +31,9 @@ class TennisScenario final : public Scenario {
   static constexpr double kServeLead = 0.2;  ///< s, from the signal to the fall
 
   const TennisCourt& court() const { return court_; }
-  std::string name() const override { return "tennis"; }
+  TennisScenario() : Scenario("tennis", 2) {}
+
   Scene build(const SceneOptions& options) const override;
-  std::size_t user_count() const override { return 2; }
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   /// Code k + 1: ball k falls.

@@ -12,6 +12,8 @@ namespace {
 using pbd::Vec3;
 
 constexpr double kGravity = 9.81;
+constexpr double kFastest = 3.0;  // m/s, of a racket, on the average of its way
+constexpr double kLow = 0.05;     // m below the table, where a ball is lost
 
 std::vector<std::size_t> all_balls(const Scene& scene) {
   std::vector<std::size_t> balls;
@@ -24,7 +26,7 @@ std::vector<std::size_t> all_balls(const Scene& scene) {
 }  // namespace
 
 Vec3 tennis_home(const TennisCourt& court, std::size_t user) {
-  return {tennis_side(user) * (court.half_length + 0.35), 0.0, court.height + 0.3};
+  return {tennis_side(user) * (court.half_length + 0.2), 0.0, court.height + 0.4};
 }
 
 void BallFlight::advance(const TennisCourt& court, double dt) {
@@ -73,9 +75,10 @@ TennisPlayer::TennisPlayer(std::size_t user, const TennisCourt& court, Controls&
 }
 
 void TennisPlayer::draw_target() {
-  target_ = Vec3(-side_ * random_.uniform(0.65, 0.95), random_.uniform(-0.3, 0.3),
+  // To the partner, so that it goes on.
+  target_ = Vec3(-side_ * random_.uniform(0.65, 0.95), random_.uniform(-0.1, 0.1),
                  court_.height + court_.ball_radius);
-  flight_ = random_.uniform(0.48, 0.55);
+  flight_ = random_.uniform(0.55, 0.65);
   // People do not hit quite what they aim at.
   const auto error = [this](double most) { return random_.uniform(-most, most); };
   aim_error_ = Vec3(error(0.01), error(0.01), error(0.01));
@@ -156,17 +159,19 @@ std::optional<Stroke> TennisPlayer::find_stroke(std::size_t ball, double time) {
   if (own_serve && flight.velocity.z() > 0.0) flight.bounces = 1;
   constexpr double kDt = 0.004;
   const double plane = court_.half_length + 0.12;
+  const Vec3 racket = move_.at(time).position;
   for (double t = sight_.seen_at(); t < time + 1.5; t += kDt) {
     const double before = flight.position.x();
     flight.advance(court_, kDt);
     const bool into_net = before * flight.position.x() <= 0.0 && !own_serve &&
                           flight.position.z() < court_.height + court_.net + court_.ball_radius;
-    if (into_net || flight.position.z() < court_.height - 0.05) return std::nullopt;
+    if (into_net || flight.position.z() < court_.height - kLow) return std::nullopt;
     const bool falls_back = flight.bounces > 0 && flight.velocity.z() < 0.0 &&
                             flight.position.z() < court_.height + 0.4;
     const bool ready = own_serve ? falls_back : flight.position.x() * side_ > plane;
-    if (!ready) continue;
-    if (t < time + 0.06) return std::nullopt;  // too late
+    // Who learns of it late takes the ball later, further back.
+    const double left = t + kDt - time;
+    if (!ready || left < 0.06 || (flight.position - racket).norm() > kFastest * left) continue;
     Stroke stroke = stroke_to(court_, flight, target_, flight_);
     stroke.time = t + kDt;
     return stroke;
@@ -180,8 +185,6 @@ void TennisPlayer::swing(const Stroke& stroke, double time) {
   MinJerkMove::State meet;
   meet.position = stroke.ball - (court_.ball_radius + court_.blade_thick) * normal;
   meet.velocity = stroke.speed * normal;
-  constexpr double kFastest = 6.0;  // m/s, on the average of the way
-  if ((meet.position - now.position).norm() > kFastest * (stroke.time - time)) return;
   if (stroke_ && std::abs(stroke_->time - stroke.time) < 0.004 &&
       (stroke_->ball - stroke.ball).norm() < 0.005) {
     return;  // as planned

@@ -11,7 +11,7 @@
 
 namespace tandem::demos {
 
-/// m, where a player's racket waits.
+/// m, where a player's racket waits: near where most balls are met.
 pbd::Vec3 tennis_home(const TennisCourt& court, std::size_t user);
 
 /// Where and how a ball flies.

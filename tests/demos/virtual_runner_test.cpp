@@ -6,6 +6,7 @@
 
 #include "common/metrics.h"
 #include "common/report.h"
+#include "runs.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"
 
@@ -22,16 +23,8 @@ Report run(const DemoOptions& options, const CubesOptions& cubes = kSmall) {
   return make_report("cubes", options, run_virtual(scenario, options), names);
 }
 
-DemoOptions quiet(double seconds, int profile) {
-  DemoOptions options;
-  options.quiet = true;
-  options.seconds = seconds;
-  options.profile = profile;
-  return options;
-}
-
 TEST_CASE("virtual run: same options, same bits; another seed, others", "[demos][golden]") {
-  DemoOptions options = quiet(2.0, 4);
+  DemoOptions options = quiet(4, 2.0);
   options.rates = {60.0, 72.0};
   options.loss = 0.05;
   const Report first = run(options);
@@ -45,7 +38,7 @@ TEST_CASE("virtual run: same options, same bits; another seed, others", "[demos]
 
 TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][golden]") {
   const CubesScenario scenario(kSmall);
-  DemoOptions options = quiet(3.0, 5);
+  DemoOptions options = quiet(5, 3.0);
   const RunResult shared = run_virtual(scenario, options);
   const RunResult reference = run_reference(scenario, options, shared);
   REQUIRE(reference.peers.size() == 1);
@@ -61,7 +54,7 @@ TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][go
 TEST_CASE("virtual run: what users did, done again, gives the same bits", "[demos][golden]") {
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem-virtual-runner-inputs").string();
-  DemoOptions options = quiet(4.0, 3);
+  DemoOptions options = quiet(3, 4.0);
   const Report first = run(options);
   write_inputs(first, path);
   options.replay = path;
@@ -73,7 +66,7 @@ TEST_CASE("virtual run: what users did, done again, gives the same bits", "[demo
 
 TEST_CASE("virtual run: latency is the link's plus half a step, updates are at their rate",
           "[demos][analytic]") {
-  DemoOptions options = quiet(2.0, 3);
+  DemoOptions options = quiet(3, 2.0);
   const Report report = run(options);
   // An update waits for the next beginning of a step: 0 to 1/60 s, the same for all updates of one
   // peer but for the jitter of 2.5 ms.
@@ -85,7 +78,7 @@ TEST_CASE("virtual run: latency is the link's plus half a step, updates are at t
 }
 
 TEST_CASE("virtual run: one peer alone does the whole script", "[demos][unit]") {
-  DemoOptions options = quiet(16.0, 1);
+  DemoOptions options = quiet(1, 16.0);
   options.peers = 1;
   const Report report = run(options);
   CHECK(report.fault.empty());
@@ -105,7 +98,7 @@ TEST_CASE("virtual run: one peer alone does the whole script", "[demos][unit]") 
 // Bounds of the scene "stacked cubes". The plate is lifted from 8 to 15 s.
 
 TEST_CASE("cubes: three uneven peers agree on a dedicated link", "[demos][soak]") {
-  DemoOptions options = quiet(12.0, 1);
+  DemoOptions options = quiet(1, 12.0);
   options.peers = 3;
   options.rates = {60.0, 72.0};
   const Report report = run(options);
@@ -116,14 +109,14 @@ TEST_CASE("cubes: three uneven peers agree on a dedicated link", "[demos][soak]"
 }
 
 TEST_CASE("cubes: two peers agree across an ocean", "[demos][soak]") {
-  const Report report = run(quiet(17.0, 5), CubesOptions{});
+  const Report report = run(quiet(5, 17.0), CubesOptions{});
   CHECK(report.fault == "");
   CHECK(report.metrics.resting_m.p50 <= 0.5e-3);
   CHECK(report.metrics.moving_m.p50 <= 25e-3);
 }
 
 TEST_CASE("cubes: without agreement the peers drift apart", "[demos][soak]") {
-  DemoOptions options = quiet(12.0, 3);
+  DemoOptions options = quiet(3, 12.0);
   const Report together = run(options);
   options.influence = 0.0;
   const Report apart = run(options);

@@ -82,6 +82,9 @@ class Inbox {
   /// What is kept of a body, by ascending peer; empty for unknown ids. Updates stay until a newer
   /// one, prune() or a removal: mind their age. Valid until the next change.
   std::span<const Received> newest(const SharedId& id) const;
+  /// The same of the `index`th of all registered ids, in their order.
+  /// @pre index < id_count()
+  std::span<const Received> newest_at(std::size_t index) const { return bodies_[index].newest; }
   /// Drop what has become older than max_age; returns how many.
   std::size_t prune(SessionTime now);
 

@@ -99,6 +99,8 @@ struct PeerStats {
   std::uint64_t springs_refused = 0;  ///< unknown body, or too many
   std::uint64_t bytes_sent = 0;
   InboxCounters inbox;
+  /// Bodies put where the leading peer has them, since something solid kept the copies apart.
+  std::uint64_t bodies_placed = 0;
 };
 
 /// A remote state that is about to be used, with all that predictors may go by.

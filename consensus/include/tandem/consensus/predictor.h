@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
@@ -26,7 +28,7 @@ struct MotionSample {
   bool coupled = false;                     ///< touched, joined or held
 };
 
-/// The last second or so of one body, as a ring. No allocation.
+/// The last second or so of one body, as a ring. No allocation after construction.
 class MotionHistory {
  public:
   static constexpr std::size_t kCapacity = 128;
@@ -42,20 +44,24 @@ class MotionHistory {
   /// Whether the orientation at `time` is surely within `angle` (rad, below a quarter turn) of `q`;
   /// cheaper than at_time(), and false where that would have to tell.
   bool within(SessionTime time, const pbd::Quat& q, double angle) const;
+  /// Ask for the memory of the newest sample and of those around the one `age` samples ago, which
+  /// lie far apart: the histories of a thousand bodies fit into no cache.
+  void prefetch(std::size_t age) const;
   /// Whether the body was coupled at any time since `time`.
   bool coupled_since(SessionTime time) const;
   /// Whether a user acted on the body at any time since `time`: by a spring or by a body of theirs.
   bool driven_since(SessionTime time) const;
-  /// Whether the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
-  /// to it. The peers' steps resolve a hit a little sooner or later, and within the step nobody
-  /// knows: velocities around it cannot be compared.
-  bool hit_near(SessionTime time) const;
+  /// Where the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
+  /// to it: the state at `time` as it would be without the step of the hit, on that side of it
+  /// whose velocity is nearer to `velocity` (m/s), carried straight. The peers' steps resolve a hit
+  /// a little sooner or later, and within the step nobody knows. Else nothing.
+  std::optional<MotionSample> beside_hit(SessionTime time, const pbd::Vec3& velocity) const;
 
  private:
   const MotionSample& at(std::size_t age) const {
     return samples_[(head_ + kCapacity - 1 - age) % kCapacity];
   }
-  std::array<MotionSample, kCapacity> samples_;
+  std::vector<MotionSample> samples_ = std::vector<MotionSample>(kCapacity);
   std::size_t head_ = 0;
   std::size_t count_ = 0;
   std::size_t free_for_ = 0;      ///< samples since the newest one that was coupled
@@ -135,6 +141,8 @@ class Predictor {
                              const PredictionContext& context) const = 0;
   /// c of the gain rule, see effective_share(): what the predictor bears.
   virtual double gain() const = 0;
+  /// The same for one state: less where another way is taken for it.
+  virtual double gain_for(const StateUpdate& /*update*/) const { return gain(); }
   /// Whether it uses the context's memory.
   virtual bool remembers() const { return false; }
 };

@@ -23,8 +23,10 @@ class Tether {
 
   struct Def {
     BodyId body;
-    Vec3 anchor_l = Vec3::Zero();         ///< m, frame of the body
-    Vec3 anchor_w = Vec3::Zero();         ///< m, world, at the start of the next step
+    Vec3 anchor_l = Vec3::Zero();  ///< m, frame of the body
+    /// m, world, at the start of the next step. Steps carry it on by `anchor_velocity`, so that
+    /// Tethers::def() tells where it has come to, not where it was set.
+    Vec3 anchor_w = Vec3::Zero();
     Vec3 anchor_velocity = Vec3::Zero();  ///< m/s, world
     double stiffness = 500.0;             ///< N/m, kMinStiffness to kMaxStiffness
     double damping = 20.0;                ///< N s/m, >= 0

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tandem/consensus/transport.h"
+
+namespace tandem::demos {
+
+/// A transport with words of its own among the session's packets: passes everything on, and takes
+/// out what it knows.
+class SideChannel : public consensus::Transport {
+ public:
+  /// ns: a time further from now than this is nobody's.
+  static constexpr consensus::SessionTime kMaxDistance = 86'400'000'000'000;
+
+  /// Must outlive it.
+  explicit SideChannel(consensus::Transport& inner) : inner_(inner) {}
+
+  // consensus::Transport
+  consensus::PeerId self() const override { return inner_.self(); }
+  bool post(consensus::PeerId to, std::span<const std::byte> bytes,
+            consensus::Delivery delivery) override {
+    return inner_.post(to, bytes, delivery);
+  }
+  void drain(std::vector<consensus::Packet>& out) override {
+    const auto first = static_cast<std::ptrdiff_t>(out.size());
+    inner_.drain(out);
+    out.erase(std::remove_if(out.begin() + first, out.end(),
+                             [this](const consensus::Packet& packet) { return hear(packet); }),
+              out.end());
+  }
+  void drop(consensus::PeerId peer, const std::string& reason) override {
+    inner_.drop(peer, reason);
+  }
+  std::vector<consensus::PeerStatus> peers() const override { return inner_.peers(); }
+
+ protected:
+  /// Whether the packet is one of ours; it is then taken in.
+  virtual bool hear(const consensus::Packet& packet) = 0;
+  /// Whether a time that was heard may be meant.
+  static bool plausible(consensus::SessionTime time, consensus::SessionTime now) {
+    return time > now - kMaxDistance && time < now + kMaxDistance;
+  }
+
+ private:
+  consensus::Transport& inner_;
+};
+
+}  // namespace tandem::demos

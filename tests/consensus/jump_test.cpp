@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What cannot come together by averaging, and what is put somewhere else on purpose.
+#include "consensus/peer_fixture.h"
+#include "support/catch.h"
+
+namespace tandem::consensus {
+namespace {
+
+using namespace testing;
+
+/// Counts the states that tell of a jump.
+class Jumps final : public PeerObserver {
+ public:
+  void on_prediction(PeerId, const SharedId&, SessionTime, const Vec3&, double) override {}
+  void on_estimate(const EstimateEvent& event) override {
+    if (!event.update.flags.teleported || event.update.stamp <= last_) return;
+    last_ = event.update.stamp;
+    ++told;
+  }
+  int told = 0;
+
+ private:
+  SessionTime last_ = 0;
+};
+
+/// A ball at `x` and, fixed at the origin, a ball of 0.2 m.
+void share_beside_post(Site& site, double x, std::optional<PeerId> owner = std::nullopt) {
+  constexpr double kPost = 0.2;
+  site.share(ball(Vec3(x, 0.0, 0.0)), owner);
+  pbd::BodyDef post;
+  post.type = pbd::BodyType::Static;
+  site.contacts.ball_on_ball(site.world.add_body(post), kPost, site.body, kBallRadius,
+                             {.friction = 0.0});
+  site.world.set_contact_source(&site.contacts);
+}
+
+TEST_CASE("jump: copies on different sides of something solid come together", "[consensus]") {
+  // On one line with the post, so that neither slides around it.
+  for (const int profile : {1, 3, 5}) {
+    Session session(network_profile(profile));
+    for (int i = 0; i < 2; ++i) {
+      Site& site = session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless);
+      share_beside_post(site, i == 0 ? 0.3 : -0.3);
+    }
+    session.run(1.0);
+    CHECK(gap(session[0], session[1]) > 0.55);
+    session.run(3.0);
+    INFO("profile " << profile << ": " << session[0].x().transpose() << ", "
+                    << session[1].x().transpose());
+    CHECK(gap(session[0], session[1]) < 1e-3);
+    // The follower jumped, once, and says so.
+    CHECK(session[0].x().x() > 0.29);
+    CHECK(session[0].peer->stats().bodies_placed == 0);
+    CHECK(session[1].peer->stats().bodies_placed == 1);
+  }
+}
+
+TEST_CASE("jump: what comes together by itself is left to do so", "[consensus]") {
+  Session session(network_profile(5));
+  for (int i = 0; i < 2; ++i) {
+    session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless)
+        .share(ball(Vec3(0.5 * i, 0.0, 0.0)));
+  }
+  session.run(6.0);
+  CHECK(gap(session[0], session[1]) < 1e-3);
+  for (const auto& site : session.sites) CHECK(site->peer->stats().bodies_placed == 0);
+}
+
+TEST_CASE("jump: an owner's jump passes through what is in between, and is no motion",
+          "[consensus]") {
+  constexpr PeerId kOwner = 1;
+  Session session(network_profile(3));
+  Jumps jumps;
+  double fastest = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    share_beside_post(session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless), 1.0,
+                      kOwner);
+  }
+  session[1].peer->set_observer(&jumps);
+  session.run(1.5);
+  CHECK(jumps.told == 0);
+  session[0].world.set_pose(session[0].body, {Vec3(-1.0, 0.0, 0.0), Quat::Identity()});
+  session.after = [&](Site& site) { fastest = std::max(fastest, site.v().norm()); };
+  // The news takes 28.5 ms, and steps and updates one interval each.
+  session.run(0.1);
+  CHECK((session[1].x() - Vec3(-1.0, 0.0, 0.0)).norm() < 1e-9);
+  session.run(1.0);
+  CHECK(fastest < 1e-9);
+  CHECK(jumps.told == 3);  // some of them might have got lost
+}
+
+}  // namespace
+}  // namespace tandem::consensus
