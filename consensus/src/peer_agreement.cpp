@@ -6,7 +6,6 @@
 
 #include "cpu_clock.h"
 #include "peer_impl.h"
-#include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
 #include "two_step.h"
 
@@ -206,46 +205,6 @@ void Peer::Impl::place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& 
   remember(shared, now, {});
 }
 
-void Peer::Impl::mark_acting() {
-  acting_.assign(world_.slot_count(), 0);
-  springs_.mark(acting_);
-  if (world_.contacts() == nullptr) return;
-  touching_.assign(world_.slot_count(), 0);
-  for (const Shared& shared : shared_) {
-    if (owned_ == 0) break;
-    if (!shared.def.owner.has_value() || !world_.contains(shared.def.body)) continue;
-    touching_[shared.def.body.index] =
-        shared.def.owner == transport_.self() ? kTouchedByOwn : kTouchedByOther;
-  }
-  for (const pbd::Contact& contact : world_.contacts()->contacts()) {
-    // Of the whole step: what bounced has left in the last substep.
-    if (!(contact.impulse > 0.0)) continue;
-    const std::uint32_t a = contact.manifold.body_a;
-    const std::uint32_t b = contact.manifold.body_b;
-    acting_[a] = static_cast<std::uint8_t>(acting_[a] | kTouched | touching_[b]);
-    acting_[b] = static_cast<std::uint8_t>(acting_[b] | kTouched | touching_[a]);
-  }
-}
-
-void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Received> newest,
-                                   SessionTime now) {
-  if (shared.def.owner.has_value()) return;
-  const std::uint8_t bits = acting_[shared.def.body.index];
-  Initiative::Acting acting{.own = (bits & (Springs::kShared | kTouchedByOwn)) != 0,
-                            .other = (bits & (Springs::kRemote | kTouchedByOther)) != 0,
-                            .contact = shared.history.newest().coupled};
-  // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
-  if ((bits & Springs::kAlone) != 0) acting.other = true;
-  double round_trip = 0.0;
-  for (const Inbox::Received& received : newest) {
-    if (received.update.flags.owner_driven) acting.other = true;
-    round_trip = std::max(
-        round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
-    shared.initiative.hear(received.peer, received.update.flags.leads, received.update.stamp);
-  }
-  shared.initiative.update(acting, round_trip, now);
-}
-
 void Peer::Impl::tell_observer(SessionTime now) {
   for (const Noted& n : noted_) {
     observer_->on_prediction(n.from, n.body, now, n.position, n.age);
@@ -333,10 +292,6 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
   }
 }
 
-bool Peer::Impl::hard_at_sender(const StateUpdate& update) const {
-  return options_.mode == InputMode::Hard && update.flags.owner_driven && update.influence >= 1.0F;
-}
-
 double Peer::Impl::accepted(double share, const Prediction& prediction, const Heard& heard,
                             SessionTime now) const {
   if (options_.acceptance.empty()) return share;
@@ -360,39 +315,6 @@ Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTi
   }
   it->last = now;
   return *it;
-}
-
-bool Peer::Impl::drag(Shared& shared, SessionTime now) {
-  hands_.clear();
-  springs_.hands(shared.def.body, now, hands_);
-  HardInput& hard = shared.hard;
-  if (hands_.empty()) {
-    hard.active = false;
-    return false;
-  }
-  const pbd::BodyState last = hard.own;
-  const pbd::BodyState& shown = world_.state(shared.def.body);
-  hard.own.pose = dragged(world_.props(shared.def.body), shown.pose, hands_);
-  if (!hard.active) {
-    hard.own.twist = {};
-  } else if (step_dt_ > 0.0) {
-    // `last` is where the hand was going to be by now: what it missed is a change of velocity.
-    const double part = 1.0 - std::exp(-step_dt_ / options_.anchor_velocity_filter);
-    hard.own.twist.linear += part / step_dt_ * (hard.own.pose.position - last.pose.position);
-    hard.own.twist.angular +=
-        part / step_dt_ * pbd::rotation_between(last.pose.orientation, hard.own.pose.orientation);
-  }
-  hard.active = true;
-  std::erase_if(estimates_, [](const PeerEstimate& estimate) { return estimate.share < 1.0; });
-  hard.shown = hard.own;
-  pbd::PoseTarget others;
-  if (!estimates_.empty() && fuse(hard.own.pose, estimates_, others)) {
-    hard.shown =
-        mean_of(hard.own, {others.pose, others.twist}, static_cast<int>(estimates_.size()));
-  }
-  world_.set_pose(shared.def.body, hard.shown.pose);
-  world_.set_twist(shared.def.body, hard.shown.twist);
-  return true;
 }
 
 double Peer::Impl::announced(const Shared& shared) const {

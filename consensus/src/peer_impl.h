@@ -19,8 +19,8 @@
 
 namespace tandem::consensus {
 
-/// What one peer does in a step. Receiving and sending are in peer_exchange.cpp, prediction and
-/// fusion in peer_agreement.cpp.
+/// What one peer does in a step. Receiving and sending are in peer_exchange.cpp, who acts on what
+/// and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp.
 class Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
