@@ -144,22 +144,21 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .gravity = ctx.gravity};
-  const std::uint32_t first = m.order.range(ctx.group).first;
-  const std::uint32_t last = m.order.range(ctx.group).second;
-  ctx.workers->for_chunks(last - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = first + begin; k < first + end; ++k) {
-      ContactRow& row = m.rows[k];
-      Contact& contact = m.contacts[row.contact];
-      const bool in_total = ctx.bodies[row.a].total || ctx.bodies[row.b].total;
-      for (std::size_t i = 0; i < row.count; ++i) {
-        if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
-        if (!in_total) contact.debt[i] *= kGapDecay;
-      }
-      row.fresh = ctx.substep == 0;
-      if (row.fresh) row.carried = static_cast<float>(sum(row.impulse));
-      begin_row(contact, rule, ctx.h, ctx.bodies, row);
-    }
-  });
+  const ContactOrder::Places places = m.order.range(ctx.group);
+  ctx.workers->for_chunks(
+      places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
+          ContactRow& row = m.rows[k];
+          Contact& contact = m.contacts[row.contact];
+          const bool in_total = ctx.bodies[row.a].total || ctx.bodies[row.b].total;
+          for (std::size_t i = 0; i < row.count; ++i) {
+            if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
+            if (!in_total) contact.debt[i] *= kGapDecay;
+          }
+          if (ctx.substep == 0) row.carried = static_cast<float>(sum(row.impulse));
+          begin_row(contact, rule, ctx.h, ctx.bodies, row);
+        }
+      });
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
@@ -172,15 +171,16 @@ void ContactBlock::warm_start(const SubstepContext& ctx) {
 
 double ContactBlock::project(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const std::uint32_t first = m.order.range(ctx.group).first;
-  const std::uint32_t last = m.order.range(ctx.group).second;
+  const bool fresh = ctx.substep == 0;
+  const ContactOrder::Places places = m.order.range(ctx.group);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, ctx.bodies);
+    m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, fresh, ctx.bodies);
   });
   const ContactConvergence::Rule rule{
       .sweeps = m.options.extra_sweeps,
-      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h};
-  m.extra_rows += m.convergence.run(rule, first, last, ctx.reverse, m.rows, m.changes, ctx.bodies);
+      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
+      .fresh = fresh};
+  m.extra_rows += m.convergence.run(rule, places, ctx.reverse, m.rows, m.changes, ctx.bodies);
   for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
     std::atomic<bool> any{false};
     m.order.sweep(ctx.group, ctx.reverse != (sweep % 2 == 1), *ctx.workers, [&](std::uint32_t k) {
@@ -196,38 +196,38 @@ double ContactBlock::project(const SubstepContext& ctx) {
 
 double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  const bool fresh = ctx.substep == 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     ContactRow& row = m.rows[k];
-    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity, ctx.bodies) : 0.0;
+    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity, fresh, ctx.bodies) : 0.0;
   });
   return m.largest_change(ctx.group);
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const std::uint32_t first = m.order.range(ctx.group).first;
-  const std::uint32_t last = m.order.range(ctx.group).second;
-  ctx.workers->for_chunks(last - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = first + begin; k < first + end; ++k) {
-      ContactRow& row = m.rows[k];
-      Contact& contact = m.contacts[row.contact];
-      double sum = 0.0;
-      for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
-      contact.impulse += sum;
-      if (sum > 0.0) {
-        contact.approach_speed =
-            std::max(contact.approach_speed, static_cast<double>(row.approach));
-      }
-      if (!ctx.last) continue;
-      contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
-      contact.friction_force =
-          (row.slide[0] * row.t1 + row.slide[1] * row.normal.cross(row.t1)) / ctx.h;
-      // What a spoiled step leaves behind must not spoil the next one.
-      for (int i = 0; i < row.count; ++i) {
-        contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
-      }
-    }
-  });
+  const ContactOrder::Places places = m.order.range(ctx.group);
+  ctx.workers->for_chunks(
+      places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
+          ContactRow& row = m.rows[k];
+          Contact& contact = m.contacts[row.contact];
+          double sum = 0.0;
+          for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
+          contact.impulse += sum;
+          if (sum > 0.0) {
+            contact.approach_speed =
+                std::max(contact.approach_speed, static_cast<double>(row.approach));
+          }
+          if (!ctx.last) continue;
+          contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
+          contact.friction_force = (row.slide[0] * row.t1 + row.slide[1] * row.t2()) / ctx.h;
+          // What a spoiled step leaves behind must not spoil the next one.
+          for (int i = 0; i < row.count; ++i) {
+            contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
+          }
+        }
+      });
 }
 
 void ContactBlock::end_step(const SubstepContext& ctx) {

@@ -37,12 +37,12 @@ void ContactConvergence::drop_solved(const Rule& rule, std::span<const ContactRo
   });
 }
 
-int ContactConvergence::run(const Rule& rule, std::uint32_t first, std::uint32_t last, bool reverse,
+int ContactConvergence::run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
                             std::span<ContactRow> rows, std::span<double> changes,
                             std::span<SolverBody> bodies) {
   if (rule.sweeps == 0) return 0;
   places_.clear();
-  for (std::uint32_t k = first; k < last; ++k) places_.push_back(k);
+  for (std::uint32_t k = places.begin; k < places.end; ++k) places_.push_back(k);
   int swept = 0;
   for (int sweep = 0; sweep <= rule.sweeps; ++sweep) {
     drop_solved(rule, rows, changes, bodies);
@@ -52,7 +52,7 @@ int ContactConvergence::run(const Rule& rule, std::uint32_t first, std::uint32_t
     for (std::size_t i = 0; i < n; ++i) {
       const std::uint32_t k = places_[reverse ? n - 1 - i : i];
       islands_[bodies[rows[k].movable()].island].hard = true;
-      changes[k] = solve_row(rows[k], ContactPass::Motion, bodies);
+      changes[k] = solve_row(rows[k], ContactPass::Motion, rule.fresh, bodies);
     }
     swept += static_cast<int>(n);
   }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "contact_order.h"
 #include "contact_row.h"
 
 namespace tandem::pbd {
@@ -20,16 +21,17 @@ class ContactConvergence {
   struct Rule {
     int sweeps = 0;        ///< at most, after the first
     double resting = 0.0;  ///< m/s: rms change below which an island is solved
+    bool fresh = false;    ///< friction starts anew in this substep
   };
 
   /// Once per step: how fast the islands move.
   void begin_step(std::span<const SolverBody> bodies, const BodyOrder& order);
 
-  /// Sweep what needs it of the places from `first` to `last`.
+  /// Sweep what needs it of the places.
   /// @param reverse  the direction of the first sweep
   /// @param changes  m/s, by place: what that sweep changed
   /// Returns the number of rows swept again.
-  int run(const Rule& rule, std::uint32_t first, std::uint32_t last, bool reverse,
+  int run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
           std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
 
   /// Whether the island stood when the step began: it pays to solve it well.

@@ -81,9 +81,10 @@ struct ContactBlock::Impl {
   }
 
   double largest_change(std::uint32_t group) const {
-    const auto [first, last] = order.range(group);
+    const ContactOrder::Places places = order.range(group);
     double largest = 0.0;
-    for (std::uint32_t k = first; k < last; ++k) largest = std::max(largest, changes[k]);
+    for (std::uint32_t k = places.begin; k < places.end; ++k)
+      largest = std::max(largest, changes[k]);
     return largest;
   }
 };
