@@ -125,7 +125,6 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   const auto places = m.order.places();
   m.rows.resize(places.size());
   m.changes.resize(places.size());
-  m.convergence.begin_step(ctx.bodies, ctx.order);
   m.extra_rows = 0;
   ctx.workers->for_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -133,6 +132,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
       prepare_row(m.contacts[places[k]], ctx.bodies, m.options, m.rows[k]);
     }
   });
+  m.convergence.begin_step(ctx.bodies, ctx.order, m.rows);
 }
 
 void ContactBlock::begin_substep(const SubstepContext& ctx) {
@@ -231,6 +231,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
 }
 
 void ContactBlock::end_step(const SubstepContext& ctx) {
+  impl_->convergence.end_step(ctx.bodies);
   impl_->residual = 0.0;
   impl_->total_residual = 0.0;
   for (Contact& contact : impl_->contacts) {
@@ -264,6 +265,7 @@ void ContactBlock::links(LinkVisitor& visitor) const {
 }
 
 void ContactBlock::remove_body(BodyId body) {
+  impl_->convergence.remove_body(body.index);
   std::erase_if(impl_->contacts, [&](const Contact& contact) {
     return contact.manifold.body_a == body.index || contact.manifold.body_b == body.index;
   });
@@ -283,6 +285,7 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
   out.f64(impl_->residual);
   out.f64(impl_->total_residual);
+  impl_->convergence.save(out);
   out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
   for (const Contact& contact : impl_->contacts) {
     const Manifold& m = contact.manifold;
@@ -317,6 +320,7 @@ void ContactBlock::load(ByteReader& in) {
   impl_->extra_rows = static_cast<int>(in.u32());
   impl_->residual = in.f64();
   impl_->total_residual = in.f64();
+  impl_->convergence.load(in);
   impl_->any_friction = false;
   impl_->any_restitution = false;
   const std::uint32_t size = in.u32();
