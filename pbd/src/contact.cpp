@@ -150,10 +150,11 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
         for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
           ContactRow& row = m.rows[k];
           Contact& contact = m.contacts[row.contact];
-          const bool in_total = ctx.bodies[row.a].total || ctx.bodies[row.b].total;
+          m.prefetch_contact(k, places.begin + end);
+          const bool in_total = ctx.shared && (ctx.bodies[row.a].total || ctx.bodies[row.b].total);
           for (std::size_t i = 0; i < row.count; ++i) {
             if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
-            if (!in_total) contact.debt[i] *= kGapDecay;
+            if (!in_total && contact.debt[i] != 0.0) contact.debt[i] *= kGapDecay;
           }
           if (ctx.substep == 0) row.carried = static_cast<float>(sum(row.impulse));
           begin_row(contact, rule, ctx.h, ctx.bodies, row);
@@ -174,6 +175,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   const bool fresh = ctx.substep == 0;
   const ContactOrder::Places places = m.order.range(ctx.group);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
+    m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
     m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, fresh, ctx.bodies);
   });
   const ContactConvergence::Rule rule{
@@ -181,13 +183,15 @@ double ContactBlock::project(const SubstepContext& ctx) {
       .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
       .fresh = fresh};
   m.extra_rows += m.convergence.run(rule, places, ctx.reverse, m.rows, m.changes, ctx.bodies);
+  m.pushed.assign(ctx.bodies.size(), 0);
   for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
     std::atomic<bool> any{false};
     m.order.sweep(ctx.group, ctx.reverse != (sweep % 2 == 1), *ctx.workers, [&](std::uint32_t k) {
       // Later sweeps are for islands that are hard to solve.
       const bool wanted =
           sweep == 0 || m.convergence.was_hard(ctx.bodies[m.rows[k].movable()].island);
-      if (wanted && push_row(m.rows[k], ctx.bodies)) any.store(true, std::memory_order_relaxed);
+      if (wanted && push_row(m.rows[k], ctx.bodies, m.pushed))
+        any.store(true, std::memory_order_relaxed);
     });
     if (!any.load(std::memory_order_relaxed)) break;
   }
@@ -198,6 +202,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool fresh = ctx.substep == 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
+    m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
     ContactRow& row = m.rows[k];
     m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity, fresh, ctx.bodies) : 0.0;
   });

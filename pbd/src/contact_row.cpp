@@ -138,6 +138,25 @@ double bounce_of(double e, double approach, double gap, double a, double h) {
   return 0.5 * a * h + std::sqrt(0.25 * a * a * h * h + e * e * energy2);
 }
 
+/// push_row(), of a row that is sunk or whose bodies were pushed.
+bool push_face(const ContactRow& row, SolverBody& a, SolverBody& b) {
+  const Vec3 t2 = row.t2();
+  const RelativeMotion motion{
+      b.v_push - a.v_push + b.w_push.cross(row.arm_b) - a.w_push.cross(row.arm_a),
+      b.w_push - a.w_push};
+  const Four e = normal_velocities(row, t2, motion) + row.bias;
+  bool active = false;
+  for (int i = 0; i < row.count; ++i) {
+    active = active || e[i] < 0.0;
+  }
+  if (!active) return false;
+  const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
+  const Vec3 press = press_of(row, dz);
+  apply_wrench(row, t2, {.force = {press[0], 0.0, 0.0}, .couple = {0.0, press[1], press[2]}}, a, b,
+               &SolverBody::v_push, &SolverBody::w_push);
+  return true;
+}
+
 }  // namespace
 
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
@@ -308,26 +327,14 @@ double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<Solver
   return change;
 }
 
-bool push_row(const ContactRow& row, std::span<SolverBody> bodies) {
+bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed) {
+  if (!row.sunk && pushed[row.a] == 0 && pushed[row.b] == 0) return false;
   SolverBody& a = bodies[row.a];
   SolverBody& b = bodies[row.b];
-  const bool disturbed = !a.v_push.isZero(0.0) || !b.v_push.isZero(0.0);
-  if (!row.sunk && !disturbed) return false;
-  if (row.count == 1) return push_point(row, a, b);
-  const Vec3 t2 = row.t2();
-  const RelativeMotion motion{
-      b.v_push - a.v_push + b.w_push.cross(row.arm_b) - a.w_push.cross(row.arm_a),
-      b.w_push - a.w_push};
-  const Four e = normal_velocities(row, t2, motion) + row.bias;
-  bool active = false;
-  for (int i = 0; i < row.count; ++i) {
-    active = active || e[i] < 0.0;
-  }
-  if (!active) return false;
-  const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
-  const Vec3 press = press_of(row, dz);
-  apply_wrench(row, t2, {.force = {press[0], 0.0, 0.0}, .couple = {0.0, press[1], press[2]}}, a, b,
-               &SolverBody::v_push, &SolverBody::w_push);
+  if (row.count == 1 ? !push_point(row, a, b) : !push_face(row, a, b)) return false;
+  // What cannot move may be shared by rows that are solved at once.
+  if (a.inv_mass > 0.0) pushed[row.a] = 1;
+  if (b.inv_mass > 0.0) pushed[row.b] = 1;
   return true;
 }
 

@@ -110,7 +110,8 @@ double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<Solver
 
 /// Open overlaps through v_push and w_push, which move poses and are forgotten after the substep.
 /// Returns whether there was anything to do.
-bool push_row(const ContactRow& row, std::span<SolverBody> bodies);
+/// @param pushed  by body: it has such velocities already
+bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed);
 
 /// Gap of point i as the bodies stand, m.
 double gap_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b, int i);
