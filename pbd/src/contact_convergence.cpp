@@ -22,7 +22,10 @@ void ContactConvergence::begin_step(std::span<const SolverBody> bodies, const Bo
     ++island.bodies;
   }
   island_of_.resize(rows.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) island_of_[k] = bodies[rows[k].movable()].island;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    island_of_[k] = bodies[rows[k].movable()].island;
+    ++islands_[island_of_[k]].rows;
+  }
 }
 
 void ContactConvergence::end_step(std::span<const SolverBody> bodies) {
@@ -57,14 +60,21 @@ int ContactConvergence::run(const Rule& rule, const ContactOrder::Places& places
                             std::span<ContactRow> rows, std::span<double> changes,
                             std::span<SolverBody> bodies) {
   if (rule.sweeps == 0) return 0;
+  const auto island_of = [&](std::uint32_t k) -> Island& { return islands_[island_of_[k]]; };
+  for (std::uint32_t k = places.begin; k < places.end; ++k) island_of(k).change2 = 0.0;
   for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    islands_[island_of_[k]].change2 = 0.0;
-    islands_[island_of_[k]].rows = 0;
+    island_of(k).change2 += changes[k] * changes[k];
   }
-  for (std::uint32_t k = places.begin; k < places.end; ++k) add_change(k, changes[k]);
   places_.clear();
   for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    if (is_open(rule, islands_[island_of_[k]])) places_.push_back(k);
+    Island& island = island_of(k);
+    if (!island.worth_it() || !is_open(rule, island)) continue;
+    if (island.given_up()) {
+      island.open = true;
+    } else {
+      island.hard = true;
+      places_.push_back(k);
+    }
   }
   int swept = 0;
   for (int sweep = 0; sweep < rule.sweeps && !places_.empty(); ++sweep) {
@@ -75,21 +85,11 @@ int ContactConvergence::run(const Rule& rule, const ContactOrder::Places& places
       changes[k] = solve_row(rows[k], ContactPass::Motion, rule.fresh, bodies);
     }
     swept += static_cast<int>(n);
-    for (const std::uint32_t k : places_) {
-      Island& island = islands_[island_of_[k]];
-      island.hard = true;
-      island.change2 = 0.0;
-      island.rows = 0;
-    }
-    for (const std::uint32_t k : places_) add_change(k, changes[k]);
-    std::erase_if(places_, [&](std::uint32_t k) {
-      Island& island = islands_[island_of_[k]];
-      if (!is_open(rule, island)) return true;
-      const bool was_last = sweep + 1 >= (island.given_up() ? kGivenUpSweeps : rule.sweeps);
-      island.open = island.open || was_last;
-      return was_last;
-    });
+    for (const std::uint32_t k : places_) island_of(k).change2 = 0.0;
+    for (const std::uint32_t k : places_) island_of(k).change2 += changes[k] * changes[k];
+    std::erase_if(places_, [&](std::uint32_t k) { return !is_open(rule, island_of(k)); });
   }
+  for (const std::uint32_t k : places_) island_of(k).open = true;
   return swept;
 }
 

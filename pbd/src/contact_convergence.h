@@ -41,11 +41,17 @@ class ContactConvergence {
   int run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
           std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
 
+  /// Whether the row at a place is one of a large heap that moves, where it does not pay to solve
+  /// friction well: it will have changed before that helps.
+  bool in_motion(std::uint32_t place) const {
+    const Island& island = islands_[island_of_[place]];
+    return island.rows > kSmall && !island.worth_it();
+  }
   /// Whether the island stood when the step began: it pays to solve it well.
   bool stands(std::uint32_t island) const { return !islands_[island].faster_than(kStanding); }
   /// What its last sweep still changed, rms over its rows, m/s; 0 where it moves.
   double unrest(std::uint32_t island) const {
-    if (!islands_[island].worth_it() || islands_[island].given_up()) return 0.0;
+    if (!islands_[island].pays()) return 0.0;
     return std::sqrt(islands_[island].change2 / std::max(1u, islands_[island].rows));
   }
   /// Whether the island was not solved by the first sweep at some time in this step, and is not
@@ -63,8 +69,6 @@ class ContactConvergence {
   /// counted.
   static constexpr std::uint32_t kPatience = 30;
   static constexpr std::uint32_t kGrudge = 10;
-  /// Sweeps of one that is.
-  static constexpr int kGivenUpSweeps = 1;
 
   struct Island {
     double speed2 = 0.0;   ///< m^2/s^2, sum over bodies
@@ -75,19 +79,14 @@ class ContactConvergence {
     bool hard = false;
     bool open = false;  ///< not solved by all of its sweeps in some substep
 
+    bool pays() const { return worth_it() && !given_up(); }
     bool worth_it() const { return !faster_than(rows > kSmall ? kAtRest : kStanding); }
     bool given_up() const { return rows > kSmall && unsolved >= kPatience * bodies; }
     bool faster_than(double speed) const { return speed2 > speed * speed * bodies; }
   };
 
-  /// What the last sweep changed.
-  void add_change(std::uint32_t place, double change) {
-    Island& island = islands_[island_of_[place]];
-    island.change2 += change * change;
-    ++island.rows;
-  }
   bool is_open(const Rule& rule, const Island& island) const {
-    return island.worth_it() && island.change2 > rule.resting * rule.resting * island.rows;
+    return island.change2 > rule.resting * rule.resting * island.rows;
   }
 
   std::vector<Island> islands_;           ///< by the index of the island's lowest body
