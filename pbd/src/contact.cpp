@@ -78,6 +78,25 @@ void carry(const CarriedContact& old, Contact& contact) {
   }
 }
 
+/// What is known of a contact at the end of a step.
+void finish_contact(Contact& contact, std::span<const SolverBody> bodies, Residuals& worst) {
+  const Manifold& m = contact.manifold;
+  const SolverBody& a = bodies[m.body_a];
+  const SolverBody& b = bodies[m.body_b];
+  const bool asleep = a.group == SolverBody::kNoGroup && b.group == SolverBody::kNoGroup;
+  if (!asleep || contact.overlap < 0.0) {  // what sleeps is as it was
+    contact.overlap = 0.0;
+    for (int i = 0; i < m.count; ++i) {
+      contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
+    }
+  }
+  worst.real = std::max(worst.real, contact.overlap);
+  for (int i = 0; i < m.count; ++i) {
+    worst.total = std::max(worst.total, -contact.debt[i]);
+    if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
+  }
+}
+
 }  // namespace
 
 ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
@@ -240,24 +259,20 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
 
 void ContactBlock::end_step(const SubstepContext& ctx) {
   impl_->convergence.end_step(ctx.bodies);
-  impl_->residual = 0.0;
-  impl_->total_residual = 0.0;
-  for (Contact& contact : impl_->contacts) {
-    const Manifold& m = contact.manifold;
-    const SolverBody& a = ctx.bodies[m.body_a];
-    const SolverBody& b = ctx.bodies[m.body_b];
-    const bool asleep = a.group == SolverBody::kNoGroup && b.group == SolverBody::kNoGroup;
-    if (!asleep || contact.overlap < 0.0) {  // what sleeps is as it was
-      contact.overlap = 0.0;
-      for (int i = 0; i < m.count; ++i) {
-        contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
-      }
-    }
-    impl_->residual = std::max(impl_->residual, contact.overlap);
-    for (int i = 0; i < m.count; ++i) {
-      impl_->total_residual = std::max(impl_->total_residual, -contact.debt[i]);
-      if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
-    }
+  Impl& m = *impl_;
+  m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), {});
+  ctx.workers->for_chunks(m.contacts.size(), kGrain,
+                          [&](std::size_t begin, std::size_t end, int w) {
+                            Residuals& worst = m.worst[static_cast<std::size_t>(w)];
+                            for (std::size_t k = begin; k < end; ++k) {
+                              finish_contact(m.contacts[k], ctx.bodies, worst);
+                            }
+                          });
+  m.residual = 0.0;
+  m.total_residual = 0.0;
+  for (const Residuals& worst : m.worst) {
+    m.residual = std::max(m.residual, worst.real);
+    m.total_residual = std::max(m.total_residual, worst.total);
   }
 }
 

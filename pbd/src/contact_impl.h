@@ -41,6 +41,12 @@ struct IslandLoad {
   double wanted = 0.0;    ///< substeps
 };
 
+/// m, >= 0, see BlockReport.
+struct Residuals {
+  double real = 0.0;
+  double total = 0.0;
+};
+
 struct ContactBlock::Impl {
   static constexpr std::size_t kAhead = 4;  ///< rows
 
@@ -52,6 +58,7 @@ struct ContactBlock::Impl {
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
   std::vector<double> changes;       ///< m/s, by place: of a normal velocity in the last sweep
   std::vector<std::uint8_t> pushed;  ///< by body: has v_push or w_push in this substep
+  std::vector<Residuals> worst;      ///< by worker
   ContactOrder order;
   ContactConvergence convergence;
   ContactOptions options;
