@@ -4,93 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "box_sweep.h"
 #include "collider_query.h"
 #include "query_colliders.h"
+#include "query_input.h"
 
 namespace tandem::collision {
 namespace {
 
 using pbd::Pose;
 using pbd::Vec3;
-
-[[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
-  std::ostringstream text;
-  text << field << " = " << value << " breaks the rule: " << rule;
-  throw std::invalid_argument(text.str());
-}
-
-void require_finite(const Vec3& value, const char* field) {
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(value[i])) refuse(field, value[i], "finite");
-  }
-}
-
-/// A ray that can be asked.
-struct CheckedRay {
-  Vec3 origin;
-  Vec3 direction;  ///< unit
-  double limit;    ///< m
-
-  explicit CheckedRay(const Ray& ray) : origin(ray.origin), limit(ray.max_distance) {
-    require_finite(ray.origin, "Ray.origin");
-    require_finite(ray.direction, "Ray.direction");
-    const double length = ray.direction.stableNorm();
-    if (!(length > 0.0)) refuse("Ray.direction", length, "longer than 0");
-    if (!(limit > 0.0) || !std::isfinite(limit)) {
-      refuse("Ray.max_distance", limit, "finite and > 0");
-    }
-    direction = (ray.direction / length).normalized();
-  }
-};
-
-/// A convex shape to ask with, placed at the origin of the query.
-struct Probe {
-  Vec3 origin;
-  ConvexCore core;
-  Aabb box;  ///< world
-
-  Probe(const Shape& shape, const Pose& pose) : origin(pose.position) {
-    std::string error;
-    if (!validate(shape, &error)) throw std::invalid_argument("query: shape: " + error);
-    require_finite(pose.position, "query: pose.position");
-    const double norm = pose.orientation.norm();
-    if (!(std::abs(norm - 1.0) < 1e-3)) {
-      refuse("query: pose.orientation", norm, "a quaternion of unit norm (within 1e-3)");
-    }
-    Collider collider = make_collider({.shape = shape}, {});
-    if (!collider.is_convex()) {
-      refuse("query: shape", static_cast<double>(shape.index()), "a convex shape");
-    }
-    collider.position = pose.position;
-    collider.rotation = pose.orientation.normalized().toRotationMatrix();
-    place(collider.core(origin));
-  }
-  explicit Probe(const Vec3& point) : origin(point) {
-    require_finite(point, "query: point");
-    place(point_core(Vec3::Zero()));
-  }
-
- private:
-  void place(const ConvexCore& placed) {
-    core = placed;
-    box = bounds_of(core);
-    // Rounding of the sum must not make the box smaller.
-    const double slack = 1e-15 * origin.cwiseAbs().maxCoeff();
-    box = {box.min + origin, box.max + origin};
-    box = box.expanded(slack);
-  }
-};
-
-void check_distance(double max_distance) {
-  if (!(max_distance >= 0.0) || !std::isfinite(max_distance)) {
-    refuse("query: max_distance", max_distance, "finite and >= 0");
-  }
-}
 
 MeshSides sides_of(const QueryFilter& filter) {
   return filter.back_faces ? MeshSides::Both : MeshSides::Front;
@@ -234,7 +160,7 @@ class SceneQuery::Impl {
     check_distance(max_distance);
     if (id.index >= colliders.size() || !colliders.present(id.index) ||
         colliders.id(id.index) != id) {
-      refuse("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
+      refuse_query("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
     }
     SurfaceHit hit;
     const Collider& c = colliders.collider(id.index);
@@ -289,22 +215,6 @@ void SceneQuery::ray_cast_all(const Ray& ray, std::vector<RayHit>& out,
     return l.distance != r.distance ? l.distance < r.distance : by_collider(l, r);
   });
 }
-
-namespace {
-
-/// Unit direction and length; a displacement of nothing has no direction.
-struct Displacement {
-  Vec3 direction = Vec3::Zero();
-  double length = 0.0;
-
-  explicit Displacement(const Vec3& value) {
-    require_finite(value, "query: displacement");
-    length = value.stableNorm();
-    if (length > 0.0) direction = (value / length).normalized();
-  }
-};
-
-}  // namespace
 
 std::optional<CastHit> SceneQuery::shape_cast(const Shape& shape, const Pose& start,
                                               const Vec3& displacement,

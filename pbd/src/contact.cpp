@@ -78,6 +78,25 @@ void carry(const CarriedContact& old, Contact& contact) {
   }
 }
 
+/// What is known of a contact at the end of a step.
+void finish_contact(Contact& contact, std::span<const SolverBody> bodies, Residuals& worst) {
+  const Manifold& m = contact.manifold;
+  const SolverBody& a = bodies[m.body_a];
+  const SolverBody& b = bodies[m.body_b];
+  const bool asleep = a.group == SolverBody::kNoGroup && b.group == SolverBody::kNoGroup;
+  if (!asleep || contact.overlap < 0.0) {  // what sleeps is as it was
+    contact.overlap = 0.0;
+    for (int i = 0; i < m.count; ++i) {
+      contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
+    }
+  }
+  worst.real = std::max(worst.real, contact.overlap);
+  for (int i = 0; i < m.count; ++i) {
+    worst.total = std::max(worst.total, -contact.debt[i]);
+    if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
+  }
+}
+
 }  // namespace
 
 ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
@@ -125,7 +144,6 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   const auto places = m.order.places();
   m.rows.resize(places.size());
   m.changes.resize(places.size());
-  m.convergence.begin_step(ctx.bodies, ctx.order);
   m.extra_rows = 0;
   ctx.workers->for_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -133,6 +151,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
       prepare_row(m.contacts[places[k]], ctx.bodies, m.options, m.rows[k]);
     }
   });
+  m.convergence.begin_step(ctx.bodies, ctx.order, m.rows);
 }
 
 void ContactBlock::begin_substep(const SubstepContext& ctx) {
@@ -144,22 +163,22 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .gravity = ctx.gravity};
-  const std::uint32_t first = m.order.range(ctx.group).first;
-  const std::uint32_t last = m.order.range(ctx.group).second;
-  ctx.workers->for_chunks(last - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = first + begin; k < first + end; ++k) {
-      ContactRow& row = m.rows[k];
-      Contact& contact = m.contacts[row.contact];
-      const bool in_total = ctx.bodies[row.a].total || ctx.bodies[row.b].total;
-      for (std::size_t i = 0; i < row.count; ++i) {
-        if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
-        if (!in_total) contact.debt[i] *= kGapDecay;
-      }
-      row.fresh = ctx.substep == 0;
-      if (row.fresh) row.carried = static_cast<float>(sum(row.impulse));
-      begin_row(contact, rule, ctx.h, ctx.bodies, row);
-    }
-  });
+  const ContactOrder::Places places = m.order.range(ctx.group);
+  ctx.workers->for_chunks(
+      places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
+          ContactRow& row = m.rows[k];
+          Contact& contact = m.contacts[row.contact];
+          m.prefetch_contact(k, places.begin + end);
+          const bool in_total = ctx.shared && (ctx.bodies[row.a].total || ctx.bodies[row.b].total);
+          for (std::size_t i = 0; i < row.count; ++i) {
+            if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
+            if (!in_total && contact.debt[i] != 0.0) contact.debt[i] *= kGapDecay;
+          }
+          if (ctx.substep == 0) row.carried = static_cast<float>(sum(row.impulse));
+          begin_row(contact, rule, ctx.h, ctx.bodies, row);
+        }
+      });
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
@@ -172,22 +191,27 @@ void ContactBlock::warm_start(const SubstepContext& ctx) {
 
 double ContactBlock::project(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const std::uint32_t first = m.order.range(ctx.group).first;
-  const std::uint32_t last = m.order.range(ctx.group).second;
+  const bool fresh = ctx.substep == 0;
+  const ContactOrder::Places places = m.order.range(ctx.group);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, ctx.bodies);
+    m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
+    m.changes[k] =
+        solve_row(m.rows[k], ContactPass::Motion, fresh && !m.convergence.in_motion(k), ctx.bodies);
   });
   const ContactConvergence::Rule rule{
       .sweeps = m.options.extra_sweeps,
-      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h};
-  m.extra_rows += m.convergence.run(rule, first, last, ctx.reverse, m.rows, m.changes, ctx.bodies);
+      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
+      .fresh = fresh};
+  m.extra_rows += m.convergence.run(rule, places, ctx.reverse, m.rows, m.changes, ctx.bodies);
+  m.pushed.assign(ctx.bodies.size(), 0);
   for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
     std::atomic<bool> any{false};
     m.order.sweep(ctx.group, ctx.reverse != (sweep % 2 == 1), *ctx.workers, [&](std::uint32_t k) {
       // Later sweeps are for islands that are hard to solve.
       const bool wanted =
           sweep == 0 || m.convergence.was_hard(ctx.bodies[m.rows[k].movable()].island);
-      if (wanted && push_row(m.rows[k], ctx.bodies)) any.store(true, std::memory_order_relaxed);
+      if (wanted && push_row(m.rows[k], ctx.bodies, m.pushed))
+        any.store(true, std::memory_order_relaxed);
     });
     if (!any.load(std::memory_order_relaxed)) break;
   }
@@ -196,59 +220,59 @@ double ContactBlock::project(const SubstepContext& ctx) {
 
 double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  const bool fresh = ctx.substep == 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
+    m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
     ContactRow& row = m.rows[k];
-    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity, ctx.bodies) : 0.0;
+    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity,
+                                            fresh && !m.convergence.in_motion(k), ctx.bodies)
+                                : 0.0;
   });
   return m.largest_change(ctx.group);
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const std::uint32_t first = m.order.range(ctx.group).first;
-  const std::uint32_t last = m.order.range(ctx.group).second;
-  ctx.workers->for_chunks(last - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = first + begin; k < first + end; ++k) {
-      ContactRow& row = m.rows[k];
-      Contact& contact = m.contacts[row.contact];
-      double sum = 0.0;
-      for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
-      contact.impulse += sum;
-      if (sum > 0.0) {
-        contact.approach_speed =
-            std::max(contact.approach_speed, static_cast<double>(row.approach));
-      }
-      if (!ctx.last) continue;
-      contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
-      contact.friction_force =
-          (row.slide[0] * row.t1 + row.slide[1] * row.normal.cross(row.t1)) / ctx.h;
-      // What a spoiled step leaves behind must not spoil the next one.
-      for (int i = 0; i < row.count; ++i) {
-        contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
-      }
-    }
-  });
+  const ContactOrder::Places places = m.order.range(ctx.group);
+  ctx.workers->for_chunks(
+      places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
+          ContactRow& row = m.rows[k];
+          Contact& contact = m.contacts[row.contact];
+          double sum = 0.0;
+          for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
+          contact.impulse += sum;
+          if (sum > 0.0) {
+            contact.approach_speed =
+                std::max(contact.approach_speed, static_cast<double>(row.approach));
+          }
+          if (!ctx.last) continue;
+          contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
+          contact.friction_force = (row.slide[0] * row.t1 + row.slide[1] * row.t2()) / ctx.h;
+          // What a spoiled step leaves behind must not spoil the next one.
+          for (int i = 0; i < row.count; ++i) {
+            contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
+          }
+        }
+      });
 }
 
 void ContactBlock::end_step(const SubstepContext& ctx) {
-  impl_->residual = 0.0;
-  impl_->total_residual = 0.0;
-  for (Contact& contact : impl_->contacts) {
-    const Manifold& m = contact.manifold;
-    const SolverBody& a = ctx.bodies[m.body_a];
-    const SolverBody& b = ctx.bodies[m.body_b];
-    const bool asleep = a.group == SolverBody::kNoGroup && b.group == SolverBody::kNoGroup;
-    if (!asleep || contact.overlap < 0.0) {  // what sleeps is as it was
-      contact.overlap = 0.0;
-      for (int i = 0; i < m.count; ++i) {
-        contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
-      }
-    }
-    impl_->residual = std::max(impl_->residual, contact.overlap);
-    for (int i = 0; i < m.count; ++i) {
-      impl_->total_residual = std::max(impl_->total_residual, -contact.debt[i]);
-      if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
-    }
+  impl_->convergence.end_step(ctx.bodies);
+  Impl& m = *impl_;
+  m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), {});
+  ctx.workers->for_chunks(m.contacts.size(), kGrain,
+                          [&](std::size_t begin, std::size_t end, int w) {
+                            Residuals& worst = m.worst[static_cast<std::size_t>(w)];
+                            for (std::size_t k = begin; k < end; ++k) {
+                              finish_contact(m.contacts[k], ctx.bodies, worst);
+                            }
+                          });
+  m.residual = 0.0;
+  m.total_residual = 0.0;
+  for (const Residuals& worst : m.worst) {
+    m.residual = std::max(m.residual, worst.real);
+    m.total_residual = std::max(m.total_residual, worst.total);
   }
 }
 
@@ -264,6 +288,7 @@ void ContactBlock::links(LinkVisitor& visitor) const {
 }
 
 void ContactBlock::remove_body(BodyId body) {
+  impl_->convergence.remove_body(body.index);
   std::erase_if(impl_->contacts, [&](const Contact& contact) {
     return contact.manifold.body_a == body.index || contact.manifold.body_b == body.index;
   });
@@ -283,6 +308,7 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
   out.f64(impl_->residual);
   out.f64(impl_->total_residual);
+  impl_->convergence.save(out);
   out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
   for (const Contact& contact : impl_->contacts) {
     const Manifold& m = contact.manifold;
@@ -317,6 +343,7 @@ void ContactBlock::load(ByteReader& in) {
   impl_->extra_rows = static_cast<int>(in.u32());
   impl_->residual = in.f64();
   impl_->total_residual = in.f64();
+  impl_->convergence.load(in);
   impl_->any_friction = false;
   impl_->any_restitution = false;
   const std::uint32_t size = in.u32();

@@ -49,10 +49,10 @@ void keep_within(ContactRow& row, const FrictionLimit& limit) {
   constexpr int kIterations = 10;
   const double m_slide = 2.0 * determinant(row) / (row.grip[0] + row.grip[2]);
   const double p = m_slide * limit.slide * limit.slide;
-  const double q = row.grip[5] * limit.twist * limit.twist;
+  const double q = row.grip_w[2] * limit.twist * limit.twist;
   // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is nearly straight.
   const double a = m_slide * slide * limit.slide;
-  const double b = row.grip[5] * std::abs(row.twist) * limit.twist;
+  const double b = row.grip_w[2] * std::abs(row.twist) * limit.twist;
   double bound = 0.0;
   double use = 0.0;
   for (int i = 0; i < kIterations; ++i) {
@@ -77,7 +77,7 @@ Vec3 rub(ContactRow& row, const Vec3& slip) {
   const double scale = 1.0 / determinant(row);
   row.slide[0] -= scale * (row.grip[2] * slip[0] - row.grip[1] * slip[1]);
   row.slide[1] -= scale * (row.grip[0] * slip[1] - row.grip[1] * slip[0]);
-  if (row.twists()) row.twist -= slip[2] / row.grip[5];
+  if (row.twists()) row.twist -= slip[2] / row.grip_w[2];
   keep_within(row, friction_limit(row));
   return {row.slide[0] - slide[0], row.slide[1] - slide[1], row.twist - twist};
 }

@@ -41,14 +41,24 @@ struct IslandLoad {
   double wanted = 0.0;    ///< substeps
 };
 
+/// m, >= 0, see BlockReport.
+struct Residuals {
+  double real = 0.0;
+  double total = 0.0;
+};
+
 struct ContactBlock::Impl {
+  static constexpr std::size_t kAhead = 4;  ///< rows
+
   std::vector<Contact> contacts;        ///< by ascending key
   std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
   std::vector<CarriedContact> carried;
   std::vector<std::uint32_t> changed;        ///< bodies that lost a load, until the next step
   std::vector<ContactRow> rows;              ///< by place in the order
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
-  std::vector<double> changes;  ///< m/s, by place: of a normal velocity in the last sweep
+  std::vector<double> changes;       ///< m/s, by place: of a normal velocity in the last sweep
+  std::vector<std::uint8_t> pushed;  ///< by body: has v_push or w_push in this substep
+  std::vector<Residuals> worst;      ///< by worker
   ContactOrder order;
   ContactConvergence convergence;
   ContactOptions options;
@@ -80,10 +90,30 @@ struct ContactBlock::Impl {
     });
   }
 
+  /// What lies all over the memory is on its way when its turn comes.
+  void prefetch_bodies(std::size_t k, std::size_t end, bool reverse,
+                       std::span<const SolverBody> bodies) const {
+    if (reverse ? k < kAhead : k + kAhead >= end) return;
+    const ContactRow& soon = rows[reverse ? k - kAhead : k + kAhead];
+    for (const std::uint32_t body : {soon.a, soon.b}) {
+      __builtin_prefetch(&bodies[body].v);
+      __builtin_prefetch(&bodies[body].inv_inertia_w(2, 0));
+    }
+  }
+  void prefetch_contact(std::size_t k, std::size_t end) const {
+    if (k + kAhead >= end) return;
+    const Contact& soon = contacts[rows[k + kAhead].contact];
+    __builtin_prefetch(&soon.manifold.normal);
+    __builtin_prefetch(&soon.manifold.points[0].anchor_b_l);
+    __builtin_prefetch(&soon.force);
+    __builtin_prefetch(&soon.approach_speed);
+  }
+
   double largest_change(std::uint32_t group) const {
-    const auto [first, last] = order.range(group);
+    const ContactOrder::Places places = order.range(group);
     double largest = 0.0;
-    for (std::uint32_t k = first; k < last; ++k) largest = std::max(largest, changes[k]);
+    for (std::uint32_t k = places.begin; k < places.end; ++k)
+      largest = std::max(largest, changes[k]);
     return largest;
   }
 };

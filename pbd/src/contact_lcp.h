@@ -39,6 +39,32 @@ inline Four solve_symmetric(const FourByFour& B, const Four& r) {
   return x;
 }
 
+/// The same of the first two or three unknowns alone, whose diagonal is larger by the share
+/// `ridge`; the rest of x is 0.
+inline Four solve_leading(int count, const FourByFour& B, const Four& r, double ridge) {
+  const double b00 = B(0, 0) + ridge * B(0, 0);
+  const double b11 = B(1, 1) + ridge * B(1, 1);
+  const double i0 = 1.0 / b00;
+  const double l10 = B(1, 0) * i0;
+  const double i1 = 1.0 / (b11 - l10 * B(1, 0));
+  const double y1 = r[1] - l10 * r[0];
+  Four x = Four::Zero();
+  if (count == 2) {
+    x[1] = y1 * i1;
+    x[0] = r[0] * i0 - l10 * x[1];
+    return x;
+  }
+  const double b22 = B(2, 2) + ridge * B(2, 2);
+  const double l20 = B(2, 0) * i0;
+  const double c21 = B(2, 1) - l20 * B(1, 0);
+  const double l21 = c21 * i1;
+  const double i2 = 1.0 / (b22 - l20 * B(2, 0) - l21 * c21);
+  x[2] = (r[2] - l20 * r[0] - l21 * y1) * i2;
+  x[1] = y1 * i1 - l21 * x[2];
+  x[0] = r[0] * i0 - l10 * x[1] - l20 * x[2];
+  return x;
+}
+
 /// B d, column by column.
 inline Four times(const FourByFour& B, const Four& d) {
   return B.col(0) * d[0] + B.col(1) * d[1] + B.col(2) * d[2] + B.col(3) * d[3];
@@ -69,6 +95,18 @@ inline Four solve_lcp(int count, const FourByFour& B, const Four& z, const Four&
   const double tolerance = 1e-9 * fastest;
   Four d = Four::Zero();
   for (int iteration = 0; iteration < kMost; ++iteration) {
+    if (count < 4 && sum(active) == count) {  // all of them: most often so, and then it is less
+      d = solve_leading(count, B, -e, kRidge);
+      bool pulls = false;
+      for (int i = count - 1; i >= 0; --i) {
+        if (!(z[i] + d[i] < 0.0)) continue;
+        active[i] = 0.0;
+        pulls = true;
+        if (iteration >= kAtOnce) break;
+      }
+      if (!pulls) break;
+      continue;
+    }
     // Points without a load drop theirs; the others answer for that.
     const Four dropped = (active - 1.0) * z;
     const Four r = dropped - active * (e + times(B, dropped));

@@ -52,9 +52,13 @@ class ContactOrder {
       }
     });
   }
-  /// The places of a group: begin and end.
-  std::pair<std::uint32_t, std::uint32_t> range(std::uint32_t group) const {
-    if (group >= groups_.size()) return {0, 0};
+  struct Places {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+  };
+  /// The places of a group.
+  Places range(std::uint32_t group) const {
+    if (group >= groups_.size()) return {};
     return {groups_[group].begin, groups_[group].end};
   }
 

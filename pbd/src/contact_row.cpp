@@ -7,6 +7,8 @@
 
 #include "contact_friction.h"
 #include "contact_lcp.h"
+#include "contact_motion.h"
+#include "contact_point.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -49,26 +51,34 @@ void add_response(const SolverBody& body, const Vec3& arm, const Mat3& axes, Con
   const Mat3 lever = skew(axes.transpose() * arm);
   const Mat3 spin = inertia * lever;           // W per force
   const Mat3 move = lever.transpose() * spin;  // V per force, beside inv_mass
-  row.press[0] += body.inv_mass + move(0, 0);
-  row.press[1] += spin(1, 0);
-  row.press[2] += spin(2, 0);
-  row.press[3] += inertia(1, 1);
-  row.press[4] += inertia(1, 2);
-  row.press[5] += inertia(2, 2);
-  row.slip.row(0) += Vec3(move(1, 0), spin(1, 1), spin(2, 1)).transpose();
-  row.slip.row(1) += Vec3(move(2, 0), spin(1, 2), spin(2, 2)).transpose();
-  row.slip.row(2) += Vec3(spin(0, 0), inertia(0, 1), inertia(0, 2)).transpose();
+  row.press_n += body.inv_mass + move(0, 0);
+  row.slip_n[0] += move(1, 0);
+  row.slip_n[1] += move(2, 0);
   row.grip[0] += body.inv_mass + move(1, 1);
   row.grip[1] += move(1, 2);
   row.grip[2] += body.inv_mass + move(2, 2);
-  row.grip[3] += spin(0, 1);
-  row.grip[4] += spin(0, 2);
-  row.grip[5] += inertia(0, 0);
+  if (row.count == 1) return;
+  row.press_w[0] += spin(1, 0);
+  row.press_w[1] += spin(2, 0);
+  row.press_w[2] += inertia(1, 1);
+  row.press_w[3] += inertia(1, 2);
+  row.press_w[4] += inertia(2, 2);
+  row.slip_w[0] += spin(1, 1);
+  row.slip_w[1] += spin(2, 1);
+  row.slip_w[2] += spin(1, 2);
+  row.slip_w[3] += spin(2, 2);
+  row.slip_w[4] += spin(0, 0);
+  row.slip_w[5] += inertia(0, 1);
+  row.slip_w[6] += inertia(0, 2);
+  row.grip_w[0] += spin(0, 1);
+  row.grip_w[1] += spin(0, 2);
+  row.grip_w[2] += inertia(0, 0);
 }
 
 /// Response of the points' normal velocities to their impulses, idle combination included, 1/kg.
 FourByFour mobility_of(const ContactRow& row) {
-  const auto& [nn, n1, n2, m11, m12, m22] = row.press;
+  const double nn = row.press_n;
+  const auto& [n1, n2, m11, m12, m22] = row.press_w;
   // Responses of V_n, W_1 and W_2 to a unit impulse at each point.
   const Four v = nn + n1 * row.s + n2 * row.r;
   const Four w1 = n1 + m11 * row.s + m12 * row.r;
@@ -78,16 +88,6 @@ FourByFour mobility_of(const ContactRow& row) {
     B.col(j) = v[j] + row.s * w1[j] + row.r * w2[j] + row.idle * row.idle[j];
   }
   return B;
-}
-
-/// Relative motion of b against a at the centre of pressure, world.
-struct RelativeMotion {
-  Vec3 v;  ///< m/s
-  Vec3 w;  ///< rad/s
-};
-
-RelativeMotion relative_motion(const ContactRow& row, const SolverBody& a, const SolverBody& b) {
-  return {b.v - a.v + b.w.cross(row.arm_b) - a.w.cross(row.arm_a), b.w - a.w};
 }
 
 /// Velocities of the points along the normal, m/s.
@@ -105,7 +105,8 @@ Vec3 press_of(const ContactRow& row, const Four& z) {
 
 /// What friction's impulses (F_1, F_2, T_n) do to V_1, V_2 and W_n.
 Vec3 gripped(const ContactRow& row, const Vec3& f) {
-  const auto& [m11, m12, m22, m1n, m2n, mnn] = row.grip;
+  const auto& [m11, m12, m22] = row.grip;
+  const auto& [m1n, m2n, mnn] = row.grip_w;
   return {m11 * f[0] + m12 * f[1] + m1n * f[2], m12 * f[0] + m22 * f[1] + m2n * f[2],
           m1n * f[0] + m2n * f[1] + mnn * f[2]};
 }
@@ -113,17 +114,10 @@ Vec3 gripped(const ContactRow& row, const Vec3& f) {
 /// Change both bodies' `linear` and `angular` velocities.
 void apply_wrench(const ContactRow& row, const Vec3& t2, const ContactWrench& wrench, SolverBody& a,
                   SolverBody& b, Vec3 SolverBody::*linear, Vec3 SolverBody::*angular) {
-  const Vec3 force = wrench.force[0] * row.normal + wrench.force[1] * row.t1 + wrench.force[2] * t2;
-  const Vec3 couple =
-      wrench.couple[0] * row.normal + wrench.couple[1] * row.t1 + wrench.couple[2] * t2;
-  if (a.inv_mass > 0.0) {
-    a.*linear -= a.inv_mass * force;
-    a.*angular -= a.inv_inertia_w * (row.arm_a.cross(force) + couple);
-  }
-  if (b.inv_mass > 0.0) {
-    b.*linear += b.inv_mass * force;
-    b.*angular += b.inv_inertia_w * (row.arm_b.cross(force) + couple);
-  }
+  const auto to_world = [&](const Vec3& p) -> Vec3 {
+    return p[0] * row.normal + p[1] * row.t1 + p[2] * t2;
+  };
+  apply_wrench(row, to_world(wrench.force), to_world(wrench.couple), a, b, linear, angular);
 }
 
 /// The fastest change of a normal velocity that the points ask for, m/s: how far they are from
@@ -142,6 +136,25 @@ double disagreement(const ContactRow& row, const FourByFour& B, const Four& e) {
 double bounce_of(double e, double approach, double gap, double a, double h) {
   const double energy2 = approach * approach + 2.0 * a * gap + a * h * approach;
   return 0.5 * a * h + std::sqrt(0.25 * a * a * h * h + e * e * energy2);
+}
+
+/// push_row(), of a row that is sunk or whose bodies were pushed.
+bool push_face(const ContactRow& row, SolverBody& a, SolverBody& b) {
+  const Vec3 t2 = row.t2();
+  const RelativeMotion motion{
+      b.v_push - a.v_push + b.w_push.cross(row.arm_b) - a.w_push.cross(row.arm_a),
+      b.w_push - a.w_push};
+  const Four e = normal_velocities(row, t2, motion) + row.bias;
+  bool active = false;
+  for (int i = 0; i < row.count; ++i) {
+    active = active || e[i] < 0.0;
+  }
+  if (!active) return false;
+  const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
+  const Vec3 press = press_of(row, dz);
+  apply_wrench(row, t2, {.force = {press[0], 0.0, 0.0}, .couple = {0.0, press[1], press[2]}}, a, b,
+               &SolverBody::v_push, &SolverBody::w_push);
+  return true;
 }
 
 }  // namespace
@@ -193,14 +206,13 @@ void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
     row.arm_a += weight[i] * arms.a[i];
     row.arm_b += weight[i] * arms.b[i];
   }
-  for (int i = 0; i < m.count; ++i) {
+  for (int i = 0; i < m.count && m.count > 1; ++i) {
     const Vec3 from_centre = arms.a[i] - row.arm_a;
     row.s[i] = t2.dot(from_centre);
     row.r[i] = -row.t1.dot(from_centre);
   }
   Mat3 axes;
   axes << row.normal, row.t1, t2;
-  row.slip.setZero();
   if (a.inv_mass > 0.0) add_response(a, row.arm_a, axes, row);
   if (b.inv_mass > 0.0) add_response(b, row.arm_b, axes, row);
   if (m.count < 4) return;
@@ -221,14 +233,18 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
   // m/s^2, how gravity adds to the approach of the two
   const double fall =
       std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(rule.gravity));
-  const Four velocity = normal_velocities(row, row.t2(), relative_motion(row, a, b));
+  const Four velocity = row.count == 1
+                            ? Four(Four::Constant(row.normal.dot(relative_velocity(row, a, b))))
+                            : normal_velocities(row, row.t2(), relative_motion(row, a, b));
   const double share = share_to_carry(row, rule.gravity.norm(), h);
   row.impulse *= share;
   row.slide[0] *= share;
   row.slide[1] *= share;
-  row.twist *= share;
+  if (row.count > 1) row.twist *= share;
   double fastest = 0.0;
+  Four bounce = Four::Zero();
   row.sunk = false;
+  row.bounces = false;
   for (int i = 0; i < m.count; ++i) {
     const double gap =
         apart + n_b.dot(m.points[i].anchor_b_l) - n_a.dot(m.points[i].anchor_a_l) - contact.debt[i];
@@ -237,25 +253,28 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
     if (gap >= rule.warm_start_gap) row.impulse[i] = 0.0;
     const double approach = -velocity[i];
     fastest = std::max(fastest, approach);
-    row.bounce[i] = m.restitution > 0.0 && approach > rule.bounce_speed
-                        ? bounce_of(m.restitution, approach, std::max(gap, 0.0), fall, h)
-                        : 0.0;
+    if (m.restitution > 0.0 && approach > rule.bounce_speed) {
+      row.bounces = true;
+      bounce[i] = bounce_of(m.restitution, approach, std::max(gap, 0.0), fall, h);
+    }
   }
+  if (row.bounces) row.bounce = bounce;
   row.approach = static_cast<float>(fastest);
   row.carried = static_cast<float>(sum(row.impulse));
   if (row.loaded()) return;
   row.slide = {};
-  row.twist = 0.0;
+  if (row.count > 1) row.twist = 0.0;
 }
 
 double share_to_carry(const ContactRow& row, double gravity, double h) {
   const double load = sum(row.impulse);
   const double most = kGrowth * static_cast<double>(row.carried) +
-                      std::max(gravity, kLeastGravity) * h / row.press[0];
+                      std::max(gravity, kLeastGravity) * h / row.press_n;
   return load > most ? most / load : 1.0;
 }
 
 void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies) {
+  if (row.count == 1) return warm_start_point(row, bodies[row.a], bodies[row.b]);
   const Vec3 press = press_of(row, row.impulse);
   apply_wrench(
       row, row.t2(),
@@ -263,9 +282,11 @@ void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies) {
       bodies[row.a], bodies[row.b], &SolverBody::v, &SolverBody::w);
 }
 
-double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies) {
+double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<SolverBody> bodies) {
   SolverBody& a = bodies[row.a];
   SolverBody& b = bodies[row.b];
+  const int turns = fresh ? kTurns : 1;
+  if (row.count == 1) return solve_point(row, pass, turns, a, b);
   const Vec3 t2 = row.t2();
   const RelativeMotion motion = relative_motion(row, a, b);
   Four e = normal_velocities(row, t2, motion);
@@ -274,7 +295,7 @@ double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies
     // In the velocity pass a point that carries nothing may still close what is left of its gap.
     const bool closing = pass == ContactPass::Motion || row.impulse[i] <= 0.0;
     if (closing) e[i] += std::max(row.bias[i], 0.0);
-    if (pass == ContactPass::Velocity) e[i] -= row.bounce[i];
+    if (pass == ContactPass::Velocity && row.bounces) e[i] -= row.bounce[i];
     active = active || e[i] < 0.0 || row.impulse[i] > 0.0;
   }
   if (!active) return 0.0;
@@ -284,7 +305,7 @@ double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies
   const Vec3 slip(row.t1.dot(motion.v), t2.dot(motion.v), row.normal.dot(motion.w));
   Four pressed = Four::Zero();  // N s, changes so far
   Vec3 rubbed = Vec3::Zero();   // of F_1, F_2, T_n
-  const int turns = row.fresh ? kTurns : 1;
+  const Mat3 coupling = row.slip();
   for (int turn = 0; turn < turns; ++turn) {
     const Four dz = solve_lcp(row.count, B, row.impulse, e);
     row.impulse += dz;
@@ -292,10 +313,10 @@ double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies
     if (!row.rubs()) break;
     // Friction sees what the normals have just done, and they what it does.
     const Vec3 rub_change =
-        rub(row, slip + row.slip * press_of(row, pressed) + gripped(row, rubbed));
+        rub(row, slip + coupling * press_of(row, pressed) + gripped(row, rubbed));
     rubbed += rub_change;
     if (turn + 1 == turns) break;
-    const Vec3 back = row.slip.transpose() * rub_change;
+    const Vec3 back = coupling.transpose() * rub_change;
     e += times(B, dz) + back[0] + back[1] * row.s + back[2] * row.r;
   }
   const Vec3 press = press_of(row, pressed);
@@ -306,25 +327,14 @@ double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies
   return change;
 }
 
-bool push_row(const ContactRow& row, std::span<SolverBody> bodies) {
+bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed) {
+  if (!row.sunk && pushed[row.a] == 0 && pushed[row.b] == 0) return false;
   SolverBody& a = bodies[row.a];
   SolverBody& b = bodies[row.b];
-  const bool disturbed = !a.v_push.isZero(0.0) || !b.v_push.isZero(0.0);
-  if (!row.sunk && !disturbed) return false;
-  const Vec3 t2 = row.t2();
-  const RelativeMotion motion{
-      b.v_push - a.v_push + b.w_push.cross(row.arm_b) - a.w_push.cross(row.arm_a),
-      b.w_push - a.w_push};
-  const Four e = normal_velocities(row, t2, motion) + row.bias;
-  bool active = false;
-  for (int i = 0; i < row.count; ++i) {
-    active = active || e[i] < 0.0;
-  }
-  if (!active) return false;
-  const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
-  const Vec3 press = press_of(row, dz);
-  apply_wrench(row, t2, {.force = {press[0], 0.0, 0.0}, .couple = {0.0, press[1], press[2]}}, a, b,
-               &SolverBody::v_push, &SolverBody::w_push);
+  if (row.count == 1 ? !push_point(row, a, b) : !push_face(row, a, b)) return false;
+  // What cannot move may be shared by rows that are solved at once.
+  if (a.inv_mass > 0.0) pushed[row.a] = 1;
+  if (b.inv_mass > 0.0) pushed[row.b] = 1;
   return true;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "contact_lcp.h"
@@ -19,49 +20,56 @@ struct alignas(64) ContactRow {
   std::uint32_t b = 0;
   std::uint32_t contact = 0;  ///< index into the block's contacts
   float carried = 0.0f;       ///< N s, sum of what the substep began with
+  float approach = 0.0f;      ///< m/s, fastest approach of a point before the substep, >= 0
   std::uint8_t count = 0;
-  bool a_moves = false;         ///< a is not immovable
-  bool sunk = false;            ///< some point overlaps
-  bool fresh = false;           ///< friction starts anew in this substep
-  float approach = 0.0f;        ///< m/s, fastest approach of a point before the substep, >= 0
-  double friction = 0.0;        ///< Coulomb
-  Four impulse = Four::Zero();  ///< N s, normal, >= 0, of both passes
-  /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
-  /// which the overlap is pushed open.
-  Four bias = Four::Zero();
-  Four bounce = Four::Zero();  ///< m/s, >= 0: normal velocity after an impact
-  /// Combination of the four impulses that changes no motion, times the root of its compliance.
-  Four idle = Four::Zero();
+  bool a_moves = false;   ///< a is not immovable
+  bool sunk = false;      ///< some point overlaps
+  bool bounces = false;   ///< some point does
+  double friction = 0.0;  ///< Coulomb
   Vec3 normal = Vec3::UnitX();
   Vec3 t1 = Vec3::UnitY();
   Vec3 arm_a = Vec3::Zero();  ///< m, world, centre of mass to centre of pressure
   Vec3 arm_b = Vec3::Zero();
+  Four impulse = Four::Zero();  ///< N s, normal, >= 0, of both passes
+  /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
+  /// which the overlap is pushed open.
+  Four bias = Four::Zero();
+  std::array<double, 2> slide{};  ///< N s, both passes
+  // Responses to forces (1/kg), couples (1/(kg m^2)) and between both (1/(kg m)).
+  double press_n = 0.0;            ///< of V_n to F_n
+  std::array<double, 3> grip{};    ///< of V_1, V_2 to F_1, F_2; symmetric: 11, 12, 22
+  std::array<double, 2> slip_n{};  ///< of V_1, V_2 to F_n
+
+  // A row of one point needs no more than what is above, half of the cache lines.
+  Four bounce = Four::Zero();  ///< m/s, >= 0: normal velocity after an impact
+  /// Combination of the four impulses that changes no motion, times the root of its compliance.
+  Four idle = Four::Zero();
   Four s = Four::Zero();  ///< m, along t2 from the centre of pressure
   Four r = Four::Zero();  ///< m, against t1
-  /// Response to forces (1/kg), couples (1/(kg m^2)) and between both (1/(kg m)):
-  /// of V_n, W_1, W_2 to F_n, T_1, T_2; symmetric: nn, n1, n2, 11, 12, 22
-  std::array<double, 6> press{};
-  Mat3 slip = Mat3::Zero();  ///< of V_1, V_2, W_n (rows) to F_n, T_1, T_2
-  /// of V_1, V_2, W_n to F_1, F_2, T_n; symmetric: 11, 12, 22, 1n, 2n, nn
-  std::array<double, 6> grip{};
-  std::array<double, 2> slide{};  ///< N s, both passes
-  double twist = 0.0;             ///< N m s, both passes
+  /// Of V_n, W_1, W_2 to F_n, T_1, T_2, beside press_n; symmetric: n1, n2, 11, 12, 22
+  std::array<double, 5> press_w{};
+  /// Of V_1, V_2, W_n to F_n, T_1, T_2, beside slip_n: 11, 12, 21, 22, nn, n1, n2
+  std::array<double, 7> slip_w{};
+  /// Of V_1, V_2, W_n to F_1, F_2, T_n, beside grip; symmetric: 1n, 2n, nn
+  std::array<double, 3> grip_w{};
+  double twist = 0.0;  ///< N m s, both passes
 
   Vec3 t2() const { return normal.cross(t1); }
   std::uint32_t movable() const { return a_moves ? a : b; }
   bool rubs() const { return friction > 0.0; }
   /// A point resists no twist.
-  bool twists() const { return count > 1 && grip[5] > 0.0; }
+  bool twists() const { return count > 1 && grip_w[2] > 0.0; }
   bool loaded() const { return (impulse > 0.0).any(); }
+  /// Of V_1, V_2, W_n (rows) to F_n, T_1, T_2.
+  Mat3 slip() const {
+    Mat3 m;
+    m << slip_n[0], slip_w[0], slip_w[1], slip_n[1], slip_w[2], slip_w[3], slip_w[4], slip_w[5],
+        slip_w[6];
+    return m;
+  }
 };
 static_assert(sizeof(ContactRow) == 512, "a row should fill its cache lines");
-
-/// Force and couple at the centre of pressure on body b, their opposite on a: components along
-/// (normal, t1, t2).
-struct ContactWrench {
-  Vec3 force = Vec3::Zero();   ///< N s
-  Vec3 couple = Vec3::Zero();  ///< N m s
-};
+static_assert(offsetof(ContactRow, bounce) == 256, "a row of one point should stay in its half");
 
 /// How gaps become velocities in a substep.
 struct SubstepRule {
@@ -97,11 +105,13 @@ double share_to_carry(const ContactRow& row, double gravity, double h);
 void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies);
 
 /// Solve a row's normals, then its friction. Returns the largest change of a normal velocity, m/s.
-double solve_row(ContactRow& row, ContactPass pass, std::span<SolverBody> bodies);
+/// @param fresh  friction starts anew in this substep
+double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<SolverBody> bodies);
 
 /// Open overlaps through v_push and w_push, which move poses and are forgotten after the substep.
 /// Returns whether there was anything to do.
-bool push_row(const ContactRow& row, std::span<SolverBody> bodies);
+/// @param pushed  by body: it has such velocities already
+bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed);
 
 /// Gap of point i as the bodies stand, m.
 double gap_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b, int i);

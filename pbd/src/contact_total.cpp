@@ -66,8 +66,8 @@ void ContactBlock::begin_total(const SubstepContext& ctx) {
   if (m.total.size() <= ctx.group) m.total.resize(ctx.group + 1);
   std::vector<TotalRow>& rows = m.total[ctx.group];
   rows.clear();
-  const auto [first, last] = m.order.range(ctx.group);
-  for (std::uint32_t k = first; k < last; ++k) {
+  const ContactOrder::Places places = m.order.range(ctx.group);
+  for (std::uint32_t k = places.begin; k < places.end; ++k) {
     const ContactRow& solved = m.rows[k];
     SolverBody& a = ctx.bodies[solved.a];
     SolverBody& b = ctx.bodies[solved.b];

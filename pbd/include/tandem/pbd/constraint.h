@@ -73,9 +73,6 @@ struct SubstepContext {
   bool shared = false;  ///< some body takes part in the total channel
 };
 
-/// Whether any body takes part in the total channel.
-inline bool any_total(const SubstepContext& ctx) { return ctx.shared; }
-
 /// What a block tells about itself after a step.
 struct BlockReport {
   std::string_view name;

@@ -66,7 +66,7 @@ class JointBlock final : public ConstraintBlock {
   void end_total(const SubstepContext& ctx) override;
   bool clean_up(const SubstepContext& ctx) override {
     project_total(ctx);
-    return any_total(ctx);
+    return ctx.shared;
   }
   void end_step(const SubstepContext& ctx) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;

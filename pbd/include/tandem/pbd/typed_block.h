@@ -114,7 +114,7 @@ class TypedBlock final : public ConstraintBlock {
     }
   }
   bool clean_up(const SubstepContext& ctx) override {
-    const bool any = any_total(ctx);
+    const bool any = ctx.shared;
     if (any) project_total(ctx);
     return any;
   }
