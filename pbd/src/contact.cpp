@@ -195,8 +195,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   const ContactOrder::Places places = m.order.range(ctx.group);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
-    m.changes[k] =
-        solve_row(m.rows[k], ContactPass::Motion, fresh && !m.convergence.in_motion(k), ctx.bodies);
+    m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, fresh, ctx.bodies);
   });
   const ContactConvergence::Rule rule{
       .sweeps = m.options.extra_sweeps,
@@ -224,9 +223,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
     ContactRow& row = m.rows[k];
-    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity,
-                                            fresh && !m.convergence.in_motion(k), ctx.bodies)
-                                : 0.0;
+    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity, fresh, ctx.bodies) : 0.0;
   });
   return m.largest_change(ctx.group);
 }

@@ -41,12 +41,6 @@ class ContactConvergence {
   int run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
           std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
 
-  /// Whether the row at a place is one of a large heap that moves, where it does not pay to solve
-  /// friction well: it will have changed before that helps.
-  bool in_motion(std::uint32_t place) const {
-    const Island& island = islands_[island_of_[place]];
-    return island.rows > kSmall && !island.worth_it();
-  }
   /// Whether the island stood when the step began: it pays to solve it well.
   bool stands(std::uint32_t island) const { return !islands_[island].faster_than(kStanding); }
   /// What its last sweep still changed, rms over its rows, m/s; 0 where it moves.
