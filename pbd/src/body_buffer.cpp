@@ -35,6 +35,8 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.total = false;
   body.projected = false;
   body.turns = false;
+  const auto& locked = props.locks.angular;
+  body.turns_freely = !locked[0] && !locked[1] && !locked[2];
 }
 
 /// Marks every body that rows name.

@@ -124,8 +124,9 @@ class JointSystem {
   JointGraph graph_;
   std::vector<NodeState> nodes_;
   std::vector<Slot> slots_;
-  std::vector<std::uint8_t> primary_;  ///< by slot: the first one of its body
-  std::vector<std::uint8_t> passive_;  ///< by part: rigid locks and limits only
+  std::vector<std::uint8_t> turns_freely_;  ///< by slot: as the plan was made
+  std::vector<std::uint8_t> primary_;       ///< by slot: the first one of its body
+  std::vector<std::uint8_t> passive_;       ///< by part: rigid locks and limits only
   std::vector<PartState> state_;
   std::vector<GroupPart> order_;
   std::vector<double> values_;

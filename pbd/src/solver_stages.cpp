@@ -96,8 +96,10 @@ void Solver::Impl::project() {
 void Solver::Impl::advance_poses() {
   const double h = context_.h;
   for_group([&](SolverBody& body, std::uint32_t i) {
-    if (world_->props_[i].locks.any()) enforce_locks(body, world_->props_[i].locks);
+    const AxisLocks& locks = world_->props_[i].locks;
+    if (locks.any()) enforce_locks(body, locks);
     advance_pose(body, h);
+    if (locks.any()) restore_locked(body, locks, world_->states_[i].pose.position);
   });
   clock_.stop(Stage::Integrate);
 }
@@ -136,10 +138,11 @@ void Solver::Impl::solve_total(int iterations) {
   if (options_.form == ConsensusForm::Step) context.h = dt_;
   targets_.begin_total(bodies_.all());
   for_blocks([&](ConstraintBlock& block) { block.begin_total(context); });
-  targets_.move_bodies(bodies_.all());
+  targets_.move_bodies(bodies_.all(), world_->props_);
   for (int i = 0; i < iterations; ++i) {
     context.reverse = (context_.substep + i) % 2 == 1;
     for_blocks([&](ConstraintBlock& block) { block.project_total(context); });
+    restore_locked_bodies(*group_);
   }
   for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
   targets_.end_total(bodies_.all(), world_->props_, world_->corrections_, context_.gravity,
@@ -157,6 +160,7 @@ void Solver::Impl::clean_up() {
     context.reverse = i % 2 == 1;
     for_blocks([&](ConstraintBlock& block) { any = block.clean_up(context) || any; });
     if (!any) break;
+    for (const Group& group : groups_.all()) restore_locked_bodies(group);
     ran = true;
   }
   if (!targets_.empty()) {
@@ -213,6 +217,13 @@ void Solver::Impl::project_joints() {
   for_group([&](SolverBody& body, std::uint32_t i) {
     if (body.projected) absorb_corrections(body, world_->props_[i], h);
   });
+}
+
+void Solver::Impl::restore_locked_bodies(const Group& group) {
+  if (!group.locked) return;
+  for (const std::uint32_t i : group.bodies) {
+    restore_locked(bodies_[i], world_->props_[i].locks, world_->states_[i].pose.position);
+  }
 }
 
 void Solver::Impl::reset_report() {

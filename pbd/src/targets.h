@@ -44,7 +44,7 @@ class Targets {
 
   /// Scale masses, move bodies to their targets, let the rows have their say, measure.
   void begin_total(std::span<SolverBody> bodies);
-  void move_bodies(std::span<SolverBody> bodies);
+  void move_bodies(std::span<SolverBody> bodies, std::span<const BodyProps> props);
   void end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
                  std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 

@@ -44,6 +44,7 @@ struct alignas(64) SolverBody {
   /// Something may turn it in this step. Where nothing can (no spin, no row with a lever arm), its
   /// inverse inertia is 0 for the step and its orientation is left alone.
   bool turns = false;
+  bool turns_freely = true;  ///< no axis of its rotation is locked
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 };
 

@@ -136,7 +136,10 @@ class World {
   void insert_block(std::unique_ptr<ConstraintBlock> block);
   std::uint32_t checked_index(BodyId id, const char* what) const;
   std::uint32_t checked_dynamic(BodyId id, const char* what) const;
-  Wrench& wrench_of(std::uint32_t index);
+  /// Of a dynamic body. @throws std::invalid_argument where the sum is not finite
+  void add_wrench(std::uint32_t index, const Wrench& wrench, const char* what);
+  /// N s and N m s about the centre of mass, likewise.
+  void add_impulse(std::uint32_t index, const Wrench& impulse, const char* what);
   void wake_joined(std::uint32_t index);
 
   struct KinematicTarget {
