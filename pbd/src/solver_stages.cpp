@@ -33,9 +33,10 @@ void Solver::Impl::begin_step(World& world, double dt) {
   dt_ = dt;
   clock_.start(options_.measure_stages);
   reset_report();
+  BodyBuffer::aim_kinematic(world, dt);
   detect();
   if (world.contact_source_ != nullptr) end_stage(Stage::Detect);
-  bodies_.load(world, dt, workers_);
+  bodies_.load(world, workers_);
   collect_targets();
   arrange_groups();
   report_.turning = bodies_.prepare(world, groups_.all(), workers_);
@@ -325,8 +326,11 @@ void Solver::Impl::limit_motion() {
   for (const MotionLimit& limit : limits_) {
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
-    body.x = start + limit.share * (body.x - start);
-    body.v -= std::min(0.0, body.v.dot(limit.normal)) * limit.normal;
+    const Vec3& carried = limit.obstacle_moves;
+    body.x = start + limit.share * (body.x - start - carried) + carried;
+    restore_locked(body, world_->props_[limit.body].locks, start);
+    body.v -= std::min(0.0, (body.v - carried / dt_).dot(limit.normal)) * limit.normal;
+    enforce_locks(body, world_->props_[limit.body].locks);
   }
   report_.stopped = static_cast<int>(limits_.size());
 }
