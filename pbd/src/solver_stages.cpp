@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact_row.h"
 #include "integrate.h"
 #include "solver_impl.h"
 #include "tandem/pbd/contact.h"
@@ -264,9 +265,11 @@ void Solver::Impl::list_parts() {
 }
 
 void Solver::Impl::detect() {
-  if (world_->contact_source_ == nullptr) return;
-  manifolds_.clear();
-  world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
+  if (world_->contacts_ == nullptr) return;
+  manifolds_.clear();  // without a source, what it said last is over
+  if (world_->contact_source_ != nullptr) {
+    world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
+  }
   world_->contacts_->configure(options_.contact);
   world_->contacts_->set_manifolds(manifolds_);
 }
@@ -277,6 +280,8 @@ void Solver::Impl::collect_targets() {
     world_->target_source_->collect(*world_, dt_, pose_targets_);
     std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t); });
     world_->corrections_.assign(bodies_.size(), {});
+  } else {
+    world_->corrections_.clear();
   }
   targets_.begin_step(pose_targets_, bodies_.all(), world_->states_, dt_);
   report_.targets = targets_.size();
@@ -286,6 +291,7 @@ void Solver::Impl::arrange_groups() {
   islands_.build(world_->blocks_, bodies_.all());
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
+  note_new_overlaps();
   groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_, world_->props_,
                   world_->activity_, bodies_.all());
   if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.all());
@@ -302,6 +308,21 @@ void Solver::Impl::arrange_groups() {
     projects_ = true;
     block.links(marker);
   });
+}
+
+/// A collider or a filter may have changed between bodies that sleep.
+void Solver::Impl::note_new_overlaps() {
+  if (world_->contacts_ == nullptr) return;
+  for (const Contact& contact : world_->contacts_->contacts()) {
+    const Manifold& m = contact.manifold;
+    if (contact.overlap >= 0.0) continue;  // it is not new
+    for (int i = 0; i < m.count; ++i) {
+      if (gap_of(m, bodies_[m.body_a], bodies_[m.body_b], i) >= 0.0) continue;
+      changed_.push_back(m.body_a);
+      changed_.push_back(m.body_b);
+      break;
+    }
+  }
 }
 
 Groups::Rule Solver::Impl::group_rule() const {

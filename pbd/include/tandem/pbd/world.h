@@ -96,7 +96,8 @@ class World {
   /// In the order in which they are solved.
   std::span<const std::unique_ptr<ConstraintBlock>> blocks() const { return blocks_; }
 
-  /// Contacts from `source` are solved from the next step on. The caller keeps it alive.
+  /// Contacts from `source` are solved from the next step on; none where it is null. The caller
+  /// keeps it alive.
   void set_contact_source(ContactSource* source);
   ContactSource* contact_source() const { return contact_source_; }
   /// The contacts of the last step; null before the first contact source.
