@@ -40,6 +40,8 @@ void check_def(const BodyDef& def) {
   if (def.type != BodyType::Dynamic) return;
   detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
                   "finite and > 0");
+  detail::require(std::isfinite(1.0 / def.mass), kKind, "mass", def.mass,
+                  "not too small for its inverse");
   detail::require(def.inertia.allFinite(), kKind, "inertia", def.inertia.sum(), "finite");
   const double asymmetry = (def.inertia - def.inertia.transpose()).cwiseAbs().maxCoeff();
   const double size = def.inertia.cwiseAbs().maxCoeff();
@@ -47,6 +49,9 @@ void check_def(const BodyDef& def) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(def.inertia, Eigen::EigenvaluesOnly);
   const Vec3& moments = eigen.eigenvalues();  // ascending
   detail::require(moments[0] > 0.0, kKind, "inertia", moments[0], "positive definite");
+  const double off = (def.inertia.inverse() * def.inertia - Mat3::Identity()).norm();
+  detail::require(off < 1e-3, kKind, "inertia", moments[0],
+                  "neither too small nor too large for its inverse");
   detail::require(moments[0] + moments[1] >= moments[2] * (1.0 - 1e-6), kKind, "inertia",
                   moments[2], "largest moment at most the sum of the other two");
 }

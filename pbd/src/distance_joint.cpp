@@ -14,8 +14,9 @@ void DistanceJoint::check(const World& world, const Def& def) {
   detail::require_finite(def.anchor_b_l, kName, "anchor_b_l");
   detail::require(def.rest_length >= 0.0 && std::isfinite(def.rest_length), kName, "rest_length",
                   def.rest_length, "finite and >= 0");
-  detail::require(def.compliance >= 0.0 && std::isfinite(def.compliance), kName, "compliance",
-                  def.compliance, "finite and >= 0");
+  detail::require(def.compliance == 0.0 ||
+                      (def.compliance >= kLeastCompliance && std::isfinite(def.compliance)),
+                  kName, "compliance", def.compliance, "finite and >= 0, 0 or at least 1e-100");
   detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
                   "finite and >= 0");
   detail::require(def.min_length >= 0.0 && std::isfinite(def.min_length), kName, "min_length",
@@ -76,6 +77,7 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   const double c = arm.length - def_.rest_length;
   // Points that have swung past each other within the substep have lost the old direction.
   if (n_.dot(arm.n) < 0.5) n_ = arm.n;
+  if (n_.isZero(0.0)) return 0.0;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
   const double dlambda = ForceLaw::of(axis(), c_start_, gap_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
@@ -93,6 +95,7 @@ void DistanceJoint::begin_total(const SubstepContext& ctx) {
 void DistanceJoint::project_total(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
+  if (arm.n.isZero(0.0)) return;
   const double c = arm.length - def_.rest_length;
   const double w = inverse_mass(*arm.a, arm.r_a, arm.n) + inverse_mass(*arm.b, arm.r_b, arm.n);
   const double dlambda = ForceLaw::of_total(axis(), bound_, ctx.h).multiplier(c, lambda_, w);

@@ -14,6 +14,8 @@ class World;
 
 /// No bound on a force, speed or angle.
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+/// Compliances are 0 (rigid) or at least this: their inverse is a stiffness.
+inline constexpr double kLeastCompliance = 1e-100;
 
 /// A point and three axes of a body. Hinges turn about x, sliders move along x, and twist is the
 /// rotation about x.
@@ -107,7 +109,7 @@ struct SliderJointDef : JointMount {
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
-/// Frames at the world point `anchor_w` (m) with x along `axis_w` (any length > 0), as the bodies
+/// Frames at the world point `anchor_w` (m) with x along `axis_w` (longer than 1e-9), as the bodies
 /// stand now: all coordinates are 0 there. They throw std::invalid_argument on a bad body or axis.
 SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
                                 const Vec3& axis_w = Vec3::UnitX());

@@ -67,10 +67,14 @@ class TypedBlock final : public ConstraintBlock {
   void remove(ConstraintId id) { erase(checked(id)); }
   const C& at(ConstraintId id) const { return rows_[checked(id)]; }
   const Def& def(ConstraintId id) const { return rows_[checked(id)].def(); }
-  /// Change parameters; carried state stays. The bodies may not change.
+  /// Change parameters; carried state stays.
+  /// @throws std::invalid_argument  where the bodies are others as well
   void set(const World& world, ConstraintId id, const Def& def) {
     const std::uint32_t index = checked(id);
     C::check(world, def);
+    const C row(def);
+    refuse_other(row.body_a(), rows_[index].body_a());
+    refuse_other(row.body_b(), rows_[index].body_b());
     rows_[index].def() = def;
     changed(def);
   }
@@ -229,6 +233,11 @@ class TypedBlock final : public ConstraintBlock {
                          (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
       if (total) visit(c);
     });
+  }
+  static void refuse_other(BodyId given, BodyId kept) {
+    if (given == kept) return;
+    throw std::invalid_argument(std::string(C::kName) + ": body " + std::to_string(given.index) +
+                                " breaks the rule: a row keeps the bodies that it was added with");
   }
   std::uint32_t checked(ConstraintId id) const {
     if (!contains(id)) {
