@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/joint.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,12 @@ class JointBlock::Impl {
     for (JointRecord& record : records) {
       if (record.active() && is_total(record, bodies)) visit(record);
     }
+  }
+  /// Whether any of its coordinates has a row and any of its ends can move.
+  static bool is_solved(const JointRecord& record, std::span<const SolverBody> bodies) {
+    const SixDofJointDef& def = record.def;
+    return record.used != 0 && ((def.a.valid() && bodies[def.a.index].inv_mass > 0.0) ||
+                                bodies[def.b.index].inv_mass > 0.0);
   }
 
   void note_change(const JointRecord& record) {
@@ -154,8 +161,10 @@ void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> want
     if (!record.active()) continue;
     const Vec3 spin = relative_spin(record.def, ctx.bodies);
     const Vec3 soon = spin + kAhead * (spin - record.spin);
-    double& most = wanted[record.def.b.index];
-    most = std::max(most, ctx.h / kTurn * std::max(spin.norm(), soon.norm()));
+    const double most = ctx.h / kTurn * std::max(spin.norm(), soon.norm());
+    for (const BodyId body : {record.def.a, record.def.b}) {
+      if (body.valid()) wanted[body.index] = std::max(wanted[body.index], most);
+    }
   }
 }
 
@@ -168,6 +177,8 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
   }
   impl_->system.sort_groups(ctx.bodies);
   for (JointRecord& record : impl_->records) {
+    record.broke = false;
+    record.twist_before = record.twist;
     if (record.active()) record.spin = relative_spin(record.def, ctx.bodies);
   }
 }
@@ -230,6 +241,18 @@ void JointBlock::end_step(const SubstepContext& ctx) {
     record.used = ~0u;  // all coordinates are reported
     impl_->place(record, ctx.bodies, c);
     record.used = used;
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    if (!std::all_of(c, c + kCoordinates, is_finite) || !state.force.allFinite() ||
+        !state.torque.allFinite()) {
+      // The step was spoiled: the bodies go back to where it began, and so does the joint.
+      record.twist = record.twist_before;
+      record.surplus = 0.0;
+      record.gap.fill(0.0);
+      state.force.setZero();
+      state.torque.setZero();
+      state.load.fill(0.0);
+      continue;
+    }
     for (std::size_t i = 0; i < 6; ++i) state.position[i] = c[i];
     if (record.point) {
       const BodyId a = record.def.a;
@@ -240,18 +263,16 @@ void JointBlock::end_step(const SubstepContext& ctx) {
     state.swing = c[kCone];
     record.twist = c[kTwist];
     state.residual = 0.0;
-    if (!record.active()) {
+    if ((!record.active() && !record.broke) || !Impl::is_solved(record, ctx.bodies)) {
       state.force.setZero();
       state.torque.setZero();
       state.load.fill(0.0);
-      continue;
     }
+    if (!record.active()) continue;
     for (int i = 0; i < kCoordinates; ++i) {
       state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
     }
     // What a spoiled step leaves behind must not spoil the next one.
-    if (!state.force.allFinite()) state.force.setZero();
-    if (!std::isfinite(record.twist)) record.twist = 0.0;
     if (!std::isfinite(record.surplus)) record.surplus = 0.0;
     for (double& gap : record.gap) {
       if (!std::isfinite(gap)) gap = 0.0;

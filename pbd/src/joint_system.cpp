@@ -172,6 +172,7 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
     JointState& state = record.state;
     state.force.setZero();
     state.torque.setZero();
+    state.load.fill(0.0);
     for_bits(record.used, [&](int i) {
       const double load = inverse_h2 * node.lambda[i];
       if (i < 6) state.load[i] = load;
@@ -184,6 +185,7 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
     const SixDofJointDef& def = record.def;
     state.broken = (def.break_force > 0.0 && state.force.norm() > def.break_force) ||
                    (def.break_torque > 0.0 && state.torque.norm() > def.break_torque);
+    record.broke = state.broken;
   }
 }
 

@@ -21,10 +21,12 @@ struct JointState {
   std::array<double, 6> position{};
   double swing = 0.0;            ///< rad, >= 0, angle between the x axes: what the cone limits
   std::array<double, 6> load{};  ///< N and N m, of each coordinate, on body b
-  Vec3 force = Vec3::Zero();     ///< N, world, on body b at its frame, last substep
-  Vec3 torque = Vec3::Zero();    ///< N m, world, on body b, last substep
-  double residual = 0.0;         ///< m (linear) or rad (angular), largest violation of a rigid row
-  bool broken = false;           ///< by break_force or break_torque; enable it to use it again
+  /// N, world, on body b at its frame, last substep; in the step in which it breaks that of the
+  /// substep that broke it.
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();  ///< N m, world, on body b, last substep
+  double residual = 0.0;       ///< m (linear) or rad (angular), largest violation of a rigid row
+  bool broken = false;         ///< by break_force or break_torque; enable it to use it again
 };
 
 /// All rigid, limited, sprung and driven joints of a world as one kind: six coordinates, each with
