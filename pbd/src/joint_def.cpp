@@ -120,6 +120,7 @@ BallJointDef::operator SixDofJointDef() const {
   SixDofJointDef six = base(*this);
   six.cone = cone;
   six.cone_compliance = angular_compliance;
+  six.cone_damping = angular_damping;
   if (limit_twist) {
     six.angular[0] = {.freedom = Freedom::Limited,
                       .lower = lower_twist,
@@ -182,7 +183,8 @@ void check_joint(const World& world, const SixDofJointDef& def) {
                       static_cast<double>(def.angular[i].freedom), "free where a cone limits");
     }
   }
-  check_at_least_0(def.cone_compliance, "cone_compliance");
+  check_compliance(def.cone_compliance, "cone_compliance");
+  check_at_least_0(def.cone_damping, "cone_damping");
   check_at_least_0(def.break_force, "break_force");
   check_at_least_0(def.break_torque, "break_torque");
 }

@@ -45,6 +45,7 @@ JointAxis JointRecord::axis(int c) const {
   cone.lower = -kUnlimited;
   cone.upper = def.cone;
   cone.compliance = def.cone_compliance;
+  cone.damping = def.cone_damping;
   return cone;
 }
 
@@ -103,6 +104,7 @@ void JointRecord::save(ByteWriter& out) const {
   for (const JointAxis& axis : def.angular) save_axis(out, axis);
   out.f64(def.cone);
   out.f64(def.cone_compliance);
+  out.f64(def.cone_damping);
   out.f64(def.break_force);
   out.f64(def.break_torque);
   out.u8(def.enabled ? 1 : 0);
@@ -131,6 +133,7 @@ void JointRecord::load(ByteReader& in) {
   for (JointAxis& axis : def.angular) load_axis(in, axis);
   def.cone = in.f64();
   def.cone_compliance = in.f64();
+  def.cone_damping = in.f64();
   def.break_force = in.f64();
   def.break_torque = in.f64();
   def.enabled = in.u8() != 0;

@@ -133,6 +133,15 @@ class ConstraintBlock {
 
   /// Names every body that a row reads or moves, alone or in pairs.
   virtual void links(LinkVisitor&) const {}
+  /// Those of links() between which a row holds something: only what something immovable holds may
+  /// rest, the rest is slow and drifts.
+  virtual void holds(LinkVisitor& visitor) const { links(visitor); }
+  /// At the end of a step: the bodies that rows move by themselves (motors that run, anchors that
+  /// move). They do not rest, however slow they are.
+  virtual void drives(LinkVisitor&) const {}
+  /// The bodies on which rows act with a force of their own (springs, motors): they rest where
+  /// their speed does not change either.
+  virtual void springs(LinkVisitor&) const {}
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
   /// At the end of a step of ctx.h (s): raise the entries (by body) of bodies whose rows need that

@@ -65,6 +65,7 @@ struct SixDofJointDef {
   /// rad, > 0: largest angle between the x axes; in place of limits on the two swings.
   double cone = kUnlimited;
   double cone_compliance = 0.0;  ///< rad/(N m), >= 0
+  double cone_damping = 0.0;     ///< N m s/rad, >= 0; without effect where the cone is rigid
   double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
   double break_torque = 0.0;     ///< N m, likewise
   bool enabled = true;
@@ -77,7 +78,7 @@ struct JointMount {
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
-  double angular_damping = 0.0;     ///< N m s/rad, not of a cone
+  double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
 };

@@ -33,7 +33,9 @@ struct ConstraintId {
 ///   double residual() const; double total_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
-///   begin_substep, solve_velocity, begin_total, project_total, end_total, end_step.
+///   begin_substep, solve_velocity, finish_velocity, begin_total, project_total, end_total,
+///   end_step; bool active() const (false leaves the row out), drives() const and springs() const
+///   (see ConstraintBlock; they concern both bodies).
 template <class C>
 class TypedBlock final : public ConstraintBlock {
  public:
@@ -102,6 +104,11 @@ class TypedBlock final : public ConstraintBlock {
     }
     return change;
   }
+  void finish_velocity(const SubstepContext& ctx) override {
+    if constexpr (requires(C & c) { c.finish_velocity(ctx); }) {
+      sweep_group(ctx, [&](C& c) { c.finish_velocity(ctx); });
+    }
+  }
   void begin_total(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.begin_total(ctx); }) {
       sweep_total(ctx, [&](C& c) { c.begin_total(ctx); });
@@ -119,7 +126,13 @@ class TypedBlock final : public ConstraintBlock {
   }
   bool clean_up(const SubstepContext& ctx) override {
     const bool any = any_total(ctx);
-    if (any) project_total(ctx);
+    if constexpr (requires(C & c) { c.project_total(ctx); }) {
+      if (any) {
+        sweep(ctx.reverse, [&](C& c) {
+          if (is_active(c) && is_total(ctx, c)) c.project_total(ctx);
+        });
+      }
+    }
     return any;
   }
   void end_step(const SubstepContext& ctx) override {
@@ -129,11 +142,16 @@ class TypedBlock final : public ConstraintBlock {
   }
 
   void links(LinkVisitor& visitor) const override {
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (alive_[i] == 0) continue;
-      const BodyId a = rows_[i].body_a();
-      const BodyId b = rows_[i].body_b();
-      visitor.link(a.index, b.index);
+    name_bodies(visitor, [](const C&) { return true; });
+  }
+  void drives(LinkVisitor& visitor) const override {
+    if constexpr (requires(const C& c) { c.drives(); }) {
+      name_bodies(visitor, [](const C& c) { return c.drives(); });
+    }
+  }
+  void springs(LinkVisitor& visitor) const override {
+    if constexpr (requires(const C& c) { c.springs(); }) {
+      name_bodies(visitor, [](const C& c) { return c.springs(); });
     }
   }
   void take_changed(std::vector<std::uint32_t>& bodies) override {
@@ -218,20 +236,40 @@ class TypedBlock final : public ConstraintBlock {
                               rows_[r].body_b(), r);
     });
   }
+  static bool is_active(const C& c) {
+    if constexpr (requires { c.active(); }) {
+      return c.active();
+    } else {
+      return true;
+    }
+  }
+  /// Of the rows that are active and `wanted`.
+  template <class Wanted>
+  void name_bodies(LinkVisitor& visitor, Wanted&& wanted) const {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (alive_[i] == 0 || !is_active(rows_[i]) || !wanted(rows_[i])) continue;
+      visitor.link(rows_[i].body_a().index, rows_[i].body_b().index);
+    }
+  }
+  static bool is_mine(const SubstepContext& ctx, const C& c) {
+    if (!is_active(c)) return false;
+    return (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
+           (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
+  }
+  static bool is_total(const SubstepContext& ctx, const C& c) {
+    return (c.body_a().valid() && ctx.bodies[c.body_a().index].total) ||
+           (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
+  }
   template <class Visit>
   void sweep_group(const SubstepContext& ctx, Visit&& visit) {
     sweep(ctx.reverse, [&](C& c) {
-      const bool mine = (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
-                        (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
-      if (mine) visit(c);
+      if (is_mine(ctx, c)) visit(c);
     });
   }
   template <class Visit>
   void sweep_total(const SubstepContext& ctx, Visit&& visit) {
     sweep(ctx.reverse, [&](C& c) {
-      const bool total = (c.body_a().valid() && ctx.bodies[c.body_a().index].total) ||
-                         (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
-      if (total) visit(c);
+      if (is_mine(ctx, c) && is_total(ctx, c)) visit(c);
     });
   }
   static void refuse_other(BodyId given, BodyId kept) {
