@@ -263,6 +263,12 @@ void ContactBlock::links(LinkVisitor& visitor) const {
   }
 }
 
+void ContactBlock::holds(LinkVisitor& visitor) const {
+  for (const Contact& contact : impl_->contacts) {
+    if (contact.loaded()) visitor.link(contact.manifold.body_a, contact.manifold.body_b);
+  }
+}
+
 void ContactBlock::remove_body(BodyId body) {
   std::erase_if(impl_->contacts, [&](const Contact& contact) {
     return contact.manifold.body_a == body.index || contact.manifold.body_b == body.index;

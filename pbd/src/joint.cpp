@@ -23,6 +23,26 @@ Vec3 relative_spin(const SixDofJointDef& def, std::span<const SolverBody> bodies
   return def.a.valid() ? Vec3(w_b - bodies[def.a.index].w) : w_b;
 }
 
+/// Whether the motor of a coordinate moves the joint on.
+bool motor_runs(const JointRecord& record, int c) {
+  constexpr double kArrived = 1e-6;  // m or rad
+  constexpr double kMost = 1.0 - 1e-6;
+  const JointAxis axis = record.axis(c);
+  const JointMotor& motor = axis.motor;
+  const bool limited = axis.freedom == Freedom::Limited;
+  const double lower = limited ? axis.lower : -kUnlimited;
+  const double upper = limited ? axis.upper : kUnlimited;
+  const double at = record.state.position[static_cast<std::size_t>(c)];
+  if (motor.mode == MotorMode::Off) return false;
+  if (motor.mode == MotorMode::Velocity) {
+    if (motor.target == 0.0) return false;
+    if (motor.target > 0.0 ? at >= upper - kArrived : at <= lower + kArrived) return false;
+  } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
+    return false;
+  }
+  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMost * motor.max_force);
+}
+
 }  // namespace
 class JointBlock::Impl {
  public:
@@ -283,6 +303,23 @@ void JointBlock::end_step(const SubstepContext& ctx) {
 void JointBlock::links(LinkVisitor& visitor) const {
   for (const JointRecord& record : impl_->records) {
     if (record.active()) visitor.link(record.def.a.index, record.def.b.index);
+  }
+}
+
+void JointBlock::drives(LinkVisitor& visitor) const {
+  for (const JointRecord& record : impl_->records) {
+    if (!record.active()) continue;
+    bool any = false;
+    for (int c = 0; c < kCone; ++c) any = any || motor_runs(record, c);
+    if (any) visitor.link(record.def.a.index, record.def.b.index);
+  }
+}
+
+void JointBlock::springs(LinkVisitor& visitor) const {
+  for (const JointRecord& record : impl_->records) {
+    if (record.active() && !record.passive()) {
+      visitor.link(record.def.a.index, record.def.b.index);
+    }
   }
 }
 

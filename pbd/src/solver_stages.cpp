@@ -184,8 +184,8 @@ void Solver::Impl::end_step() {
   if (report_.parts.refinement) {
     for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
   }
-  groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->props_,
-                 world_->activity_, bodies_.all());
+  groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->states_,
+                 world_->props_, world_->activity_, bodies_.all());
   limit_motion();
   bodies_.store(*world_, dt_, groups_.all(), report_);
   world_->wrenches_.clear();

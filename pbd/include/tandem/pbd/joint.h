@@ -77,6 +77,9 @@ class JointBlock final : public ConstraintBlock {
   /// folding does.
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
+  /// Not by motors that have arrived, that a limit stops or that do not manage their load.
+  void drives(LinkVisitor& visitor) const override;
+  void springs(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
