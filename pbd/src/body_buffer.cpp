@@ -91,8 +91,7 @@ int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Worke
   workers.for_chunks(bodies_.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
-      // One that sleeps may still be named in the total channel.
-      if (solved || bodies_[i].total) refresh_inertia(bodies_[i], world.props_[i]);
+      if (solved) refresh_inertia(bodies_[i], world.props_[i]);
     }
   });
   int count = 0;

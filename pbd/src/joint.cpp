@@ -79,10 +79,16 @@ class JointBlock::Impl {
     return (record.def.a.valid() && bodies[record.def.a.index].total) ||
            bodies[record.def.b.index].total;
   }
+  /// Those of the group.
   template <class Visit>
-  void for_total(std::span<const SolverBody> bodies, Visit&& visit) {
+  void for_total(const SubstepContext& ctx, Visit&& visit) {
     for (JointRecord& record : records) {
-      if (record.active() && is_total(record, bodies)) visit(record);
+      if (!record.active() || !is_total(record, ctx.bodies)) continue;
+      const SixDofJointDef& def = record.def;
+      if (ctx.bodies[def.b.index].group == ctx.group ||
+          (def.a.valid() && ctx.bodies[def.a.index].group == ctx.group)) {
+        visit(record);
+      }
     }
   }
   /// Whether any of its coordinates has a row and any of its ends can move.
@@ -224,27 +230,36 @@ void JointBlock::finish_velocity(const SubstepContext& ctx) {
 }
 
 void JointBlock::begin_total(const SubstepContext& ctx) {
-  impl_->for_total(ctx.bodies, [&](JointRecord& record) {
+  impl_->for_total(ctx, [&](JointRecord& record) {
+    record.bound.fill(0.0);
     impl_->place(record, ctx.bodies, record.bound.data());
     for (std::size_t i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
   });
-  for (std::uint32_t part = 0; part < impl_->system.part_count(); ++part) {
-    if (!impl_->system.is_total(part, ctx.bodies)) continue;
+  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
+    if (!impl_->system.is_total(part, ctx.bodies)) return;
     impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Total);
-  }
+  });
 }
 
 void JointBlock::project_total(const SubstepContext& ctx) {
+  JointSystem& system = impl_->system;
+  system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
+    if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
+  });
+}
+
+bool JointBlock::clean_up(const SubstepContext& ctx) {
   JointSystem& system = impl_->system;
   for (std::uint32_t k = 0; k < system.part_count(); ++k) {
     const std::uint32_t part = ctx.reverse ? system.part_count() - 1 - k : k;
     if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
   }
+  return any_total(ctx);
 }
 
 void JointBlock::end_total(const SubstepContext& ctx) {
-  impl_->for_total(ctx.bodies, [&](JointRecord& record) {
-    double c[kCoordinates];
+  impl_->for_total(ctx, [&](JointRecord& record) {
+    double c[kCoordinates] = {};
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
       record.gap[i] = ForceLaw::gap(record.axis(i), c[i], record.bound[i]);

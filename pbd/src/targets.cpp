@@ -50,7 +50,8 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
     marked_[island_of[rows_[k].body]] = 1;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    bodies[i].total = bodies[i].inv_mass > 0.0 && marked_[island_of[i]] != 0;
+    const bool solved = bodies[i].inv_mass > 0.0 && bodies[i].group != SolverBody::kNoGroup;
+    bodies[i].total = solved && marked_[island_of[i]] != 0;
   }
 }
 

@@ -26,7 +26,8 @@ class Targets {
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
 
-  /// Mark every body that is joined or in touch with a targeted one as part of the total channel.
+  /// Mark every body that is awake and joined or in touch with a targeted one as part of the total
+  /// channel.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
 

@@ -66,10 +66,7 @@ class JointBlock final : public ConstraintBlock {
   void begin_total(const SubstepContext& ctx) override;
   void project_total(const SubstepContext& ctx) override;
   void end_total(const SubstepContext& ctx) override;
-  bool clean_up(const SubstepContext& ctx) override {
-    project_total(ctx);
-    return any_total(ctx);
-  }
+  bool clean_up(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   /// As many as keep the bodies of a joint from turning by more than 0.07 rad against each other in
