@@ -3,9 +3,11 @@
 #include "body_def.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "tandem/pbd/typed_block.h"
 
@@ -86,6 +88,15 @@ void require(bool ok, std::string_view kind, std::string_view field, double valu
 
 void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {
   for (int i = 0; i < 3; ++i) require(std::isfinite(value[i]), kind, field, value[i], "finite");
+}
+
+bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::uint8_t> alive) {
+  std::vector<std::uint8_t> known(alive.begin(), alive.end());
+  for (const std::uint32_t slot : free) {
+    if (slot >= known.size() || known[slot] != 0) return false;
+    known[slot] = 1;
+  }
+  return std::all_of(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; });
 }
 
 void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field) {

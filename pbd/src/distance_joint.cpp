@@ -187,6 +187,10 @@ void DistanceJoint::load(ByteReader& in) {
   gap_ = in.f64();
   force_ = in.f64();
   residual_ = in.f64();
+  if (!n_.allFinite() || !std::isfinite(gap_) || !std::isfinite(force_) ||
+      !std::isfinite(residual_)) {
+    in.fail();
+  }
 }
 
 }  // namespace tandem::pbd

@@ -375,19 +375,33 @@ void JointBlock::load(ByteReader& in) {
   impl_->generations.clear();
   impl_->free.clear();
   impl_->count = 0;
+  std::vector<std::uint8_t> alive;
   for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
     impl_->generations.push_back(in.u32());
     impl_->records.emplace_back();
     impl_->records.back().load(in);
     if (impl_->records.back().alive) ++impl_->count;
+    alive.push_back(impl_->records.back().alive ? 1 : 0);
   }
   const std::uint32_t free_count = in.u32();
   impl_->free.reserve(impl_->records.size());
   for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) impl_->free.push_back(in.u32());
+  if (!detail::are_free_slots(impl_->free, alive)) in.fail();
   impl_->changed.clear();
   const std::uint32_t changed = in.u32();
   for (std::uint32_t i = 0; i < changed && !in.failed(); ++i) impl_->changed.push_back(in.u32());
   impl_->dirty = true;
+}
+
+bool JointBlock::fits(const World& world) const {
+  try {
+    for (const JointRecord& record : impl_->records) {
+      if (record.alive) check_joint(world, record.def);
+    }
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace tandem::pbd

@@ -15,6 +15,7 @@ class BodySet;
 class ByteReader;
 class ByteWriter;
 class Workers;
+class World;
 
 /// A body as the pass sees it. The first two cache lines are all that a sweep over contacts reads
 /// and writes. Lifetime: one step.
@@ -152,7 +153,10 @@ class ConstraintBlock {
   virtual void remove_body(BodyId) {}
   virtual BlockReport report() const = 0;
   virtual void save(ByteWriter& out) const = 0;
+  /// The bytes may be anybody's: fail `in` where they are none of save().
   virtual void load(ByteReader& in) = 0;
+  /// After load(): whether all that rows name is in the world, and their parameters keep the rules.
+  virtual bool fits(const World&) const { return true; }
 };
 
 }  // namespace tandem::pbd

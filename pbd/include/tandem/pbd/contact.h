@@ -106,6 +106,7 @@ class ContactBlock final : public ConstraintBlock {
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;
+  bool fits(const World& world) const override;
 
  private:
   struct Impl;

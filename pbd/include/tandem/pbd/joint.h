@@ -81,6 +81,7 @@ class JointBlock final : public ConstraintBlock {
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;
+  bool fits(const World& world) const override;
 
  private:
   class Impl;

@@ -83,7 +83,10 @@ class ContactSource {
 
   /// What the next collect() depends on besides the bodies' poses (caches included), for snapshots.
   virtual void save(ByteWriter& out) const = 0;
+  /// The bytes may be anybody's: fail `in` where they are none of save().
   virtual void load(ByteReader& in) = 0;
+  /// After load(): whether all bodies that it names are in the world.
+  virtual bool fits(const World&) const { return true; }
 };
 
 }  // namespace tandem::pbd

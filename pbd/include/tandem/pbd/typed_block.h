@@ -6,6 +6,7 @@
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,6 +16,18 @@
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
+
+namespace detail {
+/// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
+void require(bool ok, std::string_view kind, std::string_view field, double value,
+             std::string_view rule);
+/// The same for a vector field: all components finite.
+void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
+/// Throws unless the body exists.
+void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field);
+/// Whether `free` names each slot that is not alive, once.
+bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::uint8_t> alive);
+}  // namespace detail
 
 /// Names one row of one TypedBlock; stale ids are refused.
 struct ConstraintId {
@@ -191,6 +204,16 @@ class TypedBlock final : public ConstraintBlock {
     out.u32(static_cast<std::uint32_t>(changed_.size()));
     for (const std::uint32_t body : changed_) out.u32(body);
   }
+  bool fits(const World& world) const override {
+    try {
+      for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (alive_[i] != 0) C::check(world, rows_[i].def());
+      }
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    return true;
+  }
   void load(ByteReader& in) override {
     const std::uint32_t size = in.u32();
     rows_.clear();
@@ -200,7 +223,7 @@ class TypedBlock final : public ConstraintBlock {
     count_ = 0;
     sequence_is_old_ = true;
     for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
-      alive_.push_back(in.u8());
+      alive_.push_back(in.u8() != 0 ? 1 : 0);
       generations_.push_back(in.u32());
       rows_.emplace_back(Def{});
       rows_.back().load(in);
@@ -209,6 +232,7 @@ class TypedBlock final : public ConstraintBlock {
     const std::uint32_t free_count = in.u32();
     free_.reserve(rows_.size());
     for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) free_.push_back(in.u32());
+    if (!detail::are_free_slots(free_, alive_)) in.fail();
     changed_.clear();
     const std::uint32_t changed_count = in.u32();
     for (std::uint32_t i = 0; i < changed_count && !in.failed(); ++i) changed_.push_back(in.u32());
@@ -310,15 +334,5 @@ class TypedBlock final : public ConstraintBlock {
   bool natural_ = true;  ///< the order of bodies that the sequence was made for
   int count_ = 0;
 };
-
-namespace detail {
-/// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
-void require(bool ok, std::string_view kind, std::string_view field, double value,
-             std::string_view rule);
-/// The same for a vector field: all components finite.
-void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
-/// Throws unless the body exists.
-void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field);
-}  // namespace detail
 
 }  // namespace tandem::pbd

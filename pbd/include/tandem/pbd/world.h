@@ -124,7 +124,8 @@ class World {
   /// Everything that the next step depends on, as bytes: bodies, blocks with their carried
   /// multipliers, the contact source's caches. restore() wants a world built the same way (same
   /// blocks in the same order, same kind of source) and throws std::invalid_argument otherwise,
-  /// leaving this world unchanged where the bytes are not a snapshot at all.
+  /// leaving this world as it was. The bytes may be anybody's: what would name things that are not
+  /// there, or is not a number, is refused.
   std::vector<std::byte> snapshot() const;
   void restore(std::span<const std::byte> bytes);
   /// 64-bit hash over all poses and twists: equal bits, equal hash.
@@ -142,6 +143,8 @@ class World {
   /// N s and N m s about the centre of mass, likewise.
   void add_impulse(std::uint32_t index, const Wrench& impulse, const char* what);
   void wake_joined(std::uint32_t index);
+  /// What snapshot() wrote after its head. @return false where it cannot be a world's
+  bool read(ByteReader& in);
 
   struct KinematicTarget {
     std::uint32_t index = 0;
