@@ -13,6 +13,8 @@ namespace {
 
 /// More patches than any pair has (keys keep 12 bits for them).
 constexpr std::uint32_t kMaxPatches = 4096;
+/// Three faces of either box and nine pairs of edges.
+constexpr std::uint8_t kBoxAxes = 15;
 
 }  // namespace
 
@@ -76,9 +78,11 @@ bool load_cache(pbd::ByteReader& in, PairCache& cache, PatchPool& pool) {
       patch->anchor_a_l[i] = in.vec3();
       patch->anchor_b_l[i] = in.vec3();
       patch->features[i] = in.u32();
+      finite = finite && patch->anchor_a_l[i].allFinite() && patch->anchor_b_l[i].allFinite();
     }
+    finite = finite && std::isfinite(patch->radius_a) && std::isfinite(patch->radius_b);
   }
-  return !in.failed();
+  return finite && !in.failed();
 }
 
 void CollisionScene::Impl::save(pbd::ByteWriter& out) const {
@@ -131,8 +135,7 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
   for (std::uint32_t k = 0; k < count && !in.failed(); ++k) {
     const std::uint32_t low = in.u32();
     const std::uint32_t high = in.u32();
-    if (low >= high || high >= colliders_.size() || !colliders_[low].alive ||
-        !colliders_[high].alive) {
+    if (low >= high || high >= colliders_.size() || !may_touch(colliders_[low], colliders_[high])) {
       return false;
     }
     if (!broad_.pairs().empty() && !(broad_.pairs().back() < ColliderPair{low, high, 0, false})) {
@@ -141,6 +144,9 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
     const ColliderPair& pair = broad_.append_pair(low, high);
     if (caches_.size() <= pair.cache) caches_.resize(pair.cache + 1);
     if (!load_cache(in, caches_[pair.cache], pool_)) return false;
+    const bool boxes = colliders_[low].kind == Kind::Box && colliders_[high].kind == Kind::Box;
+    const std::uint8_t axis = caches_[pair.cache].axis;
+    if (axis != PairCache::kNoAxis && !(boxes && axis < kBoxAxes)) return false;
   }
   return !in.failed();
 }

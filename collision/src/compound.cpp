@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/collision/compound.h"
 
+#include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -9,6 +11,26 @@ namespace tandem::collision {
 
 using pbd::Mat3;
 using pbd::Vec3;
+
+namespace {
+
+void check_local(const pbd::Pose& local, const std::string& part) {
+  const auto refuse = [&](const char* field, double value, const char* rule) {
+    std::ostringstream text;
+    text << "mass_properties: " << part << ".local." << field << " = " << value
+         << " breaks the rule: " << rule;
+    throw std::invalid_argument(text.str());
+  };
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(local.position[i])) refuse("position", local.position[i], "finite");
+  }
+  const double norm = local.orientation.norm();
+  if (!(std::abs(norm - 1.0) < 1e-3)) {
+    refuse("orientation", norm, "a quaternion of unit norm (within 1e-3)");
+  }
+}
+
+}  // namespace
 
 MassProperties mass_properties(std::span<const CompoundPart> parts) {
   if (parts.empty()) {
@@ -18,6 +40,7 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
   MassProperties all;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     MassProperties p;
+    check_local(parts[i].local, "parts[" + std::to_string(i) + "]");
     try {
       p = mass_properties(parts[i].shape, parts[i].density);
     } catch (const std::invalid_argument& error) {

@@ -35,6 +35,7 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   colliders_[index] = make_collider(def, options_);
   colliders_[index].generation = generation;
   colliders_[index].added = added_++;
+  colliders_[index].dynamic = world.all_props()[def.body.index].type == pbd::BodyType::Dynamic;
   order_is_old_ = true;
   broad_.add(index, colliders_[index]);
   if (def.sensor) ++sensor_count_;
@@ -263,8 +264,12 @@ void CollisionScene::load(pbd::ByteReader& in) {
   impl_->forget();
   if (impl_->load(in)) return;
   impl_->forget();
-  // More than there is: the reader keeps the failure for its owner.
-  if (!in.failed()) in.bytes(in.remaining() + 1);
+  in.fail();
+}
+bool CollisionScene::fits(const pbd::World& world) const {
+  return std::all_of(impl_->colliders().begin(), impl_->colliders().end(), [&](const Collider& c) {
+    return !c.alive || world.body_at(c.def.body.index).valid();
+  });
 }
 
 }  // namespace tandem::collision

@@ -71,8 +71,9 @@ class CollisionScene::Impl {
     std::size_t end = 0;
   };
 
-  CoreHit first_hit(Collider& collider, bool bullet, std::span<const pbd::Pose> after,
-                    Worker& worker) const;
+  double fastest_obstacle(std::span<const pbd::Pose> after) const;
+  CoreHit first_hit(Collider& collider, bool bullet, double fastest,
+                    std::span<const pbd::Pose> after, Worker& worker) const;
   void guard(std::uint32_t index, std::uint32_t near);
   void update_order(const pbd::World& world);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,

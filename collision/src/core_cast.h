@@ -21,6 +21,7 @@ inline bool lies_before(const Vec3& l, const Vec3& r) {
 struct CoreHit {
   double share = 1.0;
   Vec3 normal = Vec3::UnitZ();  ///< unit, world, out of the target
+  Vec3 moved = Vec3::Zero();    ///< m, how far the target moves and takes along what it meets
 
   /// Of two at once the one that does not depend on who came first.
   void take_first(const CoreHit& other) {

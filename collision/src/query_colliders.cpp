@@ -51,6 +51,7 @@ void QueryColliders::update(const pbd::World& world, const CollisionScene& scene
     if (!known) renew(entry, scene, id);
     c.def.filter = def.filter;
     if (!known || !entry.present || !same_pose(c.body, world.states()[def.body.index].pose)) {
+      c.asleep = false;  // it may have been awake since the last update
       update_collider(c, world, 0.0);
       entry.present = c.finite;
       if (!c.finite) {

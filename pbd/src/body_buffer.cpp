@@ -35,6 +35,8 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.total = false;
   body.projected = false;
   body.turns = false;
+  const auto& locked = props.locks.angular;
+  body.turns_freely = !locked[0] && !locked[1] && !locked[2];
 }
 
 /// Marks every body that rows name.
@@ -52,7 +54,16 @@ class TurnMarker final : public LinkVisitor {
 
 }  // namespace
 
-void BodyBuffer::load(World& world, double dt, Workers& workers) {
+void BodyBuffer::aim_kinematic(World& world, double dt) {
+  for (const World::KinematicTarget& target : world.kinematic_targets_) {
+    const Pose& pose = world.states_[target.index].pose;
+    world.states_[target.index].twist = {
+        (target.pose.position - pose.position) / dt,
+        rotation_between(pose.orientation, target.pose.orientation) / dt};
+  }
+}
+
+void BodyBuffer::load(const World& world, Workers& workers) {
   const std::size_t count = world.states_.size();
   bodies_.resize(count);
   kinematic_.clear();
@@ -63,12 +74,6 @@ void BodyBuffer::load(World& world, double dt, Workers& workers) {
   });
   for (std::uint32_t i = 0; i < count; ++i) {
     if (world.props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
-  }
-  for (const World::KinematicTarget& target : world.kinematic_targets_) {
-    SolverBody& body = bodies_[target.index];
-    body.v = (target.pose.position - body.x) / dt;
-    body.w = rotation_between(body.q, target.pose.orientation) / dt;
-    world.states_[target.index].twist = {body.v, body.w};
   }
 }
 
@@ -86,8 +91,7 @@ int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Worke
   workers.for_chunks(bodies_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
-      // One that sleeps may still be named in the total channel.
-      if (solved || bodies_[i].total) refresh_inertia(bodies_[i], world.props_[i]);
+      if (solved) refresh_inertia(bodies_[i], world.props_[i]);
     }
   });
   int count = 0;
@@ -135,28 +139,36 @@ void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, S
   for (const Group& group : groups) {
     for (const std::uint32_t i : group.bodies) {
       const SolverBody& body = bodies_[i];
-      BodyState& state = world.states_[i];
       if (is_finite(body)) {
-        state.pose = {body.x, body.q};
-        state.twist = {body.v, body.w};
-        continue;
-      }
-      state.twist = {};  // the pose stays where the step began
-      if (report.status == StepStatus::Ok || i < report.first_bad_body.index) {
-        report.status = StepStatus::NonFinite;
-        report.first_bad_body = {i, world.generations_[i]};
+        world.states_[i] = {{body.x, body.q}, {body.v, body.w}};
+      } else {
+        refuse(world, i, report);
       }
     }
   }
-  store_kinematic(world, dt);
+  store_kinematic(world, dt, report);
   if (world.contacts_ != nullptr) mark_contacts(world);
 }
 
-void BodyBuffer::store_kinematic(World& world, double dt) {
+/// The pose stays where the step began.
+void BodyBuffer::refuse(World& world, std::uint32_t i, StepReport& report) {
+  world.states_[i].twist = {};
+  if (report.status != StepStatus::Ok && i >= report.first_bad_body.index) return;
+  report.status = StepStatus::NonFinite;
+  report.first_bad_body = {i, world.generations_[i]};
+}
+
+void BodyBuffer::store_kinematic(World& world, double dt, StepReport& report) {
   for (const std::uint32_t i : kinematic_) {
+    SolverBody body = bodies_[i];
     Pose& pose = world.states_[i].pose;
-    pose.position += dt * bodies_[i].v;
-    pose.orientation = rotated(pose.orientation, dt * bodies_[i].w);
+    body.x = pose.position + dt * body.v;
+    body.q = rotated(pose.orientation, dt * body.w);
+    if (is_finite(body)) {
+      pose = {body.x, body.q};
+    } else {
+      refuse(world, i, report);
+    }
   }
   for (const World::KinematicTarget& target : world.kinematic_targets_) {
     world.states_[target.index] = {target.pose, {}};

@@ -16,8 +16,10 @@ namespace tandem::pbd {
 /// The world's bodies as the pass sees them, by slot, for one step.
 class BodyBuffer {
  public:
-  /// Kinematic bodies with a target get the velocity that takes them there.
-  void load(World& world, double dt, Workers& workers);
+  /// Kinematic bodies with a target get the velocity that takes them there, in the world: whoever
+  /// looks for contacts has to see it.
+  static void aim_kinematic(World& world, double dt);
+  void load(const World& world, Workers& workers);
   /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
   /// @return how many those are
   int prepare(const World& world, std::span<const Group> groups, Workers& workers);
@@ -35,7 +37,8 @@ class BodyBuffer {
 
  private:
   void mark_turned(const World& world);
-  void store_kinematic(World& world, double dt);
+  static void refuse(World& world, std::uint32_t i, StepReport& report);
+  void store_kinematic(World& world, double dt, StepReport& report);
   static void mark_contacts(World& world);
 
   std::vector<SolverBody> bodies_;

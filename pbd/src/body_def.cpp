@@ -3,9 +3,11 @@
 #include "body_def.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "tandem/pbd/typed_block.h"
 
@@ -40,6 +42,8 @@ void check_def(const BodyDef& def) {
   if (def.type != BodyType::Dynamic) return;
   detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
                   "finite and > 0");
+  detail::require(std::isfinite(1.0 / def.mass), kKind, "mass", def.mass,
+                  "not too small for its inverse");
   detail::require(def.inertia.allFinite(), kKind, "inertia", def.inertia.sum(), "finite");
   const double asymmetry = (def.inertia - def.inertia.transpose()).cwiseAbs().maxCoeff();
   const double size = def.inertia.cwiseAbs().maxCoeff();
@@ -47,6 +51,9 @@ void check_def(const BodyDef& def) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(def.inertia, Eigen::EigenvaluesOnly);
   const Vec3& moments = eigen.eigenvalues();  // ascending
   detail::require(moments[0] > 0.0, kKind, "inertia", moments[0], "positive definite");
+  const double off = (def.inertia.inverse() * def.inertia - Mat3::Identity()).norm();
+  detail::require(off < 1e-3, kKind, "inertia", moments[0],
+                  "neither too small nor too large for its inverse");
   detail::require(moments[0] + moments[1] >= moments[2] * (1.0 - 1e-6), kKind, "inertia",
                   moments[2], "largest moment at most the sum of the other two");
 }
@@ -81,6 +88,15 @@ void require(bool ok, std::string_view kind, std::string_view field, double valu
 
 void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {
   for (int i = 0; i < 3; ++i) require(std::isfinite(value[i]), kind, field, value[i], "finite");
+}
+
+bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::uint8_t> alive) {
+  std::vector<std::uint8_t> known(alive.begin(), alive.end());
+  for (const std::uint32_t slot : free) {
+    if (slot >= known.size() || known[slot] != 0) return false;
+    known[slot] = 1;
+  }
+  return std::all_of(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; });
 }
 
 void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field) {

@@ -10,6 +10,7 @@
 #include "contact_impl.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/corrections.h"
+#include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 namespace {
@@ -95,6 +96,22 @@ void finish_contact(Contact& contact, std::span<const SolverBody> bodies, Residu
     worst.total = std::max(worst.total, -contact.debt[i]);
     if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
   }
+}
+
+/// Whether what the next step takes from it is made of numbers.
+bool is_sound(const Contact& contact) {
+  const Manifold& m = contact.manifold;
+  bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.carried_share >= 0.0 &&
+               contact.carried_share <= 1.0;
+  for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution}) {
+    sound = sound && std::isfinite(value);
+  }
+  for (int i = 0; i < m.count; ++i) {
+    sound = sound && m.points[i].anchor_a_l.allFinite() && m.points[i].anchor_b_l.allFinite() &&
+            contact.force[i] >= 0.0 && std::isfinite(contact.force[i]) &&
+            std::isfinite(contact.debt[i]);
+  }
+  return sound;
 }
 
 }  // namespace
@@ -284,6 +301,12 @@ void ContactBlock::links(LinkVisitor& visitor) const {
   }
 }
 
+void ContactBlock::holds(LinkVisitor& visitor) const {
+  for (const Contact& contact : impl_->contacts) {
+    if (contact.loaded()) visitor.link(contact.manifold.body_a, contact.manifold.body_b);
+  }
+}
+
 void ContactBlock::remove_body(BodyId body) {
   impl_->convergence.remove_body(body.index);
   std::erase_if(impl_->contacts, [&](const Contact& contact) {
@@ -358,7 +381,11 @@ void ContactBlock::load(ByteReader& in) {
       *value = in.f64();
     }
     contact.friction_force = in.vec3();
-    m.count = std::min<int>(in.u8(), Manifold::kMaxPoints);
+    m.count = in.u8();
+    if (m.count < 1 || m.count > Manifold::kMaxPoints) {
+      in.fail();
+      return;
+    }
     for (int i = 0; i < m.count; ++i) {
       m.points[i].anchor_a_l = in.vec3();
       m.points[i].anchor_b_l = in.vec3();
@@ -368,7 +395,15 @@ void ContactBlock::load(ByteReader& in) {
     }
     impl_->any_friction = impl_->any_friction || m.friction > 0.0;
     impl_->any_restitution = impl_->any_restitution || m.restitution > 0.0;
+    if (!is_sound(contact)) in.fail();
   }
+}
+
+bool ContactBlock::fits(const World& world) const {
+  const auto is_there = [&](std::uint32_t body) { return world.body_at(body).valid(); };
+  return std::all_of(impl_->contacts.begin(), impl_->contacts.end(), [&](const Contact& contact) {
+    return is_there(contact.manifold.body_a) && is_there(contact.manifold.body_b);
+  });
 }
 
 }  // namespace tandem::pbd

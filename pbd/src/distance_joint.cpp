@@ -14,14 +14,23 @@ void DistanceJoint::check(const World& world, const Def& def) {
   detail::require_finite(def.anchor_b_l, kName, "anchor_b_l");
   detail::require(def.rest_length >= 0.0 && std::isfinite(def.rest_length), kName, "rest_length",
                   def.rest_length, "finite and >= 0");
-  detail::require(def.compliance >= 0.0 && std::isfinite(def.compliance), kName, "compliance",
-                  def.compliance, "finite and >= 0");
+  detail::require(def.compliance == 0.0 ||
+                      (def.compliance >= kLeastCompliance && std::isfinite(def.compliance)),
+                  kName, "compliance", def.compliance, "finite and >= 0, 0 or at least 1e-100");
   detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
                   "finite and >= 0");
   detail::require(def.min_length >= 0.0 && std::isfinite(def.min_length), kName, "min_length",
                   def.min_length, "finite and >= 0");
   detail::require(def.max_length >= def.min_length, kName, "max_length", def.max_length,
                   ">= min_length");
+  detail::require(
+      def.range_compliance == 0.0 ||
+          (def.range_compliance >= kLeastCompliance && std::isfinite(def.range_compliance)),
+      kName, "range_compliance", def.range_compliance, "finite and >= 0, 0 or at least 1e-100");
+  detail::require(def.range_damping >= 0.0 && std::isfinite(def.range_damping), kName,
+                  "range_damping", def.range_damping, "finite and >= 0");
+  detail::require(def.break_force >= 0.0 && std::isfinite(def.break_force), kName, "break_force",
+                  def.break_force, "finite and >= 0");
   if (!def.elastic) return;
   detail::require(def.rest_length >= def.min_length && def.rest_length <= def.max_length, kName,
                   "rest_length", def.rest_length, "from min_length to max_length");
@@ -41,6 +50,8 @@ JointAxis DistanceJoint::axis() const {
     axis.freedom = Freedom::Limited;
     axis.lower = def_.min_length - def_.rest_length;
     axis.upper = def_.max_length - def_.rest_length;
+    axis.compliance = def_.range_compliance;
+    axis.damping = def_.range_damping;
   }
   if (def_.elastic) axis.spring = {.stiffness = 1.0 / def_.compliance, .damping = def_.damping};
   return axis;
@@ -68,6 +79,8 @@ void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   r_b_ = arm.r_b;
   n_ = arm.n;
   lambda_ = 0.0;
+  force_ = 0.0;
+  broken_ = false;
 }
 
 double DistanceJoint::project(const SubstepContext& ctx) {
@@ -76,12 +89,19 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   const double c = arm.length - def_.rest_length;
   // Points that have swung past each other within the substep have lost the old direction.
   if (n_.dot(arm.n) < 0.5) n_ = arm.n;
+  if (n_.isZero(0.0)) return 0.0;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
   const double dlambda = ForceLaw::of(axis(), c_start_, gap_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   force_ = lambda_ / (ctx.h * ctx.h);
   apply_pair(*arm.a, *arm.b, dlambda * n_, r_a_, r_b_);
   return std::abs(dlambda) * w;
+}
+
+void DistanceJoint::finish_velocity(const SubstepContext& /*ctx*/) {
+  if (!(def_.break_force > 0.0 && std::abs(force_) > def_.break_force)) return;
+  broken_ = broke_ = true;
+  def_.enabled = false;
 }
 
 void DistanceJoint::begin_total(const SubstepContext& ctx) {
@@ -93,6 +113,7 @@ void DistanceJoint::begin_total(const SubstepContext& ctx) {
 void DistanceJoint::project_total(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
+  if (arm.n.isZero(0.0)) return;
   const double c = arm.length - def_.rest_length;
   const double w = inverse_mass(*arm.a, arm.r_a, arm.n) + inverse_mass(*arm.b, arm.r_b, arm.n);
   const double dlambda = ForceLaw::of_total(axis(), bound_, ctx.h).multiplier(c, lambda_, w);
@@ -108,8 +129,16 @@ void DistanceJoint::end_total(const SubstepContext& ctx) {
 void DistanceJoint::end_step(const SubstepContext& ctx) {
   SolverBody ground;
   residual_ = ForceLaw::violation(axis(), arms(ctx, ground).length - def_.rest_length);
+  if (!def_.enabled) {
+    if (!broke_) force_ = 0.0;
+    broke_ = false;
+    gap_ = residual_ = 0.0;
+  }
   // What a spoiled step leaves behind must not spoil the next one.
-  if (!std::isfinite(gap_)) gap_ = 0.0;
+  for (double* value : {&gap_, &force_, &residual_}) {
+    if (!std::isfinite(*value)) *value = 0.0;
+  }
+  if (!n_.allFinite()) n_.setZero();
 }
 
 void DistanceJoint::save(ByteWriter& out) const {
@@ -125,6 +154,12 @@ void DistanceJoint::save(ByteWriter& out) const {
   out.u8(def_.elastic ? 1 : 0);
   out.f64(def_.min_length);
   out.f64(def_.max_length);
+  out.f64(def_.range_compliance);
+  out.f64(def_.range_damping);
+  out.f64(def_.break_force);
+  out.u8(def_.enabled ? 1 : 0);
+  out.u8(broken_ ? 1 : 0);
+  out.vec3(n_);
   out.f64(gap_);
   out.f64(force_);
   out.f64(residual_);
@@ -143,9 +178,19 @@ void DistanceJoint::load(ByteReader& in) {
   def_.elastic = in.u8() != 0;
   def_.min_length = in.f64();
   def_.max_length = in.f64();
+  def_.range_compliance = in.f64();
+  def_.range_damping = in.f64();
+  def_.break_force = in.f64();
+  def_.enabled = in.u8() != 0;
+  broken_ = in.u8() != 0;
+  n_ = in.vec3();
   gap_ = in.f64();
   force_ = in.f64();
   residual_ = in.f64();
+  if (!n_.allFinite() || !std::isfinite(gap_) || !std::isfinite(force_) ||
+      !std::isfinite(residual_)) {
+    in.fail();
+  }
 }
 
 }  // namespace tandem::pbd

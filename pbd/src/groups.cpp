@@ -11,10 +11,12 @@
 namespace tandem::pbd {
 namespace {
 
-/// Substeps are doubled this often at most.
-constexpr std::uint8_t kMaxLevel = 5;
 /// Steps in a row that must have been easy before an island gets fewer substeps again.
 constexpr int kCalmSteps = 8;
+
+/// What springs or motors act on is at rest where it would take this many times as long to come to
+/// the speed at which it counts as moving: a heavy body starts slowly.
+constexpr double kSteady = 50.0;
 
 /// A body that a remote peer sees further away than this is not at rest: m and rad.
 constexpr double kRestingDistance = 1e-3;
@@ -26,6 +28,19 @@ bool disagrees(const PoseTarget& target, const SolverBody& body) {
                            : rotation_between(body.q, target.pose.orientation).norm();
   return (target.pose.position - body.x).norm() > kRestingDistance || angle > kRestingAngle;
 }
+
+/// Marks every body that is named.
+class Marker final : public LinkVisitor {
+ public:
+  explicit Marker(std::vector<std::uint8_t>& marks) : marks_(marks) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a != BodyId::kNone) marks_[a] = 1;
+    if (b != BodyId::kNone) marks_[b] = 1;
+  }
+
+ private:
+  std::vector<std::uint8_t>& marks_;
+};
 
 bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
 
@@ -57,6 +72,21 @@ class Groups::Holder final : public LinkVisitor {
     const bool fixed_b = b == BodyId::kNone || bodies_[b].inv_mass == 0.0;
     if (fixed_a && !fixed_b) islands_[bodies_[b].island].held = true;
     if (fixed_b && !fixed_a) islands_[bodies_[a].island].held = true;
+  }
+
+ private:
+  std::vector<Island>& islands_;
+  std::span<const SolverBody> bodies_;
+};
+
+/// Marks islands that rows move by themselves.
+class Groups::Driver final : public LinkVisitor {
+ public:
+  Driver(std::vector<Island>& islands, std::span<const SolverBody> bodies)
+      : islands_(islands), bodies_(bodies) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a != BodyId::kNone) islands_[bodies_[a].island].driven = true;
+    if (b != BodyId::kNone) islands_[bodies_[b].island].driven = true;
   }
 
  private:
@@ -134,22 +164,28 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
 
 void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                    std::span<const double> wanted, std::span<const BodyProps> props,
-                    std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+                    std::span<const double> wanted, std::span<const BodyState> before,
+                    std::span<const BodyProps> props, std::span<BodyActivity> activity,
+                    std::span<SolverBody> bodies) {
   if (count_ == 0) return;
   const auto count = static_cast<std::uint32_t>(bodies.size());
+  sprung_.assign(count, 0);
+  if (rule.sleep_after > 0.0) judge_rest(blocks, bodies);
+  const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
+  const auto is_steady = [&](std::uint32_t i) {
+    const Vec3 dv = bodies[i].v - before[i].twist.linear;
+    const Vec3 dw = bodies[i].w - before[i].twist.angular;
+    return dv.norm() < share * rule.sleep_speed && dw.norm() < share * rule.sleep_spin;
+  };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     Island& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
-                      bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin;
+                      bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin &&
+                      (sprung_[i] == 0 || is_steady(i));
     activity[i].still = slow ? activity[i].still + dt : 0.0;
     island.sleepy = island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
-  }
-  if (rule.sleep_after > 0.0) {
-    Holder holder(islands_, bodies);
-    for (const auto& block : blocks) block->links(holder);
   }
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
@@ -163,10 +199,23 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
       activity[i].level = static_cast<std::uint8_t>(island.level - 1);
       activity[i].calm = 0;
     }
-    if (rule.sleep_after == 0.0 || !island.sleepy || !island.held) continue;
+    if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) continue;
     activity[i].awake = false;
     bodies[i].v.setZero();
     bodies[i].w.setZero();
+  }
+}
+
+void Groups::judge_rest(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                        std::span<const SolverBody> bodies) {
+  Holder holder(islands_, bodies);
+  Driver driver(islands_, bodies);
+  Marker sprung(sprung_);
+  for (const auto& block : blocks) {
+    if (block->empty()) continue;
+    block->holds(holder);
+    block->drives(driver);
+    block->springs(sprung);
   }
 }
 

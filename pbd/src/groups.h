@@ -25,6 +25,9 @@ struct Group {
 /// Which islands sleep, and which need more substeps than the others.
 class Groups {
  public:
+  /// Substeps are doubled this often at most.
+  static constexpr std::uint8_t kMaxLevel = 5;
+
   struct Rule {
     int substeps = 0;          ///< at level 0
     double sleep_after = 0.0;  ///< s, 0 = never
@@ -43,15 +46,18 @@ class Groups {
 
   /// After the step: levels for the next one, and who falls asleep.
   /// @param wanted  by body: substeps that its rows ask for
+  /// @param before  by body: where the step began
   void settle(const Rule& rule, double dt, const Islands& islands,
               std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-              std::span<const double> wanted, std::span<const BodyProps> props,
-              std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+              std::span<const double> wanted, std::span<const BodyState> before,
+              std::span<const BodyProps> props, std::span<BodyActivity> activity,
+              std::span<SolverBody> bodies);
 
  private:
   struct Island {
     bool awake = false;
-    bool held = false;            ///< touches or is joined to something that cannot move
+    bool held = false;            ///< rests on or is joined to something that cannot move
+    bool driven = false;          ///< by a motor or an anchor that moves
     bool sleepy = true;           ///< all of it may sleep and has been slow for long enough
     std::uint32_t level_sum = 0;  ///< over its bodies
     std::uint32_t bodies = 0;
@@ -61,8 +67,14 @@ class Groups {
   };
   class Disturber;
   class Holder;
+  class Driver;
 
-  std::vector<Island> islands_;  ///< by the index of the lowest body
+  /// What is held, driven or sprung.
+  void judge_rest(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                  std::span<const SolverBody> bodies);
+
+  std::vector<Island> islands_;       ///< by the index of the lowest body
+  std::vector<std::uint8_t> sprung_;  ///< by body: springs or motors act on it
   std::vector<Group> groups_;
   std::size_t count_ = 0;
 };

@@ -3,6 +3,7 @@
 #include "integrate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tandem/pbd/math.h"
@@ -48,19 +49,36 @@ bool has_axes(const Mat3& inv_inertia) {
 
 }  // namespace
 
-void refresh_inertia(SolverBody& body, const BodyProps& props) {
-  body.inv_inertia_w = tensor_to_world(body.q, props.inverse_inertia_l);
+Mat3 inverse_inertia_w(const Quat& q, const BodyProps& props) {
+  const std::array<bool, 3>& locked = props.locks.angular;
+  if (!locked[0] && !locked[1] && !locked[2]) return tensor_to_world(q, props.inverse_inertia_l);
+  Mat3 inertia = tensor_to_world(q, props.inertia_l);
   for (int axis = 0; axis < 3; ++axis) {
-    if (!props.locks.angular[static_cast<std::size_t>(axis)]) continue;
-    body.inv_inertia_w.row(axis).setZero();
-    body.inv_inertia_w.col(axis).setZero();
+    if (!locked[static_cast<std::size_t>(axis)]) continue;
+    inertia.row(axis).setZero();
+    inertia.col(axis).setZero();
+  }
+  return inverse_where_free(inertia);
+}
+
+void refresh_inertia(SolverBody& body, const BodyProps& props) {
+  body.inv_inertia_w = inverse_inertia_w(body.q, props);
+}
+
+void take_out(const std::array<bool, 3>& locked, Vec3& vector) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (locked[static_cast<std::size_t>(axis)]) vector[axis] = 0.0;
   }
 }
 
 void enforce_locks(SolverBody& body, const AxisLocks& locks) {
+  take_out(locks.linear, body.v);
+  take_out(locks.angular, body.w);
+}
+
+void restore_locked(SolverBody& body, const AxisLocks& locks, const Vec3& start) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (locks.linear[static_cast<std::size_t>(axis)]) body.v[axis] = 0.0;
-    if (locks.angular[static_cast<std::size_t>(axis)]) body.w[axis] = 0.0;
+    if (locks.linear[static_cast<std::size_t>(axis)]) body.x[axis] = start[axis];
   }
 }
 

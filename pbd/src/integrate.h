@@ -2,12 +2,18 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <array>
+
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/constraint.h"
 
 namespace tandem::pbd {
 
-/// Inverse inertia in the world at the body's orientation, locked axes taken out.
+/// Inverse inertia in the world at the orientation q: of the axes that are not locked, as if a
+/// torque about the others were always met by an equal one.
+Mat3 inverse_inertia_w(const Quat& q, const BodyProps& props);
+
+/// That of the body's orientation.
 void refresh_inertia(SolverBody& body, const BodyProps& props);
 
 /// Forces, damping and gyroscopic torque for one substep of a dynamic body: v and w become those at
@@ -30,7 +36,13 @@ void absorb_corrections(SolverBody& body, const BodyProps& props, double h);
 /// @param w_l  rad/s, frame of the body, at the start; becomes that at the end
 Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h);
 
+/// Take out the components of locked axes.
+void take_out(const std::array<bool, 3>& locked, Vec3& vector);
+
 /// Take out the velocity along and about locked axes.
 void enforce_locks(SolverBody& body, const AxisLocks& locks);
+
+/// Rows know locked translation as free: put it back to where the step began.
+void restore_locked(SolverBody& body, const AxisLocks& locks, const Vec3& start);
 
 }  // namespace tandem::pbd

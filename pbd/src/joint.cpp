@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/joint.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,26 @@ constexpr double kAhead = 2.0;
 Vec3 relative_spin(const SixDofJointDef& def, std::span<const SolverBody> bodies) {
   const Vec3& w_b = bodies[def.b.index].w;
   return def.a.valid() ? Vec3(w_b - bodies[def.a.index].w) : w_b;
+}
+
+/// Whether the motor of a coordinate moves the joint on.
+bool motor_runs(const JointRecord& record, int c) {
+  constexpr double kArrived = 1e-6;  // m or rad
+  constexpr double kMost = 1.0 - 1e-6;
+  const JointAxis axis = record.axis(c);
+  const JointMotor& motor = axis.motor;
+  const bool limited = axis.freedom == Freedom::Limited;
+  const double lower = limited ? axis.lower : -kUnlimited;
+  const double upper = limited ? axis.upper : kUnlimited;
+  const double at = record.state.position[static_cast<std::size_t>(c)];
+  if (motor.mode == MotorMode::Off) return false;
+  if (motor.mode == MotorMode::Velocity) {
+    if (motor.target == 0.0) return false;
+    if (motor.target > 0.0 ? at >= upper - kArrived : at <= lower + kArrived) return false;
+  } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
+    return false;
+  }
+  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMost * motor.max_force);
 }
 
 }  // namespace
@@ -58,11 +79,23 @@ class JointBlock::Impl {
     return (record.def.a.valid() && bodies[record.def.a.index].total) ||
            bodies[record.def.b.index].total;
   }
+  /// Those of the group.
   template <class Visit>
-  void for_total(std::span<const SolverBody> bodies, Visit&& visit) {
+  void for_total(const SubstepContext& ctx, Visit&& visit) {
     for (JointRecord& record : records) {
-      if (record.active() && is_total(record, bodies)) visit(record);
+      if (!record.active() || !is_total(record, ctx.bodies)) continue;
+      const SixDofJointDef& def = record.def;
+      if (ctx.bodies[def.b.index].group == ctx.group ||
+          (def.a.valid() && ctx.bodies[def.a.index].group == ctx.group)) {
+        visit(record);
+      }
     }
+  }
+  /// Whether any of its coordinates has a row and any of its ends can move.
+  static bool is_solved(const JointRecord& record, std::span<const SolverBody> bodies) {
+    const SixDofJointDef& def = record.def;
+    return record.used != 0 && ((def.a.valid() && bodies[def.a.index].inv_mass > 0.0) ||
+                                bodies[def.b.index].inv_mass > 0.0);
   }
 
   void note_change(const JointRecord& record) {
@@ -154,8 +187,10 @@ void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> want
     if (!record.active()) continue;
     const Vec3 spin = relative_spin(record.def, ctx.bodies);
     const Vec3 soon = spin + kAhead * (spin - record.spin);
-    double& most = wanted[record.def.b.index];
-    most = std::max(most, ctx.h / kTurn * std::max(spin.norm(), soon.norm()));
+    const double most = ctx.h / kTurn * std::max(spin.norm(), soon.norm());
+    for (const BodyId body : {record.def.a, record.def.b}) {
+      if (body.valid()) wanted[body.index] = std::max(wanted[body.index], most);
+    }
   }
 }
 
@@ -168,6 +203,8 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
   }
   impl_->system.sort_groups(ctx.bodies);
   for (JointRecord& record : impl_->records) {
+    record.broke = false;
+    record.twist_before = record.twist;
     if (record.active()) record.spin = relative_spin(record.def, ctx.bodies);
   }
 }
@@ -193,27 +230,36 @@ void JointBlock::finish_velocity(const SubstepContext& ctx) {
 }
 
 void JointBlock::begin_total(const SubstepContext& ctx) {
-  impl_->for_total(ctx.bodies, [&](JointRecord& record) {
+  impl_->for_total(ctx, [&](JointRecord& record) {
+    record.bound.fill(0.0);
     impl_->place(record, ctx.bodies, record.bound.data());
     for (std::size_t i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
   });
-  for (std::uint32_t part = 0; part < impl_->system.part_count(); ++part) {
-    if (!impl_->system.is_total(part, ctx.bodies)) continue;
+  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
+    if (!impl_->system.is_total(part, ctx.bodies)) return;
     impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Total);
-  }
+  });
 }
 
 void JointBlock::project_total(const SubstepContext& ctx) {
+  JointSystem& system = impl_->system;
+  system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
+    if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
+  });
+}
+
+bool JointBlock::clean_up(const SubstepContext& ctx) {
   JointSystem& system = impl_->system;
   for (std::uint32_t k = 0; k < system.part_count(); ++k) {
     const std::uint32_t part = ctx.reverse ? system.part_count() - 1 - k : k;
     if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
   }
+  return ctx.shared;
 }
 
 void JointBlock::end_total(const SubstepContext& ctx) {
-  impl_->for_total(ctx.bodies, [&](JointRecord& record) {
-    double c[kCoordinates];
+  impl_->for_total(ctx, [&](JointRecord& record) {
+    double c[kCoordinates] = {};
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
       record.gap[i] = ForceLaw::gap(record.axis(i), c[i], record.bound[i]);
@@ -230,6 +276,18 @@ void JointBlock::end_step(const SubstepContext& ctx) {
     record.used = ~0u;  // all coordinates are reported
     impl_->place(record, ctx.bodies, c);
     record.used = used;
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    if (!std::all_of(c, c + kCoordinates, is_finite) || !state.force.allFinite() ||
+        !state.torque.allFinite()) {
+      // The step was spoiled: the bodies go back to where it began, and so does the joint.
+      record.twist = record.twist_before;
+      record.surplus = 0.0;
+      record.gap.fill(0.0);
+      state.force.setZero();
+      state.torque.setZero();
+      state.load.fill(0.0);
+      continue;
+    }
     for (std::size_t i = 0; i < 6; ++i) state.position[i] = c[i];
     if (record.point) {
       const BodyId a = record.def.a;
@@ -240,18 +298,16 @@ void JointBlock::end_step(const SubstepContext& ctx) {
     state.swing = c[kCone];
     record.twist = c[kTwist];
     state.residual = 0.0;
-    if (!record.active()) {
+    if ((!record.active() && !record.broke) || !Impl::is_solved(record, ctx.bodies)) {
       state.force.setZero();
       state.torque.setZero();
       state.load.fill(0.0);
-      continue;
     }
+    if (!record.active()) continue;
     for (int i = 0; i < kCoordinates; ++i) {
       state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
     }
     // What a spoiled step leaves behind must not spoil the next one.
-    if (!state.force.allFinite()) state.force.setZero();
-    if (!std::isfinite(record.twist)) record.twist = 0.0;
     if (!std::isfinite(record.surplus)) record.surplus = 0.0;
     for (double& gap : record.gap) {
       if (!std::isfinite(gap)) gap = 0.0;
@@ -262,6 +318,23 @@ void JointBlock::end_step(const SubstepContext& ctx) {
 void JointBlock::links(LinkVisitor& visitor) const {
   for (const JointRecord& record : impl_->records) {
     if (record.active()) visitor.link(record.def.a.index, record.def.b.index);
+  }
+}
+
+void JointBlock::drives(LinkVisitor& visitor) const {
+  for (const JointRecord& record : impl_->records) {
+    if (!record.active()) continue;
+    bool any = false;
+    for (int c = 0; c < kCone; ++c) any = any || motor_runs(record, c);
+    if (any) visitor.link(record.def.a.index, record.def.b.index);
+  }
+}
+
+void JointBlock::springs(LinkVisitor& visitor) const {
+  for (const JointRecord& record : impl_->records) {
+    if (record.active() && !record.passive()) {
+      visitor.link(record.def.a.index, record.def.b.index);
+    }
   }
 }
 
@@ -302,19 +375,33 @@ void JointBlock::load(ByteReader& in) {
   impl_->generations.clear();
   impl_->free.clear();
   impl_->count = 0;
+  std::vector<std::uint8_t> alive;
   for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
     impl_->generations.push_back(in.u32());
     impl_->records.emplace_back();
     impl_->records.back().load(in);
     if (impl_->records.back().alive) ++impl_->count;
+    alive.push_back(impl_->records.back().alive ? 1 : 0);
   }
   const std::uint32_t free_count = in.u32();
   impl_->free.reserve(impl_->records.size());
   for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) impl_->free.push_back(in.u32());
+  if (!detail::are_free_slots(impl_->free, alive)) in.fail();
   impl_->changed.clear();
   const std::uint32_t changed = in.u32();
   for (std::uint32_t i = 0; i < changed && !in.failed(); ++i) impl_->changed.push_back(in.u32());
   impl_->dirty = true;
+}
+
+bool JointBlock::fits(const World& world) const {
+  try {
+    for (const JointRecord& record : impl_->records) {
+      if (record.alive) check_joint(world, record.def);
+    }
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace tandem::pbd

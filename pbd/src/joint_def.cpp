@@ -24,8 +24,13 @@ void check_at_least_0(double value, const std::string& field) {
   detail::require(value >= 0.0 && std::isfinite(value), kKind, field, value, "finite and >= 0");
 }
 
+void check_compliance(double value, const std::string& field) {
+  const bool ok = value == 0.0 || (value >= kLeastCompliance && std::isfinite(value));
+  detail::require(ok, kKind, field, value, "finite and >= 0, 0 or at least 1e-100");
+}
+
 void check_axis(const JointAxis& axis, const std::string& field) {
-  check_at_least_0(axis.compliance, field + ".compliance");
+  check_compliance(axis.compliance, field + ".compliance");
   check_at_least_0(axis.damping, field + ".damping");
   check_at_least_0(axis.spring.stiffness, field + ".spring.stiffness");
   check_at_least_0(axis.spring.damping, field + ".spring.damping");
@@ -38,7 +43,10 @@ void check_axis(const JointAxis& axis, const std::string& field) {
   detail::require(axis.motor.max_speed > 0.0, kKind, field + ".motor.max_speed",
                   axis.motor.max_speed, "> 0");
   if (axis.freedom == Freedom::Limited) {
-    detail::require(!std::isnan(axis.lower), kKind, field + ".lower", axis.lower, "a number");
+    detail::require(axis.lower < kUnlimited, kKind, field + ".lower", axis.lower,
+                    "a number below infinity");
+    detail::require(axis.upper > -kUnlimited, kKind, field + ".upper", axis.upper,
+                    "a number above -infinity");
     detail::require(axis.upper >= axis.lower, kKind, field + ".upper", axis.upper, ">= lower");
   }
   if (axis.freedom == Freedom::Locked) {
@@ -86,8 +94,10 @@ Def at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w, const Quat&
 
 Quat basis_along(const Vec3& axis_w) {
   detail::require_finite(axis_w, kKind, "axis_w");
-  const double length = axis_w.norm();
-  detail::require(length > 1e-9, kKind, "axis_w", length, "longer than 1e-9");
+  double length = axis_w.norm();
+  if (!std::isfinite(length)) length = axis_w.stableNorm();  // its square is too large
+  detail::require(length > 1e-9 && std::isfinite(length), kKind, "axis_w", length,
+                  "longer than 1e-9");
   Mat3 basis;
   Vec3 y;
   Vec3 z;
@@ -110,6 +120,7 @@ BallJointDef::operator SixDofJointDef() const {
   SixDofJointDef six = base(*this);
   six.cone = cone;
   six.cone_compliance = angular_compliance;
+  six.cone_damping = angular_damping;
   if (limit_twist) {
     six.angular[0] = {.freedom = Freedom::Limited,
                       .lower = lower_twist,
@@ -172,7 +183,8 @@ void check_joint(const World& world, const SixDofJointDef& def) {
                       static_cast<double>(def.angular[i].freedom), "free where a cone limits");
     }
   }
-  check_at_least_0(def.cone_compliance, "cone_compliance");
+  check_compliance(def.cone_compliance, "cone_compliance");
+  check_at_least_0(def.cone_damping, "cone_damping");
   check_at_least_0(def.break_force, "break_force");
   check_at_least_0(def.break_torque, "break_torque");
 }

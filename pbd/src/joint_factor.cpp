@@ -11,14 +11,17 @@ void JointSystem::assemble(const JointGraph::Part& part) {
     const NodeState& node = nodes_[k];
     double* diagonal = &values_[plan.diagonal];
     if (plan.joint == kNone) {
-      // A hub's own rows, with the sign turned: its mass. One that is held counts as a unit mass
-      // that no joint can reach.
+      // A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which
+      // it does not turn, counts as a unit mass that no joint can reach.
       const Slot& slot = slots_[plan.slot_b];
       Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
       mass.setIdentity();
       if (slot.inv_mass > 0.0) {
         mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
-        mass.bottomRightCorner<3, 3>() = slot.inv_inertia.inverse();
+        mass.bottomRightCorner<3, 3>() = inverse_where_free(slot.inv_inertia);
+        for (int i = 0; i < 3; ++i) {
+          if (slot.inv_inertia(i, i) == 0.0) mass(3 + i, 3 + i) = 1.0;
+        }
       }
       continue;
     }
@@ -68,7 +71,8 @@ void JointSystem::assemble(const JointGraph::Part& part) {
       for (int r = 0; r < joint.n; ++r) {
         for (int i = 0; i < 3; ++i) {
           const double linear = sign * joint.dir(i, joint.coordinate[r]);
-          const double angular = sign * arm(i, joint.coordinate[r]);
+          const bool turns = slot.inv_inertia(i, i) > 0.0;
+          const double angular = turns ? sign * arm(i, joint.coordinate[r]) : 0.0;
           out[hub_later ? i * joint.n + r : r * 6 + i] += linear;
           out[hub_later ? (i + 3) * joint.n + r : r * 6 + i + 3] += angular;
         }

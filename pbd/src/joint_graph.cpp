@@ -115,22 +115,31 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
   }
   std::vector<std::uint32_t> hub_node(bodies.size(), kNone);
   auto count = static_cast<std::uint32_t>(edges.size());
+  std::vector<std::size_t> body_of_hub;
   for (std::size_t body = 0; body < bodies.size(); ++body) {
-    if (joints_of[body].size() > kHubDegree) hub_node[body] = count++;
+    if (joints_of[body].size() <= kHubDegree) continue;
+    hub_node[body] = count++;
+    body_of_hub.push_back(body);
   }
 
-  // Neighbours, and how many ends a joint has left that let it be eliminated.
+  // Neighbours, how many ends a joint has that answer to all its rows, and how many hubs that are
+  // not eliminated yet. Before them a joint needs such an end for its pivots.
   std::vector<std::set<std::uint32_t>> neighbours(count);
-  std::vector<int> supports(count, 1);
+  std::vector<int> supports(count, 0);
+  std::vector<int> hubs_left(count, 0);
+  const auto is_ready = [&](std::uint32_t i) { return supports[i] > 0 || hubs_left[i] == 0; };
   const auto connect = [&](std::uint32_t i, std::uint32_t j) {
     if (i == j) return;
     neighbours[i].insert(j);
     neighbours[j].insert(i);
   };
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    supports[i] = 0;
-    for (const std::uint32_t body : {edges[i].a, edges[i].b}) {
-      if (body != kNone && hub_node[local(body)] == kNone) ++supports[i];
+    for (const auto& [body, turns] :
+         {std::pair(edges[i].a, edges[i].turns_a), std::pair(edges[i].b, edges[i].turns_b)}) {
+      if (body == kNone) continue;
+      const bool hub = hub_node[local(body)] != kNone;
+      if (hub) ++hubs_left[i];
+      if (!hub && turns) ++supports[i];
     }
   }
   for (std::size_t body = 0; body < bodies.size(); ++body) {
@@ -146,7 +155,7 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
   // Minimum degree, ties by the lowest number.
   std::set<std::pair<std::size_t, std::uint32_t>> queue;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (supports[i] > 0) queue.insert({neighbours[i].size(), i});
+    if (is_ready(i)) queue.insert({neighbours[i].size(), i});
   }
   std::vector<std::uint32_t> order;
   std::vector<std::vector<std::uint32_t>> later_of(count);
@@ -166,9 +175,11 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
       neighbours[i].erase(node);
       for (const std::uint32_t j : rest) connect(i, j);
     }
+    if (node >= edges.size()) {
+      for (const std::uint32_t i : joints_of[body_of_hub[node - edges.size()]]) --hubs_left[i];
+    }
     for (const std::uint32_t i : rest) {
-      if (node >= edges.size()) ++supports[i];  // the hub is gone: its joints can follow
-      if (supports[i] > 0) queue.insert({neighbours[i].size(), i});
+      if (is_ready(i)) queue.insert({neighbours[i].size(), i});
     }
   }
 

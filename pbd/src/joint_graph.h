@@ -24,6 +24,8 @@ class JointGraph {
   struct Edge {
     std::uint32_t joint, a, b;
     int rows;  ///< at most
+    /// No axis of the body's rotation is locked: it answers to all rows.
+    bool turns_a = true, turns_b = true;
   };
   struct Node {
     std::uint32_t joint = kNone;                   ///< kNone for a hub

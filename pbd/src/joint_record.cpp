@@ -28,6 +28,7 @@ void save_axis(ByteWriter& out, const JointAxis& axis) {
 void load_axis(ByteReader& in, JointAxis& axis) {
   axis.freedom = static_cast<Freedom>(in.u8());
   axis.motor.mode = static_cast<MotorMode>(in.u8());
+  if (axis.freedom > Freedom::Limited || axis.motor.mode > MotorMode::Position) in.fail();
   for (double* value : {&axis.lower, &axis.upper, &axis.compliance, &axis.damping,
                         &axis.spring.stiffness, &axis.spring.rest, &axis.spring.damping,
                         &axis.motor.target, &axis.motor.max_force, &axis.motor.max_speed}) {
@@ -45,6 +46,7 @@ JointAxis JointRecord::axis(int c) const {
   cone.lower = -kUnlimited;
   cone.upper = def.cone;
   cone.compliance = def.cone_compliance;
+  cone.damping = def.cone_damping;
   return cone;
 }
 
@@ -103,6 +105,7 @@ void JointRecord::save(ByteWriter& out) const {
   for (const JointAxis& axis : def.angular) save_axis(out, axis);
   out.f64(def.cone);
   out.f64(def.cone_compliance);
+  out.f64(def.cone_damping);
   out.f64(def.break_force);
   out.f64(def.break_torque);
   out.u8(def.enabled ? 1 : 0);
@@ -131,6 +134,7 @@ void JointRecord::load(ByteReader& in) {
   for (JointAxis& axis : def.angular) load_axis(in, axis);
   def.cone = in.f64();
   def.cone_compliance = in.f64();
+  def.cone_damping = in.f64();
   def.break_force = in.f64();
   def.break_torque = in.f64();
   def.enabled = in.u8() != 0;
@@ -147,6 +151,17 @@ void JointRecord::load(ByteReader& in) {
   state.residual = in.f64();
   state.broken = in.u8() != 0;
   refresh();
+  bool finite = state.force.allFinite() && state.torque.allFinite();
+  for (const double value : {twist, surplus, h, state.swing, state.residual}) {
+    finite = finite && std::isfinite(value);
+  }
+  const auto check = [&](const auto& values) {
+    for (const double value : values) finite = finite && std::isfinite(value);
+  };
+  check(gap);
+  check(state.position);
+  check(state.load);
+  if (!finite || h < 0.0) in.fail();
 }
 
 }  // namespace tandem::pbd

@@ -18,11 +18,13 @@ struct JointRecord {
   std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
   std::array<double, kCoordinates> bound{};  ///< where the total channel holds it
   double twist = 0.0;                        ///< rad, counting turns
-  double surplus = 0.0;      ///< J, what the part that it comes first in has gained; see guard()
-  double h = 0.0;            ///< s, length of the last substep; 0 before the first
-  Vec3 spin = Vec3::Zero();  ///< rad/s, of b against a when the step began
-  std::uint32_t used = 0;    ///< bit per coordinate that may get a row
-  bool point = false;        ///< all displacements locked alike: rows along the world's axes
+  double surplus = 0.0;       ///< J, what the part that it comes first in has gained; see guard()
+  double h = 0.0;             ///< s, length of the last substep; 0 before the first
+  double twist_before = 0.0;  ///< rad, twist when the step began
+  bool broke = false;         ///< in this step
+  Vec3 spin = Vec3::Zero();   ///< rad/s, of b against a when the step began
+  std::uint32_t used = 0;     ///< bit per coordinate that may get a row
+  bool point = false;         ///< all displacements locked alike: rows along the world's axes
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }

@@ -135,7 +135,7 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     const Vec3 dv = rate * slot.sum_dx;
     const Vec3 dw = rate * slot.sum_dtheta;
-    const Mat3 inertia = body.inv_inertia_w.inverse();
+    const Mat3 inertia = inverse_where_free(body.inv_inertia_w);
     // The inertia turns with the body, the angular momentum does not.
     const Vec3 momentum = inertia * (slot.w + dw);
     const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;

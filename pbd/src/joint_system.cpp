@@ -20,8 +20,12 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
     const JointRecord& r = records[i];
     if (!r.active() || r.used == 0) continue;
     // Known to the graph by their places in the order.
-    edges.push_back({static_cast<std::uint32_t>(i), order.rank(movable(r.def.a, bodies)),
-                     order.rank(movable(r.def.b, bodies)), r.rows()});
+    edges.push_back({.joint = static_cast<std::uint32_t>(i),
+                     .a = order.rank(movable(r.def.a, bodies)),
+                     .b = order.rank(movable(r.def.b, bodies)),
+                     .rows = r.rows(),
+                     .turns_a = !r.def.a.valid() || bodies[r.def.a.index].turns_freely,
+                     .turns_b = bodies[r.def.b.index].turns_freely});
   }
   if (!order.natural()) {
     std::sort(edges.begin(), edges.end(), [&](const auto& l, const auto& r) {
@@ -35,6 +39,10 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
   slots_.assign(graph_.bodies().size(), {});
   state_.assign(graph_.parts().size(), {});
   order_.assign(graph_.parts().size(), {});
+  turns_freely_.clear();
+  for (const std::uint32_t body : graph_.bodies()) {
+    turns_freely_.push_back(bodies[body].turns_freely ? 1 : 0);
+  }
   primary_.assign(graph_.bodies().size(), 0);
   std::vector<std::uint8_t> seen(bodies.size(), 0);
   for (std::size_t s = 0; s < primary_.size(); ++s) {
@@ -62,6 +70,9 @@ bool JointSystem::fits(std::span<const JointRecord> records,
     const SixDofJointDef& def = records[node.joint].def;
     if ((movable(def.a, bodies) == kNone) != (node.slot_a == kNone)) return false;
     if ((movable(def.b, bodies) == kNone) != (node.slot_b == kNone)) return false;
+  }
+  for (std::size_t s = 0; s < turns_freely_.size(); ++s) {
+    if (bodies[graph_.bodies()[s]].turns_freely != (turns_freely_[s] != 0)) return false;
   }
   return true;
 }
@@ -161,6 +172,7 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
     JointState& state = record.state;
     state.force.setZero();
     state.torque.setZero();
+    state.load.fill(0.0);
     for_bits(record.used, [&](int i) {
       const double load = inverse_h2 * node.lambda[i];
       if (i < 6) state.load[i] = load;
@@ -173,6 +185,7 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
     const SixDofJointDef& def = record.def;
     state.broken = (def.break_force > 0.0 && state.force.norm() > def.break_force) ||
                    (def.break_torque > 0.0 && state.torque.norm() > def.break_torque);
+    record.broke = state.broken;
   }
 }
 

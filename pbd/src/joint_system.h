@@ -61,10 +61,11 @@ class JointSystem {
     std::array<std::uint8_t, kCoordinates> flips{};       ///< by coordinate, within this substep
     std::array<double, kCoordinates> lambda{}, w{}, at{};
     double pull_a = 0.0,
-           pull_b = 0.0;          ///< N m s^2, how much the ends are pulled away from the centres
-    Vec3 r_a, r_b;                ///< m, world
-    Rows arm_a, arm_b, b_a, b_b;  ///< b = inverse inertia times arm
-    Rows dir;
+           pull_b = 0.0;  ///< N m s^2, how much the ends are pulled away from the centres
+    Vec3 r_a = Vec3::Zero(), r_b = Vec3::Zero();      ///< m, world
+    Rows arm_a = Rows::Zero(), arm_b = Rows::Zero();  ///< m, and 1 for angles
+    Rows b_a = Rows::Zero(), b_b = Rows::Zero();      ///< inverse inertia times arm
+    Rows dir = Rows::Zero();
     std::array<ForceLaw, kCoordinates> law;
   };
   struct Slot {
@@ -124,8 +125,9 @@ class JointSystem {
   JointGraph graph_;
   std::vector<NodeState> nodes_;
   std::vector<Slot> slots_;
-  std::vector<std::uint8_t> primary_;  ///< by slot: the first one of its body
-  std::vector<std::uint8_t> passive_;  ///< by part: rigid locks and limits only
+  std::vector<std::uint8_t> turns_freely_;  ///< by slot: as the plan was made
+  std::vector<std::uint8_t> primary_;       ///< by slot: the first one of its body
+  std::vector<std::uint8_t> passive_;       ///< by part: rigid locks and limits only
   std::vector<PartState> state_;
   std::vector<GroupPart> order_;
   std::vector<double> values_;

@@ -57,6 +57,8 @@ class Solver::Impl {
   Groups::Rule group_rule() const;
   void list_parts();
   void project_joints();
+  void note_new_overlaps();
+  void restore_locked_bodies(const Group& group);
   /// Nothing tunnels: bodies that would get through something stop on their way.
   void limit_motion();
   /// Non-penetration has the last word in each sweep.

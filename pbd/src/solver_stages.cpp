@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact_row.h"
 #include "integrate.h"
 #include "solver_impl.h"
 #include "tandem/pbd/contact.h"
@@ -33,9 +34,10 @@ void Solver::Impl::begin_step(World& world, double dt) {
   dt_ = dt;
   clock_.start(options_.measure_stages);
   reset_report();
+  BodyBuffer::aim_kinematic(world, dt);
   detect();
   if (world.contact_source_ != nullptr) end_stage(Stage::Detect);
-  bodies_.load(world, dt, workers_);
+  bodies_.load(world, workers_);
   collect_targets();
   arrange_groups();
   report_.turning = bodies_.prepare(world, groups_.all(), workers_);
@@ -96,8 +98,10 @@ void Solver::Impl::project() {
 void Solver::Impl::advance_poses() {
   const double h = context_.h;
   for_group([&](SolverBody& body, std::uint32_t i) {
-    if (world_->props_[i].locks.any()) enforce_locks(body, world_->props_[i].locks);
+    const AxisLocks& locks = world_->props_[i].locks;
+    if (locks.any()) enforce_locks(body, locks);
     advance_pose(body, h);
+    if (locks.any()) restore_locked(body, locks, world_->states_[i].pose.position);
   });
   clock_.stop(Stage::Integrate);
 }
@@ -136,10 +140,11 @@ void Solver::Impl::solve_total(int iterations) {
   if (options_.form == ConsensusForm::Step) context.h = dt_;
   targets_.begin_total(bodies_.all());
   for_blocks([&](ConstraintBlock& block) { block.begin_total(context); });
-  targets_.move_bodies(bodies_.all());
+  targets_.move_bodies(bodies_.all(), world_->props_);
   for (int i = 0; i < iterations; ++i) {
     context.reverse = (context_.substep + i) % 2 == 1;
     for_blocks([&](ConstraintBlock& block) { block.project_total(context); });
+    restore_locked_bodies(*group_);
   }
   for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
   targets_.end_total(bodies_.all(), world_->props_, world_->corrections_, context_.gravity,
@@ -157,6 +162,7 @@ void Solver::Impl::clean_up() {
     context.reverse = i % 2 == 1;
     for_blocks([&](ConstraintBlock& block) { any = block.clean_up(context) || any; });
     if (!any) break;
+    for (const Group& group : groups_.all()) restore_locked_bodies(group);
     ran = true;
   }
   if (!targets_.empty()) {
@@ -178,8 +184,8 @@ void Solver::Impl::end_step() {
   if (report_.parts.refinement) {
     for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
   }
-  groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->props_,
-                 world_->activity_, bodies_.all());
+  groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->states_,
+                 world_->props_, world_->activity_, bodies_.all());
   limit_motion();
   bodies_.store(*world_, dt_, groups_.all(), report_);
   world_->wrenches_.clear();
@@ -213,6 +219,13 @@ void Solver::Impl::project_joints() {
   for_group([&](SolverBody& body, std::uint32_t i) {
     if (body.projected) absorb_corrections(body, world_->props_[i], h);
   });
+}
+
+void Solver::Impl::restore_locked_bodies(const Group& group) {
+  if (!group.locked) return;
+  for (const std::uint32_t i : group.bodies) {
+    restore_locked(bodies_[i], world_->props_[i].locks, world_->states_[i].pose.position);
+  }
 }
 
 void Solver::Impl::reset_report() {
@@ -252,9 +265,11 @@ void Solver::Impl::list_parts() {
 }
 
 void Solver::Impl::detect() {
-  if (world_->contact_source_ == nullptr) return;
-  manifolds_.clear();
-  world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
+  if (world_->contacts_ == nullptr) return;
+  manifolds_.clear();  // without a source, what it said last is over
+  if (world_->contact_source_ != nullptr) {
+    world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
+  }
   world_->contacts_->configure(options_.contact);
   world_->contacts_->set_manifolds(manifolds_);
 }
@@ -265,6 +280,8 @@ void Solver::Impl::collect_targets() {
     world_->target_source_->collect(*world_, dt_, pose_targets_);
     std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t); });
     world_->corrections_.assign(bodies_.size(), {});
+  } else {
+    world_->corrections_.clear();
   }
   targets_.begin_step(pose_targets_, bodies_.all(), world_->states_, dt_);
   report_.targets = targets_.size();
@@ -274,6 +291,7 @@ void Solver::Impl::arrange_groups() {
   islands_.build(world_->blocks_, bodies_.all());
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
+  note_new_overlaps();
   groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_, world_->props_,
                   world_->activity_, bodies_.all());
   if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.all());
@@ -290,6 +308,21 @@ void Solver::Impl::arrange_groups() {
     projects_ = true;
     block.links(marker);
   });
+}
+
+/// A collider or a filter may have changed between bodies that sleep.
+void Solver::Impl::note_new_overlaps() {
+  if (world_->contacts_ == nullptr) return;
+  for (const Contact& contact : world_->contacts_->contacts()) {
+    const Manifold& m = contact.manifold;
+    if (contact.overlap >= 0.0) continue;  // it is not new
+    for (int i = 0; i < m.count; ++i) {
+      if (gap_of(m, bodies_[m.body_a], bodies_[m.body_b], i) >= 0.0) continue;
+      changed_.push_back(m.body_a);
+      changed_.push_back(m.body_b);
+      break;
+    }
+  }
 }
 
 Groups::Rule Solver::Impl::group_rule() const {
@@ -314,8 +347,11 @@ void Solver::Impl::limit_motion() {
   for (const MotionLimit& limit : limits_) {
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
-    body.x = start + limit.share * (body.x - start);
-    body.v -= std::min(0.0, body.v.dot(limit.normal)) * limit.normal;
+    const Vec3& carried = limit.obstacle_moves;
+    body.x = start + limit.share * (body.x - start - carried) + carried;
+    restore_locked(body, world_->props_[limit.body].locks, start);
+    body.v -= std::min(0.0, (body.v - carried / dt_).dot(limit.normal)) * limit.normal;
+    enforce_locks(body, world_->props_[limit.body].locks);
   }
   report_.stopped = static_cast<int>(limits_.size());
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrate.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -49,7 +50,8 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
     marked_[island_of[rows_[k].body]] = 1;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    bodies[i].total = bodies[i].inv_mass > 0.0 && marked_[island_of[i]] != 0;
+    const bool solved = bodies[i].inv_mass > 0.0 && bodies[i].group != SolverBody::kNoGroup;
+    bodies[i].total = solved && marked_[island_of[i]] != 0;
   }
 }
 
@@ -85,8 +87,10 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const Bod
       row.e_w = row.twist.angular - body.w;
     }
     const double before = kinetic_energy(body, props[row.body], body.v, body.w);
-    const Vec3 dv = row.share * row.e_v;
-    const Vec3 dw = row.share * row.e_w;
+    Vec3 dv = row.share * row.e_v;
+    Vec3 dw = row.share * row.e_w;
+    take_out(props[row.body].locks.linear, dv);
+    take_out(props[row.body].locks.angular, dw);
     body.v += dv;
     body.w += dw;
     row.e_v -= dv;
@@ -114,7 +118,7 @@ void Targets::begin_total(std::span<SolverBody> bodies) {
   }
 }
 
-void Targets::move_bodies(std::span<SolverBody> bodies) {
+void Targets::move_bodies(std::span<SolverBody> bodies, std::span<const BodyProps> props) {
   for (const std::uint32_t k : in_group_) {
     Row& row = rows_[k];
     SolverBody& body = bodies[row.body];
@@ -124,8 +128,11 @@ void Targets::move_bodies(std::span<SolverBody> bodies) {
           rotation_between(body.q, rotated(row.pose.orientation, row.elapsed * row.twist.angular));
     }
     row.wanted_x = row.share * row.e_x;
+    Vec3 turn = row.share * row.e_q;
+    take_out(props[row.body].locks.linear, row.wanted_x);
+    take_out(props[row.body].locks.angular, turn);
     body.x += row.wanted_x;
-    body.q = rotated(body.q, row.share * row.e_q);
+    body.q = rotated(body.q, turn);
   }
 }
 

@@ -26,7 +26,8 @@ class Targets {
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
 
-  /// Mark every body that is joined or in touch with a targeted one as part of the total channel.
+  /// Mark every body that is awake and joined or in touch with a targeted one as part of the total
+  /// channel.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
 
@@ -44,7 +45,7 @@ class Targets {
 
   /// Scale masses, move bodies to their targets, let the rows have their say, measure.
   void begin_total(std::span<SolverBody> bodies);
-  void move_bodies(std::span<SolverBody> bodies);
+  void move_bodies(std::span<SolverBody> bodies, std::span<const BodyProps> props);
   void end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
                  std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 

@@ -25,6 +25,14 @@ struct Workers::Team {
   void* context = nullptr;
   std::vector<std::thread> threads;
 
+  /// Also where one of them could not be started.
+  ~Team() {
+    stop.store(true, std::memory_order_relaxed);
+    round.fetch_add(1, std::memory_order_release);
+    round.notify_all();
+    for (std::thread& thread : threads) thread.join();
+  }
+
   template <class Ready>
   static void spin_until(Ready&& ready) {
     for (int spins = 0; !ready(); ++spins) {
@@ -53,18 +61,13 @@ Workers::Workers(int count) : count_(count) {
   }
   if (count == 1) return;
   team_ = std::make_unique<Team>();
+  team_->threads.reserve(static_cast<std::size_t>(count - 1));
   for (int worker = 1; worker < count; ++worker) {
     team_->threads.emplace_back([team = team_.get(), worker] { team->work(worker); });
   }
 }
 
-Workers::~Workers() {
-  if (team_ == nullptr) return;
-  team_->stop.store(true, std::memory_order_relaxed);
-  team_->round.fetch_add(1, std::memory_order_release);
-  team_->round.notify_all();
-  for (std::thread& thread : team_->threads) thread.join();
-}
+Workers::~Workers() = default;
 
 void Workers::run_all(Task task, void* context) {
   team_->task = task;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "body_def.h"
+#include "integrate.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/typed_block.h"
@@ -192,49 +193,62 @@ void World::set_locks(BodyId id, const AxisLocks& locks) {
   props_[index].locks = locks;
 }
 
-Wrench& World::wrench_of(std::uint32_t index) {
+void World::add_wrench(std::uint32_t index, const Wrench& wrench, const char* what) {
+  Wrench sum = wrenches_.empty() ? Wrench{} : wrenches_[index];
+  sum.force += wrench.force;
+  sum.torque += wrench.torque;
+  detail::require_finite(sum.force, what, "sum of forces");
+  detail::require_finite(sum.torque, what, "sum of torques");
+  wake({index, generations_[index]});
   if (wrenches_.empty()) wrenches_.resize(states_.size());
-  return wrenches_[index];
+  wrenches_[index] = sum;
 }
 
 void World::apply_force(BodyId id, const Vec3& force) {
   const std::uint32_t index = checked_dynamic(id, "apply_force");
   detail::require_finite(force, "World::apply_force", "force");
-  wake(id);
-  wrench_of(index).force += force;
+  add_wrench(index, {force, Vec3::Zero()}, "World::apply_force");
 }
 
 void World::apply_force(BodyId id, const Vec3& force, const Vec3& point_w) {
   const std::uint32_t index = checked_dynamic(id, "apply_force");
   detail::require_finite(force, "World::apply_force", "force");
   detail::require_finite(point_w, "World::apply_force", "point_w");
-  wake(id);
-  wrench_of(index).force += force;
-  wrench_of(index).torque += (point_w - states_[index].pose.position).cross(force);
+  add_wrench(index, {force, (point_w - states_[index].pose.position).cross(force)},
+             "World::apply_force");
 }
 
 void World::apply_torque(BodyId id, const Vec3& torque) {
   const std::uint32_t index = checked_dynamic(id, "apply_torque");
   detail::require_finite(torque, "World::apply_torque", "torque");
-  wake(id);
-  wrench_of(index).torque += torque;
+  add_wrench(index, {Vec3::Zero(), torque}, "World::apply_torque");
 }
 
 void World::apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w) {
   const std::uint32_t index = checked_dynamic(id, "apply_impulse");
   detail::require_finite(impulse, "World::apply_impulse", "impulse");
   detail::require_finite(point_w, "World::apply_impulse", "point_w");
-  states_[index].twist.linear += props_[index].inverse_mass * impulse;
-  apply_angular_impulse(id, (point_w - states_[index].pose.position).cross(impulse));
+  const Vec3 moment = (point_w - states_[index].pose.position).cross(impulse);
+  add_impulse(index, {impulse, moment}, "World::apply_impulse");
 }
 
 void World::apply_angular_impulse(BodyId id, const Vec3& impulse) {
   const std::uint32_t index = checked_dynamic(id, "apply_angular_impulse");
   detail::require_finite(impulse, "World::apply_angular_impulse", "impulse");
-  wake(id);
-  const Pose& pose = states_[index].pose;
-  states_[index].twist.angular +=
-      tensor_to_world(pose.orientation, props_[index].inverse_inertia_l) * impulse;
+  add_impulse(index, {Vec3::Zero(), impulse}, "World::apply_angular_impulse");
+}
+
+void World::add_impulse(std::uint32_t index, const Wrench& impulse, const char* what) {
+  const BodyProps& props = props_[index];
+  detail::require_finite(impulse.torque, what, "moment");
+  Twist twist = states_[index].twist;
+  Vec3 change = props.inverse_mass * impulse.force;
+  take_out(props.locks.linear, change);
+  twist.linear += change;
+  twist.angular += inverse_inertia_w(states_[index].pose.orientation, props) * impulse.torque;
+  check_twist(twist, what);
+  wake({index, generations_[index]});
+  states_[index].twist = twist;
 }
 
 bool World::awake(BodyId id) const { return activity_[checked_index(id, "awake")].awake; }

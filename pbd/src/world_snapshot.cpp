@@ -2,17 +2,25 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // A world as bytes: everything that the next step depends on.
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "body_def.h"
+#include "groups.h"
 #include "tandem/pbd/bytes.h"
+#include "tandem/pbd/typed_block.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 namespace {
 
 constexpr std::uint32_t kSnapshotMagic = 0x53444e54;  // "TNDS"
-constexpr std::uint32_t kSnapshotVersion = 3;
+constexpr std::uint32_t kSnapshotVersion = 4;
+
+/// Bytes before the state, and after it: see snapshot().
+constexpr std::size_t kHeadBytes = 4 + 4 + 4 + 8 + 1;
+constexpr std::size_t kCheckBytes = 8;
 
 /// Bytes of one slot: head, properties, activity, state.
 constexpr std::size_t kBytesPerSlot =
@@ -79,6 +87,30 @@ void load_state(ByteReader& in, BodyState& state) {
   state.twist.angular = in.vec3();
 }
 
+/// Whether a body can be like this; what is written of an empty slot passes as well.
+bool is_sound(const BodyProps& props, const BodyActivity& activity, const BodyState& state) {
+  const bool dynamic = props.type == BodyType::Dynamic;
+  if (props.type > BodyType::Dynamic || activity.level > Groups::kMaxLevel ||
+      !(activity.still >= 0.0) || dynamic != (props.inverse_mass > 0.0) ||
+      !std::isfinite(props.mass) || !std::isfinite(props.inverse_mass) ||
+      !props.inertia_l.allFinite() || !props.inverse_inertia_l.allFinite()) {
+    return false;
+  }
+  try {
+    check_def({.type = props.type,
+               .pose = state.pose,
+               .twist = state.twist,
+               .mass = props.mass,
+               .inertia = props.inertia_l,
+               .gravity_scale = props.gravity_scale,
+               .linear_damping = props.linear_damping,
+               .angular_damping = props.angular_damping});
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
+}
+
 /// Which kinds of constraints a world holds, in order: a snapshot fits no other.
 std::uint64_t kinds_of(std::span<const std::unique_ptr<ConstraintBlock>> blocks) {
   std::uint64_t hash = hash_bytes({});
@@ -140,8 +172,7 @@ void World::restore(std::span<const std::byte> bytes) {
   const auto refuse = [](const char* rule) {
     throw std::invalid_argument(std::string("World::restore: bytes break the rule: ") + rule);
   };
-  // The check value comes first: nothing is written before all bytes are known to be good.
-  constexpr std::size_t kCheckBytes = 8;
+  // The check value comes first: it finds damage, but not bytes that somebody made up.
   if (bytes.size() < kCheckBytes) refuse("whole");
   const auto content = bytes.first(bytes.size() - kCheckBytes);
   if (ByteReader(bytes.last(kCheckBytes)).u64() != hash_bytes(content)) refuse("whole");
@@ -153,10 +184,22 @@ void World::restore(std::span<const std::byte> bytes) {
       (in.u8() != 0) != (contact_source_ != nullptr)) {
     refuse("taken from a world with the same blocks and contact source");
   }
+  const std::vector<std::byte> before = snapshot();
+  if (read(in)) return;
+  const std::span<const std::byte> kept(before);
+  ByteReader back(kept.subspan(kHeadBytes, kept.size() - kHeadBytes - kCheckBytes));
+  read(back);
+  refuse("the state of a world that has these blocks and colliders");
+}
+
+bool World::read(ByteReader& in) {
   gravity_ = in.vec3();
   time_ = in.f64();
   const std::uint32_t slots = in.u32();
-  if (in.failed() || slots > in.remaining() / kBytesPerSlot) refuse("whole");
+  if (in.failed() || slots > in.remaining() / kBytesPerSlot || !gravity_.allFinite() ||
+      !std::isfinite(time_)) {
+    return false;
+  }
   states_.assign(slots, {});
   props_.assign(slots, {});
   generations_.assign(slots, 0);
@@ -166,37 +209,45 @@ void World::restore(std::span<const std::byte> bytes) {
   by_stable_id_.clear();
   order_is_old_ = true;
   for (std::uint32_t i = 0; i < slots; ++i) {
-    alive_[i] = in.u8();
+    alive_[i] = in.u8() != 0 ? 1 : 0;
     generations_[i] = in.u32();
     in_contact_[i] = in.u8();
     load_props(in, props_[i]);
     load_activity(in, activity_[i]);
     load_state(in, states_[i]);
-    if (props_[i].stable_id) by_stable_id_.emplace(*props_[i].stable_id, i);
+    if (!is_sound(props_[i], activity_[i], states_[i])) return false;
+    if (!props_[i].stable_id) continue;
+    if (alive_[i] == 0 || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
   }
   const std::uint32_t free_count = in.u32();
-  if (in.failed() || free_count > slots) refuse("whole");
+  if (in.failed() || free_count > slots) return false;
   free_.clear();
   free_.reserve(slots);
   for (std::uint32_t i = 0; i < free_count; ++i) free_.push_back(in.u32());
+  if (!detail::are_free_slots(free_, alive_)) return false;
   const std::uint32_t wrench_count = in.u32();
-  if (in.failed() || (wrench_count != 0 && wrench_count != slots)) refuse("whole");
+  if (in.failed() || (wrench_count != 0 && wrench_count != slots)) return false;
   wrenches_.assign(wrench_count, {});
   for (Wrench& wrench : wrenches_) {
     wrench.force = in.vec3();
     wrench.torque = in.vec3();
+    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) return false;
   }
   const std::uint32_t kinematic_count = in.u32();
-  if (in.failed() || kinematic_count > slots) refuse("whole");
+  if (in.failed() || kinematic_count > slots) return false;
   kinematic_targets_.assign(kinematic_count, {});
   for (KinematicTarget& target : kinematic_targets_) {
     target.index = in.u32();
     target.pose.position = in.vec3();
     target.pose.orientation = in.quat();
-    if (target.index >= slots) refuse("whole");
+    if (target.index >= slots || props_[target.index].type != BodyType::Kinematic ||
+        !target.pose.position.allFinite() ||
+        !(std::abs(target.pose.orientation.norm() - 1.0) < 1e-3)) {
+      return false;
+    }
   }
   const std::uint32_t correction_count = in.u32();
-  if (in.failed() || (correction_count != 0 && correction_count != slots)) refuse("whole");
+  if (in.failed() || (correction_count != 0 && correction_count != slots)) return false;
   corrections_.assign(correction_count, {});
   for (Correction& correction : corrections_) {
     correction.translation = in.vec3();
@@ -206,7 +257,11 @@ void World::restore(std::span<const std::byte> bytes) {
   }
   for (const auto& block : blocks_) block->load(in);
   if (contact_source_ != nullptr) contact_source_->load(in);
-  if (in.failed() || in.remaining() != 0) refuse("whole");
+  if (in.failed() || in.remaining() != 0) return false;
+  for (const auto& block : blocks_) {
+    if (!block->fits(*this)) return false;
+  }
+  return contact_source_ == nullptr || contact_source_->fits(*this);
 }
 
 std::uint64_t World::hash() const {

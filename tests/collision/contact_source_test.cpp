@@ -6,6 +6,7 @@
 #include <set>
 
 #include "fixture.h"
+#include "tandem/pbd/solver.h"
 
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
@@ -201,4 +202,29 @@ TEST_CASE("contact_source: parts of a body are placed by their local poses", "[c
   CHECK((f.on_b(m, 0) - Vec3(1, 3, 0.49)).norm() < 1e-12);
   CHECK((m.points[0].anchor_b_l - Vec3(1, 0, -2.51)).norm() < 1e-12);
   CHECK(f.gap(m, 0) == Approx(-0.01));
+}
+
+TEST_CASE("contact_source: a collider or a filter that makes sleeping bodies overlap wakes them",
+          "[collision][unit]") {
+  for (const bool by_filter : {false, true}) {
+    Fixture f;
+    const BodyId floor = f.fixed(HalfSpace{});
+    const BodyId box = f.add(Box{Vec3::Constant(0.25)}, at(0, 0, 0.25));
+    ColliderDef step{.body = floor, .shape = Box{Vec3(1.0, 1.0, 0.05)}};
+    step.filter.mask = 0;
+    ColliderId id;
+    if (by_filter) id = f.scene.add(f.world, step);
+    f.world.set_contact_source(&f.scene);
+    tandem::pbd::Solver solver;
+    for (int i = 0; i < 120; ++i) solver.step(f.world, kDt);
+    REQUIRE_FALSE(f.world.awake(box));
+    step.filter = {};
+    if (by_filter) {
+      f.scene.set_filter(id, step.filter);
+    } else {
+      f.scene.add(f.world, step);
+    }
+    for (int i = 0; i < 60; ++i) solver.step(f.world, kDt);
+    CHECK(f.world.pose(box).position.z() == Approx(0.3).margin(1e-3));
+  }
 }

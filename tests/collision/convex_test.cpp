@@ -3,6 +3,7 @@
 //
 // Cylinders, cones, hulls and height fields: depth against brute force, rest, rolling.
 #include <algorithm>
+#include <cmath>
 
 #include "fixture.h"
 #include "tandem/collision/compound.h"
@@ -477,4 +478,16 @@ TEST_CASE("convex: a cylinder rolls on its side without bumping", "[collision][a
     CHECK(f.world.twist(id).linear.x() == Approx(3.0).epsilon(2e-3));
     CHECK(f.world.pose(id).position.x() == Approx(1.0).margin(0.02));
   }
+}
+
+TEST_CASE("convex: a part of a compound in no place is refused", "[collision][fault]") {
+  std::vector<CompoundPart> parts{{Sphere{0.5}, at(-1, 0, 0)}, {Sphere{0.5}, at(1, 0, 0)}};
+  parts[1].local.position.y() = std::nan("");
+  CHECK_THROWS_WITH(mass_properties(parts), Catch::Contains("parts[1].local.position") &&
+                                                Catch::Contains("nan") &&
+                                                Catch::Contains("finite"));
+  parts[1].local = at(1, 0, 0);
+  parts[0].local.orientation = Quat(0.0, 0.0, 0.0, 0.0);
+  CHECK_THROWS_WITH(mass_properties(parts),
+                    Catch::Contains("parts[0].local.orientation") && Catch::Contains("unit norm"));
 }

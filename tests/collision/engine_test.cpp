@@ -180,6 +180,44 @@ TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are"
   }
 }
 
+TEST_CASE("engine: what a kinematic body is sent through goes along", "[collision][unit]") {
+  // The plate moves fifty times its thickness, five times the ball's size, within one step.
+  for (const bool asleep : {false, true}) {
+    Fixture f;
+    f.world.set_gravity(Vec3::Zero());
+    const BodyId plate = f.add(Box{Vec3(1.0, 1.0, 0.01)}, at(0, 0, 0), BodyType::Kinematic);
+    const BodyId ball = f.add(Sphere{0.1}, at(0, 0, asleep ? 0.11 : 0.5));
+    f.world.set_contact_source(&f.scene);
+    pbd::Solver solver;
+    if (asleep) {  // lies on it
+      f.world.set_gravity({0.0, 0.0, -kGravity});
+      for (int step = 0; step < 120; ++step) solver.step(f.world, kDt);
+      REQUIRE_FALSE(f.world.awake(ball));
+    }
+    f.world.set_kinematic_target(plate, at(0, 0, 1.0));
+    solver.step(f.world, kDt);
+    REQUIRE(f.world.pose(plate).position.z() == 1.0);
+    CHECK(f.world.pose(ball).position.z() > 1.0 + 0.01 + 0.1 - 1e-3);
+    CHECK(f.world.twist(ball).linear.z() == Approx(60.0).epsilon(0.02));
+  }
+}
+
+TEST_CASE("engine: a locked body is not thrown by what it cannot follow", "[collision][fault]") {
+  Fixture f;
+  f.world.set_gravity(Vec3::Zero());
+  const BodyId plate = f.add(Box{Vec3(1.0, 1.0, 0.01)}, at(0, 0, 0), BodyType::Kinematic);
+  const BodyId ball = f.add(Sphere{0.1}, at(0, 0, 0.5));
+  f.world.set_locks(ball, {.linear = {false, false, true}, .angular = {}});
+  f.world.set_contact_source(&f.scene);
+  pbd::Solver solver;
+  f.world.set_kinematic_target(plate, at(0, 0, 1.0));
+  for (int step = 0; step < 10; ++step) {
+    REQUIRE(solver.step(f.world, kDt).status == pbd::StepStatus::Ok);
+    REQUIRE(f.world.pose(ball).position.z() == 0.5);
+    REQUIRE(f.world.twist(ball).linear.z() == 0.0);
+  }
+}
+
 }  // namespace
 TEST_CASE("engine: a heap has the same bits on one, two and three threads", "[collision][unit]") {
   std::vector<std::uint64_t> hashes;

@@ -7,6 +7,7 @@
 
 #include "allocation_count.h"
 #include "fixture.h"
+#include "tandem/pbd/solver.h"
 
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
@@ -473,4 +474,33 @@ TEST_CASE("scene_query: queries allocate nothing and may run side by side", "[co
   thread.join();
   CHECK(first == one);
   CHECK(second == two);
+}
+
+TEST_CASE("scene_query: what has moved while nobody asked is found where it sleeps now",
+          "[collision][query]") {
+  Fixture f;
+  f.fixed(HalfSpace{Vec3::UnitZ(), 0.0});
+  const BodyId box = f.add(Box{Vec3::Constant(0.25)}, at(0, 0, 0.25));
+  f.world.set_contact_source(&f.scene);
+  tandem::pbd::Solver solver;
+  const auto sleep = [&] {
+    for (int step = 0; step < 300 && f.world.awake(box); ++step) solver.step(f.world, kDt);
+    REQUIRE_FALSE(f.world.awake(box));
+  };
+  SceneQuery query(f.world, f.scene);
+  const auto is_at_origin = [&] {
+    query.update(f.world, f.scene);
+    return query.overlaps(Sphere{0.05}, at(0, 0, 0.4));
+  };
+  sleep();
+  const auto bytes = f.world.snapshot();
+  CHECK(is_at_origin());
+  f.world.apply_impulse(box, Vec3(0.0, 2.0, 0.0) / f.world.props(box).inverse_mass,
+                        f.world.pose(box).position);
+  solver.step(f.world, kDt);
+  sleep();
+  REQUIRE(f.world.pose(box).position.y() > 0.3);
+  CHECK_FALSE(is_at_origin());
+  f.world.restore(bytes);
+  CHECK(is_at_origin());
 }

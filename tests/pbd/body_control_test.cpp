@@ -6,6 +6,7 @@
 #include "support/catch.h"
 #include "support/toy_contacts.h"
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
 using namespace tandem::pbd;
@@ -169,4 +170,103 @@ TEST_CASE("refinement: a heavy body on a light one gets more substeps, its neigh
   last = plain.step(world, kFrame);  // levels decay, so the first step still has them
   for (int i = 0; i < 100; ++i) last = plain.step(world, kFrame);
   CHECK(last.groups == 1);
+}
+
+TEST_CASE("bodies: forces and impulses that add up to no number are refused and change nothing",
+          "[pbd][fault]") {
+  World world;
+  const BodyId body = world.add_body(box_def(1e-3, kHalf, Vec3::Zero()));
+  const Vec3 far(1e200, 0.0, 0.0);
+  const Vec3 huge(0.0, 1e308, 0.0);
+  const auto before = world.snapshot();
+  CHECK(names(refusal([&] { world.apply_impulse(body, Vec3(0.0, 1e200, 0.0), far); }),
+              "World::apply_impulse", "inf", "finite"));
+  CHECK(names(refusal([&] { world.apply_impulse(body, huge, Vec3::Zero()); }),
+              "World::apply_impulse", "inf", "finite"));
+  CHECK(names(refusal([&] { world.apply_angular_impulse(body, huge); }),
+              "World::apply_angular_impulse", "inf", "finite"));
+  CHECK(names(refusal([&] { world.apply_force(body, Vec3(0.0, 1e200, 0.0), far); }),
+              "World::apply_force", "inf", "finite"));
+  CHECK(world.snapshot() == before);
+  world.apply_force(body, huge);
+  world.apply_torque(body, huge);
+  const auto pushed = world.snapshot();
+  CHECK(names(refusal([&] { world.apply_force(body, huge); }), "World::apply_force", "inf",
+              "finite"));
+  CHECK(names(refusal([&] { world.apply_torque(body, huge); }), "World::apply_torque", "inf",
+              "finite"));
+  CHECK(world.snapshot() == pushed);
+}
+
+TEST_CASE("bodies: a kinematic body that would leave the numbers stays, and is named",
+          "[pbd][fault]") {
+  World world;
+  const BodyId other = world.add_body({.type = BodyType::Kinematic});
+  const BodyId cart = world.add_body({.type = BodyType::Kinematic});
+  world.set_twist(cart, {Vec3(1.0, 0.0, 0.0), Vec3(1e200, 0.0, 0.0)});
+  Solver solver;
+  const StepReport& report = solver.step(world, kFrame);
+  CHECK(report.status == StepStatus::NonFinite);
+  CHECK(report.first_bad_body == cart);
+  CHECK(world.pose(cart).position.isZero(0.0));
+  CHECK(world.pose(cart).orientation.coeffs().allFinite());
+  CHECK(world.twist(cart).angular.isZero(0.0));
+  CHECK(world.contains(other));
+  CHECK(solver.step(world, kFrame).status == StepStatus::Ok);
+}
+
+TEST_CASE("bodies: mass and inertia without an inverse are refused", "[pbd][fault]") {
+  World world;
+  const auto refused = [&](double mass, const Mat3& inertia) {
+    return refusal([&] { world.add_body({.mass = mass, .inertia = inertia}); });
+  };
+  CHECK(names(refused(1e-310, Mat3::Identity()), "mass", "0.0", "inverse"));
+  CHECK(names(refused(1.0, 1e-110 * Mat3::Identity()), "inertia", "0.0", "inverse"));
+  CHECK(names(refused(1.0, 1e110 * Mat3::Identity()), "inertia", "0", "inverse"));
+  CHECK(world.body_count() == 0);
+  CHECK(refused(1e-90, 1e-90 * Mat3::Identity()).empty());
+}
+
+TEST_CASE("contacts: without their source they are over", "[pbd][unit]") {
+  Resting scene;
+  const bool asleep = GENERATE(false, true);
+  if (asleep) {
+    scene.sleep();
+  } else {
+    run(scene.world, scene.solver, 0.2);
+  }
+  scene.world.set_contact_source(nullptr);
+  run(scene.world, scene.solver, 0.5);
+  // It falls: 1.2 m in half a second.
+  CHECK(scene.world.pose(scene.box).position.z() ==
+        Approx(0.5 - 0.5 * kGravity * 0.25).margin(0.1));
+  CHECK_FALSE(scene.world.in_contact(scene.box));
+}
+
+TEST_CASE("contacts: one that appears inside a sleeping body wakes it", "[pbd][unit]") {
+  Resting scene;
+  scene.sleep();
+  // The floor is now 5 cm higher.
+  scene.contacts.box_on_plane(scene.ground, Vec3::UnitZ(), 0.05, scene.box, kHalf, {});
+  run(scene.world, scene.solver, 1.0);
+  CHECK(scene.world.pose(scene.box).position.z() == Approx(0.55).margin(1e-3));
+}
+
+TEST_CASE("refinement: a fast joint gets its substeps whichever of its bodies moves",
+          "[pbd][unit]") {
+  int substeps[2] = {};
+  for (const bool swapped : {false, true}) {
+    World world(weightless());
+    auto& joints = world.add_block<JointBlock>();
+    const BodyId ground = add_ground(world);
+    const BodyId wheel = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
+    world.set_twist(wheel, {Vec3::Zero(), Vec3(0.0, 0.0, 60.0)});
+    joints.add(world, hinge_joint_at(world, swapped ? wheel : ground, swapped ? ground : wheel,
+                                     Vec3::Zero(), Vec3::UnitZ()));
+    Solver solver;
+    run(world, solver, 0.1);
+    substeps[swapped ? 1 : 0] = solver.step(world, kFrame).substeps;
+  }
+  CHECK(substeps[0] > SolverOptions{}.substeps);
+  CHECK(substeps[1] == substeps[0]);
 }

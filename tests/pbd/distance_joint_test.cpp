@@ -368,3 +368,82 @@ TEST_CASE("distance_joint: a spring stops at the ends of its range", "[pbd][anal
   CHECK(names(refusal([&] { joints.add(world, bad); }), "distance_joint: rest_length", "2.0",
               "max_length"));
 }
+
+TEST_CASE("distance_joint: points that coincide have no force until they part", "[pbd][fault]") {
+  World world(weightless());
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
+  const ConstraintId id = joints.add(world, {.b = body, .rest_length = 1.0, .compliance = 1e-3});
+  Solver solver({.sleep_after = 0.0});
+  run(world, solver, 0.5);
+  CHECK(joints.at(id).force() == 0.0);
+  CHECK(world.pose(body).position.norm() == 0.0);
+}
+
+TEST_CASE("distance_joint: its force is a vector on b, its opposite on a", "[pbd][analytic]") {
+  World world;
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(ball_def(2.0, 0.1, Vec3(0.0, 0.0, -1.0)));
+  const ConstraintId id = joints.add(world, {.b = body, .rest_length = 1.0});
+  Solver solver({.sleep_after = 0.0});
+  run(world, solver, 1.0);
+  CHECK((joints.at(id).force_on_b() - Vec3(0.0, 0.0, 2.0 * kGravity)).norm() < 1e-6);
+}
+
+TEST_CASE("distance_joint: it breaks at its force and not below, and mends when enabled",
+          "[pbd][analytic]") {
+  World world;
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(ball_def(2.0, 0.1, Vec3(0.0, 0.0, -1.0)));
+  DistanceJoint::Def def{.b = body, .rest_length = 1.0};
+  def.break_force = 30.0;  // the weight is 20 N
+  const ConstraintId id = joints.add(world, def);
+  Solver solver({.sleep_after = 0.0});
+  run(world, solver, 0.5);
+  REQUIRE_FALSE(joints.at(id).broken());
+  world.apply_force(body, Vec3(0.0, 0.0, -20.0));
+  solver.step(world, kFrame);
+  CHECK(joints.at(id).broken());
+  CHECK(joints.at(id).force() == Approx(-(20.0 + 2.0 * kGravity)).epsilon(1e-3));
+  const auto bytes = world.snapshot();
+  run(world, solver, 0.5);
+  CHECK(joints.at(id).force() == 0.0);
+  CHECK(joints.at(id).residual() == 0.0);
+  CHECK(world.pose(body).position.z() < -2.0);
+  world.restore(bytes);
+  CHECK(joints.at(id).broken());
+  world.set_pose(body, {Vec3(0.0, 0.0, -1.0), Quat::Identity()});
+  world.set_twist(body, {});
+  joints.set(world, id, def);
+  run(world, solver, 0.5);
+  CHECK_FALSE(joints.at(id).broken());
+  CHECK(world.pose(body).position.z() == Approx(-1.0).margin(1e-3));
+}
+
+TEST_CASE("distance_joint: switched off it joins nothing", "[pbd][unit]") {
+  World world;
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(ball_def(2.0, 0.1, Vec3(0.0, 0.0, -1.0)));
+  DistanceJoint::Def def{.b = body, .rest_length = 1.0};
+  def.enabled = false;
+  joints.add(world, def);
+  Solver solver;
+  run(world, solver, 1.0);
+  CHECK(world.twist(body).linear.z() == Approx(-kGravity));
+}
+
+TEST_CASE("distance_joint: a soft range gives way by load times compliance", "[pbd][analytic]") {
+  World world;
+  auto& joints = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(ball_def(2.0, 0.1, Vec3(0.0, 0.0, -0.5)));
+  DistanceJoint::Def def{.b = body, .elastic = false, .max_length = 1.0};
+  def.range_compliance = 1e-3;
+  def.range_damping = 60.0;
+  const ConstraintId id = joints.add(world, def);
+  Solver solver({.sleep_after = 0.0});
+  run(world, solver, 4.0);
+  CHECK(world.pose(body).position.z() == Approx(-1.0 - 2.0 * kGravity * 1e-3).epsilon(1e-6));
+  CHECK(joints.at(id).force() == Approx(-2.0 * kGravity).epsilon(1e-6));
+  def.range_compliance = 1e-320;
+  CHECK(names(refusal([&] { joints.set(world, id, def); }), "range_compliance", "0.0", "1e-100"));
+}

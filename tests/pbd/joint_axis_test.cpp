@@ -121,3 +121,33 @@ TEST_CASE("joint: cone and twist limits hold a tumbling body", "[pbd][joint][ana
   CHECK(low > -0.3 - 1e-4);
   CHECK(gain < 1e-3);
 }
+
+TEST_CASE("joint: a soft cone gives way by load times compliance, and its damper stops the swing",
+          "[pbd][joint][analytic]") {
+  // A bar along x held at its end; gravity has a moment of m g l about y at the edge of the cone.
+  const double compliance = 1e-3;
+  double swings[2] = {};
+  for (const double damping : {0.0, 20.0}) {
+    Mounted m(WorldDef{});
+    m.add_box(1.0, Vec3(0.4, 0.0, 0.0));
+    BallJointDef def = ball_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitX());
+    def.cone = 0.3;
+    def.angular_compliance = compliance;
+    def.angular_damping = damping;
+    m.add_joint(def);
+    m.run(2.0);
+    double low = 10.0;
+    double high = 0.0;
+    m.run(1.0, [&] {
+      low = std::min(low, m.state().swing);
+      high = std::max(high, m.state().swing);
+    });
+    swings[damping > 0.0 ? 1 : 0] = high - low;
+    if (damping == 0.0) continue;
+    const double load = 1.0 * kGravity * 0.4 * std::cos(m.state().swing);
+    CHECK(m.state().swing == Approx(0.3 + load * compliance).epsilon(1e-4));
+    CHECK(m.state().torque.norm() == Approx(load).epsilon(1e-3));
+  }
+  CHECK(swings[0] > 1e-3);
+  CHECK(swings[1] < 1e-6);
+}

@@ -302,3 +302,98 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
   world.remove_body(a);
   CHECK(joints.size() == 0);
 }
+
+TEST_CASE("joint: what is reported is of the last step", "[pbd][joint][unit]") {
+  Mounted m;
+  m.add_box(2.0, Vec3::Zero());
+  HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+  def.axis.motor = {.mode = MotorMode::Velocity, .target = 50.0, .max_force = 1.0};
+  m.add_joint(def);
+  m.run(0.1);
+  REQUIRE(m.state().load[3] == Approx(1.0));
+  def.axis.motor.mode = MotorMode::Off;
+  m.joints->set(m.world, m.joint, def);
+  m.run(0.1);
+  CHECK(m.state().load[3] == 0.0);
+  SixDofJointDef loose = def;
+  for (JointAxis& axis : loose.linear) axis = {};
+  for (JointAxis& axis : loose.angular) axis = {};
+  SixDofJointDef pulling = loose;
+  pulling.linear[0].spring = {.stiffness = 10.0, .rest = 1.0};
+  m.joints->set(m.world, m.joint, pulling);
+  m.run(0.1);
+  REQUIRE(m.state().force.norm() > 1.0);
+  m.joints->set(m.world, m.joint, loose);
+  m.run(0.1);
+  CHECK(m.state().force.norm() == 0.0);
+  CHECK(m.state().load[0] == 0.0);
+}
+
+TEST_CASE("joint: the step in which it breaks reports the force that was too much",
+          "[pbd][joint][unit]") {
+  Mounted m(WorldDef{});
+  m.add_box(2.0, Vec3::Zero());
+  FixedJointDef def = fixed_joint_at(m.world, {}, m.body, Vec3::Zero());
+  def.break_force = 30.0;  // its weight is 20 N
+  m.add_joint(def);
+  m.run(0.2);
+  REQUIRE_FALSE(m.state().broken);
+  m.world.apply_force(m.body, Vec3(40.0, 0.0, 0.0));
+  m.solver.step(m.world, kFrame);
+  REQUIRE(m.state().broken);
+  CHECK(m.state().force.norm() == Approx(std::hypot(40.0, 2.0 * kGravity)).epsilon(1e-3));
+  m.solver.step(m.world, kFrame);
+  CHECK(m.state().force.norm() == 0.0);
+}
+
+TEST_CASE("joint: after a spoiled step it is as it was, turns included", "[pbd][joint][fault]") {
+  Mounted m;
+  m.add_box(2.0, Vec3::Zero());
+  HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+  def.axis.motor = {.mode = MotorMode::Velocity, .target = 20.0};
+  m.add_joint(def);
+  m.run(1.0);
+  const double turned = m.state().position[3];
+  REQUIRE(turned == Approx(20.0).epsilon(1e-3));
+  const Twist twist = m.world.twist(m.body);
+  m.world.set_twist(m.body, {Vec3::Constant(1e307), Vec3(0.0, 0.0, 1e307)});
+  REQUIRE(m.solver.step(m.world, kFrame).status == StepStatus::NonFinite);
+  CHECK(m.state().position[3] == turned);
+  CHECK(m.state().force.allFinite());
+  CHECK(m.state().torque.allFinite());
+  for (const double load : m.state().load) CHECK(std::isfinite(load));
+  m.world.set_twist(m.body, twist);
+  m.solver.step(m.world, kFrame);
+  CHECK(m.state().position[3] == Approx(turned + 20.0 * kFrame).epsilon(1e-3));
+}
+
+TEST_CASE("joint: limits that leave nothing and compliances without an inverse are refused",
+          "[pbd][joint][fault]") {
+  Mounted m;
+  m.add_box(2.0, Vec3::Zero());
+  const auto refused = [&](const JointAxis& axis) {
+    SliderJointDef def = slider_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitX());
+    def.axis = axis;
+    return refusal([&] { m.add_joint(def); });
+  };
+  CHECK(names(refused(limit(kUnlimited, kUnlimited)), "linear[0].lower", "inf", "infinity"));
+  CHECK(names(refused(limit(-kUnlimited, -kUnlimited)), "linear[0].upper", "-inf", "infinity"));
+  CHECK(refused(limit(-kUnlimited, kUnlimited)).empty());
+  JointAxis soft = limit(-0.1, 0.1);
+  soft.compliance = 1e-313;
+  CHECK(names(refused(soft), "linear[0].compliance", "0.0", "1e-100"));
+}
+
+TEST_CASE("joint: an axis may be of any length above 1e-9", "[pbd][joint][fault]") {
+  Mounted m;
+  m.add_box(2.0, Vec3::Zero());
+  for (const double length : {1e-8, 1.0, 1e200}) {
+    const HingeJointDef def =
+        hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), length * Vec3(0.0, 0.6, 0.8));
+    CHECK((def.frame_a.basis * Vec3::UnitX() - Vec3(0.0, 0.6, 0.8)).norm() < 1e-12);
+  }
+  CHECK(names(refusal([&] {
+                (void)hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3(1e-10, 0.0, 0.0));
+              }),
+              "axis_w", "0.0", "1e-9"));
+}

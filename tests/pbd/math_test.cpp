@@ -159,3 +159,26 @@ TEST_CASE("math: a symmetric top precesses as the midpoint rule says, and so as 
   }
   CHECK(std::abs(100 * 2.0 * std::atan(0.5 * p * h) - p * 1.0) < std::pow(p * h, 3) / 12.0 * 100);
 }
+
+TEST_CASE("math: the inverse of what is free is that of the free block alone", "[pbd][analytic]") {
+  Mat3 tensor;
+  tensor << 4.0, 1.0, 0.5, 1.0, 3.0, 0.2, 0.5, 0.2, 2.0;
+  CHECK(inverse_where_free(tensor) == Mat3(tensor.inverse()));
+  for (int locked = 0; locked < 3; ++locked) {
+    Mat3 held = tensor;
+    held.row(locked).setZero();
+    held.col(locked).setZero();
+    const int i = locked == 0 ? 1 : 0;
+    const int j = locked == 2 ? 1 : 2;
+    // Cramer's rule for two unknowns.
+    const double det = held(i, i) * held(j, j) - held(i, j) * held(i, j);
+    Mat3 expected = Mat3::Zero();
+    expected(i, i) = held(j, j) / det;
+    expected(j, j) = held(i, i) / det;
+    expected(i, j) = expected(j, i) = -held(i, j) / det;
+    CHECK((inverse_where_free(held) - expected).norm() < 1e-15);
+  }
+  const Mat3 one_left = Vec3(0.0, 8.0, 0.0).asDiagonal();
+  CHECK(inverse_where_free(one_left) == Mat3(Vec3(0.0, 0.125, 0.0).asDiagonal()));
+  CHECK(inverse_where_free(Mat3::Zero()).isZero(0.0));
+}

@@ -293,3 +293,15 @@ TEST_CASE("typed_block: the stages of a step run in their documented order", "[p
     CHECK(log == expected);
   }
 }
+
+TEST_CASE("typed_block: a row keeps its bodies", "[pbd][fault]") {
+  World world;
+  auto& shelves = world.add_block<TypedBlock<Shelf>>();
+  const BodyId body = world.add_body({});
+  const BodyId other = world.add_body({});
+  const ConstraintId id = shelves.add(world, {.body = body, .height = 1.0});
+  CHECK(names(refusal([&] { shelves.set(world, id, {.body = other, .height = 2.0}); }), "shelf",
+              std::to_string(other.index), "keeps the bodies"));
+  CHECK(shelves.def(id).body == body);
+  CHECK(shelves.def(id).height == 1.0);
+}

@@ -79,6 +79,11 @@ class ToyContacts final : public pbd::ContactSource {
   }
   void save(pbd::ByteWriter& out) const override { out.u32(collected_); }
   void load(pbd::ByteReader& in) override { collected_ = in.u32(); }
+  bool fits(const pbd::World& world) const override {
+    return std::all_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
+      return world.contains(pair.a) && world.contains(pair.b);
+    });
+  }
 
  private:
   enum class Kind { BoxOnPlane, BallOnPlane, BallOnBall, BoxOnBox };

@@ -127,6 +127,7 @@ class CollisionScene : public pbd::ContactSource {
   void save(pbd::ByteWriter& out) const override;
   /// Wants a scene with the same colliders; other bytes leave `in` failed and the caches empty.
   void load(pbd::ByteReader& in) override;
+  bool fits(const pbd::World& world) const override;
 
  private:
   class Impl;

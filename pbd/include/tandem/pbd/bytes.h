@@ -33,7 +33,7 @@ class ByteWriter {
 };
 
 /// Reads what ByteWriter wrote. Reading past the end returns zeros and sets failed() for good:
-/// check it once, after the last read.
+/// check it once, after the last read. Who reads something that cannot be sets it with fail().
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> in) : in_(in) {}
@@ -52,6 +52,7 @@ class ByteReader {
 
   std::size_t remaining() const { return in_.size() - at_; }
   bool failed() const { return failed_; }
+  void fail() { failed_ = true; }
 
  private:
   std::uint64_t get(int count);

@@ -15,6 +15,7 @@ class BodySet;
 class ByteReader;
 class ByteWriter;
 class Workers;
+class World;
 
 /// A body as the pass sees it. The first two cache lines are all that a sweep over contacts reads
 /// and writes. Lifetime: one step.
@@ -44,6 +45,7 @@ struct alignas(64) SolverBody {
   /// Something may turn it in this step. Where nothing can (no spin, no row with a lever arm), its
   /// inverse inertia is 0 for the step and its orientation is left alone.
   bool turns = false;
+  bool turns_freely = true;  ///< no axis of its rotation is locked
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 };
 
@@ -129,6 +131,15 @@ class ConstraintBlock {
 
   /// Names every body that a row reads or moves, alone or in pairs.
   virtual void links(LinkVisitor&) const {}
+  /// Those of links() between which a row holds something: only what something immovable holds may
+  /// rest, the rest is slow and drifts.
+  virtual void holds(LinkVisitor& visitor) const { links(visitor); }
+  /// At the end of a step: the bodies that rows move by themselves (motors that run, anchors that
+  /// move). They do not rest, however slow they are.
+  virtual void drives(LinkVisitor&) const {}
+  /// The bodies on which rows act with a force of their own (springs, motors): they rest where
+  /// their speed does not change either.
+  virtual void springs(LinkVisitor&) const {}
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
   /// At the end of a step of ctx.h (s): raise the entries (by body) of bodies whose rows need that
@@ -139,7 +150,10 @@ class ConstraintBlock {
   virtual void remove_body(BodyId) {}
   virtual BlockReport report() const = 0;
   virtual void save(ByteWriter& out) const = 0;
+  /// The bytes may be anybody's: fail `in` where they are none of save().
   virtual void load(ByteReader& in) = 0;
+  /// After load(): whether all that rows name is in the world, and their parameters keep the rules.
+  virtual bool fits(const World&) const { return true; }
 };
 
 }  // namespace tandem::pbd

@@ -101,10 +101,12 @@ class ContactBlock final : public ConstraintBlock {
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
+  void holds(LinkVisitor& visitor) const override;  ///< those that carry a load
   void remove_body(BodyId body) override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;
+  bool fits(const World& world) const override;
 
  private:
   struct Impl;

@@ -26,9 +26,13 @@ class DistanceJoint {
     double rest_length = 0.0;        ///< m, >= 0
     double compliance = 0.0;         ///< m/N, >= 0; 0 = rigid; 1 / stiffness
     double damping = 0.0;            ///< N s/m, >= 0; without effect on a rigid joint
-    bool elastic = true;             ///< false: only the range holds, rigidly
+    bool elastic = true;             ///< false: only the range holds
     double min_length = 0.0;         ///< m, >= 0; around rest_length where that holds
     double max_length = kUnlimited;  ///< m, >= min_length
+    double range_compliance = 0.0;   ///< m/N, >= 0, of both ends of the range; 0 = rigid
+    double range_damping = 0.0;      ///< N s/m, >= 0; without effect where the range is rigid
+    double break_force = 0.0;        ///< N, >= 0; beyond it the joint is disabled; 0 = never
+    bool enabled = true;
   };
 
   // CONFIGURATION PROPERTIES FOLLOW
@@ -42,14 +46,23 @@ class DistanceJoint {
   // RUN TIME PROPERTIES FOLLOW
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
+  void finish_velocity(const SubstepContext& ctx);
   void begin_total(const SubstepContext& ctx);
   void project_total(const SubstepContext& ctx);
   void end_total(const SubstepContext& ctx);
   void end_step(const SubstepContext& ctx);
+  bool active() const { return def_.enabled; }
+  bool springs() const {
+    return (def_.elastic && def_.compliance > 0.0) || def_.range_compliance > 0.0;
+  }
   double residual() const { return residual_; }
   double total_residual() const { return std::abs(gap_); }
   /// Force (N) along the joint in the last substep, positive = pushes the points apart.
+  /// In the step in which it breaks that of the substep that broke it.
   double force() const { return force_; }
+  Vec3 force_on_b() const { return force_ * n_; }  ///< N, world; its opposite acts on a
+  /// By break_force; enable it to use it again.
+  bool broken() const { return broken_ && !def_.enabled; }
   void save(ByteWriter& out) const;
   void load(ByteReader& in);
 
@@ -74,6 +87,8 @@ class DistanceJoint {
   double bound_ = 0.0;  ///< m, where the total channel holds C
   double force_ = 0.0;
   double residual_ = 0.0;
+  bool broken_ = false;
+  bool broke_ = false;  ///< in this step
 };
 
 using DistanceJoints = TypedBlock<DistanceJoint>;

@@ -21,10 +21,12 @@ struct JointState {
   std::array<double, 6> position{};
   double swing = 0.0;            ///< rad, >= 0, angle between the x axes: what the cone limits
   std::array<double, 6> load{};  ///< N and N m, of each coordinate, on body b
-  Vec3 force = Vec3::Zero();     ///< N, world, on body b at its frame, last substep
-  Vec3 torque = Vec3::Zero();    ///< N m, world, on body b, last substep
-  double residual = 0.0;         ///< m (linear) or rad (angular), largest violation of a rigid row
-  bool broken = false;           ///< by break_force or break_torque; enable it to use it again
+  /// N, world, on body b at its frame, last substep; in the step in which it breaks that of the
+  /// substep that broke it.
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();  ///< N m, world, on body b, last substep
+  double residual = 0.0;       ///< m (linear) or rad (angular), largest violation of a rigid row
+  bool broken = false;         ///< by break_force or break_torque; enable it to use it again
 };
 
 /// All rigid, limited, sprung and driven joints of a world as one kind: six coordinates, each with
@@ -64,10 +66,7 @@ class JointBlock final : public ConstraintBlock {
   void begin_total(const SubstepContext& ctx) override;
   void project_total(const SubstepContext& ctx) override;
   void end_total(const SubstepContext& ctx) override;
-  bool clean_up(const SubstepContext& ctx) override {
-    project_total(ctx);
-    return ctx.shared;
-  }
+  bool clean_up(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   /// As many as keep the bodies of a joint from turning by more than 0.07 rad against each other in
@@ -75,10 +74,14 @@ class JointBlock final : public ConstraintBlock {
   /// folding does.
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   void links(LinkVisitor& visitor) const override;
+  /// Not by motors that have arrived, that a limit stops or that do not manage their load.
+  void drives(LinkVisitor& visitor) const override;
+  void springs(LinkVisitor& visitor) const override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;
+  bool fits(const World& world) const override;
 
  private:
   class Impl;

@@ -14,6 +14,8 @@ class World;
 
 /// No bound on a force, speed or angle.
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+/// Compliances are 0 (rigid) or at least this: their inverse is a stiffness.
+inline constexpr double kLeastCompliance = 1e-100;
 
 /// A point and three axes of a body. Hinges turn about x, sliders move along x, and twist is the
 /// rotation about x.
@@ -63,6 +65,7 @@ struct SixDofJointDef {
   /// rad, > 0: largest angle between the x axes; in place of limits on the two swings.
   double cone = kUnlimited;
   double cone_compliance = 0.0;  ///< rad/(N m), >= 0
+  double cone_damping = 0.0;     ///< N m s/rad, >= 0; without effect where the cone is rigid
   double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
   double break_torque = 0.0;     ///< N m, likewise
   bool enabled = true;
@@ -75,7 +78,7 @@ struct JointMount {
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
-  double angular_damping = 0.0;     ///< N m s/rad, not of a cone
+  double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
 };
@@ -107,7 +110,7 @@ struct SliderJointDef : JointMount {
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
-/// Frames at the world point `anchor_w` (m) with x along `axis_w` (any length > 0), as the bodies
+/// Frames at the world point `anchor_w` (m) with x along `axis_w` (longer than 1e-9), as the bodies
 /// stand now: all coordinates are 0 there. They throw std::invalid_argument on a bad body or axis.
 SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
                                 const Vec3& axis_w = Vec3::UnitX());

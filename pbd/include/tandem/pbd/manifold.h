@@ -53,6 +53,9 @@ struct MotionLimit {
   std::uint32_t body = 0;       ///< slot
   double share = 1.0;           ///< of the way from where the step began, below 1
   Vec3 normal = Vec3::UnitZ();  ///< unit, out of the obstacle: no speed against it stays
+  /// m, how far the obstacle moves in the step: the share is of the way as seen from it, and it
+  /// takes the body along.
+  Vec3 obstacle_moves = Vec3::Zero();
 };
 
 /// Anything that finds contacts. pbd knows no shapes; `collision` implements this.
@@ -80,7 +83,10 @@ class ContactSource {
 
   /// What the next collect() depends on besides the bodies' poses (caches included), for snapshots.
   virtual void save(ByteWriter& out) const = 0;
+  /// The bytes may be anybody's: fail `in` where they are none of save().
   virtual void load(ByteReader& in) = 0;
+  /// After load(): whether all bodies that it names are in the world.
+  virtual bool fits(const World&) const { return true; }
 };
 
 }  // namespace tandem::pbd

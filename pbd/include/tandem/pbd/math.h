@@ -59,6 +59,24 @@ inline Mat3 tensor_to_world(const Quat& q, const Mat3& tensor_l) {
   return r * tensor_l * r.transpose();
 }
 
+/// Inverse of a symmetric tensor on the axes that are free. An axis is locked where the diagonal is
+/// 0: its row and column are 0 in the tensor and in the result.
+inline Mat3 inverse_where_free(const Mat3& tensor) {
+  const Vec3 diagonal = tensor.diagonal();
+  if ((diagonal.array() > 0.0).all()) return tensor.inverse();
+  const double size = diagonal.maxCoeff();
+  if (!(size > 0.0)) return Mat3::Zero();
+  Mat3 result = tensor;
+  for (int i = 0; i < 3; ++i) {
+    if (diagonal[i] == 0.0) result(i, i) = size;
+  }
+  result = result.inverse().eval();
+  for (int i = 0; i < 3; ++i) {
+    if (diagonal[i] == 0.0) result(i, i) = 0.0;
+  }
+  return result;
+}
+
 /// Two unit vectors that complete the unit vector n to a right-handed frame (n, t1, t2). The choice
 /// depends on n alone, and smoothly except where n points along -z.
 /// Source: [duff2017] Listing 3.

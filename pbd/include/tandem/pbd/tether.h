@@ -44,6 +44,9 @@ class Tether {
   // RUN TIME PROPERTIES FOLLOW
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
+  /// An anchor under way moves the body.
+  bool drives() const { return !def_.anchor_velocity.isZero(0.0); }
+  bool springs() const { return true; }
   double residual() const { return 0.0; }
   double total_residual() const { return 0.0; }
   /// Force (N, world) on the body in the last substep.

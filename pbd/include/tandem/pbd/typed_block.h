@@ -6,6 +6,7 @@
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,6 +16,18 @@
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
+
+namespace detail {
+/// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
+void require(bool ok, std::string_view kind, std::string_view field, double value,
+             std::string_view rule);
+/// The same for a vector field: all components finite.
+void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
+/// Throws unless the body exists.
+void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field);
+/// Whether `free` names each slot that is not alive, once.
+bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::uint8_t> alive);
+}  // namespace detail
 
 /// Names one row of one TypedBlock; stale ids are refused.
 struct ConstraintId {
@@ -33,7 +46,9 @@ struct ConstraintId {
 ///   double residual() const; double total_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
-///   begin_substep, solve_velocity, begin_total, project_total, end_total, end_step.
+///   begin_substep, solve_velocity, finish_velocity, begin_total, project_total, end_total,
+///   end_step; bool active() const (false leaves the row out), drives() const and springs() const
+///   (see ConstraintBlock; they concern both bodies).
 template <class C>
 class TypedBlock final : public ConstraintBlock {
  public:
@@ -67,10 +82,14 @@ class TypedBlock final : public ConstraintBlock {
   void remove(ConstraintId id) { erase(checked(id)); }
   const C& at(ConstraintId id) const { return rows_[checked(id)]; }
   const Def& def(ConstraintId id) const { return rows_[checked(id)].def(); }
-  /// Change parameters; carried state stays. The bodies may not change.
+  /// Change parameters; carried state stays.
+  /// @throws std::invalid_argument  where the bodies are others as well
   void set(const World& world, ConstraintId id, const Def& def) {
     const std::uint32_t index = checked(id);
     C::check(world, def);
+    const C row(def);
+    refuse_other(row.body_a(), rows_[index].body_a());
+    refuse_other(row.body_b(), rows_[index].body_b());
     rows_[index].def() = def;
     changed(def);
   }
@@ -98,6 +117,11 @@ class TypedBlock final : public ConstraintBlock {
     }
     return change;
   }
+  void finish_velocity(const SubstepContext& ctx) override {
+    if constexpr (requires(C & c) { c.finish_velocity(ctx); }) {
+      sweep_group(ctx, [&](C& c) { c.finish_velocity(ctx); });
+    }
+  }
   void begin_total(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.begin_total(ctx); }) {
       sweep_total(ctx, [&](C& c) { c.begin_total(ctx); });
@@ -115,7 +139,13 @@ class TypedBlock final : public ConstraintBlock {
   }
   bool clean_up(const SubstepContext& ctx) override {
     const bool any = ctx.shared;
-    if (any) project_total(ctx);
+    if constexpr (requires(C & c) { c.project_total(ctx); }) {
+      if (any) {
+        sweep(ctx.reverse, [&](C& c) {
+          if (is_active(c) && is_total(ctx, c)) c.project_total(ctx);
+        });
+      }
+    }
     return any;
   }
   void end_step(const SubstepContext& ctx) override {
@@ -125,11 +155,16 @@ class TypedBlock final : public ConstraintBlock {
   }
 
   void links(LinkVisitor& visitor) const override {
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (alive_[i] == 0) continue;
-      const BodyId a = rows_[i].body_a();
-      const BodyId b = rows_[i].body_b();
-      visitor.link(a.index, b.index);
+    name_bodies(visitor, [](const C&) { return true; });
+  }
+  void drives(LinkVisitor& visitor) const override {
+    if constexpr (requires(const C& c) { c.drives(); }) {
+      name_bodies(visitor, [](const C& c) { return c.drives(); });
+    }
+  }
+  void springs(LinkVisitor& visitor) const override {
+    if constexpr (requires(const C& c) { c.springs(); }) {
+      name_bodies(visitor, [](const C& c) { return c.springs(); });
     }
   }
   void take_changed(std::vector<std::uint32_t>& bodies) override {
@@ -169,6 +204,16 @@ class TypedBlock final : public ConstraintBlock {
     out.u32(static_cast<std::uint32_t>(changed_.size()));
     for (const std::uint32_t body : changed_) out.u32(body);
   }
+  bool fits(const World& world) const override {
+    try {
+      for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (alive_[i] != 0) C::check(world, rows_[i].def());
+      }
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    return true;
+  }
   void load(ByteReader& in) override {
     const std::uint32_t size = in.u32();
     rows_.clear();
@@ -178,7 +223,7 @@ class TypedBlock final : public ConstraintBlock {
     count_ = 0;
     sequence_is_old_ = true;
     for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
-      alive_.push_back(in.u8());
+      alive_.push_back(in.u8() != 0 ? 1 : 0);
       generations_.push_back(in.u32());
       rows_.emplace_back(Def{});
       rows_.back().load(in);
@@ -187,6 +232,7 @@ class TypedBlock final : public ConstraintBlock {
     const std::uint32_t free_count = in.u32();
     free_.reserve(rows_.size());
     for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) free_.push_back(in.u32());
+    if (!detail::are_free_slots(free_, alive_)) in.fail();
     changed_.clear();
     const std::uint32_t changed_count = in.u32();
     for (std::uint32_t i = 0; i < changed_count && !in.failed(); ++i) changed_.push_back(in.u32());
@@ -214,21 +260,46 @@ class TypedBlock final : public ConstraintBlock {
                               rows_[r].body_b(), r);
     });
   }
+  static bool is_active(const C& c) {
+    if constexpr (requires { c.active(); }) {
+      return c.active();
+    } else {
+      return true;
+    }
+  }
+  /// Of the rows that are active and `wanted`.
+  template <class Wanted>
+  void name_bodies(LinkVisitor& visitor, Wanted&& wanted) const {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (alive_[i] == 0 || !is_active(rows_[i]) || !wanted(rows_[i])) continue;
+      visitor.link(rows_[i].body_a().index, rows_[i].body_b().index);
+    }
+  }
+  static bool is_mine(const SubstepContext& ctx, const C& c) {
+    if (!is_active(c)) return false;
+    return (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
+           (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
+  }
+  static bool is_total(const SubstepContext& ctx, const C& c) {
+    return (c.body_a().valid() && ctx.bodies[c.body_a().index].total) ||
+           (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
+  }
   template <class Visit>
   void sweep_group(const SubstepContext& ctx, Visit&& visit) {
     sweep(ctx.reverse, [&](C& c) {
-      const bool mine = (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
-                        (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
-      if (mine) visit(c);
+      if (is_mine(ctx, c)) visit(c);
     });
   }
   template <class Visit>
   void sweep_total(const SubstepContext& ctx, Visit&& visit) {
     sweep(ctx.reverse, [&](C& c) {
-      const bool total = (c.body_a().valid() && ctx.bodies[c.body_a().index].total) ||
-                         (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
-      if (total) visit(c);
+      if (is_mine(ctx, c) && is_total(ctx, c)) visit(c);
     });
+  }
+  static void refuse_other(BodyId given, BodyId kept) {
+    if (given == kept) return;
+    throw std::invalid_argument(std::string(C::kName) + ": body " + std::to_string(given.index) +
+                                " breaks the rule: a row keeps the bodies that it was added with");
   }
   std::uint32_t checked(ConstraintId id) const {
     if (!contains(id)) {
@@ -263,15 +334,5 @@ class TypedBlock final : public ConstraintBlock {
   bool natural_ = true;  ///< the order of bodies that the sequence was made for
   int count_ = 0;
 };
-
-namespace detail {
-/// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
-void require(bool ok, std::string_view kind, std::string_view field, double value,
-             std::string_view rule);
-/// The same for a vector field: all components finite.
-void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
-/// Throws unless the body exists.
-void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field);
-}  // namespace detail
 
 }  // namespace tandem::pbd

@@ -96,7 +96,8 @@ class World {
   /// In the order in which they are solved.
   std::span<const std::unique_ptr<ConstraintBlock>> blocks() const { return blocks_; }
 
-  /// Contacts from `source` are solved from the next step on. The caller keeps it alive.
+  /// Contacts from `source` are solved from the next step on; none where it is null. The caller
+  /// keeps it alive.
   void set_contact_source(ContactSource* source);
   ContactSource* contact_source() const { return contact_source_; }
   /// The contacts of the last step; null before the first contact source.
@@ -123,7 +124,8 @@ class World {
   /// Everything that the next step depends on, as bytes: bodies, blocks with their carried
   /// multipliers, the contact source's caches. restore() wants a world built the same way (same
   /// blocks in the same order, same kind of source) and throws std::invalid_argument otherwise,
-  /// leaving this world unchanged where the bytes are not a snapshot at all.
+  /// leaving this world as it was. The bytes may be anybody's: what would name things that are not
+  /// there, or is not a number, is refused.
   std::vector<std::byte> snapshot() const;
   void restore(std::span<const std::byte> bytes);
   /// 64-bit hash over all poses and twists: equal bits, equal hash.
@@ -136,8 +138,13 @@ class World {
   void insert_block(std::unique_ptr<ConstraintBlock> block);
   std::uint32_t checked_index(BodyId id, const char* what) const;
   std::uint32_t checked_dynamic(BodyId id, const char* what) const;
-  Wrench& wrench_of(std::uint32_t index);
+  /// Of a dynamic body. @throws std::invalid_argument where the sum is not finite
+  void add_wrench(std::uint32_t index, const Wrench& wrench, const char* what);
+  /// N s and N m s about the centre of mass, likewise.
+  void add_impulse(std::uint32_t index, const Wrench& impulse, const char* what);
   void wake_joined(std::uint32_t index);
+  /// What snapshot() wrote after its head. @return false where it cannot be a world's
+  bool read(ByteReader& in);
 
   struct KinematicTarget {
     std::uint32_t index = 0;

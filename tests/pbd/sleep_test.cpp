@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Slow is not at rest: what is driven, out of balance or drifting stays awake; all else sleeps.
+#include "joint_fixture.h"
+#include "support/catch.h"
+#include "support/toy_contacts.h"
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/distance_joint.h"
+#include "tandem/pbd/tether.h"
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+namespace {
+
+const SolverOptions kDefaults;
+
+}  // namespace
+
+TEST_CASE("sleep: a slow motor runs on", "[pbd][sleep][analytic]") {
+  Mounted hinge(weightless(), kDefaults);
+  hinge.add_box(2.0, Vec3::Zero());
+  HingeJointDef turning = hinge_joint_at(hinge.world, {}, hinge.body, Vec3::Zero(), Vec3::UnitZ());
+  turning.axis.motor = {.mode = MotorMode::Velocity, .target = 0.01};
+  hinge.add_joint(turning);
+  hinge.run(5.0);
+  CHECK(hinge.state().position[3] == Approx(0.05).epsilon(1e-3));
+
+  Mounted slider(weightless(), kDefaults);
+  slider.add_box(2.0, Vec3::Zero());
+  SliderJointDef sliding =
+      slider_joint_at(slider.world, {}, slider.body, Vec3::Zero(), Vec3::UnitX());
+  sliding.axis.motor = {.mode = MotorMode::Position, .target = 0.02, .max_speed = 0.005};
+  slider.add_joint(sliding);
+  slider.run(3.0);
+  CHECK(slider.state().position[0] == Approx(0.015).epsilon(1e-3));
+  slider.run(3.0);
+  CHECK(slider.state().position[0] == Approx(0.02).margin(2e-6));
+  CHECK_FALSE(slider.world.awake(slider.body));  // it has arrived
+}
+
+TEST_CASE("sleep: a motor that a limit or its load stops lets its body sleep", "[pbd][sleep]") {
+  for (const bool at_limit : {true, false}) {
+    Mounted m(WorldDef{}, kDefaults);
+    m.add_box(2.0, Vec3::Zero());
+    SliderJointDef def = slider_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
+    def.axis = limit(-0.01, 0.01);
+    def.axis.motor = {.mode = MotorMode::Velocity, .target = 0.5};
+    if (!at_limit) def.axis.motor.max_force = 5.0;  // its weight is 20 N: it lies on the lower stop
+    m.add_joint(def);
+    m.run(3.0);
+    CHECK(m.state().position[0] == Approx(at_limit ? 0.01 : -0.01).margin(1e-6));
+    CHECK_FALSE(m.world.awake(m.body));
+  }
+}
+
+TEST_CASE("sleep: the anchor of a tether that moves slowly coasts on", "[pbd][sleep][analytic]") {
+  World world(weightless());
+  auto& tethers = world.add_block<Tethers>();
+  const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
+  const ConstraintId id = tethers.add(world, {.body = body,
+                                              .anchor_velocity = Vec3(0.005, 0.0, 0.0),
+                                              .stiffness = 400.0,
+                                              .damping = 40.0});
+  Solver solver;
+  run(world, solver, 5.0);
+  CHECK(tethers.def(id).anchor_w.x() == Approx(0.025).epsilon(1e-9));
+  CHECK(world.pose(body).position.x() == Approx(0.025).epsilon(1e-3));
+  Tether::Def still = tethers.def(id);
+  still.anchor_velocity.setZero();
+  tethers.set(world, id, still);
+  run(world, solver, 3.0);
+  CHECK_FALSE(world.awake(body));
+}
+
+TEST_CASE("sleep: a heavy body that a weak spring pulls sets off", "[pbd][sleep][analytic]") {
+  // x = cos(t sqrt(k / m)): 10 N on 10 t. In half a second it has 0.5 mm/s.
+  const double rate = std::sqrt(10.0 / 1e4);
+  Mounted slider(weightless(), kDefaults);
+  slider.add_box(1e4, Vec3::Zero());
+  SliderJointDef def = slider_joint_at(slider.world, {}, slider.body, Vec3::Zero(), Vec3::UnitX());
+  def.axis.spring = {.stiffness = 10.0, .rest = 1.0};
+  slider.add_joint(def);
+  slider.run(10.0);
+  CHECK(slider.state().position[0] == Approx(1.0 - std::cos(10.0 * rate)).epsilon(0.02));
+
+  World world(weightless());
+  auto& rods = world.add_block<DistanceJoints>();
+  const BodyId body = world.add_body(ball_def(1e4, 0.5, Vec3(2.0, 0.0, 0.0)));
+  rods.add(world, {.b = body, .rest_length = 1.0, .compliance = 0.1});
+  Solver solver;
+  run(world, solver, 10.0);
+  CHECK(2.0 - world.pose(body).position.x() == Approx(1.0 - std::cos(10.0 * rate)).epsilon(0.02));
+}
+
+TEST_CASE("sleep: a body that drifts towards a wall gets there", "[pbd][sleep][analytic]") {
+  World world(weightless());
+  ToyContacts contacts;
+  world.set_contact_source(&contacts);
+  const BodyId wall = add_ground(world);
+  BodyDef def = ball_def(1.0, 0.5, Vec3(0.0, 0.0, 0.515));
+  def.twist.linear = Vec3(0.0, 0.0, -0.005);
+  const BodyId ball = world.add_body(def);
+  contacts.ball_on_plane(wall, Vec3::UnitZ(), 0.0, ball, 0.5, {});
+  Solver solver;
+  run(world, solver, 2.0);
+  REQUIRE_FALSE(world.contacts()->empty());  // it is near enough to be seen
+  CHECK(world.pose(ball).position.z() == Approx(0.505).epsilon(1e-9));
+  run(world, solver, 2.0);
+  CHECK(world.pose(ball).position.z() == Approx(0.5).margin(1e-4));
+}
