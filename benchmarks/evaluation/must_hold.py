@@ -117,7 +117,12 @@ def _tennis(results):
     keys = [("tennis", "default", p) for p in range(1, 6)]
     through = sum(sum(values(results.get(k), f"outcome.peer_{i}.tunnelled"))
                   for k in keys for i in (1, 2))
-    rows.append(_row("tennis: balls through a racket", short(through), "0", through == 0))
+    own = sum(sum(values(results.get(k), f"outcome.peer_{i}.tunnelled_own"))
+              for k in keys for i in (1, 2))
+    hits = sum(sum(values(results.get(k), f"outcome.peer_{i}.hits")) for k in keys for i in (1, 2))
+    rows.append(_row("tennis: balls through a racket, at either peer",
+                     f"{short(through)} beside {short(hits)} hits; {short(own)} of them where the "
+                     "racket's user sits", "0", through == 0))
     zero = _continue(results.get(("tennis", "live", 0)))
     shares = [(_continue(results.get(k)), k[2]) for k in keys]
     shares = [(v / zero, p) for v, p in shares if v is not None and zero]

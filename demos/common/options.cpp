@@ -239,6 +239,7 @@ consensus::PeerOptions DemoOptions::peer_options() const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
   result.influence.baseline = influence;
+  if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement at all
   result.predictor = predictor;
   result.coupling = solver;
   result.mode = mode;

@@ -91,7 +91,12 @@ class TennisReferee final : public Referee {
           ball.rally += 1.0;
           longest_ = std::max(longest_, ball.rally);
         }
-        if (ball.seen && !hit && got_through(ball.local[user], local)) through_ += 1.0;
+        if (ball.seen && !hit && got_through(ball.local[user], local)) {
+          through_ += 1.0;
+          const pbd::BodyId blade_id = scene.bodies[rackets_[user]].body;
+          const bool own = scene.world->props(blade_id).type == pbd::BodyType::Kinematic;
+          if (own) through_own_ += 1.0;
+        }
         ball.local[user] = local;
       }
       ball.seen = true;
@@ -102,8 +107,11 @@ class TennisReferee final : public Referee {
   }
 
   Outcome outcome(const Scene& /*scene*/) const override {
-    return {
-        {"served", served_}, {"hits", hits_}, {"longest_rally", longest_}, {"tunnelled", through_}};
+    return {{"served", served_},
+            {"hits", hits_},
+            {"longest_rally", longest_},
+            {"tunnelled", through_},
+            {"tunnelled_own", through_own_}};
   }
 
  private:
@@ -129,6 +137,7 @@ class TennisReferee final : public Referee {
   std::array<std::size_t, 2> rackets_{};
   std::vector<Ball> balls_;
   double served_ = 0.0, hits_ = 0.0, longest_ = 0.0, through_ = 0.0;
+  double through_own_ = 0.0;  ///< through the racket of a user who sits here
 };
 
 }  // namespace

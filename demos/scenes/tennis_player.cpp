@@ -12,7 +12,7 @@ namespace {
 using pbd::Vec3;
 
 constexpr double kGravity = 9.81;
-constexpr double kFastest = 3.0;  // m/s, of a racket, on the average of its way
+constexpr double kFastest = 2.0;  // m/s, of a racket, on the average of its way
 constexpr double kLow = 0.05;     // m below the table, where a ball is lost
 
 std::vector<std::size_t> all_balls(const Scene& scene) {

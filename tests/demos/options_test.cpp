@@ -47,6 +47,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.seconds == 4.5);
   CHECK(o.seed == 9);
   CHECK(o.influence == 0.0);
+  CHECK(o.peer_options().influence.held_alone == 0.0);  // not even of who holds a body alone
   CHECK(o.predictor == consensus::PredictorKind::Euler);
   CHECK(o.solver == consensus::Coupling::TwoStep);
   CHECK(o.update_hz == 30.0);
