@@ -2,17 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/tether.h"
 
-#include <algorithm>
-
 #include "tandem/pbd/corrections.h"
 
 namespace tandem::pbd {
-namespace {
-
-/// N/m: weaker ones count as this, since the inverse is needed.
-constexpr double kLeastStiffness = 1e-100;
-
-}  // namespace
 
 void Tether::check(const World& world, const Def& def) {
   detail::require_body(world, def.body, kName, "body");
@@ -41,9 +33,8 @@ double Tether::project(const SubstepContext& ctx) {
   SolverBody ground;
   const Vec3 c = body.x + body.q * def_.anchor_l - def_.anchor_w;
   const Mat3 k = point_inverse_mass(ground, body, Vec3::Zero(), r_);
-  const double compliance = 1.0 / std::max(def_.stiffness, kLeastStiffness);
   const Vec3 dlambda = point_multiplier(
-      c, lambda_, k, RowSoftness::of(compliance, def_.damping, ctx.h), c - c_start_);
+      c, lambda_, k, RowSoftness::of(1.0 / def_.stiffness, def_.damping, ctx.h), c - c_start_);
   const Vec3 before = lambda_;
   lambda_ += dlambda;
   const double limit = def_.max_force * ctx.h * ctx.h;
@@ -77,6 +68,7 @@ void Tether::load(ByteReader& in) {
   def_.damping = in.f64();
   def_.max_force = in.f64();
   force_ = in.vec3();
+  if (!(def_.stiffness >= kMinStiffness && def_.stiffness <= kMaxStiffness)) in.fail();
 }
 
 }  // namespace tandem::pbd
