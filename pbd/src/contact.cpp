@@ -157,7 +157,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
   for (std::vector<TotalRow>& rows : m.total) rows.clear();
   m.put_in_sequence();
-  m.order.build(m.contacts, m.sequence, ctx.bodies);
+  m.order.build(m.contacts, m.support.arrange(m.contacts, m.sequence, ctx.bodies), ctx.bodies);
   const auto places = m.order.places();
   m.rows.resize(places.size());
   m.changes.resize(places.size());

@@ -8,6 +8,7 @@
 #include "contact_convergence.h"
 #include "contact_order.h"
 #include "contact_row.h"
+#include "contact_support.h"
 
 namespace tandem::pbd {
 
@@ -59,6 +60,7 @@ struct ContactBlock::Impl {
   std::vector<double> changes;       ///< m/s, by place: of a normal velocity in the last sweep
   std::vector<std::uint8_t> pushed;  ///< by body: has v_push or w_push in this substep
   std::vector<Residuals> worst;      ///< by worker
+  ContactSupport support;
   ContactOrder order;
   ContactConvergence convergence;
   ContactOptions options;

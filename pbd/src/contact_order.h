@@ -11,8 +11,8 @@
 
 namespace tandem::pbd {
 
-/// The order in which rows are swept. It is the order of manifolds within each group (see
-/// Manifold::order), cut into *levels*:
+/// The order in which rows are swept: the sequence that is given, within each group, cut into
+/// *levels*:
 /// a row's level is one above the highest of the earlier rows that share a movable body with it.
 /// Rows of one level share no such body, so they may be solved in any order or at once, with the
 /// same bits as one after the other.

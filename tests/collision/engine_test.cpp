@@ -4,6 +4,9 @@
 // The engine with real shapes: solver and collision together.
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include "fixture.h"
 #include "tandem/pbd/contact.h"
@@ -55,6 +58,39 @@ TEST_CASE("engine: ten cubes, each off its place by a centimetre, stand for 20 s
   CHECK(std::sqrt(square_speed / samples) < 1e-4);
   // Nothing moves, so nothing is asked of the narrow phase either.
   CHECK(f.scene.stats().queries == 0);
+}
+
+TEST_CASE("engine: stacks on a plate come to rest in whatever order they were added",
+          "[collision][soak]") {
+  // Four stacks that hang together by the plate under them, in orders of addition that have nothing
+  // to do with what rests on what. Swept in these orders they rock by half a millimetre for ever.
+  const unsigned order = GENERATE(1u, 2u, 3u, 4u, 5u, 6u);
+  struct Piece {
+    Vec3 half, at;
+  };
+  std::vector<Piece> pieces = {{Vec3(0.8, 0.4, 0.02), Vec3(0.0, 0.0, 0.02)}};
+  for (int i = 0; i < 16; ++i) {
+    pieces.push_back({Vec3::Constant(0.05), Vec3(0.4 * (i / 4) - 0.6, 0.0, 0.09 + 0.1 * (i % 4))});
+  }
+  std::mt19937 random(order);
+  for (std::size_t i = pieces.size() - 1; i > 0; --i)
+    std::swap(pieces[i], pieces[random() % (i + 1)]);
+  Fixture f;
+  ground(f);
+  BodyId top;
+  for (const Piece& piece : pieces) {
+    const double mass = piece.half.x() > 0.1 ? 4.0 : 0.3;
+    const auto properties = mass_properties(Box{piece.half}, mass / (8.0 * piece.half.prod()));
+    const BodyId id = f.world.add_body(
+        {.pose = {.position = piece.at}, .mass = mass, .inertia = properties.inertia_l});
+    f.scene.add(f.world, {.body = id, .shape = Box{piece.half}, .material = {.friction = 0.55}});
+    if (piece.at.z() > 0.38 && piece.at.x() < -0.1 && piece.at.x() > -0.3) top = id;
+  }
+  pbd::Solver solver;
+  for (int step = 0; step < 30; ++step) (void)solver.step(f.world, kDt);
+  f.world.set_twist(top, {Vec3(0.1, 0.02, 0.0), Vec3::Zero()});
+  for (int step = 0; step < 180; ++step) (void)solver.step(f.world, kDt);
+  CHECK(solver.step(f.world, kDt).awake == 0);
 }
 
 TEST_CASE("engine: a box on a slope slides as Coulomb has it, or stays", "[collision][analytic]") {
