@@ -274,6 +274,11 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         shared.landed = update.stamp;
         place(shared, pose, twist, now);
       }
+    } else if (!shared.joined && own_confidence < 1.0 && claimed > own_announced) {
+      // A newcomer takes over what it hears as it is. Drawn there, its copies would get caught on
+      // what lies in between, and would pull at the others' once they listen.
+      shared.joined = true;
+      place(shared, pose, twist, now);
     } else if (known.sender_leads || (received.peer < transport_.self() && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
       if (!held && shared.lead.parted(prediction.translation, now)) {

@@ -66,6 +66,7 @@ class Peer::Impl {
     MotionHistory history = {};
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
+    bool joined = false;     ///< taken over from an established peer, as a newcomer does once
     int jumped = 0;          ///< states still to be sent that tell of a jump
     SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
     Lead lead = {};

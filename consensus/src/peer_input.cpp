@@ -42,7 +42,9 @@ void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Receiv
                                    SessionTime now) {
   if (shared.def.owner.has_value()) return;
   const std::uint8_t bits = acting_[shared.def.body.index];
-  Initiative::Acting acting{.own = (bits & (Springs::kShared | kTouchedByOwn)) != 0,
+  // A newcomer has yet to take over what the others know.
+  const bool established = confidence() >= 1.0;
+  Initiative::Acting acting{.own = established && (bits & (Springs::kShared | kTouchedByOwn)) != 0,
                             .other = (bits & (Springs::kRemote | kTouchedByOther)) != 0,
                             .contact = shared.history.newest().coupled};
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().

@@ -41,7 +41,9 @@ TEST_CASE("jump: copies on different sides of something solid come together", "[
   for (const int profile : {1, 3, 5}) {
     Session session(network_profile(profile));
     for (int i = 0; i < 2; ++i) {
-      Site& site = session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless);
+      // No ramp: newcomers would take over at once, see below.
+      Site& site =
+          session.add(static_cast<PeerId>(i + 1), 0.007 * i, {.authority_ramp = 0.0}, kWeightless);
       share_beside_post(site, i == 0 ? 0.3 : -0.3);
     }
     session.run(1.0);
@@ -54,6 +56,22 @@ TEST_CASE("jump: copies on different sides of something solid come together", "[
     CHECK(session[0].x().x() > 0.29);
     CHECK(session[0].peer->stats().bodies_placed == 0);
     CHECK(session[1].peer->stats().bodies_placed == 1);
+  }
+}
+
+TEST_CASE("jump: a newcomer's copy is not caught behind something solid", "[consensus]") {
+  for (const int profile : {1, 5}) {
+    Session session(network_profile(profile));
+    share_beside_post(session.add(2, 0.0, {}, kWeightless), 0.3);
+    session.run(2.0);
+    // With the lower id: it follows for being new.
+    Site& late = session.add(1, 0.007, {}, kWeightless);
+    share_beside_post(late, -0.3);
+    session.run(0.3);
+    INFO("profile " << profile << ": " << session[0].x().transpose() << ", "
+                    << session[1].x().transpose());
+    CHECK(gap(session[0], session[1]) < 1e-3);
+    CHECK(session[0].x().x() == Approx(0.3).margin(1e-3));
   }
 }
 
