@@ -145,8 +145,10 @@ TEST_CASE("processes: one that is killed and started again heals without a jump 
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   Process again({"--connect", "localhost:" + port, "--seconds", seconds});
   CHECK(a.wait() == 0);
-  // 0.3 kg a cube: pulling one of them 5 cm up towards the newcomer's copy takes 0.15 J.
-  CHECK(std::abs(number(folder.file("a"), "energy_J", "potential")) < 0.15);
+  // The newcomer's user may take up again what its predecessor let fall, and leads then: a cube of
+  // 0.3 kg from the ground to 0.4 m is 1.2 J. Pulling the ruins up to where they once stood
+  // took 33.
+  CHECK(std::abs(number(folder.file("a"), "energy_J", "potential")) < 1.2);
   CHECK(std::abs(number(folder.file("a"), "energy_J", "velocity_agreement")) < 0.5);
   CHECK(number(folder.file("a"), "divergence_resting_m", "p50") <= 0.5e-3);
   CHECK(number(folder.file("a"), "divergence_moving_m", "p50") <= 5e-3);
