@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "session_time.h"
+
 namespace tandem::consensus {
 namespace {
 
@@ -18,8 +20,6 @@ void require_seconds(const char* field, double value) {
   throw std::invalid_argument(std::string("InboxOptions::") + field + " = " +
                               std::to_string(value) + ": must be 0 to 1e8 s");
 }
-
-SessionTime to_ns(double seconds) { return static_cast<SessionTime>(seconds * 1e9); }
 
 InboxOptions validated(const InboxOptions& options) {
   options.validate();

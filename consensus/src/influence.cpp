@@ -5,19 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
+
+#include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus {
-namespace {
 
-void require(bool holds, const char* field, double value, const char* rule) {
-  if (holds) return;
-  throw std::invalid_argument(std::string("InfluenceOptions::") + field + " = " +
-                              std::to_string(value) + ": " + rule);
-}
-
-}  // namespace
+using pbd::detail::require;
 
 double weight_of_share(double share) {
   if (!(share > 0.0)) return 0.0;
@@ -39,13 +32,16 @@ double share_per_step(double share, double dt) {
 }
 
 void InfluenceOptions::validate() const {
-  require(baseline >= 0.0 && baseline <= 1.0, "baseline", baseline, "must be 0 to 1");
-  require(held_alone >= 0.0 && held_alone <= 1.0, "held_alone", held_alone, "must be 0 to 1");
-  require(leading >= 0.0 && leading <= 1.0, "leading", leading, "must be 0 to 1");
-  require(std::isfinite(half_life) && half_life > 0.0, "half_life", half_life,
-          "must be finite and above 0 s");
-  require(min_share >= 0.0 && min_share <= 1.0, "min_share", min_share, "must be 0 to 1");
-  require(max_age > 0.0 && max_age <= 1e8, "max_age", max_age, "must be above 0 to 1e8 s");
+  require(baseline >= 0.0 && baseline <= 1.0, "InfluenceOptions", "baseline", baseline, "0 to 1");
+  require(held_alone >= 0.0 && held_alone <= 1.0, "InfluenceOptions", "held_alone", held_alone,
+          "0 to 1");
+  require(leading >= 0.0 && leading <= 1.0, "InfluenceOptions", "leading", leading, "0 to 1");
+  require(std::isfinite(half_life) && half_life > 0.0, "InfluenceOptions", "half_life", half_life,
+          "finite and above 0 s");
+  require(min_share >= 0.0 && min_share <= 1.0, "InfluenceOptions", "min_share", min_share,
+          "0 to 1");
+  require(max_age > 0.0 && max_age <= 1e8, "InfluenceOptions", "max_age", max_age,
+          "above 0 to 1e8 s");
 }
 
 double effective_share(const InfluenceOptions& options, double announced, double age, double gain,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "session_time.h"
+
 namespace tandem::consensus {
 namespace {
 
@@ -11,8 +13,6 @@ namespace {
 constexpr double kSettling = 0.15;
 /// s: over which the leader begins to listen again.
 constexpr double kFading = 0.15;
-
-SessionTime to_ns(double seconds) { return static_cast<SessionTime>(1e9 * seconds); }
 
 }  // namespace
 

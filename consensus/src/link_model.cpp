@@ -8,18 +8,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "session_time.h"
+#include "tandem/pbd/typed_block.h"
+
 namespace tandem::consensus {
+
+using pbd::detail::require;
+
 namespace {
-
-void require(bool holds, const char* field, double value, const char* rule) {
-  if (holds) return;
-  throw std::invalid_argument(std::string("LinkOptions::") + field + " = " + std::to_string(value) +
-                              ": " + rule);
-}
-
-SessionTime to_ns(double seconds) {
-  return static_cast<SessionTime>(std::floor(seconds * 1e9 + 0.5));
-}
 
 /// A generator of its own for each direction.
 std::uint64_t seed_of(std::uint64_t seed, PeerId from, PeerId to) {
@@ -39,15 +35,15 @@ bool later(const Flight& a, const Flight& b) {
 
 void LinkOptions::validate() const {
   constexpr double kLongest = 3600.0;
-  require(latency >= 0.0 && latency <= kLongest, "latency", latency, "must be 0 to 3600 s");
-  require(jitter >= 0.0 && jitter <= kLongest, "jitter", jitter, "must be 0 to 3600 s");
-  require(loss >= 0.0 && loss <= 0.99, "loss", loss, "must be 0 to 0.99");
-  require(duplicate >= 0.0 && duplicate <= 1.0, "duplicate", duplicate, "must be 0 to 1");
-  require(reorder >= 0.0 && reorder <= 1.0, "reorder", reorder, "must be 0 to 1");
-  require(reorder_delay >= 0.0 && reorder_delay <= kLongest, "reorder_delay", reorder_delay,
-          "must be 0 to 3600 s");
-  require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "bandwidth",
-          bandwidth, "must be 0 or at least 1 bit/s");
+  require(latency >= 0.0 && latency <= kLongest, "LinkOptions", "latency", latency, "0 to 3600 s");
+  require(jitter >= 0.0 && jitter <= kLongest, "LinkOptions", "jitter", jitter, "0 to 3600 s");
+  require(loss >= 0.0 && loss <= 0.99, "LinkOptions", "loss", loss, "0 to 0.99");
+  require(duplicate >= 0.0 && duplicate <= 1.0, "LinkOptions", "duplicate", duplicate, "0 to 1");
+  require(reorder >= 0.0 && reorder <= 1.0, "LinkOptions", "reorder", reorder, "0 to 1");
+  require(reorder_delay >= 0.0 && reorder_delay <= kLongest, "LinkOptions", "reorder_delay",
+          reorder_delay, "0 to 3600 s");
+  require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "LinkOptions",
+          "bandwidth", bandwidth, "0 or at least 1 bit/s");
 }
 
 LinkOptions network_profile(int number) {

@@ -3,35 +3,28 @@
 #include "tandem/consensus/peer.h"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include "peer_impl.h"
+#include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus {
-namespace {
 
-void require(bool ok, const char* field, double value, const char* rule) {
-  if (ok) return;
-  throw std::invalid_argument(std::string("PeerOptions: ") + field + " = " + std::to_string(value) +
-                              " breaks the rule: " + rule);
-}
-
-}  // namespace
+using pbd::detail::require;
 
 void PeerOptions::validate() const {
   influence.validate();
   prediction.validate();
-  require(update_hz >= 1e-3 && update_hz <= 10000.0, "update_hz", update_hz, "0.001 to 10000");
-  require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "authority_ramp", authority_ramp,
-          "finite and >= 0 s");
+  require(update_hz >= 1e-3 && update_hz <= 10000.0, "PeerOptions", "update_hz", update_hz,
+          "0.001 to 10000");
+  require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",
+          authority_ramp, "finite and >= 0 s");
   // Times in nanoseconds are 64 bit: a day is as good as never, and fits.
   constexpr double kLongest = 86400.0;
-  require(spring_timeout > 0.0 && spring_timeout <= kLongest, "spring_timeout", spring_timeout,
-          "above 0 to 86400 s");
-  require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest,
+  require(spring_timeout > 0.0 && spring_timeout <= kLongest, "PeerOptions", "spring_timeout",
+          spring_timeout, "above 0 to 86400 s");
+  require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest, "PeerOptions",
           "max_anchor_extrapolation", max_anchor_extrapolation, "0 to 86400 s");
-  require(anchor_velocity_filter > 0.0 && std::isfinite(anchor_velocity_filter),
+  require(anchor_velocity_filter > 0.0 && std::isfinite(anchor_velocity_filter), "PeerOptions",
           "anchor_velocity_filter", anchor_velocity_filter, "finite and > 0 s");
 }
 

@@ -12,8 +12,6 @@
 namespace tandem::consensus {
 namespace {
 
-constexpr double kNs = 1e-9;
-
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
 

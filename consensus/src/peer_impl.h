@@ -12,6 +12,7 @@
 #include "hard_input.h"
 #include "initiative.h"
 #include "lead.h"
+#include "session_time.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
 #include "tandem/consensus/peer.h"

@@ -11,11 +11,6 @@
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
-namespace {
-
-constexpr double kNs = 1e-9;
-
-}  // namespace
 
 void Peer::Impl::mark_acting() {
   acting_.assign(world_.slot_count(), 0);

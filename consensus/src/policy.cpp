@@ -4,23 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
+#include "tandem/pbd/typed_block.h"
+
 namespace tandem::consensus {
+
+using pbd::detail::require;
+
 namespace {
 
-void require(bool holds, const char* what, double value, const char* rule) {
-  if (holds) return;
-  throw std::invalid_argument(std::string(what) + " = " + std::to_string(value) +
-                              " breaks the rule: " + rule);
+void require_share(const char* policy, double value) {
+  require(value >= 0.0 && value <= 1.0, policy, "share", value, "0 to 1");
 }
-void require_share(const char* what, double value) {
-  require(value >= 0.0 && value <= 1.0, what, value, "0 to 1");
-}
-void require_positive(const char* what, double value) {
-  require(value > 0.0 && std::isfinite(value), what, value, "finite and above 0");
+void require_positive(const char* policy, const char* field, double value) {
+  require(value > 0.0 && std::isfinite(value), policy, field, value, "finite and above 0");
 }
 
 /// A rule made of a function of the share and the context.
@@ -52,19 +50,19 @@ PolicyChain& PolicyChain::then(std::shared_ptr<const InfluencePolicy> policy) {
 }
 
 std::shared_ptr<const InfluencePolicy> baseline(double share) {
-  require_share("baseline: share", share);
+  require_share("baseline", share);
   return make([share](double, const InfluenceContext&) { return share; });
 }
 
 std::shared_ptr<const InfluencePolicy> raised_while_held_alone(double share) {
-  require_share("raised_while_held_alone: share", share);
+  require_share("raised_while_held_alone", share);
   return make([share](double before, const InfluenceContext& context) {
     return context.held_alone ? std::max(before, share) : before;
   });
 }
 
 std::shared_ptr<const InfluencePolicy> raised_while_leading(double share) {
-  require_share("raised_while_leading: share", share);
+  require_share("raised_while_leading", share);
   return make([share](double before, const InfluenceContext& context) {
     return before > 0.0 && context.leads >= 1.0 ? std::max(before, share) : before;
   });
@@ -83,8 +81,8 @@ std::shared_ptr<const InfluencePolicy> owner_alone() {
 }
 
 std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_age) {
-  require_positive("age_decay: half_life", half_life);
-  require_positive("age_decay: max_age", max_age);
+  require_positive("age_decay", "half_life", half_life);
+  require_positive("age_decay", "max_age", max_age);
   return make([half_life, max_age](double share, const InfluenceContext& context) {
     if (!(share > 0.0) || !(context.age <= max_age)) return 0.0;
     if (share >= 1.0) return 1.0;
@@ -93,7 +91,7 @@ std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_ag
 }
 
 std::shared_ptr<const InfluencePolicy> gain_rule(double min_share) {
-  require_share("gain_rule: min_share", min_share);
+  require(min_share >= 0.0 && min_share <= 1.0, "gain_rule", "min_share", min_share, "0 to 1");
   return make([min_share](double share, const InfluenceContext& context) {
     if (!(share > 0.0)) return 0.0;
     if (share >= 1.0) return 1.0;
@@ -111,7 +109,7 @@ std::shared_ptr<const InfluencePolicy> deaf_while_leading() {
 }
 
 std::shared_ptr<const InfluencePolicy> modelled_error(double distance) {
-  require_positive("modelled_error: distance", distance);
+  require_positive("modelled_error", "distance", distance);
   return make([square = distance * distance](double share, const InfluenceContext& context) {
     if (share >= 1.0 || !(context.variance > 0.0)) return share;
     return share * square / (square + context.variance);
@@ -119,7 +117,7 @@ std::shared_ptr<const InfluencePolicy> modelled_error(double distance) {
 }
 
 std::shared_ptr<const InfluencePolicy> damped_start(double seconds) {
-  require_positive("damped_start: seconds", seconds);
+  require_positive("damped_start", "seconds", seconds);
   return make([seconds](double share, const InfluenceContext& context) {
     if (share >= 1.0) return share;
     return share * std::clamp(context.heard_for / seconds, 0.0, 1.0);
@@ -127,10 +125,10 @@ std::shared_ptr<const InfluencePolicy> damped_start(double seconds) {
 }
 
 std::shared_ptr<const InfluencePolicy> sleeping_threshold(const SleepLimits& limits) {
-  require_positive("sleeping_threshold: distance", limits.distance);
-  require_positive("sleeping_threshold: angle", limits.angle);
-  require_positive("sleeping_threshold: speed", limits.speed);
-  require_positive("sleeping_threshold: angular_speed", limits.angular_speed);
+  require_positive("sleeping_threshold", "distance", limits.distance);
+  require_positive("sleeping_threshold", "angle", limits.angle);
+  require_positive("sleeping_threshold", "speed", limits.speed);
+  require_positive("sleeping_threshold", "angular_speed", limits.angular_speed);
   return make([limits](double share, const InfluenceContext& context) {
     const bool apart = context.distance > limits.distance || context.angle > limits.angle ||
                        context.speed > limits.speed || context.angular_speed > limits.angular_speed;

@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 #include "predictors.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus {
+
+using pbd::detail::require;
+
 namespace {
 
 using detail::seconds;
@@ -85,12 +87,6 @@ class Extrapolator final : public Predictor {
   PredictorOptions options_;
 };
 
-void require(bool ok, const char* field, double value, const char* rule) {
-  if (ok) return;
-  throw std::invalid_argument(std::string("PredictorOptions: ") + field + " = " +
-                              std::to_string(value) + " breaks the rule: " + rule);
-}
-
 }  // namespace
 
 Prediction detail::to_state(const StateUpdate& update, const MotionSample& own,
@@ -109,10 +105,10 @@ std::unique_ptr<Predictor> detail::make_extrapolator(PredictorKind kind,
 }
 
 void PredictorOptions::validate() const {
-  require(max_extrapolation >= 0.0 && std::isfinite(max_extrapolation), "max_extrapolation",
-          max_extrapolation, "finite and >= 0 s");
-  require(max_frequency > 0.0 && std::isfinite(max_frequency), "max_frequency", max_frequency,
-          "finite and > 0 Hz");
+  require(max_extrapolation >= 0.0 && std::isfinite(max_extrapolation), "PredictorOptions",
+          "max_extrapolation", max_extrapolation, "finite and >= 0 s");
+  require(max_frequency > 0.0 && std::isfinite(max_frequency), "PredictorOptions", "max_frequency",
+          max_frequency, "finite and > 0 Hz");
 }
 
 std::unique_ptr<Predictor> make_predictor(PredictorKind kind, const PredictorOptions& options) {

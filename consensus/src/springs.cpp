@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "session_time.h"
+
 namespace tandem::consensus {
 namespace {
-
-constexpr double kNs = 1e-9;
 
 /// ns: a removed spring is remembered this long against late messages.
 constexpr SessionTime kTombstone = 5'000'000'000;
