@@ -24,9 +24,6 @@ constexpr double kPushSlop = 0.05;
 /// Sweeps over overlaps in a substep: one, or up to this many in islands that are hard to solve.
 constexpr int kPushSweeps = 8;
 
-/// Rows given to a worker at a time.
-constexpr std::size_t kGrain = 64;
-
 /// What the next step wants to know of a contact.
 CarriedContact remember(const Contact& contact) {
   CarriedContact carried{.body_a = contact.manifold.body_a,
@@ -162,12 +159,13 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.rows.resize(places.size());
   m.changes.resize(places.size());
   m.extra_rows = 0;
-  ctx.workers->for_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      m.rows[k].contact = places[k];
-      prepare_row(m.contacts[places[k]], ctx.bodies, m.options, m.rows[k]);
-    }
-  });
+  ctx.workers->for_chunks(places.size(), Impl::kGrain,
+                          [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t k = begin; k < end; ++k) {
+                              m.rows[k].contact = places[k];
+                              prepare_row(m.contacts[places[k]], ctx.bodies, m.options, m.rows[k]);
+                            }
+                          });
   m.convergence.begin_step(ctx.bodies, ctx.order, m.rows);
 }
 
@@ -180,22 +178,15 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .gravity = ctx.gravity};
-  const ContactOrder::Places places = m.order.range(ctx.group);
-  ctx.workers->for_chunks(
-      places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
-          ContactRow& row = m.rows[k];
-          Contact& contact = m.contacts[row.contact];
-          m.prefetch_contact(k, places.begin + end);
-          const bool in_total = ctx.shared && (ctx.bodies[row.a].total || ctx.bodies[row.b].total);
-          for (std::size_t i = 0; i < row.count; ++i) {
-            if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
-            if (!in_total && contact.debt[i] != 0.0) contact.debt[i] *= kGapDecay;
-          }
-          if (ctx.substep == 0) row.carried = static_cast<float>(sum(row.impulse));
-          begin_row(contact, rule, ctx.h, ctx.bodies, row);
-        }
-      });
+  m.for_rows(ctx, [&](ContactRow& row, Contact& contact) {
+    const bool in_total = ctx.shared && (ctx.bodies[row.a].total || ctx.bodies[row.b].total);
+    for (std::size_t i = 0; i < row.count; ++i) {
+      if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
+      if (!in_total && contact.debt[i] != 0.0) contact.debt[i] *= kGapDecay;
+    }
+    if (ctx.substep == 0) row.carried = static_cast<float>(sum(row.impulse));
+    begin_row(contact, rule, ctx.h, ctx.bodies, row);
+  });
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
@@ -246,36 +237,28 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
-  Impl& m = *impl_;
-  const ContactOrder::Places places = m.order.range(ctx.group);
-  ctx.workers->for_chunks(
-      places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
-          ContactRow& row = m.rows[k];
-          Contact& contact = m.contacts[row.contact];
-          double sum = 0.0;
-          for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
-          contact.impulse += sum;
-          if (sum > 0.0) {
-            contact.approach_speed =
-                std::max(contact.approach_speed, static_cast<double>(row.approach));
-          }
-          if (!ctx.last) continue;
-          contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
-          contact.friction_force = (row.slide[0] * row.t1 + row.slide[1] * row.t2()) / ctx.h;
-          // What a spoiled step leaves behind must not spoil the next one.
-          for (int i = 0; i < row.count; ++i) {
-            contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
-          }
-        }
-      });
+  impl_->for_rows(ctx, [&](const ContactRow& row, Contact& contact) {
+    double sum = 0.0;
+    for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
+    contact.impulse += sum;
+    if (sum > 0.0) {
+      contact.approach_speed = std::max(contact.approach_speed, static_cast<double>(row.approach));
+    }
+    if (!ctx.last) return;
+    contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
+    contact.friction_force = (row.slide[0] * row.t1 + row.slide[1] * row.t2()) / ctx.h;
+    // What a spoiled step leaves behind must not spoil the next one.
+    for (int i = 0; i < row.count; ++i) {
+      contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
+    }
+  });
 }
 
 void ContactBlock::end_step(const SubstepContext& ctx) {
   impl_->convergence.end_step(ctx.bodies);
   Impl& m = *impl_;
   m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), {});
-  ctx.workers->for_chunks(m.contacts.size(), kGrain,
+  ctx.workers->for_chunks(m.contacts.size(), Impl::kGrain,
                           [&](std::size_t begin, std::size_t end, int w) {
                             Residuals& worst = m.worst[static_cast<std::size_t>(w)];
                             for (std::size_t k = begin; k < end; ++k) {

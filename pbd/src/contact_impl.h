@@ -49,7 +49,8 @@ struct Residuals {
 };
 
 struct ContactBlock::Impl {
-  static constexpr std::size_t kAhead = 4;  ///< rows
+  static constexpr std::size_t kAhead = 4;   ///< rows
+  static constexpr std::size_t kGrain = 64;  ///< rows given to a worker at a time
 
   std::vector<Contact> contacts;        ///< by ascending key
   std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
@@ -109,6 +110,19 @@ struct ContactBlock::Impl {
     __builtin_prefetch(&soon.manifold.points[0].anchor_b_l);
     __builtin_prefetch(&soon.force);
     __builtin_prefetch(&soon.approach_speed);
+  }
+
+  /// Call visit(row, contact) for the rows of the context's group, shared out among workers.
+  template <class Visit>
+  void for_rows(const SubstepContext& ctx, Visit&& visit) {
+    const ContactOrder::Places places = order.range(ctx.group);
+    ctx.workers->for_chunks(
+        places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
+          for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
+            prefetch_contact(k, places.begin + end);
+            visit(rows[k], contacts[rows[k].contact]);
+          }
+        });
   }
 
   double largest_change(std::uint32_t group) const {

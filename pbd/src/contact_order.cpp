@@ -10,24 +10,16 @@ namespace {
 /// Rows below which sharing a level out costs more than it saves.
 constexpr std::uint32_t kWide = 16;
 
-std::uint32_t group_of(const Contact& contact, std::span<const SolverBody> bodies) {
-  const std::uint32_t a = bodies[contact.manifold.body_a].group;
-  return a != SolverBody::kNoGroup ? a : bodies[contact.manifold.body_b].group;
-}
-
 }  // namespace
 
 void ContactOrder::build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
                          std::span<const SolverBody> bodies) {
-  const auto nth = [&](std::size_t n) { return sequence.empty() ? n : sequence[n]; };
   level_of_body_.assign(bodies.size(), 0);
   slot_of_contact_.resize(contacts.size());
   level_count_.clear();
   // Levels: one above the rows before that share a body.
-  for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const std::size_t i = nth(n);
+  for (const std::uint32_t i : sequence) {
     const std::uint32_t group = group_of(contacts[i], bodies);
-    if (group == SolverBody::kNoGroup) continue;
     const std::uint32_t a = contacts[i].manifold.body_a;
     const std::uint32_t b = contacts[i].manifold.body_b;
     const bool moves_a = bodies[a].inv_mass > 0.0;
@@ -46,9 +38,8 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const std:
     first_level_[g + 1] = first_level_[g] + level_count_[g];
   }
   starts_.assign(first_level_.back() + 1, 0);
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
+  for (const std::uint32_t i : sequence) {
     const std::uint32_t group = group_of(contacts[i], bodies);
-    if (group == SolverBody::kNoGroup) continue;
     slot_of_contact_[i] += first_level_[group];
     ++starts_[slot_of_contact_[i] + 1];
   }
@@ -66,11 +57,7 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const std:
     group.last_run = static_cast<std::uint32_t>(runs_.size());
     groups_.push_back(group);
   }
-  for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const std::size_t i = nth(n);
-    if (group_of(contacts[i], bodies) == SolverBody::kNoGroup) continue;
-    places_[starts_[slot_of_contact_[i]]++] = static_cast<std::uint32_t>(i);
-  }
+  for (const std::uint32_t i : sequence) places_[starts_[slot_of_contact_[i]]++] = i;
 }
 
 void ContactOrder::add_run(std::uint32_t begin, std::uint32_t end, Group& group) {

@@ -11,15 +11,20 @@
 
 namespace tandem::pbd {
 
+/// The group that a contact is solved with; kNoGroup where it sleeps.
+inline std::uint32_t group_of(const Contact& contact, std::span<const SolverBody> bodies) {
+  const std::uint32_t a = bodies[contact.manifold.body_a].group;
+  return a != SolverBody::kNoGroup ? a : bodies[contact.manifold.body_b].group;
+}
+
 /// The order in which rows are swept: the sequence that is given, within each group, cut into
-/// *levels*:
-/// a row's level is one above the highest of the earlier rows that share a movable body with it.
-/// Rows of one level share no such body, so they may be solved in any order or at once, with the
-/// same bits as one after the other.
+/// *levels*: a row's level is one above the highest of the earlier rows that share a movable body
+/// with it. Rows of one level share no such body, so they may be solved in any order or at once,
+/// with the same bits as one after the other.
 class ContactOrder {
  public:
-  /// Arrange the contacts of awake groups. `places()[k]` is the contact solved at place k.
-  /// @param sequence  indices of contacts in the order meant above; empty = as they are
+  /// `places()[k]` is the contact solved at place k.
+  /// @param sequence  indices of the contacts of awake groups, in the order meant above
   void build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
              std::span<const SolverBody> bodies);
   std::span<const std::uint32_t> places() const { return places_; }

@@ -3,34 +3,39 @@
 #include "contact_support.h"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "contact_order.h"
 
 namespace tandem::pbd {
 namespace {
 
-/// Of a body that nothing holds up, and of bodies beyond: their order tells nothing.
-constexpr std::uint32_t kFar = 0xffff;
+/// Of a body that nothing holds up: their order tells nothing.
+constexpr std::uint32_t kFar = 0xffffffff;
 
 }  // namespace
 
 std::span<const std::uint32_t> ContactSupport::arrange(std::span<const Contact> contacts,
                                                        std::span<const std::uint32_t> sequence,
                                                        std::span<const SolverBody> bodies) {
-  link(contacts, bodies);
-  measure();
-  // Counting sort by the sum of both distances; equal ones stay in sequence.
-  const auto rank = [&](const Contact& contact) {
-    return distance_[contact.manifold.body_a] + distance_[contact.manifold.body_b];
-  };
-  std::uint32_t most = 0;
-  for (const Contact& contact : contacts) most = std::max(most, rank(contact));
-  start_.assign(most + 2, 0);
-  for (const Contact& contact : contacts) ++start_[rank(contact) + 1];
-  for (std::size_t r = 1; r < start_.size(); ++r) start_[r] += start_[r - 1];
-  places_.resize(contacts.size());
+  awake_.clear();
   for (std::size_t n = 0; n < contacts.size(); ++n) {
     const auto i = sequence.empty() ? static_cast<std::uint32_t>(n) : sequence[n];
-    places_[start_[rank(contacts[i])]++] = i;
+    if (group_of(contacts[i], bodies) != SolverBody::kNoGroup) awake_.push_back(i);
   }
+  link(contacts, bodies);
+  const std::uint32_t farthest = measure();
+  // Counting sort by the sum of both distances; equal ones stay in sequence.
+  const auto rank = [&](std::uint32_t i) {
+    const Manifold& m = contacts[i].manifold;
+    return std::min(distance_[m.body_a], farthest + 1) +
+           std::min(distance_[m.body_b], farthest + 1);
+  };
+  start_.assign(2 * std::size_t{farthest} + 4, 0);
+  for (const std::uint32_t i : awake_) ++start_[rank(i) + 1];
+  for (std::size_t r = 1; r < start_.size(); ++r) start_[r] += start_[r - 1];
+  places_.resize(awake_.size());
+  for (const std::uint32_t i : awake_) places_[start_[rank(i)]++] = i;
   return places_;
 }
 
@@ -40,9 +45,9 @@ void ContactSupport::link(std::span<const Contact> contacts, std::span<const Sol
   first_.assign(bodies.size() + 1, 0);
   queue_.clear();
   const auto moves = [&](std::uint32_t body) { return bodies[body].inv_mass > 0.0; };
-  for (const Contact& contact : contacts) {
-    const std::uint32_t a = contact.manifold.body_a;
-    const std::uint32_t b = contact.manifold.body_b;
+  for (const std::uint32_t i : awake_) {
+    const std::uint32_t a = contacts[i].manifold.body_a;
+    const std::uint32_t b = contacts[i].manifold.body_b;
     if (moves(a) && moves(b)) {
       ++first_[a + 1];
       ++first_[b + 1];
@@ -59,9 +64,9 @@ void ContactSupport::link(std::span<const Contact> contacts, std::span<const Sol
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   neighbours_.resize(first_.back());
-  for (const Contact& contact : contacts) {
-    const std::uint32_t a = contact.manifold.body_a;
-    const std::uint32_t b = contact.manifold.body_b;
+  for (const std::uint32_t i : awake_) {
+    const std::uint32_t a = contacts[i].manifold.body_a;
+    const std::uint32_t b = contacts[i].manifold.body_b;
     if (!moves(a) || !moves(b)) continue;
     neighbours_[first_[a]++] = b;
     neighbours_[first_[b]++] = a;
@@ -72,16 +77,18 @@ void ContactSupport::link(std::span<const Contact> contacts, std::span<const Sol
 }
 
 /// Breadth first: distances do not depend on the order of the queue.
-void ContactSupport::measure() {
+std::uint32_t ContactSupport::measure() {
+  std::uint32_t farthest = 0;
   for (std::size_t head = 0; head < queue_.size(); ++head) {
     const std::uint32_t body = queue_[head];
-    const std::uint32_t next = std::min(distance_[body] + 1, kFar);
+    farthest = distance_[body];
     for (std::uint32_t n = first_[body]; n < first_[body + 1]; ++n) {
       if (distance_[neighbours_[n]] != kFar) continue;
-      distance_[neighbours_[n]] = next;
+      distance_[neighbours_[n]] = farthest + 1;
       queue_.push_back(neighbours_[n]);
     }
   }
+  return farthest;
 }
 
 }  // namespace tandem::pbd

@@ -18,15 +18,17 @@ namespace tandem::pbd {
 class ContactSupport {
  public:
   /// @param sequence  indices of contacts, the order among equals; empty = as they are
-  /// Returns all indices. No allocation once the world has had its size.
+  /// @return indices of those that are awake. No allocation once the world has had its size.
   std::span<const std::uint32_t> arrange(std::span<const Contact> contacts,
                                          std::span<const std::uint32_t> sequence,
                                          std::span<const SolverBody> bodies);
 
  private:
   void link(std::span<const Contact> contacts, std::span<const SolverBody> bodies);
-  void measure();
+  /// @return the largest distance
+  std::uint32_t measure();
 
+  std::vector<std::uint32_t> awake_;       ///< contacts of awake groups, in sequence
   std::vector<std::uint32_t> distance_;    ///< by body, in contacts from what cannot move
   std::vector<std::uint32_t> first_;       ///< by body, into neighbours_
   std::vector<std::uint32_t> neighbours_;  ///< movable bodies in contact

@@ -146,9 +146,9 @@ TEST_CASE("processes: one that is killed and started again heals without a jump 
   Process again({"--connect", "localhost:" + port, "--seconds", seconds});
   CHECK(a.wait() == 0);
   // The newcomer's user may take up again what its predecessor let fall, and leads then: a cube of
-  // 0.3 kg from the ground to 0.4 m is 1.2 J. Pulling the ruins up to where they once stood
-  // took 33.
-  CHECK(std::abs(number(folder.file("a"), "energy_J", "potential")) < 1.2);
+  // Before it was killed, B lifted a cube of 0.3 kg by 0.2 m, and led: at the survivor that lift
+  // comes through agreement, 0.6 J at most. Pulling the ruins up to where they once stood took 33.
+  CHECK(std::abs(number(folder.file("a"), "energy_J", "potential")) < 0.6);
   CHECK(std::abs(number(folder.file("a"), "energy_J", "velocity_agreement")) < 0.5);
   CHECK(number(folder.file("a"), "divergence_resting_m", "p50") <= 0.5e-3);
   CHECK(number(folder.file("a"), "divergence_moving_m", "p50") <= 5e-3);
