@@ -39,6 +39,11 @@ void Peer::share(const ShareDef& def) { impl_->share(def); }
 void Peer::set_owner(const SharedId& id, std::optional<PeerId> owner) {
   impl_->set_owner(id, owner);
 }
+void Peer::unshare(const SharedId& id) { impl_->unshare(id); }
+std::optional<SessionTime> Peer::heard(const SharedId& id, PeerId from) const {
+  return impl_->heard(id, from);
+}
+std::span<const UnknownState> Peer::unknown() const { return impl_->unknown(); }
 GrabId Peer::grab(const GrabDef& def) { return impl_->grab(def); }
 void Peer::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   impl_->springs().move(id, anchor_w, now);
@@ -50,6 +55,7 @@ void Peer::after_step(SessionTime now) { impl_->after_step(now); }
 void Peer::leave(SessionTime now) { impl_->leave(now); }
 const PeerStats& Peer::stats() const { return impl_->stats(); }
 void Peer::set_observer(PeerObserver* observer) { impl_->set_observer(observer); }
+void Peer::set_interest(const Interest* interest) { impl_->set_interest(interest); }
 
 void Peer::collect(const pbd::World& /*world*/, double /*dt*/, std::vector<pbd::PoseTarget>& out) {
   impl_->collect(out);

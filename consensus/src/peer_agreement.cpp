@@ -72,6 +72,23 @@ void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
   def.owner = owner;
 }
 
+void Peer::Impl::unshare(const SharedId& id) {
+  const Shared& shared = at(id);
+  springs_.forget_body(shared.def.body, now_);
+  if (shared.def.owner.has_value()) --owned_;
+  inbox_.remove_id(id);
+  shared_.erase(shared_.begin() + (&shared - shared_.data()));
+  targets_.clear();
+  targeted_.clear();
+}
+
+std::optional<SessionTime> Peer::Impl::heard(const SharedId& id, PeerId from) const {
+  for (const Inbox::Received& received : inbox_.newest(id)) {
+    if (received.peer == from) return received.update.stamp;
+  }
+  return std::nullopt;
+}
+
 Peer::Impl::Shared* Peer::Impl::find(const SharedId& id) {
   const auto it = std::lower_bound(shared_.begin(), shared_.end(), id,
                                    [](const Shared& s, const SharedId& i) { return s.def.id < i; });
@@ -248,10 +265,13 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
     if (!(share > 0.0)) continue;
     Heard* memory = keeps_heard_ ? &heard_from(shared, received.peer, now) : nullptr;
     // What the sender gives to my states by the same rules.
-    const double mirrored = hearing_.apply(own_announced, {.leads = update.flags.leads ? 1.0 : 0.0,
-                                                           .sender_leads = own_lead >= 1.0,
-                                                           .age = known.age,
-                                                           .gain = known.gain});
+    // An owner listens to nobody.
+    const double mirrored =
+        owner ? 0.0
+              : hearing_.apply(own_announced, {.leads = update.flags.leads ? 1.0 : 0.0,
+                                               .sender_leads = own_lead >= 1.0,
+                                               .age = known.age,
+                                               .gain = known.gain});
     const PredictionContext context{
         .now = now,
         .mirrored_share = std::min(mirrored / share, kMostMirrored),

@@ -32,6 +32,7 @@ class JointMarker final : public pbd::LinkVisitor {
 
 void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
+  unknown_.clear();
   transport_.drain(packets_);
   for (const Packet& packet : packets_) {
     if (packet.from == 0) continue;  // no peer has this id
@@ -57,7 +58,9 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
   for (const StateUpdate& update : incoming_.states) {
     // Overtaken by the farewell; what is stamped later comes from a successor.
     if (update.stamp <= farewell) continue;
-    if (inbox_.offer(from, update, now) == InboxVerdict::UnknownId) ++stats_.unknown_ids;
+    if (inbox_.offer(from, update, now) != InboxVerdict::UnknownId) continue;
+    ++stats_.unknown_ids;
+    if (unknown_.size() < kMaxUnknown) unknown_.push_back({from, update});
   }
   for (const SpringUpdate& update : incoming_.springs) {
     const Shared* shared = find(update.body);
@@ -116,6 +119,7 @@ void Peer::Impl::send(SessionTime now) {
         shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
     const MotionSample& sample = shared.history.newest();
     const bool by_hand = shared.hard.active || springs_.holds_alone(shared.def.body);
+    const bool kinematic = world_.props(shared.def.body).type == pbd::BodyType::Kinematic;
     const bool leads = shared.initiative.strength() >= 1.0;
     states_.push_back(
         {.id = shared.def.id,
@@ -125,7 +129,7 @@ void Peer::Impl::send(SessionTime now) {
          .stamp = now,
          .flags = {.in_contact = sample.coupled && !shared.held,
                    .held = shared.held,
-                   .owner_driven = by_hand || shared.def.owner == transport_.self(),
+                   .owner_driven = by_hand || (shared.def.owner == transport_.self() && kinematic),
                    .teleported = shared.jumped > 0,
                    .leads = leads}});
     shared.jumped = std::max(shared.jumped - 1, 0);
@@ -134,20 +138,36 @@ void Peer::Impl::send(SessionTime now) {
   spring_events_.clear();
   springs_.announce(now, spring_states_, spring_events_);
   post_records(std::span<const SpringUpdate>(spring_events_), kMaxSpringsPerPacket,
-               Delivery::Reliable);
+               [this] { post_all(Delivery::Reliable); });
   post_records(std::span<const SpringUpdate>(spring_states_), kMaxSpringsPerPacket,
-               Delivery::Newest);
-  post_records(std::span<const StateUpdate>(states_), kMaxStatesPerPacket, Delivery::Newest);
+               [this] { post_all(Delivery::Newest); });
+  post_states();
 }
 
-template <class Record>
-void Peer::Impl::post_records(std::span<const Record> records, std::size_t most,
-                              Delivery delivery) {
+void Peer::Impl::post_states() {
+  if (interest_ == nullptr) {
+    post_records(std::span<const StateUpdate>(states_), kMaxStatesPerPacket,
+                 [this] { post_all(Delivery::Newest); });
+    return;
+  }
+  for (const PeerStatus& peer : transport_.peers()) {
+    if (!peer.connected) continue;
+    concerning_.clear();
+    for (const StateUpdate& state : states_) {
+      if (interest_->concerns(peer.id, state.id, state.pose)) concerning_.push_back(state);
+    }
+    post_records(std::span<const StateUpdate>(concerning_), kMaxStatesPerPacket,
+                 [&] { post_to(peer.id, Delivery::Newest); });
+  }
+}
+
+template <class Record, class Post>
+void Peer::Impl::post_records(std::span<const Record> records, std::size_t most, Post&& post) {
   while (!records.empty()) {
     const std::size_t count = std::min(most, records.size());
     outgoing_.clear();
     encode(records.first(count), outgoing_);
-    post_all(delivery);
+    post();
     records = records.subspan(count);
   }
 }
@@ -161,10 +181,12 @@ void Peer::Impl::leave(SessionTime now) {
 void Peer::Impl::post_all(Delivery delivery) {
   if (outgoing_.empty()) return;
   for (const PeerStatus& peer : transport_.peers()) {
-    if (peer.connected && transport_.post(peer.id, outgoing_, delivery)) {
-      stats_.bytes_sent += outgoing_.size();
-    }
+    if (peer.connected) post_to(peer.id, delivery);
   }
+}
+
+void Peer::Impl::post_to(PeerId to, Delivery delivery) {
+  if (transport_.post(to, outgoing_, delivery)) stats_.bytes_sent += outgoing_.size();
 }
 
 }  // namespace tandem::consensus

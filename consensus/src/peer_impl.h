@@ -28,6 +28,9 @@ class Peer::Impl {
 
   void share(const ShareDef& def);
   void set_owner(const SharedId& id, std::optional<PeerId> owner);
+  void unshare(const SharedId& id);
+  std::optional<SessionTime> heard(const SharedId& id, PeerId from) const;
+  std::span<const UnknownState> unknown() const { return unknown_; }
 
   GrabId grab(const GrabDef& def) { return springs_.grab(def, at(def.body).def.body); }
   Springs& springs() { return springs_; }
@@ -49,6 +52,7 @@ class Peer::Impl {
   }
   SessionTime now() const { return now_; }
   void set_observer(PeerObserver* observer) { observer_ = observer; }
+  void set_interest(const Interest* interest) { interest_ = interest; }
 
  private:
   /// What is kept of another peer's states of one body.
@@ -125,9 +129,13 @@ class Peer::Impl {
   void mark_joints();
   void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
   void send(SessionTime now);
-  template <class Record>
-  void post_records(std::span<const Record> records, std::size_t most, Delivery delivery);
+  /// Encode into outgoing_, packet by packet, and call post().
+  template <class Record, class Post>
+  void post_records(std::span<const Record> records, std::size_t most, Post&& post);
   void post_all(Delivery delivery);
+  void post_to(PeerId to, Delivery delivery);
+  /// The states that concern each of the others.
+  void post_states();
 
   PeerOptions options_;
   PolicyChain announcement_;
@@ -139,6 +147,7 @@ class Peer::Impl {
   std::unique_ptr<Predictor> predictor_;
   bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
+  const Interest* interest_ = nullptr;
   PeerStats stats_;
   std::vector<Shared> shared_;  ///< by id, as in inbox_
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
@@ -163,6 +172,8 @@ class Peer::Impl {
   std::vector<pbd::PoseTarget> targets_;
   std::vector<Shared*> targeted_;  ///< of targets_
   std::vector<StateUpdate> states_;
+  std::vector<StateUpdate> concerning_;
+  std::vector<UnknownState> unknown_;
   std::vector<SpringUpdate> spring_states_;
   std::vector<SpringUpdate> spring_events_;
   std::vector<std::byte> outgoing_;

@@ -169,6 +169,19 @@ void Springs::drop_peer(PeerId from, SessionTime now) {
   }
 }
 
+void Springs::forget_body(pbd::BodyId body, SessionTime now) {
+  for (Remote& remote : remote_) {
+    const bool on_it =
+        remote.live && tethers_.contains(remote.tether) && tethers_.def(remote.tether).body == body;
+    if (on_it) let_go(remote);
+  }
+  while (true) {
+    const auto own = std::ranges::find(own_, body, &Own::body);
+    if (own == own_.end()) return;
+    release({own->spring}, now);
+  }
+}
+
 void Springs::prepare(SessionTime now) {
   // Ids go on from the clock (ms), so that a peer that was started again is not taken for its
   // predecessor, whose springs the others still remember.

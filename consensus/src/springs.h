@@ -30,6 +30,8 @@ class Springs {
   bool receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
   /// Let go what a peer holds, for good.
   void drop_peer(PeerId from, SessionTime now);
+  /// Let go all springs on a body.
+  void forget_body(pbd::BodyId body, SessionTime now);
   /// Let go what has not been heard of for too long, and set all anchors for a step from `now` on.
   void prepare(SessionTime now);
 

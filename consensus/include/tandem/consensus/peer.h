@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "tandem/consensus/inbox.h"
@@ -13,6 +14,7 @@
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/consensus/update.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/world.h"
 
@@ -123,6 +125,20 @@ class PeerObserver {
   virtual void on_estimate(const EstimateEvent& /*event*/) {}
 };
 
+/// Who is told of which body; all peers of everything where nobody says otherwise.
+class Interest {
+ public:
+  virtual ~Interest() = default;
+  /// Whether the state of a body goes to that peer. Called from after_step, for each update.
+  virtual bool concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const = 0;
+};
+
+/// A state of a body that is not shared here.
+struct UnknownState {
+  PeerId from = 0;
+  StateUpdate update;
+};
+
 /// One participant: shares bodies of a world with the other peers of a transport.
 ///
 /// Each step:  peer.before_step(now);  solver.step(world, dt);  peer.after_step(now + dt);
@@ -147,6 +163,16 @@ class Peer final : public pbd::TargetSource {
   /// Change who owns a shared body; nullopt = everybody. @throws as share
   void set_owner(const SharedId& id, std::optional<PeerId> owner);
 
+  /// Share it no longer: states of it count as unknown, own springs on it are released.
+  /// @throws std::invalid_argument where it is not shared
+  void unshare(const SharedId& id);
+  /// Stamp (ns) of the newest state that a peer has sent of a body; nullopt where there is none.
+  std::optional<SessionTime> heard(const SharedId& id, PeerId from) const;
+  /// States of bodies that are not shared here, of the last before_step: what an application may
+  /// make bodies from. At most kMaxUnknown, the first ones; untrusted as all that peers say.
+  std::span<const UnknownState> unknown() const;
+  static constexpr std::size_t kMaxUnknown = 1024;
+
   /// Hold a shared body with a spring. @throws std::invalid_argument naming field, value and rule
   GrabId grab(const GrabDef& def);
   /// Move the hand. `anchor_w` (m) is where it is at `now`, the start of the step to come.
@@ -165,6 +191,8 @@ class Peer final : public pbd::TargetSource {
 
   const PeerStats& stats() const;
   void set_observer(PeerObserver* observer);
+  /// Must outlive the peer or be set to null.
+  void set_interest(const Interest* interest);
 
   // pbd::TargetSource
   void collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) override;
