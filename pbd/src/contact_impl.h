@@ -28,10 +28,16 @@ struct CarriedContact {
 /// A contact in the total channel: positions only.
 struct TotalRow {
   std::uint32_t contact = 0;
-  ContactArms arms;
-  std::array<std::array<double, 4>, 4> mobility{};  ///< 1/kg
-  std::array<double, 4> bound{};                    ///< m, <= 0: the violation that Real left
-  std::array<double, 4> lambda{};                   ///< N s^2
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  int count = 0;
+  Vec3 normal = Vec3::Zero();
+  std::array<Vec3, 4> turn_a;  ///< m, world, lever arm x normal
+  std::array<Vec3, 4> turn_b;
+  std::array<std::array<double, 4>, 4> mobility;  ///< 1/kg
+  std::array<double, 4> gap;                      ///< m, when the channel began
+  std::array<double, 4> bound;                    ///< m, <= 0: the violation that Real left
+  std::array<double, 4> lambda;                   ///< N s^2
 };
 
 /// How heavily the contacts of an island are loaded.
@@ -58,9 +64,12 @@ struct ContactBlock::Impl {
   std::vector<std::uint32_t> changed;        ///< bodies that lost a load, until the next step
   std::vector<ContactRow> rows;              ///< by place in the order
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
-  std::vector<double> changes;       ///< m/s, by place: of a normal velocity in the last sweep
-  std::vector<std::uint8_t> pushed;  ///< by body: has v_push or w_push in this substep
-  std::vector<Residuals> worst;      ///< by worker
+  std::vector<Vec3> turns;            ///< rad, by body: of this sweep, not in its orientation yet
+  std::vector<std::uint32_t> turned;  ///< bodies with such turns
+  std::vector<std::uint8_t> cleaned;  ///< by body: moved by this clean-up
+  std::vector<double> changes;        ///< m/s, by place: of a normal velocity in the last sweep
+  std::vector<std::uint8_t> pushed;   ///< by body: has v_push or w_push in this substep
+  std::vector<Residuals> worst;       ///< by worker
   ContactSupport support;
   ContactOrder order;
   ContactConvergence convergence;

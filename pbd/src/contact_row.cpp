@@ -159,13 +159,19 @@ bool push_face(const ContactRow& row, SolverBody& a, SolverBody& b) {
 
 }  // namespace
 
+/// m, world, from the centre of mass. Balls have theirs in the middle, which does not turn.
+static Vec3 anchor_of(const SolverBody& body, const Vec3& anchor_l) {
+  return anchor_l.isZero(0.0) ? anchor_l : body.q * anchor_l;
+}
+
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
-  const Vec3 p_a = a.x + a.q * m.points[i].anchor_a_l;
-  const Vec3 p_b = b.x + b.q * m.points[i].anchor_b_l;
+  const Vec3 p_a = a.x + anchor_of(a, m.points[i].anchor_a_l);
+  const Vec3 p_b = b.x + anchor_of(b, m.points[i].anchor_b_l);
   return m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
 }
 
-ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b) {
+ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b,
+                    std::array<double, 4>* gaps) {
   // Half-way between the two anchors, or below the centre of the one that is round, which its
   // normal must not turn (a ball would speed up as it rolls).
   const bool round_a = m.radius_a > 0.0;
@@ -174,8 +180,15 @@ ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b)
   ContactArms arms;
   const Vec3 between = b.x - a.x;
   for (int i = 0; i < m.count; ++i) {
-    const Vec3 r_a = a.q * m.points[i].anchor_a_l + m.radius_a * m.normal;
-    const Vec3 r_b = b.q * m.points[i].anchor_b_l - m.radius_b * m.normal;
+    const Vec3 anchor_a = anchor_of(a, m.points[i].anchor_a_l);
+    const Vec3 anchor_b = anchor_of(b, m.points[i].anchor_b_l);
+    if (gaps != nullptr) {
+      const Vec3 p_a = a.x + anchor_a;
+      const Vec3 p_b = b.x + anchor_b;
+      (*gaps)[i] = m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
+    }
+    const Vec3 r_a = anchor_a + m.radius_a * m.normal;
+    const Vec3 r_b = anchor_b - m.radius_b * m.normal;
     arms.a[i] = r_a + share_b * (between + r_b - r_a);
     arms.b[i] = arms.a[i] - between;
   }

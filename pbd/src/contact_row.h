@@ -122,6 +122,8 @@ struct ContactArms {
   std::array<Vec3, 4> a;
   std::array<Vec3, 4> b;
 };
-ContactArms arms_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b);
+/// @param gaps  set to those of the points, see gap_of(), where it is not null
+ContactArms arms_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b,
+                    std::array<double, 4>* gaps = nullptr);
 
 }  // namespace tandem::pbd

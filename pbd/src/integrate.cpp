@@ -78,7 +78,9 @@ void enforce_locks(SolverBody& body, const AxisLocks& locks) {
 
 void restore_locked(SolverBody& body, const AxisLocks& locks, const Vec3& start) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (locks.linear[static_cast<std::size_t>(axis)]) body.x[axis] = start[axis];
+    if (!locks.linear[static_cast<std::size_t>(axis)]) continue;
+    body.x[axis] = start[axis];
+    body.dx[axis] = 0.0;
   }
 }
 

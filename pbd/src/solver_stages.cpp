@@ -159,6 +159,7 @@ void Solver::Impl::clean_up() {
   context.h = dt_;
   for (int i = 0; i < options_.clean_up_iterations; ++i) {
     bool any = false;
+    context.substep = i;
     context.reverse = i % 2 == 1;
     for_blocks([&](ConstraintBlock& block) { any = block.clean_up(context) || any; });
     if (!any) break;

@@ -17,6 +17,13 @@ double kinetic_energy(const SolverBody& body, const BodyProps& props, const Vec3
   return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia_l * w_l));
 }
 
+/// Whether it has the same inertia about every axis.
+bool is_round(const BodyProps& props) {
+  const Mat3& i = props.inertia_l;
+  return i(0, 0) == i(1, 1) && i(1, 1) == i(2, 2) && i(0, 1) == 0.0 && i(0, 2) == 0.0 &&
+         i(1, 2) == 0.0;
+}
+
 }  // namespace
 
 void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
@@ -104,6 +111,8 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const Bod
 void Targets::begin_total(std::span<SolverBody> bodies) {
   for (Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
+    body.dx.setZero();
+    body.dtheta.setZero();
     saved.x = body.x;
     saved.q = body.q;
     saved.v = body.v;
@@ -132,7 +141,9 @@ void Targets::move_bodies(std::span<SolverBody> bodies, std::span<const BodyProp
     take_out(props[row.body].locks.linear, row.wanted_x);
     take_out(props[row.body].locks.angular, turn);
     body.x += row.wanted_x;
+    body.dx += row.wanted_x;
     body.q = rotated(body.q, turn);
+    body.dtheta += turn;
   }
 }
 
@@ -147,16 +158,19 @@ void Targets::end_total(std::span<SolverBody> bodies, std::span<const BodyProps>
     const Vec3 turned = rotation_between(saved.q, body.q);
     corrections[saved.body].translation += moved;
     corrections[saved.body].rotation += turned;
-    energy.potential -=
-        props[saved.body].mass * props[saved.body].gravity_scale * gravity.dot(moved);
+    const BodyProps& known = props[saved.body];
+    energy.potential -= known.mass * known.gravity_scale * gravity.dot(moved);
     // Kinetic energy that came in through velocities; a spinning body that was merely turned has
     // another energy at the same velocity, which belongs to where it is, like its height.
-    SolverBody before = body;
-    before.q = saved.q;
-    const double as_it_was = kinetic_energy(before, props[saved.body], saved.v, saved.w);
-    const double velocities_only = kinetic_energy(before, props[saved.body], body.v, body.w);
-    energy.displacement += velocities_only - as_it_was;
-    energy.potential += kinetic_energy(body, props[saved.body], body.v, body.w) - velocities_only;
+    const bool as_fast = body.v == saved.v && body.w == saved.w;
+    if (!as_fast || !(body.w.isZero(0.0) || is_round(known))) {
+      SolverBody before = body;
+      before.q = saved.q;
+      const double as_it_was = kinetic_energy(before, known, saved.v, saved.w);
+      const double velocities_only = kinetic_energy(before, known, body.v, body.w);
+      energy.displacement += velocities_only - as_it_was;
+      energy.potential += kinetic_energy(body, known, body.v, body.w) - velocities_only;
+    }
     if (row_of_[saved.body] == BodyId::kNone) continue;
     Row& row = rows_[row_of_[saved.body]];
     row.e_x -= moved;
