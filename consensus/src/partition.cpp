@@ -75,10 +75,11 @@ void Partition::add(const SharedId& id, pbd::BodyId body) {
     members_.erase(members_.begin() + (&member - members_.data()));
     return;
   }
-  set_side(member, 0);
+  set_side(member, true, 0);
 }
 
 void Partition::update(SessionTime now) {
+  updated_ = now;
   take_in(now);
   stats_.own = stats_.common = stats_.followed = 0;
   const double far = options_.overlap + options_.reach + options_.slack;
@@ -89,15 +90,11 @@ void Partition::update(SessionTime now) {
       return true;
     }
     const pbd::Vec3& position = world_.pose(member.body).position;
-    const auto is_fresh = [&](PeerId from) {
-      const auto heard = peer_.heard(member.id, from);
-      return heard.has_value() && *heard > now - patience;
-    };
     // A copy of which the owner says nothing any more is far away. Of the others nobody lets go of
     // what nobody else has.
-    const bool far_away = own_depth(position) < -far && is_fresh(peer_at(position));
+    const bool far_away = own_depth(position) < -far && is_fresh(member, peer_at(position), now);
     if (member.since == 0) member.since = now;
-    const bool silent = member.since <= now - patience && !is_fresh(member.owner);
+    const bool silent = member.since <= now - patience && !is_fresh(member, member.owner, now);
     const bool gone = far_away || (member.side == Side::Followed && silent);
     if (gone) {
       peer_.unshare(member.id);
@@ -105,7 +102,7 @@ void Partition::update(SessionTime now) {
       ++stats_.vanished;
       return true;
     }
-    set_side(member, now);
+    set_side(member, false, now);
     switch (member.side) {
       case Side::Own:
         ++stats_.own;
@@ -121,7 +118,12 @@ void Partition::update(SessionTime now) {
   });
 }
 
-void Partition::set_side(Member& member, SessionTime now) {
+bool Partition::is_fresh(const Member& member, PeerId from, SessionTime now) const {
+  const auto heard = peer_.heard(member.id, from);
+  return heard.has_value() && *heard > now - to_ns(options_.patience);
+}
+
+void Partition::set_side(Member& member, bool comes, SessionTime now) {
   const pbd::Vec3& position = world_.pose(member.body).position;
   const double depth = own_depth(position);
   const double in = member.side == Side::Own ? options_.overlap - options_.slack : options_.overlap;
@@ -131,11 +133,10 @@ void Partition::set_side(Member& member, SessionTime now) {
   PeerId owner = 0;
   if (side == Side::Followed) {
     owner = peer_at(position);
-    // At the start nobody has spoken yet.
-    const auto heard = peer_.heard(member.id, owner);
-    const bool settled = member.since != 0 && member.since <= now - to_ns(options_.patience);
-    if (settled && (!heard.has_value() || *heard <= now - to_ns(options_.patience))) {
-      side = Side::Common;
+    // What came as somebody's is believed to be; what was here goes to nobody who says nothing.
+    if (!comes && !is_fresh(member, owner, now)) {
+      side = member.side == Side::Followed ? Side::Followed : Side::Common;
+      owner = member.owner;
     }
   }
   if (side == member.side && (side != Side::Followed || owner == member.owner)) return;
@@ -171,7 +172,7 @@ void Partition::take_in(SessionTime now) {
     if (!body.valid()) continue;
     Member& member = *members_.insert(at, Member{.id = update.id, .body = body, .since = now});
     peer_.share({.id = update.id, .body = body});
-    set_side(member, 0);
+    set_side(member, true, now);
     ++stats_.appeared;
   }
 }
@@ -182,9 +183,10 @@ bool Partition::concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) c
   if (at == members_.end() || at->id != id) return true;
   if (at->side == Side::Followed) return false;
   for (const PartitionCell& cell : cells_) {
-    if (cell.peer == to) {
-      return depth_in(cell.cell, pose.position) > -(options_.overlap + options_.reach);
-    }
+    if (cell.peer != to) continue;
+    // Who speaks of it has it, wherever it is, and waits to hear that somebody else has.
+    return depth_in(cell.cell, pose.position) > -(options_.overlap + options_.reach) ||
+           is_fresh(*at, to, updated_);
   }
   return false;
 }

@@ -104,7 +104,10 @@ class Partition final : public Interest {
     SessionTime since = 0;  ///< ns, when it came; 0 = not yet updated
   };
 
-  void set_side(Member& member, SessionTime now);
+  /// Whether a peer was heard of a body lately.
+  bool is_fresh(const Member& member, PeerId from, SessionTime now) const;
+  /// @param comes  it was not here before
+  void set_side(Member& member, bool comes, SessionTime now);
   void take_in(SessionTime now);
   double own_depth(const pbd::Vec3& position) const;
   std::size_t cell_at(const pbd::Vec3& position) const;
@@ -117,6 +120,7 @@ class Partition final : public Interest {
   std::vector<PartitionCell> cells_;
   std::size_t own_cell_ = 0;
   std::vector<Member> members_;  ///< by id
+  SessionTime updated_ = 0;  ///< ns, when update() was called
   PartitionStats stats_;
 };
 
