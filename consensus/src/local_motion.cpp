@@ -55,20 +55,23 @@ class LocalMotionPredictor final : public Predictor {
       return prediction;
     }
 
+    const MotionHistory::Moment stamp = own.moment(update.stamp);
+    // Before it was here, or was put here.
+    if (!own.reaches(stamp)) return by_itself(update, own, context);
     // Let go or hit there, and still held or hit later here: own motion since the stamp is another.
     if (kind_ != PredictorKind::LocalMotion && update.flags.leads && detail::is_free(update) &&
-        own.driven_since(update.stamp)) {
+        own.driven_since(stamp)) {
       return by_itself(update, own, context);
     }
 
     const MotionSample& now = own.newest();
-    MotionSample then = own.at_time(update.stamp);
+    MotionSample then = own.at_time(stamp);
     const double age = std::max(0.0, seconds(context.now - update.stamp));
     // A peer whose steps end a little later than mine stamps ahead of me.
     const double ahead = std::max(0.0, seconds(update.stamp - now.time));
     then.pose.position += ahead * now.twist.linear;
     then.pose.orientation = pbd::rotated(then.pose.orientation, ahead * now.twist.angular);
-    if (const auto side = own.beside_hit(update.stamp, update.twist.linear)) then = *side;
+    if (const auto side = own.beside_hit(stamp, update.twist.linear)) then = *side;
     const double both = 1.0 + context.mirrored_share / std::max(1, context.peers);
     const Vec3 apart = update.pose.position - then.pose.position;
     const Vec3 turned_apart = pbd::rotation_between(then.pose.orientation, update.pose.orientation);
@@ -84,11 +87,10 @@ class LocalMotionPredictor final : public Predictor {
     if (kind_ == PredictorKind::LocalMotion) return prediction;
 
     // V = sum dv_k (now - t_k) = now sum dv_k - sum dv_k t_k
-    const bool coupled =
-        update.flags.in_contact || update.flags.held || own.coupled_since(update.stamp);
+    const bool coupled = update.flags.in_contact || update.flags.held || own.coupled_since(stamp);
     // A hit or a throw makes what was learned before worthless: only bodies that touch something at
     // both ends are judged by it.
-    const bool steady = (update.flags.in_contact || update.flags.held) && now.coupled;
+    const bool steady = (update.flags.in_contact || update.flags.held) && own.coupled();
     const bool mixes = kind_ == PredictorKind::Adaptive && steady && context.memory != nullptr;
     if (kind_ == PredictorKind::Adaptive && !steady && context.memory != nullptr) {
       context.memory->probed = 0;
@@ -97,7 +99,7 @@ class LocalMotionPredictor final : public Predictor {
     pbd::Twist drift;
     if (!coupled || mixes) {
       const double reach = std::min(age, options_.max_extrapolation);
-      const double t = now.elapsed;
+      const double t = own.elapsed(now.time);
       const pbd::Twist moment = difference(now.agreed_moment, then.agreed_moment);
       drift.linear = reach * closing.linear - both * (t * agreed.linear - moment.linear);
       drift.angular = reach * closing.angular - both * (t * agreed.angular - moment.angular);

@@ -162,13 +162,19 @@ void Partition::take_in(SessionTime now) {
     const double age = kNs * static_cast<double>(now - update.stamp);
     if (age < 0.0 || age > options_.patience) continue;
     pbd::Pose pose = update.pose;
-    pose.position += age * update.twist.linear;
+    pbd::Twist twist = update.twist;
+    pose.position += age * twist.linear;
+    const bool free = !update.flags.in_contact && !update.flags.held && !update.flags.owner_driven;
+    if (free) {
+      pose.position += 0.5 * age * age * world_.gravity();
+      twist.linear += age * world_.gravity();
+    }
     pose.orientation = pbd::rotated(pose.orientation, age * update.twist.angular);
     if (own_depth(pose.position) < -(options_.overlap + options_.reach)) continue;
     const auto at = std::lower_bound(members_.begin(), members_.end(), update.id,
                                      [](const Member& m, const SharedId& i) { return m.id < i; });
     if (at != members_.end() && at->id == update.id) continue;  // told of by two peers
-    const pbd::BodyId body = bodies_.appear(update.id, pose, update.twist);
+    const pbd::BodyId body = bodies_.appear(update.id, pose, twist);
     if (!body.valid()) continue;
     Member& member = *members_.insert(at, Member{.id = update.id, .body = body, .since = now});
     peer_.share({.id = update.id, .body = body});

@@ -25,8 +25,8 @@ constexpr int kJumpTold = 3;
 /// Room that is made for what is kept of other peers' states; more of them allocate once.
 constexpr std::size_t kUsualPeers = 4;
 
-/// rad: closer orientations are an average's business, see Lead.
-constexpr double kNoDoubt = 0.5;
+/// Cosine of half of 0.5 rad: closer orientations are an average's business, see Lead.
+constexpr double kNoDoubt = 0.9689124217106447;
 
 }  // namespace
 
@@ -35,6 +35,7 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       announcement_(options.announcement.empty() ? default_announcement(options.influence)
                                                  : options.announcement),
       hearing_(options.hearing.empty() ? default_hearing(options.influence) : options.hearing),
+      mirrored_(hearing_),
       world_(world),
       transport_(transport),
       springs_(world, options_),
@@ -59,7 +60,7 @@ void Peer::Impl::share(const ShareDef& def) {
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
-  const auto shared = shared_.insert(at, Shared{.def = def});
+  const auto shared = shared_.insert(at, Shared{.def = def, .history = spare_history()});
   if (keeps_heard_) shared->heard.reserve(kUsualPeers);
   inbox_.add_id(def.id);
   if (def.owner.has_value()) ++owned_;
@@ -73,7 +74,13 @@ void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
 }
 
 void Peer::Impl::unshare(const SharedId& id) {
-  const Shared& shared = at(id);
+  Shared& shared = at(id);
+  if (shared.history.has_memory()) {
+    shared.history.clear();
+    spare_.push_back(std::move(shared.history));
+  } else {
+    --without_memory_;
+  }
   springs_.forget_body(shared.def.body, now_);
   if (shared.def.owner.has_value()) --owned_;
   inbox_.remove_id(id);
@@ -116,6 +123,7 @@ void Peer::Impl::before_step(SessionTime now) {
   }
   last_before_ = now;
   now_ = now;
+  if (without_memory_ > 0) lay_out_histories();
   for (Shared& shared : shared_) {
     // An instance that nothing has moved yet is known from now on.
     if (shared.history.empty()) remember(shared, now, {});
@@ -133,6 +141,7 @@ void Peer::Impl::before_step(SessionTime now) {
 void Peer::Impl::after_step(SessionTime now) {
   now_ = now;
   if (started_ == 0) started_ = now;
+  if (without_memory_ > 0) lay_out_histories();
   mark_joints();
   mark_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
@@ -167,9 +176,35 @@ void Peer::Impl::collect(std::vector<pbd::PoseTarget>& out) const {
   }
 }
 
-std::size_t Peer::Impl::samples_since(SessionTime stamp, SessionTime now) const {
-  const double samples = kNs * static_cast<double>(now - stamp) / std::max(step_dt_, 1e-4);
-  return static_cast<std::size_t>(std::clamp(samples, 0.0, 200.0));
+MotionHistory Peer::Impl::spare_history() {
+  if (spare_.empty()) {
+    ++without_memory_;
+    return {{}, 0, 1};
+  }
+  MotionHistory history = std::move(spare_.back());
+  spare_.pop_back();
+  return history;
+}
+
+void Peer::Impl::lay_out_histories() {
+  tapes_.emplace_back(without_memory_ * MotionHistory::kCapacity);
+  std::size_t place = 0;
+  for (Shared& shared : shared_) {
+    if (shared.history.has_memory()) continue;
+    shared.history = MotionHistory(tapes_.back(), place++, without_memory_);
+  }
+  without_memory_ = 0;
+}
+
+void Peer::Impl::prefetch(std::size_t index) const {
+  constexpr std::size_t kLine = 64;
+  const auto fetch = [](const auto& list) {
+    if (list.empty()) return;
+    const char* const bytes = reinterpret_cast<const char*>(list.data());
+    for (std::size_t i = 0; i < sizeof(list.front()); i += kLine) __builtin_prefetch(bytes + i);
+  };
+  fetch(inbox_.newest_at(index));
+  fetch(shared_[index].heard);
 }
 
 void Peer::Impl::aggregate(SessionTime now) {
@@ -177,14 +212,13 @@ void Peer::Impl::aggregate(SessionTime now) {
   targets_.clear();
   targeted_.clear();
   constexpr std::size_t kAhead = 3;  // bodies
-  std::size_t age = 0;               // samples, of the states: about the same for all bodies
+  const PeerId self = transport_.self();
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     Shared& shared = shared_[i];
     const auto newest = inbox_.newest_at(i);
-    if (i + kAhead < shared_.size()) shared_[i + kAhead].history.prefetch(age);
-    if (!newest.empty()) age = samples_since(newest.front().update.stamp, now);
+    if (i + kAhead < shared_.size()) prefetch(i + kAhead);
     if (!world_.contains(shared.def.body)) continue;
-    if (shared.def.owner == transport_.self()) {
+    if (shared.def.owner == self) {
       estimates_.clear();
       drag(shared, now);
       continue;
@@ -196,7 +230,7 @@ void Peer::Impl::aggregate(SessionTime now) {
     target.body = shared.def.body;
     target.motion = motion_;
     targeted_.push_back(&shared);
-    if (!fuse(world_.pose(shared.def.body), estimates_, target)) {
+    if (!fuse(world_.states()[shared.def.body.index].pose, estimates_, target)) {
       targets_.pop_back();
       targeted_.pop_back();
     }
@@ -231,7 +265,8 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
                           SessionTime now) {
   estimates_.clear();
   if (newest.empty()) return;
-  const pbd::BodyState& own = world_.state(shared.def.body);
+  const pbd::BodyState& own = world_.states()[shared.def.body.index];
+  const PeerId self = transport_.self();
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
   const double own_confidence = confidence();
   const double own_lead = shared.initiative.strength();
@@ -252,15 +287,16 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       if (own_confidence >= 1.0) {  // a newcomer leads nobody
         // Compared at the stamp: what spins fast turns far within the age of an update.
         double angle = 0.0;
-        if (!shared.history.within(update.stamp, update.pose.orientation, kNoDoubt)) {
-          const pbd::Quat then = shared.history.at_time(update.stamp).pose.orientation;
+        const MotionHistory::Moment stamp = shared.history.moment(update.stamp);
+        if (!shared.history.within(stamp, update.pose.orientation, kNoDoubt)) {
+          const pbd::Quat then = shared.history.at_time(stamp).pose.orientation;
           angle = pbd::rotation_between(then, update.pose.orientation).norm();
         }
-        const bool follows = known.sender_leads || received.peer < transport_.self();
+        const bool follows = known.sender_leads || received.peer < self;
         share = shared.lead.share(share, angle, follows && own_lead == 0.0, now);
         share = std::min(share, kMaxSharedInfluence);  // it leads, and does not own
       }
-      share = against_own(share);
+      share = against_own(share, own_confidence);
     }
     if (!(share > 0.0)) continue;
     Heard* memory = keeps_heard_ ? &heard_from(shared, received.peer, now) : nullptr;
@@ -268,15 +304,15 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
     // An owner listens to nobody.
     const double mirrored =
         owner ? 0.0
-              : hearing_.apply(own_announced, {.leads = update.flags.leads ? 1.0 : 0.0,
-                                               .sender_leads = own_lead >= 1.0,
-                                               .age = known.age,
-                                               .gain = known.gain});
+              : mirrored_.apply(own_announced, {.leads = update.flags.leads ? 1.0 : 0.0,
+                                                .sender_leads = own_lead >= 1.0,
+                                                .age = known.age,
+                                                .gain = known.gain});
     const PredictionContext context{
         .now = now,
         .mirrored_share = std::min(mirrored / share, kMostMirrored),
         .peers = static_cast<int>(newest.size()),
-        .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity(),
+        .gravity = world_.all_props()[shared.def.body.index].gravity_scale * world_.gravity(),
         .memory = memory != nullptr ? &memory->memory : nullptr};
     const Prediction prediction = predictor_->predict(update, shared.history, context);
     if (memory != nullptr && !owner) {
@@ -297,7 +333,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       // what lies in between, and would pull at the others' once they listen.
       shared.joined = true;
       place(shared, pose, twist, now);
-    } else if (known.sender_leads || (received.peer < transport_.self() && own_lead == 0.0)) {
+    } else if (known.sender_leads || (received.peer < self && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
       if (!held && shared.lead.parted(prediction.translation, now)) {
         place(shared, pose, twist, now);
@@ -340,7 +376,7 @@ Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTi
   return *it;
 }
 
-double Peer::Impl::announced(const Shared& shared) const {
+double Peer::Impl::announced(const Shared& shared) {
   return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
                                    .sender_owns = shared.def.owner == transport_.self(),
                                    .held_alone = springs_.holds_alone(shared.def.body),
@@ -354,9 +390,9 @@ double Peer::Impl::confidence() const {
   return std::clamp(since / options_.authority_ramp, 0.0, 1.0);
 }
 
-double Peer::Impl::against_own(double share) const {
+double Peer::Impl::against_own(double share, double confidence) {
   const double weight = weight_of_share(share);
-  return weight > 0.0 ? share_of_weight(weight / confidence()) : 0.0;
+  return weight > 0.0 ? share_of_weight(weight / confidence) : 0.0;
 }
 
 }  // namespace tandem::consensus

@@ -117,7 +117,6 @@ void Peer::Impl::send(SessionTime now) {
     if (!world_.contains(shared.def.body)) continue;
     const pbd::BodyState& state =
         shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
-    const MotionSample& sample = shared.history.newest();
     const bool by_hand = shared.hard.active || springs_.holds_alone(shared.def.body);
     const bool kinematic = world_.props(shared.def.body).type == pbd::BodyType::Kinematic;
     const bool leads = shared.initiative.strength() >= 1.0;
@@ -127,7 +126,7 @@ void Peer::Impl::send(SessionTime now) {
          .twist = state.twist,
          .influence = shared.hard.active ? 1.0F : static_cast<float>(announced(shared)),
          .stamp = now,
-         .flags = {.in_contact = sample.coupled && !shared.held,
+         .flags = {.in_contact = shared.history.coupled() && !shared.held,
                    .held = shared.held,
                    .owner_driven = by_hand || (shared.def.owner == transport_.self() && kinematic),
                    .teleported = shared.jumped > 0,

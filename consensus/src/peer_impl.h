@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "cached_chain.h"
 #include "hard_input.h"
 #include "initiative.h"
 #include "lead.h"
@@ -68,7 +69,7 @@ class Peer::Impl {
   static constexpr std::uint8_t kTouched = 32;         ///< any
   struct Shared {
     ShareDef def;
-    MotionHistory history = {};
+    MotionHistory history;
     pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
     bool joined = false;     ///< taken over from an established peer, as a newcomer does once
@@ -99,10 +100,14 @@ class Peer::Impl {
 
   // Predict and fuse.
   void aggregate(SessionTime now);
+  /// Memory for the histories of bodies that were shared since the last step.
+  void lay_out_histories();
+  MotionHistory spare_history();
+  /// The memory of what is asked first of a body whose turn comes soon.
+  void prefetch(std::size_t index) const;
   /// Every peer's newest state of one body, carried to now.
   void estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
   void tell_observer(SessionTime now);
-  std::size_t samples_since(SessionTime stamp, SessionTime now) const;
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
   /// Whether a body was put somewhere else since the last step.
@@ -114,12 +119,12 @@ class Peer::Impl {
                   SessionTime now) const;
   Heard& heard_from(Shared& shared, PeerId peer, SessionTime now);
   /// The share that others should give this peer's states of a body.
-  double announced(const Shared& shared) const;
+  double announced(const Shared& shared);
   /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
   /// after the first step, so that a newcomer takes over what the others know and is heard later.
   double confidence() const;
   /// A share is meant against a local weight of 1; this is what it comes to against confidence().
-  double against_own(double share) const;
+  static double against_own(double share, double confidence);
 
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
@@ -138,8 +143,9 @@ class Peer::Impl {
   void post_states();
 
   PeerOptions options_;
-  PolicyChain announcement_;
-  PolicyChain hearing_;
+  CachedChain announcement_;
+  CachedChain hearing_;
+  CachedChain mirrored_;  ///< the same as hearing_, as others apply it
   pbd::World& world_;
   Transport& transport_;
   Springs springs_;
@@ -149,7 +155,10 @@ class Peer::Impl {
   PeerObserver* observer_ = nullptr;
   const Interest* interest_ = nullptr;
   PeerStats stats_;
-  std::vector<Shared> shared_;  ///< by id, as in inbox_
+  std::vector<Shared> shared_;                    ///< by id, as in inbox_
+  std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
+  std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
+  std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.

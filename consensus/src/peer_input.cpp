@@ -41,7 +41,7 @@ void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Receiv
   const bool established = confidence() >= 1.0;
   Initiative::Acting acting{.own = established && (bits & (Springs::kShared | kTouchedByOwn)) != 0,
                             .other = (bits & (Springs::kRemote | kTouchedByOther)) != 0,
-                            .contact = shared.history.newest().coupled};
+                            .contact = shared.history.coupled()};
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
   if ((bits & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;

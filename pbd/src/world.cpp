@@ -38,7 +38,7 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 std::uint32_t World::checked_index(BodyId id, const char* what) const {
-  detail::require_body(*this, id, "World", what);
+  if (!contains(id)) detail::require_body(*this, id, "World", what);  // which throws
   return id.index;
 }
 

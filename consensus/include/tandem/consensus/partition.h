@@ -120,7 +120,7 @@ class Partition final : public Interest {
   std::vector<PartitionCell> cells_;
   std::size_t own_cell_ = 0;
   std::vector<Member> members_;  ///< by id
-  SessionTime updated_ = 0;  ///< ns, when update() was called
+  SessionTime updated_ = 0;      ///< ns, when update() was called
   PartitionStats stats_;
 };
 

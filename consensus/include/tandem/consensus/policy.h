@@ -33,10 +33,13 @@ struct InfluenceContext {
   double angle = 0.0;          ///< rad
   double speed = 0.0;          ///< m/s
   double angular_speed = 0.0;  ///< rad/s
+
+  friend bool operator==(const InfluenceContext&, const InfluenceContext&) = default;
 };
 
 /// One rule of influence: makes a share from the share that the rules before it have left.
-/// Stateless, so that one object serves all bodies and peers.
+/// Stateless, so that one object serves all bodies and peers, and need not be asked again where
+/// nothing has changed.
 class InfluencePolicy {
  public:
   virtual ~InfluencePolicy() = default;

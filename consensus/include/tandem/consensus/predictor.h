@@ -3,10 +3,12 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "tandem/consensus/transport.h"
@@ -16,58 +18,96 @@
 namespace tandem::consensus {
 
 /// One body of this peer after one step, with all that agreement has done to it so far.
-struct MotionSample {
+struct alignas(64) MotionSample {
   SessionTime time = 0;  ///< ns
-  double elapsed = 0.0;  ///< s, the same since the history began: products with it stay exact
   pbd::Pose pose;
   pbd::Twist twist;
   pbd::Vec3 displaced = pbd::Vec3::Zero();  ///< m, sum of the displacement channel
   pbd::Vec3 turned = pbd::Vec3::Zero();     ///< rad, sum of its rotation vectors
   pbd::Twist agreed;                        ///< sum of velocity agreement
-  pbd::Twist agreed_moment;                 ///< sum of velocity agreement times its `elapsed`
-  bool coupled = false;                     ///< touched, joined or held
+  /// Sum of velocity agreement times the MotionHistory::elapsed() of its step.
+  pbd::Twist agreed_moment;
 };
+static_assert(sizeof(MotionSample) == 256, "a sample should fill its cache lines");
 
 /// The last second or so of one body, as a ring. No allocation after construction.
 class MotionHistory {
  public:
   static constexpr std::size_t kCapacity = 128;
 
-  /// `sample.time` must grow; `displaced`, `turned`, `agreed` and `agreed_moment` are summed here.
+  /// In memory of its own.
+  MotionHistory() : own_(kCapacity), samples_(own_.data()) {}
+  /// One of `beside` histories that share memory sample by sample: the histories of a thousand
+  /// bodies fit into no cache, but what is asked of them lies at nearly the same age in all, and so
+  /// side by side here.
+  /// @param memory  kCapacity * beside samples, as they were made; must outlive the history. Empty:
+  ///   nothing may be asked of it, to be replaced
+  MotionHistory(std::span<MotionSample> memory, std::size_t place, std::size_t beside)
+      : samples_(memory.empty() ? nullptr : &memory[place]), stride_(beside) {}
+  ~MotionHistory() = default;
+  MotionHistory(MotionHistory&&) noexcept = default;
+  MotionHistory& operator=(MotionHistory&&) noexcept = default;
+  MotionHistory(const MotionHistory&) = delete;
+  MotionHistory& operator=(const MotionHistory&) = delete;
+
+  /// `time` must grow; `displaced`, `turned`, `agreed` and `agreed_moment` are summed here.
+  /// @param coupled  touched, joined or held     @param driven  a user acted on it
   void push(SessionTime time, const pbd::Pose& pose, const pbd::Twist& twist,
             const pbd::Correction& correction, bool coupled, bool driven = false);
   void clear() { count_ = free_for_ = undriven_for_ = 0; }
   bool empty() const { return count_ == 0; }
+  bool has_memory() const { return samples_ != nullptr; }
   const MotionSample& newest() const { return at(0); }
-  /// The state at `time`, interpolated between samples, clamped to the ends of the history.
-  MotionSample at_time(SessionTime time) const;
-  /// Whether the orientation at `time` is surely within `angle` (rad, below a quarter turn) of `q`;
-  /// cheaper than at_time(), and false where that would have to tell.
-  bool within(SessionTime time, const pbd::Quat& q, double angle) const;
-  /// Ask for the memory of the newest sample and of those around the one `age` samples ago, which
-  /// lie far apart: the histories of a thousand bodies fit into no cache.
-  void prefetch(std::size_t age) const;
-  /// Whether the body was coupled at any time since `time`.
-  bool coupled_since(SessionTime time) const;
-  /// Whether a user acted on the body at any time since `time`: by a spring or by a body of theirs.
-  bool driven_since(SessionTime time) const;
-  /// Where the body was hit (its velocity jumped) in the step that `time` lies in, or in one next
-  /// to it: the state at `time` as it would be without the step of the hit, on that side of it
+  /// Whether the body is coupled by the newest sample.
+  bool coupled() const { return count_ > 0 && free_for_ == 0; }
+  /// s, since the history began: products with it stay exact.
+  double elapsed(SessionTime time) const { return 1e-9 * static_cast<double>(time - origin_); }
+
+  /// Where a time lies among the samples: found once for all that is asked about it, until the next
+  /// push() or clear().
+  struct Moment {
+    SessionTime time = 0;
+    std::size_t age = 0;  ///< samples, of the newest one that is not later; else of the oldest
+  };
+  Moment moment(SessionTime time) const;
+  /// Whether the history goes back that far.
+  bool reaches(const Moment& moment) const {
+    return count_ > 0 && at(moment.age).time <= moment.time;
+  }
+
+  /// The state at a time, interpolated between samples, clamped to the ends of the history.
+  MotionSample at_time(const Moment& moment) const;
+  MotionSample at_time(SessionTime time) const { return at_time(moment(time)); }
+  /// Whether the orientation at a time is surely nearer to `q` than the angle (below a quarter
+  /// turn) that half has this cosine; cheaper than at_time(), and false where that would have to
+  /// tell.
+  bool within(const Moment& moment, const pbd::Quat& q, double half_cosine) const;
+  /// Whether the body was coupled at any time since.
+  bool coupled_since(const Moment& moment) const { return count_ > 0 && free_for_ <= moment.age; }
+  /// Whether a user acted on the body at any time since: by a spring or by a body of theirs.
+  bool driven_since(const Moment& moment) const {
+    return undriven_for_ < count_ && undriven_for_ <= moment.age;
+  }
+  /// Where the body was hit (its velocity jumped) in the step that the time lies in, or in one next
+  /// to it: the state at the time as it would be without the step of the hit, on that side of it
   /// whose velocity is nearer to `velocity` (m/s), carried straight. The peers' steps resolve a hit
   /// a little sooner or later, and within the step nobody knows. Else nothing.
-  std::optional<MotionSample> beside_hit(SessionTime time, const pbd::Vec3& velocity) const;
+  std::optional<MotionSample> beside_hit(const Moment& moment, const pbd::Vec3& velocity) const;
 
  private:
-  const MotionSample& at(std::size_t age) const {
-    return samples_[(head_ + kCapacity - 1 - age) % kCapacity];
-  }
-  std::vector<MotionSample> samples_ = std::vector<MotionSample>(kCapacity);
+  std::size_t slot(std::size_t age) const { return (head_ + kCapacity - 1 - age) % kCapacity; }
+  const MotionSample& at(std::size_t age) const { return samples_[slot(age) * stride_]; }
+
+  std::vector<MotionSample> own_;
+  MotionSample* samples_ = nullptr;
+  std::size_t stride_ = 1;
   std::size_t head_ = 0;
   std::size_t count_ = 0;
   std::size_t free_for_ = 0;      ///< samples since the newest one that was coupled
   std::size_t undriven_for_ = 0;  ///< and since the newest one that a user acted on
   SessionTime origin_ = 0;
-  MotionSample sum_;
+  SessionTime step_ = 0;         ///< ns, between the two newest samples
+  std::bitset<kCapacity> hits_;  ///< by slot: the velocity jumped in the step that led there
 };
 
 enum class PredictorKind : std::uint8_t {
