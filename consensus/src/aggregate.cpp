@@ -241,10 +241,28 @@ RotationMean choose(const Tally& tally, const Spread& spread) {
   return relevant < kPowerCosine ? RotationMean::Exact : RotationMean::Power;
 }
 
+/// The usual case: one other peer, that does not own the body. The general code gives the same
+/// bits.
+bool fuse_one(const pbd::Pose& local, PeerEstimate& estimate, pbd::PoseTarget& target) {
+  estimate.weight = weight_of_share(estimate.share);
+  if (!(estimate.weight > 0.0)) return false;
+  target.share = share_of_weight(estimate.weight);
+  target.pose = estimate.pose;
+  target.twist = estimate.twist;
+  target.rotation_error =
+      mean_with_single(relative_to(local.orientation, estimate.pose.orientation), estimate.weight) /
+      target.share;
+  target.use_rotation_error = true;
+  return true;
+}
+
 }  // namespace
 
 bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target,
           FusionInfo* info) {
+  if (info == nullptr && estimates.size() == 1 && estimates[0].share < 1.0) {
+    return fuse_one(local, estimates[0], target);
+  }
   const auto by_peer = [](const PeerEstimate& a, const PeerEstimate& b) { return a.peer < b.peer; };
   if (!std::is_sorted(estimates.begin(), estimates.end(), by_peer)) {
     std::sort(estimates.begin(), estimates.end(), by_peer);

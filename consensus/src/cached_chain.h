@@ -17,13 +17,14 @@ class CachedChain {
   explicit CachedChain(PolicyChain chain) : chain_(std::move(chain)) {}
 
   double apply(double share, const InfluenceContext& context) {
-    for (const Answer& answer : answers_) {
+    for (std::size_t tried = 0; tried < answers_.size(); ++tried) {
+      const Answer& answer = answers_[last_];
       if (answer.share == share && answer.context == context) return answer.result;
+      last_ = (last_ + 1) % answers_.size();
     }
-    const double result = chain_.apply(share, context);
-    answers_[next_] = {share, context, result};
-    next_ = (next_ + 1) % answers_.size();
-    return result;
+    last_ = (last_ + answers_.size() - 1) % answers_.size();  // in place of the oldest
+    answers_[last_] = {share, context, chain_.apply(share, context)};
+    return answers_[last_].result;
   }
 
  private:
@@ -34,7 +35,7 @@ class CachedChain {
   };
   PolicyChain chain_;
   std::array<Answer, 4> answers_;  ///< a few peers' turns
-  std::size_t next_ = 0;
+  std::size_t last_ = 0;
 };
 
 }  // namespace tandem::consensus

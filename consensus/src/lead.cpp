@@ -40,7 +40,7 @@ double Lead::share(double share, double angle, bool follows, SessionTime now) {
 }
 
 bool Lead::parted(const pbd::Vec3& missing, SessionTime now) {
-  if (missing.norm() < kParted) {
+  if (missing.squaredNorm() < kParted * kParted) {
     waits_ = 0;
     return false;
   }

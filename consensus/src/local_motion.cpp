@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "predictors.h"
@@ -32,6 +33,12 @@ constexpr double kLeastError = 5e-5;  ///< m: errors below are alike
 
 double ramp(double value, double from, double to) {
   return std::clamp((value - from) / (to - from), 0.0, 1.0);
+}
+
+/// ramp() of a vector's length; most are short.
+double ramp(const Vec3& vector, double from, double to) {
+  const double square = vector.squaredNorm();
+  return square > from * from ? ramp(std::sqrt(square), from, to) : 0.0;
 }
 
 /// Legend: t the stamp, A the age, x_i own, x_j remote, D what agreement has added to x_i since t,
@@ -69,8 +76,12 @@ class LocalMotionPredictor final : public Predictor {
     const double age = std::max(0.0, seconds(context.now - update.stamp));
     // A peer whose steps end a little later than mine stamps ahead of me.
     const double ahead = std::max(0.0, seconds(update.stamp - now.time));
-    then.pose.position += ahead * now.twist.linear;
-    then.pose.orientation = pbd::rotated(then.pose.orientation, ahead * now.twist.angular);
+    if (ahead > 0.0) {
+      then.pose.position += ahead * now.twist.linear;
+      then.pose.orientation = pbd::rotated(then.pose.orientation, ahead * now.twist.angular);
+    } else {
+      then.pose.orientation.normalize();
+    }
     if (const auto side = own.beside_hit(stamp, update.twist.linear)) then = *side;
     const double both = 1.0 + context.mirrored_share / std::max(1, context.peers);
     const Vec3 apart = update.pose.position - then.pose.position;
@@ -105,7 +116,7 @@ class LocalMotionPredictor final : public Predictor {
       drift.angular = reach * closing.angular - both * (t * agreed.angular - moment.angular);
     }
     if (mixes) {
-      const double lost = ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle);
+      const double lost = ramp(turned_apart, kFadeFromAngle, kFadeToAngle);
       const auto mean = mixed(update, own, context, prediction, drift, lost);
       if (mean.has_value()) return *mean;
     }
@@ -113,10 +124,10 @@ class LocalMotionPredictor final : public Predictor {
       prediction.translation += drift.linear;
       prediction.rotation += drift.angular;
     }
-    double lost = std::max(ramp(apart.norm(), kFadeFrom, kFadeTo),
-                           ramp(turned_apart.norm(), kFadeFromAngle, kFadeToAngle));
+    double lost =
+        std::max(ramp(apart, kFadeFrom, kFadeTo), ramp(turned_apart, kFadeFromAngle, kFadeToAngle));
     // What was hit there is about to be hit here as well.
-    if (coupled) lost = std::max(lost, ramp(closing.linear.norm(), kFadeFromSpeed, kFadeToSpeed));
+    if (coupled) lost = std::max(lost, ramp(closing.linear, kFadeFromSpeed, kFadeToSpeed));
     if (coupled && kind_ == PredictorKind::Adaptive) {
       lost = std::max(lost, straighter(then, now, closing, age));
     }

@@ -56,7 +56,7 @@ MotionHistory::Moment MotionHistory::moment(SessionTime time) const {
   if (count_ > 1 && time < at(0).time) {
     const double steps = static_cast<double>(at(0).time - time) /
                          static_cast<double>(std::max<SessionTime>(step_, 1));
-    age = static_cast<std::size_t>(std::min(steps, static_cast<double>(count_ - 1)));
+    age = static_cast<std::size_t>(std::min(std::ceil(steps), static_cast<double>(count_ - 1)));
   }
   while (age > 0 && at(age - 1).time <= time) --age;
   while (age + 1 < count_ && at(age).time > time) ++age;

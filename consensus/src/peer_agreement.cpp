@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 
 #include "cpu_clock.h"
@@ -27,6 +28,12 @@ constexpr std::size_t kUsualPeers = 4;
 
 /// Cosine of half of 0.5 rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.9689124217106447;
+
+void prefetch_bytes(const void* first, std::size_t size) {
+  constexpr std::size_t kLine = 64;
+  const char* const bytes = static_cast<const char*>(first);
+  for (std::size_t i = 0; i < size; i += kLine) __builtin_prefetch(bytes + i);
+}
 
 }  // namespace
 
@@ -196,27 +203,33 @@ void Peer::Impl::lay_out_histories() {
   without_memory_ = 0;
 }
 
-void Peer::Impl::prefetch(std::size_t index) const {
-  constexpr std::size_t kLine = 64;
-  const auto fetch = [](const auto& list) {
-    if (list.empty()) return;
-    const char* const bytes = reinterpret_cast<const char*>(list.data());
-    for (std::size_t i = 0; i < sizeof(list.front()); i += kLine) __builtin_prefetch(bytes + i);
-  };
-  fetch(inbox_.newest_at(index));
-  fetch(shared_[index].heard);
+void Peer::Impl::prefetch(std::size_t place, std::size_t age) const {
+  // Who points to it comes first, what is pointed to when that has come.
+  constexpr std::size_t kAhead = 4;  // bodies
+  if (place + 2 * kAhead < shared_.size()) {
+    prefetch_bytes(&shared_[place + 2 * kAhead], offsetof(Shared, hard));
+  }
+  if (place + kAhead >= shared_.size()) return;
+  const auto newest = inbox_.newest_at(place + kAhead);
+  prefetch_bytes(newest.data(), newest.size_bytes());
+  const Shared& soon = shared_[place + kAhead];
+  prefetch_bytes(soon.heard.data(), soon.heard.size() * sizeof(Heard));
+  soon.history.prefetch(age);
+  const std::uint32_t slot = soon.def.body.index;
+  if (slot >= world_.slot_count()) return;
+  prefetch_bytes(&world_.states()[slot], sizeof(pbd::BodyState));
+  prefetch_bytes(&world_.all_props()[slot].gravity_scale, sizeof(double));
 }
 
 void Peer::Impl::aggregate(SessionTime now) {
   const CpuTimer timer(stats_.aggregate_s);
   targets_.clear();
   targeted_.clear();
-  constexpr std::size_t kAhead = 3;  // bodies
   const PeerId self = transport_.self();
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     Shared& shared = shared_[i];
     const auto newest = inbox_.newest_at(i);
-    if (i + kAhead < shared_.size()) prefetch(i + kAhead);
+    prefetch(i, age_);  // about the same for all bodies
     if (!world_.contains(shared.def.body)) continue;
     if (shared.def.owner == self) {
       estimates_.clear();
@@ -288,6 +301,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         // Compared at the stamp: what spins fast turns far within the age of an update.
         double angle = 0.0;
         const MotionHistory::Moment stamp = shared.history.moment(update.stamp);
+        age_ = stamp.age;
         if (!shared.history.within(stamp, update.pose.orientation, kNoDoubt)) {
           const pbd::Quat then = shared.history.at_time(stamp).pose.orientation;
           angle = pbd::rotation_between(then, update.pose.orientation).norm();

@@ -30,6 +30,11 @@ class JointMarker final : public pbd::LinkVisitor {
 
 }  // namespace
 
+CodecResult Peer::Impl::parse(const Packet& packet) {
+  const CpuTimer timer(stats_.parse_s);
+  return decode(packet.bytes, incoming_);
+}
+
 void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   unknown_.clear();
@@ -37,8 +42,7 @@ void Peer::Impl::receive(SessionTime now) {
   for (const Packet& packet : packets_) {
     if (packet.from == 0) continue;  // no peer has this id
     ++stats_.packets_received;
-    const CpuTimer parse(stats_.parse_s);
-    const CodecResult result = decode(packet.bytes, incoming_);
+    const CodecResult result = parse(packet);
     if (!result.ok()) {
       ++stats_.packets_rejected;
       transport_.drop(packet.from, "undecodable packet: " + result.reason());

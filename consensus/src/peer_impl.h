@@ -70,15 +70,16 @@ class Peer::Impl {
   struct Shared {
     ShareDef def;
     MotionHistory history;
-    pbd::Correction averaged = {};  ///< by two-step coupling, this step
     bool held = false;
     bool joined = false;     ///< taken over from an established peer, as a newcomer does once
     int jumped = 0;          ///< states still to be sent that tell of a jump
     SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
     Lead lead = {};
     Initiative initiative = {};
-    HardInput hard = {};
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
+    /// What is needed for each body in each step ends here.
+    HardInput hard = {};
+    pbd::Correction averaged = {};  ///< by two-step coupling, this step
   };
 
   /// An estimate that the observer is told of once all is done: recording is no aggregation.
@@ -94,6 +95,7 @@ class Peer::Impl {
 
   // Receive.
   void receive(SessionTime now);
+  CodecResult parse(const Packet& packet);
   void take_in(PeerId from, SessionTime now);
   /// Stamp of a peer's farewell; the beginning of time where it has not left.
   SessionTime farewell_of(PeerId peer) const;
@@ -103,8 +105,9 @@ class Peer::Impl {
   /// Memory for the histories of bodies that were shared since the last step.
   void lay_out_histories();
   MotionHistory spare_history();
-  /// The memory of what is asked first of a body whose turn comes soon.
-  void prefetch(std::size_t index) const;
+  /// Ask for the memory of bodies whose turn comes soon after that of the one at `place`.
+  /// @param age  samples, of the states that are heard
+  void prefetch(std::size_t place, std::size_t age) const;
   /// Every peer's newest state of one body, carried to now.
   void estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
   void tell_observer(SessionTime now);
@@ -170,7 +173,9 @@ class Peer::Impl {
   SessionTime last_before_ = 0;
   SessionTime next_send_ = 0;
   double step_dt_ = 1.0 / 60.0;
+  // Of the body that estimate() was asked about.
   pbd::TargetMotion motion_ = pbd::TargetMotion::WithBody;
+  std::size_t age_ = 0;  ///< samples, of the last state
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;

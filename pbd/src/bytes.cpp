@@ -2,12 +2,22 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/bytes.h"
 
+#include <array>
 #include <bit>
+#include <cstring>
 
 namespace tandem::pbd {
+namespace {
+
+constexpr bool kLittle = std::endian::native == std::endian::little;
+
+}  // namespace
 
 void ByteWriter::put(std::uint64_t value, int count) {
-  for (int i = 0; i < count; ++i) out_.push_back(static_cast<std::byte>(value >> (8 * i)));
+  std::array<std::byte, 8> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    bytes[i] = static_cast<std::byte>(value >> (8 * i));
+  out_.insert(out_.end(), bytes.begin(), bytes.begin() + count);
 }
 
 void ByteWriter::f32(float value) { u32(std::bit_cast<std::uint32_t>(value)); }
@@ -34,6 +44,12 @@ std::uint64_t ByteReader::get(int count) {
     return 0;
   }
   std::uint64_t value = 0;
+  if (kLittle && remaining() >= sizeof(value)) {  // the usual case; the other gives the same
+    std::memcpy(&value, &in_[at_], sizeof(value));
+    value &= ~std::uint64_t{0} >> (64 - 8 * count);
+    at_ += static_cast<std::size_t>(count);
+    return value;
+  }
   for (int i = 0; i < count; ++i) {
     value |= static_cast<std::uint64_t>(in_[at_ + static_cast<std::size_t>(i)]) << (8 * i);
   }

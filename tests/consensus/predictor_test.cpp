@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "consensus/random.h"
 #include "support/catch.h"
@@ -114,6 +115,27 @@ TEST_CASE("predictor: local motion returns the offset of a falling body exactly"
     check_close(p.rotation, Vec3::Zero());
     check_close(p.twist.linear, Vec3::Zero());
     CHECK(p.motion == TargetMotion::WithBody);
+  }
+}
+
+TEST_CASE("predictor: histories side by side in one memory are as those alone", "[consensus]") {
+  const Motion first = projectile({1.0, 2.0, 3.0}, {4.0, -1.0, 6.0});
+  const Motion second = projectile({-5.0, 0.5, 1.0}, {-2.0, 3.0, 1.0});
+  constexpr int kCount = static_cast<int>(MotionHistory::kCapacity) + 30;  // round the ring
+  std::vector<MotionSample> memory(2 * MotionHistory::kCapacity);
+  MotionHistory a(memory, 0, 2);
+  MotionHistory b(memory, 1, 2);
+  for (int i = 0; i < kCount; ++i) {
+    const double t = i * kDt;
+    a.push(kOrigin + i * kStep, first.pose(t), first.twist(t), {}, false);
+    b.push(kOrigin + i * kStep, second.pose(t), second.twist(t), {}, false);
+  }
+  const MotionHistory alone_a = first.history(kCount);
+  const MotionHistory alone_b = second.history(kCount);
+  for (int late = 0; late < kCount; ++late) {
+    const SessionTime time = kOrigin + (kCount - 1 - late) * kStep + kStep / 3;
+    CHECK(a.at_time(time).pose.position == alone_a.at_time(time).pose.position);
+    CHECK(b.at_time(time).pose.position == alone_b.at_time(time).pose.position);
   }
 }
 

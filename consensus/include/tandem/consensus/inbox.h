@@ -115,6 +115,7 @@ class Inbox {
   std::vector<Body> bodies_;  ///< by id
   std::vector<Peer> peers_;   ///< by id
   InboxCounters totals_;
+  std::size_t next_ = 0;  ///< body after the last one offered: packets name them in order
 };
 
 }  // namespace tandem::consensus

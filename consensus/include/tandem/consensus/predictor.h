@@ -75,6 +75,14 @@ class MotionHistory {
     return count_ > 0 && at(moment.age).time <= moment.time;
   }
 
+  /// Ask for the memory of the newest sample and of those around the one of this age.
+  void prefetch(std::size_t age) const {
+    if (count_ == 0) return;
+    fetch(0);
+    if (age > 1) fetch(age - 1);
+    if (age > 0 && age < count_) fetch(age);
+  }
+
   /// The state at a time, interpolated between samples, clamped to the ends of the history.
   MotionSample at_time(const Moment& moment) const;
   MotionSample at_time(SessionTime time) const { return at_time(moment(time)); }
@@ -97,6 +105,11 @@ class MotionHistory {
  private:
   std::size_t slot(std::size_t age) const { return (head_ + kCapacity - 1 - age) % kCapacity; }
   const MotionSample& at(std::size_t age) const { return samples_[slot(age) * stride_]; }
+
+  void fetch(std::size_t age) const {
+    const char* const bytes = reinterpret_cast<const char*>(&at(age));
+    for (std::size_t i = 0; i < sizeof(MotionSample); i += 64) __builtin_prefetch(bytes + i);
+  }
 
   std::vector<MotionSample> own_;
   MotionSample* samples_ = nullptr;
