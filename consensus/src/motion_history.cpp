@@ -71,6 +71,15 @@ MotionSample MotionHistory::at_time(SessionTime time) const {
   sample.time = time;
   sample.elapsed = before.elapsed + f * (after.elapsed - before.elapsed);
   sample.pose.position = mix(before.pose.position, after.pose.position);
+  if (!before.coupled && !after.coupled) {
+    // The cubic that has both velocities, exact in free fall; what agreement moved goes straight.
+    const double dt = after.elapsed - before.elapsed;
+    const Vec3 way =
+        after.pose.position - before.pose.position - (after.displaced - before.displaced);
+    sample.pose.position +=
+        f * (1.0 - f) *
+        ((1.0 - f) * (dt * before.twist.linear - way) - f * (dt * after.twist.linear - way));
+  }
   sample.pose.orientation =
       pbd::rotated(before.pose.orientation,
                    f * pbd::rotation_between(before.pose.orientation, after.pose.orientation));

@@ -39,7 +39,8 @@ class MotionHistory {
   void clear() { count_ = free_for_ = undriven_for_ = 0; }
   bool empty() const { return count_ == 0; }
   const MotionSample& newest() const { return at(0); }
-  /// The state at `time`, interpolated between samples, clamped to the ends of the history.
+  /// The state at `time`, interpolated between samples (positions by a cubic where nothing touches
+  /// the body, else on the line), clamped to the ends of the history.
   MotionSample at_time(SessionTime time) const;
   /// Whether the orientation at `time` is surely within `angle` (rad, below a quarter turn) of `q`;
   /// cheaper than at_time(), and false where that would have to tell.
