@@ -26,11 +26,12 @@ using consensus::SessionTime;
 using pbd::Vec3;
 
 constexpr double kRate = 60.0;
-constexpr double kSeconds = 2.0;
-constexpr SessionTime kStart = 1'000'000'000;      // ns
-constexpr SessionTime kPhase = 7'000'000;          // ns, of the second peer's steps
-constexpr double kMass = 0.3;                      // kg
-constexpr double kSwingUp = 0.5, kSwingEnd = 0.9;  // s: the hand's throw
+constexpr double kSeconds = 3.0;
+constexpr SessionTime kStart = 1'000'000'000;  // ns
+constexpr SessionTime kPhase = 7'000'000;      // ns, of the second peer's steps
+constexpr double kMass = 0.3;                  // kg
+// s: the hand's throw, by a user who is no newcomer any more.
+constexpr double kSwingUp = 1.5, kSwingEnd = 1.9;
 
 /// One peer's world with one shared ball.
 class Site {
@@ -182,7 +183,7 @@ int main() {
       Motion{"throw", flight(Vec3(4, 0, 6), Vec3::Zero()), 0.0}, Motion{"swing", pendulum, 0.0}};
   std::printf("{\n");
   const std::array<std::pair<const char*, consensus::PredictorKind>, 2> predictors{
-      std::pair{"local-motion", consensus::PredictorKind::LocalMotion},
+      std::pair{"adaptive", consensus::PeerOptions{}.predictor},
       std::pair{"euler", consensus::PredictorKind::Euler}};
   for (std::size_t k = 0; k < predictors.size(); ++k) {
     std::printf("  \"%s\": {\n", predictors[k].first);

@@ -140,7 +140,7 @@ def _tennis(results):
 
 def _motion(motion):
     rows = []
-    for name, value in (motion or {}).get("local-motion", {}).items():
+    for name, value in (motion or {}).get("adaptive", {}).items():
         rows.append(_row(f"no treacle: {name}, speed against alone, profile 5",
                          f"{100 * value:.3g} %", "<= 1 %", value <= 0.01))
     if not rows:
@@ -194,15 +194,16 @@ def _predictors(results):
                         # Nobody can see a tenth of a millimetre.
                         if own is None or euler is None or max(own, euler) < 1e-4:
                             continue
-                        found.append((own / euler if euler else float("inf"), s, p))
+                        count = mean(cells, f"classes.{name}.prediction_error_m.count")
+                        found.append((own / euler if euler else float("inf"), s, p, count))
                 if not found:
                     rows.append(_row(f"prediction: {name} {quantile} over Euler's, {label}",
                                      "nothing above 0.1 mm", f"<= {limit}", True))
                     continue
-                ratio, s, p = max(found)
+                ratio, s, p, count = max(found)
                 rows.append(_row(f"prediction: {name} {quantile} over Euler's, {label}",
-                                 f"{short(ratio)} ({s}, profile {p}); best "
-                                 f"{short(min(found)[0])}", f"<= {limit}", ratio <= limit))
+                                 f"{short(ratio)} ({s}, profile {p}, {count:.0f} samples a run); "
+                                 f"best {short(min(found)[0])}", f"<= {limit}", ratio <= limit))
     return rows
 
 

@@ -288,11 +288,15 @@ def write(results, out, docs):
         "### The physical limit", "",
         "Nobody can know what a hand has done since the last news left: of a body that one user "
         "holds, half its acceleration times the age of the news squared. The age is that at the end "
-        "of the step in which the news is used: the effective latency and one step.", "",
+        "of the step in which the news is used: the effective latency of that direction and one "
+        "step. Limit and ours are of the same samples: what one user holds and nobody else does.",
+        "",
         *limit_lines(results), "",
         "## Prediction", "",
         "Paper: almost identical to divergence (its Figure 11). Euler's prediction is judged by the "
-        "same states of the same run; the piano sends its springs here.",
+        "same states of the same run; the piano sends its springs here. Between two steps of its "
+        "sender a body is taken to be on the cubic that has both velocities, or, where it was hit, "
+        "on the two straight lines that meet.",
         "Each: p50 ours/Euler, p95 ours/Euler, in mm.", "", *prediction_lines(results),
         *figure("evaluation_prediction", "error of the prediction"),
         "## Latency", "", *latency_lines(results),

@@ -36,6 +36,8 @@ void InfluenceOptions::validate() const {
   require(held_alone >= 0.0 && held_alone <= 1.0, "InfluenceOptions", "held_alone", held_alone,
           "0 to 1");
   require(leading >= 0.0 && leading <= 1.0, "InfluenceOptions", "leading", leading, "0 to 1");
+  require(following >= 0.0 && following <= 1.0, "InfluenceOptions", "following", following,
+          "0 to 1");
   require(std::isfinite(half_life) && half_life > 0.0, "InfluenceOptions", "half_life", half_life,
           "finite and above 0 s");
   require(min_share >= 0.0 && min_share <= 1.0, "InfluenceOptions", "min_share", min_share,

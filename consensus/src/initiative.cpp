@@ -29,6 +29,8 @@ void Initiative::update(const Acting& acting, double round_trip, SessionTime now
     return;
   }
   if (acted_ == 0) return;
+  // Where it touches something first, copies part that were together.
+  if (flies_ && acting.contact) until_ = std::max(until_, now + to_ns(round_trip + kSettling));
   flies_ = flies_ && !acting.contact;
   // In flight nothing happens that the followers did not hear of.
   if (flies_) until_ = std::max(until_, now);

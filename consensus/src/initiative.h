@@ -13,8 +13,8 @@ namespace tandem::consensus {
 /// it is then no other view of the same thing but old news: they have not heard yet what the hand
 /// did, and an average would take back a part of every throw and every stroke. So who has the
 /// initiative does not listen, and the others follow. It ends when somebody else acts on the body,
-/// when somebody took it later, or, once the body touches something again, after the news was
-/// there and back.
+/// when somebody took it later, or, once the body touches something again, after the news of that
+/// was there and back.
 /// One object for each shared body.
 class Initiative {
  public:

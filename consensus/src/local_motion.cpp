@@ -149,7 +149,11 @@ class LocalMotionPredictor final : public Predictor {
   static double straighter(const MotionSample& then, const MotionSample& now,
                            const pbd::Twist& closing, double age) {
     const Vec3 way = now.pose.position - then.pose.position - (now.displaced - then.displaced);
-    const double bent = (way - age * then.twist.linear).squaredNorm();
+    // Of a steady acceleration both say the same; a hit just now shows in the velocity alone.
+    const Vec3 change =
+        now.twist.linear - then.twist.linear - (now.agreed.linear - then.agreed.linear);
+    const double bent = std::max((way - age * then.twist.linear).squaredNorm(),
+                                 0.25 * age * age * change.squaredNorm());
     const double apart = age * age * closing.linear.squaredNorm();
     return apart > 0.0 ? apart / (apart + bent) : 0.0;
   }

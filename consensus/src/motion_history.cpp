@@ -43,6 +43,7 @@ void MotionHistory::push(SessionTime time, const pbd::Pose& pose, const pbd::Twi
   sample.agreed = sum(last.agreed, correction.twist, 1.0);
   sample.agreed_moment = sum(last.agreed_moment, correction.twist, now);
   hits_[head_] = count_ > 0 && is_hit(last, sample, now - elapsed(last.time));
+  coupled_[head_] = coupled;
   step_ = time - last.time;
   free_for_ = coupled ? 0 : free_for_ + 1;
   undriven_for_ = driven ? 0 : undriven_for_ + 1;
@@ -75,9 +76,18 @@ MotionSample MotionHistory::at_time(const Moment& moment) const {
     return pbd::Twist{mix(a.linear, b.linear), mix(a.angular, b.angular)};
   };
   const pbd::Vec3 turn = f * pbd::rotation_between(before.pose.orientation, after.pose.orientation);
+  Vec3 position = mix(before.pose.position, after.pose.position);
+  if (!coupled_[slot(age)] && !coupled_[slot(age - 1)]) {
+    // The cubic that has both velocities, exact in free fall; what agreement moved goes straight.
+    const double dt = seconds(after.time - before.time);
+    const Vec3 way =
+        after.pose.position - before.pose.position - (after.displaced - before.displaced);
+    position +=
+        f * (1.0 - f) *
+        ((1.0 - f) * (dt * before.twist.linear - way) - f * (dt * after.twist.linear - way));
+  }
   return {.time = time,
-          .pose = {mix(before.pose.position, after.pose.position),
-                   pbd::rotated(before.pose.orientation, turn)},
+          .pose = {position, pbd::rotated(before.pose.orientation, turn)},
           .twist = mix_twist(before.twist, after.twist),
           .displaced = mix(before.displaced, after.displaced),
           .turned = mix(before.turned, after.turned),

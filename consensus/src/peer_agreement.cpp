@@ -15,6 +15,8 @@ namespace {
 
 /// A peer that does not own a body is heard with no more than this, whatever it claims.
 constexpr double kMaxSharedInfluence = 0.5;
+/// The same of one that leads: nobody else acts on the body.
+constexpr double kMaxLeadersInfluence = 0.8;
 
 /// What a sender gives my states, relative to what I give its: no honest peer's policy comes near.
 constexpr double kMostMirrored = 100.0;
@@ -294,7 +296,8 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
     known.gain = predictor_->gain_for(update);
     known.sender_leads = update.flags.leads && own_lead == 0.0;
     const double claimed = static_cast<double>(update.influence);
-    const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
+    const double most = known.sender_leads ? kMaxLeadersInfluence : kMaxSharedInfluence;
+    const double heard = owner ? 1.0 : std::min(claimed, most);
     double share = hearing_.apply(heard, known);
     if (!owner) {
       if (own_confidence >= 1.0) {  // a newcomer leads nobody
@@ -308,7 +311,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         }
         const bool follows = known.sender_leads || received.peer < self;
         share = shared.lead.share(share, angle, follows && own_lead == 0.0, now);
-        share = std::min(share, kMaxSharedInfluence);  // it leads, and does not own
+        share = std::min(share, most);  // it leads, and does not own
       }
       share = against_own(share, own_confidence);
     }

@@ -90,15 +90,15 @@ std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_ag
   });
 }
 
-std::shared_ptr<const InfluencePolicy> gain_rule(double min_share) {
+std::shared_ptr<const InfluencePolicy> gain_rule(double min_share, double led_share) {
   require(min_share >= 0.0 && min_share <= 1.0, "gain_rule", "min_share", min_share, "0 to 1");
-  return make([min_share](double share, const InfluenceContext& context) {
+  require(led_share >= 0.0 && led_share <= 1.0, "gain_rule", "led_share", led_share, "0 to 1");
+  return make([min_share, led_share](double share, const InfluenceContext& context) {
     if (!(share > 0.0)) return 0.0;
     if (share >= 1.0) return 1.0;
-    if (context.sender_leads) return share;
     const double stable = context.gain / (std::max(context.age, 0.0) / kShareInterval + 2.0);
-    // max(min_share, stable) in this order: a gain that is not a number counts as none.
-    return std::min(share, std::max(min_share, stable));
+    // max(least, stable) in this order: a gain that is not a number counts as none.
+    return std::min(share, std::max(context.sender_leads ? led_share : min_share, stable));
   });
 }
 
@@ -149,7 +149,7 @@ PolicyChain default_announcement(const InfluenceOptions& options) {
 PolicyChain default_hearing(const InfluenceOptions& options) {
   PolicyChain chain;
   chain.then(age_decay(options.half_life, options.max_age))
-      .then(gain_rule(options.min_share))
+      .then(gain_rule(options.min_share, options.following))
       .then(deaf_while_leading());
   return chain;
 }

@@ -69,23 +69,6 @@ double time_to_agree(std::span<const PeerRecord> peers, std::span<const Divergen
   return apart > input ? seconds(apart - input) : 0.0;
 }
 
-Distribution held_limit(std::span<const PeerRecord> peers, double age) {
-  std::vector<double> values;
-  const auto late = static_cast<SessionTime>(std::llround(1e9 * age));
-  for (const PeerRecord& peer : peers) {
-    for (std::size_t body = 0; body < peer.tracks.size(); ++body) {
-      if (owned(peer, body)) continue;
-      for (const TrackSample& now : peer.tracks[body].samples()) {
-        if (now.users != 1) continue;
-        const auto before = peer.tracks[body].at(now.time - late);
-        if (!before) continue;
-        values.push_back(0.5 * age * (now.velocity - before->velocity).norm());
-      }
-    }
-  }
-  return distribution(values);
-}
-
 Distribution limit_of_all(std::span<const PeerRecord> peers, double age,
                           const EvaluationOptions& options) {
   std::vector<double> values;
@@ -108,27 +91,50 @@ Distribution limit_of_all(std::span<const PeerRecord> peers, double age,
   return distribution(values);
 }
 
-Distribution held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options) {
-  std::vector<double> values;
+double news_age(const PeerRecord& listener, const PeerRecord& sender) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const PredictionSample& p : listener.predictions) {
+    if (p.from != sender.id) continue;
+    sum += p.age;
+    ++count;
+  }
+  // What a peer in another process makes of the news is not seen: the way back is about as long.
+  if (count == 0 && !listener.local && sender.local) return news_age(sender, listener);
+  const double step = listener.step_hz > 0.0 ? 1.0 / listener.step_hz : 0.0;
+  return step + (count > 0 ? sum / static_cast<double>(count) : 0.0);
+}
+
+HeldByOne held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options) {
+  std::vector<double> distances, limits;
   for (const PeerRecord& peer : peers) {
+    std::vector<double> ages;
+    for (const PeerRecord& other : peers) ages.push_back(news_age(other, peer));
     for (std::size_t body = 0; body < peer.tracks.size(); ++body) {
       if (owned(peer, body)) continue;
       for (const TrackSample& own : peer.tracks[body].samples()) {
         if (own.users != 1) continue;
         double apart = -1.0;
+        double limit = -1.0;
         int users = own.users;
-        for (const PeerRecord& other : peers) {
-          if (&other == &peer) continue;
-          const auto there = other.tracks[body].at(own.time, options.max_gap);
+        for (std::size_t k = 0; k < peers.size(); ++k) {
+          if (&peers[k] == &peer) continue;
+          const auto there = peers[k].tracks[body].at(own.time, options.max_gap);
           if (!there) continue;
           users += there->users;
           apart = std::max(apart, (there->position - own.position).norm());
+          const auto late = static_cast<SessionTime>(std::llround(1e9 * ages[k]));
+          const auto before = peer.tracks[body].at(own.time - late, options.max_gap);
+          if (!before) continue;
+          limit = std::max(limit, 0.5 * ages[k] * (own.velocity - before->velocity).norm());
         }
-        if (users == 1 && apart >= 0.0) values.push_back(apart);
+        if (users != 1 || apart < 0.0 || limit < 0.0) continue;
+        distances.push_back(apart);
+        limits.push_back(limit);
       }
     }
   }
-  return distribution(values);
+  return {distribution(distances), distribution(limits)};
 }
 
 std::vector<Blow> blows(std::span<const PeerRecord> peers) {

@@ -21,17 +21,23 @@ std::vector<double> contact_disagreement(std::span<const PeerRecord> peers);
 double time_to_agree(std::span<const PeerRecord> peers, std::span<const DivergenceSample> samples,
                      double tolerance);
 
-/// m: what nobody who is `age` (s) late can know of bodies that one user holds: half the
-/// acceleration at the holder's peer, mean over the age, times the age squared.
-Distribution held_limit(std::span<const PeerRecord> peers, double age);
+/// s: from the end of the sender's step to the end of the step in which the listener uses the news
+/// of it: the mean age of what the listener used, and its step.
+double news_age(const PeerRecord& listener, const PeerRecord& sender);
 
-/// m: the same for every body at every step of the first peer: nothing where no hand moves it, by a
-/// spring or as its owner. No network with this age can come below these numbers, whatever it does.
+/// Of bodies that one user holds and nobody else does: how far they are apart (m), and what nobody
+/// can know whom the news reach so late as the others: half the acceleration at the holder's peer,
+/// mean over the age of the news, times that age squared. Both of the same samples.
+struct HeldByOne {
+  Distribution apart_m, limit_m;
+};
+HeldByOne held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options = {});
+
+/// m: the same limit for every body at every step of the first peer, all news being `age` (s) old:
+/// nothing where no hand moves it, by a spring or as its owner. No network with this age can come
+/// below these numbers, whatever it does.
 Distribution limit_of_all(std::span<const PeerRecord> peers, double age,
                           const EvaluationOptions& options = {});
-
-/// m: how far such bodies are apart: those that one user of one peer holds.
-Distribution held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options = {});
 
 /// Blows that bodies get from what a user alone moves: a change of velocity of more than 2 m/s in
 /// a step within 0.35 m of such a body, at its owner's peer.

@@ -123,9 +123,8 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
   if (!contacts.empty()) m.contact_disagreement_end = contacts.back();
   m.contact_disagreement = distribution(contacts);
   m.agree_s = time_to_agree(run.peers, metrics.samples, Measures::kAgreed);
-  m.held_limit_m = held_limit(run.peers, mean_age + step);
   m.limit_of_all_m = limit_of_all(run.peers, mean_age + step);
-  m.held_by_one_m = held_by_one(run.peers);
+  m.held = held_by_one(run.peers);
   if (!run.peers.empty()) divergence_over_time(metrics, m, run.peers.front().tracks.size());
   if (reference != nullptr && !reference->peers.empty()) {
     m.reference = smoothness(reference->peers);
@@ -185,9 +184,9 @@ void write_measures(JsonWriter& json, const Measures& m,
   write_box(json, "contact_disagreement", m.contact_disagreement);
   json.field("contact_disagreement_end", m.contact_disagreement_end);
   json.field("time_to_agree_s", m.agree_s);
-  write_box(json, "held_limit_m", m.held_limit_m);
+  write_box(json, "held_limit_m", m.held.limit_m);
   write_box(json, "limit_of_all_m", m.limit_of_all_m);
-  write_box(json, "held_by_one_m", m.held_by_one_m);
+  write_box(json, "held_by_one_m", m.held.apart_m);
   json.key("blows").begin_object();
   json.field("count", m.hits.blows);
   write_box(json, "before_m", m.hits.before_m);

@@ -33,7 +33,8 @@ struct Measures {
   Distribution contact_disagreement;
   double contact_disagreement_end = Distribution::kNone;
   double agree_s = Distribution::kNone;  ///< see time_to_agree
-  Distribution held_limit_m, held_by_one_m, limit_of_all_m;
+  HeldByOne held;
+  Distribution limit_of_all_m;
   std::vector<Distribution> over_time_m;  ///< of each half second, jumps and owned left out
   static constexpr double kBin = 0.5;     ///< s
   std::vector<Distribution> of_body_m;    ///< jumps left out

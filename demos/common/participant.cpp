@@ -144,6 +144,7 @@ const PeerRecord& Participant::record() {
   record_.aggregate_s = stats.aggregate_s;
   record_.updates_received = stats.updates_received;
   record_.bodies_aggregated = stats.bodies_aggregated;
+  record_.bodies_placed = stats.bodies_placed;
   record_.bytes_sent = stats.bytes_sent;
   record_.hash = scene_.world->hash();
   record_.outcome.clear();

@@ -35,6 +35,7 @@ void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet)
     sample.position = state.pose.position;
     sample.orientation = state.pose.orientation;
     sample.speed = state.twist.linear.norm();
+    sample.velocity = state.twist.linear;
     // One user sits at each process, however many springs the hand has.
     for (const auto& [spring, held] : remote.springs) sample.users |= held == body ? 1 : 0;
     remote.tracks[body].push(sample);

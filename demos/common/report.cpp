@@ -182,6 +182,9 @@ std::string report_json(const Report& r) {
   json.field("parse", m.parse_us).field("process", m.process_us);
   json.field("aggregate", m.aggregate_us).field("targets", m.targets_us).end_object();
   json.field("bytes_per_second", m.bytes_per_second);
+  std::uint64_t placed = 0;
+  for (const PeerRecord& peer : r.run.peers) placed += peer.bodies_placed;
+  json.field("bodies_placed", placed);
   json.key("step_ms").begin_object();
   json.field("mean", m.step_ms.mean).field("p50", m.step_ms.p50).field("p99", m.step_ms.p99);
   json.end_object();

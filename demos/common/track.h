@@ -80,6 +80,7 @@ struct PeerRecord {
   double targets_s = 0.0;  ///< wall time of the pass's total channel, where targets are
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;
+  std::uint64_t bodies_placed = 0;
   std::uint64_t bytes_sent = 0;
   double seconds = 0.0;        ///< s, session time that was simulated in company
   std::uint64_t hash = 0;      ///< of the world at the end

@@ -98,5 +98,31 @@ TEST_CASE("predictor: adaptive without a memory is the blend for bodies that are
         error_of(PredictorKind::Blend, 60, swing, apart, nullptr));
 }
 
+TEST_CASE("predictor: adaptive knows of a bounce that only the velocity shows yet",
+          "[consensus][analytic]") {
+  // Both fall alike; the own ball came down on the ground in its last step and turned round there,
+  // while the other's state was stamped before. A straight line would go on into the ground.
+  constexpr double kFall = 3.0;  // m/s
+  const auto height = [](double t) { return Vec3(0.0, 0.0, 0.1 - kFall * t); };
+  const Vec3 down(0.0, 0.0, -kFall);
+  MotionHistory own;
+  for (int i = 0; i < 4; ++i) {
+    own.push(kStart + i * kStep, {height(i * kDt), pbd::Quat::Identity()},
+             {i < 3 ? down : Vec3(-down), Vec3::Zero()}, {}, i == 3);
+  }
+  StateUpdate update;
+  update.id = {1, 1};
+  const double stamp = 2.5 * kDt;
+  update.pose.position = height(stamp);
+  // It weighs a little: the velocities are not quite the same.
+  update.twist.linear = down + Vec3(0.0, 0.0, -0.05);
+  update.stamp = kStart + std::llround(1e9 * stamp);
+  update.flags.leads = true;
+  PredictorMemory memory;
+  const Prediction p = make_predictor(PredictorKind::Adaptive)
+                           ->predict(update, own, {.now = kStart + 3 * kStep, .memory = &memory});
+  CHECK(std::abs(p.twist.linear.z()) < 0.1);
+}
+
 }  // namespace
 }  // namespace tandem::consensus

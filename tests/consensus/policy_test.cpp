@@ -54,9 +54,17 @@ TEST_CASE("policy: who leads is followed and does not listen", "[consensus][unit
   none.baseline = 0.0;  // no agreement is none
   CHECK(default_announcement(none).apply(0.0, {.leads = 1.0}) == 0.0);
   const PolicyChain hearing = default_hearing(options);
-  // Not above what decays with age, and beyond the gain rule: 2^-1 at the half life.
+  // Not above what decays with age, 2^-1 at the half life, and of old news not above a limit that
+  // is far above what others are given.
   CHECK(hearing.apply(0.3, {.sender_leads = true, .age = options.half_life}) == 0.15);
   CHECK(hearing.apply(0.3, {.age = options.half_life}) < 0.15);
+  CHECK(hearing.apply(0.8, {.sender_leads = true, .age = options.half_life}) == options.following);
+  // Of fresh news the gain rule leaves more: 2 / (0.5 + 2) after half of 1/60 s.
+  const double fresh = 0.5 * kShareInterval;
+  CHECK(hearing.apply(0.9, {.sender_leads = true, .age = fresh, .gain = 2.0}) ==
+        Approx(0.8).epsilon(1e-12));
+  CHECK(gain_rule(0.02)->apply(0.9, {.sender_leads = true, .age = 0.5}) == 0.9);
+  CHECK_THROWS_AS(gain_rule(0.02, 1.5), std::invalid_argument);
   CHECK(hearing.apply(0.08, {.leads = 1.0}) == 0.0);
   CHECK(hearing.apply(0.08, {.leads = 0.5}) == Approx(0.04).epsilon(1e-12));
   CHECK(hearing.apply(1.0, {.leads = 1.0}) == 1.0);  // an owner's share

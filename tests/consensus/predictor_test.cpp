@@ -140,7 +140,9 @@ TEST_CASE("predictor: histories side by side in one memory are as those alone", 
 }
 
 TEST_CASE("predictor: between two samples the own state is interpolated", "[consensus]") {
-  const Motion own = projectile(Vec3::Zero(), {4.0, -1.0, 6.0});
+  const bool touches = GENERATE(false, true);
+  Motion own = projectile(Vec3::Zero(), {4.0, -1.0, 6.0});
+  own.coupled = [touches](int) { return touches; };
   const MotionHistory history = own.history(40);
   for (const double f : {0.1, 0.5, 0.9}) {
     const double t = (30.0 + f) * kDt;
@@ -148,8 +150,9 @@ TEST_CASE("predictor: between two samples the own state is interpolated", "[cons
     update.pose = own.pose(t);
     update.twist = own.twist(t);
     update.stamp = kOrigin + std::llround(1e9 * t);
-    // A chord lies below a parabola by g f (1 - f) dt^2 / 2; velocities are straight lines.
-    const Vec3 bow = -0.5 * f * (1.0 - f) * kDt * kDt * kGravity;
+    // A chord lies below a parabola by g f (1 - f) dt^2 / 2; velocities are straight lines. What
+    // flies is followed on the parabola itself.
+    const Vec3 bow = touches ? Vec3(-0.5 * f * (1.0 - f) * kDt * kDt * kGravity) : Vec3::Zero();
     const Prediction p = kLocal->predict(update, history, at_step(39));
     check_close(p.translation, bow, 1e-9);
     check_close(p.twist.linear, Vec3::Zero(), 1e-9);
@@ -417,6 +420,7 @@ TEST_CASE("predictor: around a hit states on the same side of it are compared",
 TEST_CASE("history: times outside are clamped to its ends, the oldest samples go", "[consensus]") {
   Motion own;
   own.pose = [](double t) { return Pose{Vec3(t, 0.0, 0.0), Quat::Identity()}; };
+  own.twist = [](double) { return Twist{Vec3(1.0, 0.0, 0.0), Vec3::Zero()}; };
   constexpr int kCount = static_cast<int>(MotionHistory::kCapacity) + 50;
   const MotionHistory history = own.history(kCount);
   CHECK(history.at_time(kOrigin + 10'000 * kStep).pose.position.x() ==

@@ -180,13 +180,34 @@ TEST_CASE("agreement: the limit of a body held with constant acceleration is a t
     peers[0].tracks[0].push(at(step_time(i), Vec3(1.5 * t * t, 0, 0), Vec3(3.0 * t, 0, 0), 1));
     peers[1].tracks[0].push(at(step_time(i), Vec3(1.5 * t * t, 0.01, 0), Vec3(3.0 * t, 0, 0)));
   }
-  const Distribution limit = held_limit(peers, 0.1);
+  // Used at the other peer 83.3 ms after, and seen a step later.
+  peers[1].predictions.push_back({.from = 1, .body = 0, .time = 0, .age = 0.1 - 1.0 / kRate});
+  peers[1].predictions.push_back({.from = 3, .body = 0, .time = 0, .age = 1.0});
+  CHECK(news_age(peers[1], peers[0]) == Approx(0.1));
+  const HeldByOne held = held_by_one(peers);
+  const Distribution& limit = held.limit_m;
   CHECK(limit.p50 == Approx(0.5 * 3.0 * 0.1 * 0.1));
   CHECK(limit.max == Approx(limit.p50));
+  CHECK(held.apart_m.p50 == Approx(0.01));
   const Distribution all = limit_of_all(peers, 0.1);
   CHECK(all.count == 60);
   CHECK(all.max == Approx(limit.p50));
-  CHECK(held_by_one(peers).p50 == Approx(0.01));
+}
+
+TEST_CASE("agreement: bodies that two users hold count neither for the limit nor against it",
+          "[demos][unit]") {
+  std::vector<PeerRecord> peers{peer(1, 2), peer(2, 2)};
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 fast(3.0 * i / kRate, 0, 0);
+    peers[0].tracks[0].push(at(step_time(i), Vec3::Zero(), fast, 1));
+    peers[1].tracks[0].push(at(step_time(i), Vec3::Zero(), fast, 0));
+    for (PeerRecord& p : peers) p.tracks[1].push(at(step_time(i), Vec3::Zero(), Vec3::Zero(), 1));
+  }
+  const HeldByOne held = held_by_one(peers);
+  CHECK(held.limit_m.count == held.apart_m.count);
+  CHECK(held.limit_m.count == 59);  // of the first body, all but its first, before which is none
+  // a t^2 / 2 with t one step: no news tell more than their step. No zeros of the second body.
+  CHECK(held.limit_m.p50 == Approx(0.5 * 3.0 / (kRate * kRate)));
 }
 
 TEST_CASE("agreement: a blow is a jump of velocity near what its owner moves", "[demos][unit]") {

@@ -54,12 +54,44 @@ TEST_CASE("metrics: percentiles are nearest-rank and exact", "[demos][unit]") {
   CHECK(std::isnan(distribution(none).max));
 }
 
-TEST_CASE("track: positions are interpolated on the line, orientations on the arc",
+TEST_CASE("track: between samples bodies fall on parabolas and bounce off straight",
+          "[demos][analytic]") {
+  constexpr double kDt = 1.0 / 60.0;
+  const Vec3 g(0.0, 0.0, -9.81);
+  const auto time = [](double t) { return std::llround(1e9 * (1.0 + t)); };
+  const auto state = [&](double t, const Vec3& x, const Vec3& v) {
+    TrackSample s = sample(time(t), x, v.norm());
+    s.velocity = v;
+    return s;
+  };
+  Track falls;
+  const Vec3 v0(2.0, -1.0, 0.5);
+  falls.push(state(0.0, Vec3::Zero(), v0));
+  falls.push(state(kDt, kDt * v0 + 0.5 * kDt * kDt * g, v0 + kDt * g));
+  // Down at 3 m/s, off the ground at 2 m/s after 0.4 of the step.
+  constexpr double kHit = 0.4 * kDt;
+  const Vec3 down(1.0, 0.0, -3.0);
+  const Vec3 up(1.0, 0.0, 2.0);
+  Track bounces;
+  bounces.push(state(0.0, Vec3::Zero(), down));
+  bounces.push(state(kDt, kHit * down + (kDt - kHit) * up, up));
+  for (const double f : {0.1, 0.3, 0.4, 0.5, 0.9}) {
+    const double t = f * kDt;
+    CHECK((falls.at(time(t))->position - (t * v0 + 0.5 * t * t * g)).norm() < 1e-8);
+    const Vec3 there = std::min(t, kHit) * down + std::max(t - kHit, 0.0) * up;
+    CHECK((bounces.at(time(t))->position - there).norm() < 1e-8);
+  }
+}
+
+TEST_CASE("track: steady positions are interpolated on the line, orientations on the arc",
           "[demos][analytic]") {
   Track track;
   const Vec3 quarter(0.0, 0.0, std::numbers::pi / 2.0);
-  track.push(sample(100, Vec3(0.0, 0.0, 0.0), 1.0, 1));
-  track.push(sample(200, Vec3(1.0, 2.0, 4.0), 3.0, 0, quarter));
+  TrackSample from = sample(100, Vec3(0.0, 0.0, 0.0), 1.0, 1);
+  TrackSample to = sample(200, Vec3(1.0, 2.0, 4.0), 3.0, 0, quarter);
+  from.velocity = to.velocity = Vec3(1.0, 2.0, 4.0) / 100e-9;
+  track.push(from);
+  track.push(to);
   const auto middle = track.at(125);
   REQUIRE(middle.has_value());
   CHECK((middle->position - Vec3(0.25, 0.5, 1.0)).norm() < 1e-15);
@@ -83,13 +115,18 @@ TEST_CASE("metrics: two bodies on one line, seen at other times, do not diverge"
   const auto on_line = [](consensus::SessionTime t) {
     return Vec3(2.0 * static_cast<double>(t) * 1e-9, 0.0, 0.0);
   };
+  const auto moving = [](consensus::SessionTime t, const Vec3& position) {
+    TrackSample s = sample(t, position, 2.0);
+    s.velocity = Vec3(2.0, 0.0, 0.0);
+    return s;
+  };
   for (int i = 0; i < 120; ++i) {
     const consensus::SessionTime t = i * 16'666'667ll;
-    a.tracks[0].push(sample(t, on_line(t), 2.0));
+    a.tracks[0].push(moving(t, on_line(t)));
   }
   for (int i = 0; i < 140; ++i) {
     const consensus::SessionTime t = 5'000'000 + i * 13'888'889ll;
-    b.tracks[0].push(sample(t, on_line(t) + Vec3(0.0, 0.003, 0.0), 2.0));
+    b.tracks[0].push(moving(t, on_line(t) + Vec3(0.0, 0.003, 0.0)));
   }
   const std::vector<PeerRecord> peers{a, b};
   const std::vector<DivergenceSample> samples = divergence(peers);

@@ -30,9 +30,11 @@ struct InfluenceOptions {
   /// [friston] Sec. 3.2.
   double held_alone = 0.2;
   /// Announced while this peer's user was the last to act on a body, and the only one: the others
-  /// follow, and this peer does not listen until they know what was done. Beyond the gain rule,
-  /// since a follower of one that does not listen is stable at any share.
-  double leading = 0.3;
+  /// follow, and this peer does not listen until they know what was done.
+  double leading = 0.8;
+  /// Lower limit of the gain rule for a leader's states: a follower of one that does not listen is
+  /// stable at any share, but the older the news are, the less is won by hurrying after them.
+  double following = 0.25;
   /// s: the age at which a share has halved, because prediction errors grow with it.
   double half_life = 0.5;
   /// Lower limit of the gain rule. Above 0, so that old states still bring agreement; below what a

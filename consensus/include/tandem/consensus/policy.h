@@ -80,9 +80,9 @@ std::shared_ptr<const InfluencePolicy> owner_alone();
 
 /// Halves with each `half_life` (s) of age, 0 beyond `max_age` (s); owners' only expires.
 std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_age);
-/// At most max(min_share, gain / (d + 2)), d the age in 1/60 s; not for owners and others that do
-/// not listen, whom we may follow at any share.
-std::shared_ptr<const InfluencePolicy> gain_rule(double min_share);
+/// At most max(min_share, gain / (d + 2)), d the age in 1/60 s; not for owners. Of a sender that
+/// leads at most max(led_share, gain / (d + 2)): 1 follows it at any share.
+std::shared_ptr<const InfluencePolicy> gain_rule(double min_share, double led_share = 1.0);
 
 /// Times 1 - leads: who has just acted does not listen to those who do not know it yet; not for
 /// owners.

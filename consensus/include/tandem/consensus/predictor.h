@@ -83,7 +83,8 @@ class MotionHistory {
     if (age > 0 && age < count_) fetch(age);
   }
 
-  /// The state at a time, interpolated between samples, clamped to the ends of the history.
+  /// The state at a time, interpolated between samples (positions by a cubic where nothing touches
+  /// the body, else on the line), clamped to the ends of the history.
   MotionSample at_time(const Moment& moment) const;
   MotionSample at_time(SessionTime time) const { return at_time(moment(time)); }
   /// Whether the orientation at a time is surely nearer to `q` than the angle (below a quarter
@@ -119,8 +120,9 @@ class MotionHistory {
   std::size_t free_for_ = 0;      ///< samples since the newest one that was coupled
   std::size_t undriven_for_ = 0;  ///< and since the newest one that a user acted on
   SessionTime origin_ = 0;
-  SessionTime step_ = 0;         ///< ns, between the two newest samples
-  std::bitset<kCapacity> hits_;  ///< by slot: the velocity jumped in the step that led there
+  SessionTime step_ = 0;            ///< ns, between the two newest samples
+  std::bitset<kCapacity> hits_;     ///< by slot: the velocity jumped in the step that led there
+  std::bitset<kCapacity> coupled_;  ///< by slot
 };
 
 enum class PredictorKind : std::uint8_t {
