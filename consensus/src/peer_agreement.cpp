@@ -7,7 +7,6 @@
 #include "cpu_clock.h"
 #include "peer_impl.h"
 #include "tandem/pbd/math.h"
-#include "two_step.h"
 
 namespace tandem::consensus {
 namespace {
@@ -40,7 +39,11 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       springs_(world, options_),
       inbox_({.max_age = options.influence.max_age}),
       predictor_(make_predictor(options.predictor, options.prediction)),
-      keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {}
+      keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
+  if (options.coupling == Coupling::SingleOwner) {
+    ownership_ = std::make_unique<Ownership>(transport.self(), options.influence.max_age);
+  }
+}
 
 void Peer::Impl::share(const ShareDef& def) {
   if (!def.id.valid()) throw std::invalid_argument("ShareDef: id = 0 breaks the rule: not zero");
@@ -61,6 +64,7 @@ void Peer::Impl::share(const ShareDef& def) {
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
   const auto shared = shared_.insert(at, Shared{.def = def});
   if (keeps_heard_) shared->heard.reserve(kUsualPeers);
+  if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
   inbox_.add_id(def.id);
   if (def.owner.has_value()) ++owned_;
 }
@@ -105,12 +109,10 @@ void Peer::Impl::before_step(SessionTime now) {
   }
   receive(now);
   springs_.prepare(now);
+  if (ownership_ != nullptr) update_ownership(now);
   aggregate(now);
   tell_observer(now);
-  if (options_.coupling != Coupling::TwoStep) return;
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    targeted_[i]->averaged = average_state(world_, targets_[i], step_dt_);
-  }
+  if (!in_pass()) apply_coupling();
 }
 
 void Peer::Impl::after_step(SessionTime now) {
@@ -129,9 +131,8 @@ void Peer::Impl::after_step(SessionTime now) {
       world_.set_pose(shared.def.body, shared.hard.shown.pose);
       world_.set_twist(shared.def.body, shared.hard.shown.twist);
     }
-    const pbd::Correction correction = options_.coupling == Coupling::OnePass
-                                           ? world_.correction(shared.def.body)
-                                           : shared.averaged;
+    const pbd::Correction correction =
+        in_pass() ? world_.correction(shared.def.body) : shared.averaged;
     if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
     remember(shared, now, correction);
     shared.averaged = {};
@@ -145,9 +146,7 @@ void Peer::Impl::after_step(SessionTime now) {
 }
 
 void Peer::Impl::collect(std::vector<pbd::PoseTarget>& out) const {
-  if (options_.coupling == Coupling::OnePass) {
-    out.insert(out.end(), targets_.begin(), targets_.end());
-  }
+  if (in_pass()) out.insert(out.end(), targets_.begin(), targets_.end());
 }
 
 std::size_t Peer::Impl::samples_since(SessionTime stamp, SessionTime now) const {
@@ -167,7 +166,8 @@ void Peer::Impl::aggregate(SessionTime now) {
     if (i + kAhead < shared_.size()) shared_[i + kAhead].history.prefetch(age);
     if (!newest.empty()) age = samples_since(newest.front().update.stamp, now);
     if (!world_.contains(shared.def.body)) continue;
-    if (shared.def.owner == transport_.self()) {
+    const bool unheard = options_.coupling == Coupling::None && !shared.def.owner.has_value();
+    if (unheard || shared.def.owner == transport_.self()) {
       estimates_.clear();
       drag(shared, now);
       continue;
@@ -214,6 +214,10 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
                           SessionTime now) {
   estimates_.clear();
   if (newest.empty()) return;
+  if (ownership_ != nullptr && !shared.def.owner.has_value()) {
+    estimate_owner(shared, newest, now);
+    return;
+  }
   const pbd::BodyState& own = world_.state(shared.def.body);
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
   const double own_confidence = confidence();
@@ -232,7 +236,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
     const double heard = owner ? 1.0 : std::min(claimed, kMaxSharedInfluence);
     double share = hearing_.apply(heard, known);
     if (!owner) {
-      if (own_confidence >= 1.0) {  // a newcomer leads nobody
+      if (options_.arbitration && own_confidence >= 1.0) {  // a newcomer leads nobody
         // Compared at the stamp: what spins fast turns far within the age of an update.
         double angle = 0.0;
         if (!shared.history.within(update.stamp, update.pose.orientation, kNoDoubt)) {
@@ -279,7 +283,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       place(shared, pose, twist, now);
     } else if (known.sender_leads || (received.peer < transport_.self() && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
-      if (!held && shared.lead.parted(prediction.translation, now)) {
+      if (options_.arbitration && !held && shared.lead.parted(prediction.translation, now)) {
         place(shared, pose, twist, now);
         shared.jumped = kJumpTold;
         ++stats_.bodies_placed;
@@ -321,6 +325,9 @@ Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTi
 }
 
 double Peer::Impl::announced(const Shared& shared) const {
+  if (ownership_ != nullptr && !shared.def.owner.has_value()) {
+    return ownership_->mine(index_of(shared)) ? 1.0 : 0.0;
+  }
   return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
                                    .sender_owns = shared.def.owner == transport_.self(),
                                    .held_alone = springs_.holds_alone(shared.def.body),

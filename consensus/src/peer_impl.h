@@ -12,6 +12,7 @@
 #include "hard_input.h"
 #include "initiative.h"
 #include "lead.h"
+#include "ownership.h"
 #include "session_time.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
@@ -21,17 +22,20 @@
 namespace tandem::consensus {
 
 /// What one peer does in a step. Receiving and sending are in peer_exchange.cpp, who acts on what
-/// and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp.
+/// and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp, couplings other
+/// than the pass in peer_coupling.cpp.
 class Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
 
   void share(const ShareDef& def);
   void set_owner(const SharedId& id, std::optional<PeerId> owner);
+  std::optional<PeerId> owner(const SharedId& id);
 
   GrabId grab(const GrabDef& def) { return springs_.grab(def, at(def.body).def.body); }
   Springs& springs() { return springs_; }
   bool held(const SharedId& id) const;
+  void note_contact(pbd::BodyId a, pbd::BodyId b);
 
   void before_step(SessionTime now);
   void after_step(SessionTime now);
@@ -65,7 +69,8 @@ class Peer::Impl {
   struct Shared {
     ShareDef def;
     MotionHistory history = {};
-    pbd::Correction averaged = {};  ///< by two-step coupling, this step
+    pbd::Correction averaged = {};  ///< before the step, where the pass does not do it
+    double still = 0.0;             ///< s, at rest and in agreement, see rests()
     bool held = false;
     bool joined = false;     ///< taken over from an established peer, as a newcomer does once
     int jumped = 0;          ///< states still to be sent that tell of a jump
@@ -119,7 +124,24 @@ class Peer::Impl {
 
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
+  void mark_noted_contacts();
   void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+
+  // Couplings other than the pass.
+  /// Whether targets go into the solver's pass; those of owners do where nothing is agreed upon.
+  bool in_pass() const {
+    return options_.coupling == Coupling::OnePass || options_.coupling == Coupling::None;
+  }
+  void apply_coupling();
+  /// Where bodies pass from owner to owner: who has which, and what is to be said about it.
+  void update_ownership(SessionTime now);
+  void hear_ownership(PeerId from, SessionTime now);
+  /// The state of whoever owns the body, carried to now.
+  void estimate_owner(const Shared& shared, std::span<const Inbox::Received> newest,
+                      SessionTime now);
+  std::size_t index_of(const Shared& shared) const {
+    return static_cast<std::size_t>(&shared - shared_.data());
+  }
 
   // Remember and send.
   void mark_joints();
@@ -140,12 +162,15 @@ class Peer::Impl {
   bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
   PeerStats stats_;
-  std::vector<Shared> shared_;  ///< by id, as in inbox_
+  std::vector<Shared> shared_;            ///< by id, as in inbox_
+  std::unique_ptr<Ownership> ownership_;  ///< of shared_; null where bodies do not change hands
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
   std::vector<std::uint8_t> acting_;
   std::vector<std::uint8_t> touching_;
+  /// Slots of a body and of what pushed it in the last step of another engine.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> noted_contacts_;
   std::size_t owned_ = 0;  ///< bodies that have an owner
   SessionTime now_ = 0;
   SessionTime started_ = 0;
