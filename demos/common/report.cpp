@@ -78,8 +78,8 @@ void describe_run(JsonWriter& json, const Report& r) {
   } else {
     json.field("variant", o.variant);
   }
-  json.field("solver", to_string(o.solver));
-  json.field("predictor", to_string(o.predictor));
+  json.field("solver", to_string(o.scheme));
+  json.field("predictor", to_string(o.predictor_kind()));
   if (o.over_network()) {
     json.null_field("profile");
   } else {
@@ -132,8 +132,8 @@ std::string report_table(const Report& r) {
       format("%s: %zu peers, %s, %.1f s, seed %llu, %s, %s, influence %g, %g updates/s\n",
              r.scenario.c_str(), r.run.peers.size(),
              o.over_network() ? "TCP" : format("profile %d", o.profile).c_str(), r.run.seconds,
-             static_cast<unsigned long long>(o.seed), std::string(to_string(o.solver)).c_str(),
-             std::string(to_string(o.predictor)).c_str(), o.influence, o.update_hz);
+             static_cast<unsigned long long>(o.seed), std::string(to_string(o.scheme)).c_str(),
+             std::string(to_string(o.predictor_kind())).c_str(), o.influence, o.update_hz);
   out += format("  %-26s %9s %9s %9s %9s %9s %9s\n", "", "p50", "p75", "p95", "p99", "max", "n");
   out += row("divergence, mm", m.divergence_m, 1e3);
   out += row("  contested, mm", m.contested_m, 1e3);
