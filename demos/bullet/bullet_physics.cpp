@@ -6,43 +6,12 @@
 // nothing of the consensus is written twice, and a peer is not asked what engine it has.
 #include "benchmarks/engine/engine.h"
 #include "bullet/bullet_scene.h"
+#include "bullet/springs.h"
 #include "common/physics.h"
 
 namespace tandem::demos {
 
 namespace {
-
-using pbd::Mat3;
-using pbd::Vec3;
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-/// A user's spring over a step of `dt` s as an impulse, with stretch and speed as they will be at
-/// its end: stable however stiff it is. (K = k dt^2 + c dt, f the force:
-/// (1 + K W) f = k (e + dt e') + c e', W the inverse mass that the point feels.)
-/// @param gravity  m/s^2, which the engine is going to add
-void pull(const pbd::Tether::Def& spring, const pbd::BodyProps& props, const Vec3& gravity,
-          double dt, pbd::BodyState& state) {
-  const Mat3 turn = state.pose.orientation.toRotationMatrix();
-  const Vec3 r = turn * spring.anchor_l;
-  const Mat3 inverse_inertia = turn * props.inverse_inertia_l * turn.transpose();
-  const Mat3 arm = cross_matrix(r);
-  const Mat3 mobility = props.inverse_mass * Mat3::Identity() - arm * inverse_inertia * arm;
-  const Vec3 stretch = spring.anchor_w - (state.pose.position + r);
-  const Vec3 closing =
-      spring.anchor_velocity - (state.twist.linear + dt * gravity + state.twist.angular.cross(r));
-  const double gain = spring.stiffness * dt * dt + spring.damping * dt;
-  const Vec3 wanted = spring.stiffness * (stretch + dt * closing) + spring.damping * closing;
-  Vec3 force = (Mat3::Identity() + gain * mobility).partialPivLu().solve(wanted);
-  const double strength = force.norm();
-  if (strength > spring.max_force) force *= spring.max_force / strength;
-  state.twist.linear += dt * props.inverse_mass * force;
-  state.twist.angular += dt * (inverse_inertia * r.cross(force));
-}
 
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
@@ -61,16 +30,20 @@ class BulletPhysics final : public Physics {
   BulletPhysics(const Scene& scene, std::optional<int> iterations)
       : plain_(plain_scene(scene)),
         engine_(bench::make_bullet(plain_.scene, {.iterations = iterations, .sleeping = true})) {
-    for (const SceneBody& body : scene.bodies) seen_.push_back(scene.world->state(body.body));
+    for (const SceneBody& body : scene.bodies) {
+      seen_.push_back(scene.world->state(body.body));
+      pulls_.emplace_back().start(scene.world->gravity());
+    }
+    pushed_ = seen_;
   }
 
   const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) override {
-    springs_.clear();
-    peer.springs(springs_);
+    all_springs_.clear();
+    peer.springs(all_springs_);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) push(scene, i, dt);
     engine_->step(dt);
     report_.status = pbd::StepStatus::Ok;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) fetch(scene, i);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) fetch(scene, i, dt);
     note_contacts(scene, peer);
     return report_;
   }
@@ -85,17 +58,18 @@ class BulletPhysics final : public Physics {
   /// the velocity, velocities as they are.
   void push(const Scene& scene, std::size_t i, double dt) {
     const pbd::BodyId id = scene.bodies[i].body;
-    const pbd::BodyState view = scene.world->state(id);
+    const pbd::BodyState& view = scene.world->state(id);
     if (!same(view.pose, seen_[i].pose)) engine_->set_pose(index(i), view.pose);
-    pbd::BodyState pulled = view;
-    for (const pbd::Tether::Def& spring : springs_) {
-      if (spring.body == id)
-        pull(spring, scene.world->props(id), scene.world->gravity(), dt, pulled);
+    springs_.clear();
+    for (const pbd::Tether::Def& spring : all_springs_) {
+      if (spring.body == id) springs_.push_back(spring);
     }
-    if (!same(pulled.twist, seen_[i].twist)) engine_->set_twist(index(i), pulled.twist);
+    pushed_[i] = view;
+    if (!springs_.empty()) pulls_[i].pull(springs_, scene.world->props(id), dt, pushed_[i]);
+    if (!same(pushed_[i].twist, seen_[i].twist)) engine_->set_twist(index(i), pushed_[i].twist);
   }
 
-  void fetch(Scene& scene, std::size_t i) {
+  void fetch(Scene& scene, std::size_t i, double dt) {
     const pbd::BodyId id = scene.bodies[i].body;
     pbd::BodyState state = engine_->state(index(i));
     const pbd::AxisLocks& locks = scene.world->props(id).locks;
@@ -107,6 +81,7 @@ class BulletPhysics final : public Physics {
       engine_->set_pose(index(i), state.pose);
       engine_->set_twist(index(i), state.twist);
     }
+    pulls_[i].learn(pushed_[i].twist, state.twist, dt);
     scene.world->set_pose(id, state.pose);
     scene.world->set_twist(id, state.twist);
     seen_[i] = scene.world->state(id);
@@ -131,11 +106,13 @@ class BulletPhysics final : public Physics {
 
   PlainScene plain_;
   std::unique_ptr<bench::Engine> engine_;
-  std::vector<pbd::BodyState> seen_;  ///< of the view after the last step, by shared body
+  std::vector<pbd::BodyState> seen_;    ///< of the view after the last step, by shared body
+  std::vector<pbd::BodyState> pushed_;  ///< what the engine was given
+  std::vector<SpringPulls> pulls_;
   pbd::StepReport report_;
   std::vector<std::pair<std::size_t, std::size_t>> touching_;
   // Scratch, kept for its capacity.
-  std::vector<pbd::Tether::Def> springs_;
+  std::vector<pbd::Tether::Def> all_springs_, springs_;
   std::vector<std::pair<int, int>> pairs_;
 };
 

@@ -325,8 +325,10 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
 }
 
 Scheme DemoOptions::scheme_of(std::size_t peer) const {
-  const bool two_step = scheme == Scheme::TwoStep || scheme == Scheme::TwoStepPlain;
-  return engine(peer) == Engine::Tandem || two_step ? scheme : Scheme::TwoStepPaper;
+  if (engine(peer) == Engine::Tandem) return scheme;
+  if (scheme == Scheme::OnePass) return Scheme::TwoStep;
+  if (scheme == Scheme::OnePassPlain) return Scheme::TwoStepPlain;
+  return scheme == Scheme::Pd ? Scheme::TwoStepPaper : scheme;
 }
 
 consensus::LinkOptions DemoOptions::link_options() const {

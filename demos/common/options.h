@@ -72,8 +72,8 @@ struct DemoOptions {
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }
-  /// Another engine has no pass that targets could be in: TwoStepPaper where it is not said
-  /// otherwise.
+  /// Another engine has no pass that targets could be in, and is not asked for forces: it takes two
+  /// steps by the same rules.
   Scheme scheme_of(std::size_t peer) const;
   consensus::PeerOptions peer_options() const { return peer_options(scheme); }
   /// The same for a peer that does it another way.

@@ -93,6 +93,11 @@ void describe_run(JsonWriter& json, const Report& r) {
     json.value(peer.local ? peer.step_hz : Distribution::kNone);
   }
   json.end_array();
+  json.key("engines").begin_array();
+  for (std::size_t i = 0; i < r.run.peers.size(); ++i) {
+    if (r.run.peers[i].local) json.value(to_string(o.engine(r.run.peers[i].id - 1)));
+  }
+  json.end_array();
   json.field("update_hz", o.update_hz).field("influence", o.influence);
   json.field("loss", o.over_network() ? Distribution::kNone : o.loss);
   json.field("stable", r.stable());
