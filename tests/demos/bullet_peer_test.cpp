@@ -26,7 +26,7 @@ bool skipped() {
   return !has_bullet();
 }
 
-/// Two cubes of 0.3 kg on the ground and in the air, at one peer that runs on Bullet.
+/// Cubes of 0.3 kg on the ground, on that one and in the air, at one peer that runs on Bullet.
 class Alone {
  public:
   Alone() : network_({}, 1, kBegin) {
@@ -34,6 +34,7 @@ class Alone {
     const pbd::Vec3 edge = pbd::Vec3::Constant(0.1);
     builder.box("rests", edge, 0.3, {0.0, 0.0, 0.05});
     builder.box("flies", edge, 0.3, {1.0, 0.0, 2.0});
+    builder.box("on it", edge, 0.3, {0.0, 0.0, 0.15});
     scene_ = builder.build({}, 0.5);
     consensus::PeerOptions options{.coupling = consensus::Coupling::TwoStep};
     peer_ = std::make_unique<consensus::Peer>(*scene_.world, network_.transport(1), options);
@@ -68,7 +69,9 @@ TEST_CASE("bullet peer: the view falls, rests and touches as Bullet has it", "[d
   CHECK(alone.scene().twist(1).linear.z() == Approx(-9.81 * 0.5).epsilon(1e-9));
   // Bullet lets boxes sink into each other by some of its margin.
   CHECK(alone.scene().pose(0).position.z() == Approx(0.05).margin(2e-3));
-  CHECK(alone.physics().touching()->empty());  // the ground is not shared
+  // The ground is not shared.
+  using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+  CHECK(*alone.physics().touching() == Pairs{{0, 2}});
 }
 
 TEST_CASE("bullet peer: what is put elsewhere keeps its velocity", "[demos][analytic]") {
