@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "consensus/peer_fixture.h"
+#include "consensus/stub_transport.h"
 #include "support/catch.h"
 
 namespace tandem::consensus {
@@ -212,6 +213,48 @@ TEST_CASE("coupling: a virtual coupling at its defaults settles over every profi
   CHECK(gap(session[0], session[1]) < (resting ? 0.055 : 1e-3));
   CHECK((session[0].v() - session[1].v()).norm() < 1e-3);
   CHECK(fastest < 2.0);
+}
+
+TEST_CASE("coupling: nobody leads where initiative is off", "[consensus]") {
+  for (const bool initiative : {true, false}) {
+    StubTransport transport(1);
+    transport.known.push_back({.id = 2, .connected = true});
+    Site site(transport, {.initiative = initiative, .authority_ramp = 0.0}, kWeightless);
+    site.share(ball(Vec3::Zero()));
+    site.peer->grab({.body = kBody});
+    for (int i = 0; i < 10; ++i) {
+      const SessionTime now = kStart + i * ns(kFrame);
+      site.peer->before_step(now);
+      site.solver.step(site.world, kFrame);
+      site.peer->after_step(now + ns(kFrame));
+    }
+    DecodedPacket last;
+    REQUIRE(decode(transport.posted.back(), last).ok());
+    REQUIRE(last.states.size() == 1);
+    CHECK(last.states[0].flags.held);
+    CHECK(last.states[0].flags.leads == initiative);
+    CHECK((last.states[0].influence > 0.2F) == initiative);
+  }
+}
+
+TEST_CASE("coupling: copies on different faces are averaged where arbitration is off",
+          "[consensus]") {
+  // Free and 1.4 rad apart, which is beyond doubt down to 1.2 rad: so far the lower id stays.
+  for (const bool arbitration : {true, false}) {
+    Session session;
+    for (PeerId id = 1; id <= 2; ++id) {
+      const double angle = id == 2 ? 1.4 : 0.0;
+      session.add(id, 0.0, {.arbitration = arbitration, .authority_ramp = 0.0}, kWeightless)
+          .share(cube(Vec3::Zero(), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))));
+    }
+    session.run(4.0);
+    const double first = session[0].pose().orientation.angularDistance(Quat::Identity());
+    const double apart =
+        session[0].pose().orientation.angularDistance(session[1].pose().orientation);
+    CHECK(apart < 0.01);
+    if (arbitration) CHECK(first < 0.6);
+    if (!arbitration) CHECK(first == Approx(0.7).margin(0.05));
+  }
 }
 
 TEST_CASE("coupling: options outside of their rules are refused by name", "[consensus][fault]") {
