@@ -17,7 +17,8 @@ enum class Coupling : std::uint8_t {
   TwoStep,  ///< the paper's scheme: average first, [friston] Secs. 4.2 and 4.6, then a plain step
   None,     ///< states are sent and never used: what copies do that only users' springs join
   /// Transactional: a body belongs to one peer, the others put it where its owner has it. It passes
-  /// to whoever acts on it last, by a request and a grant, see Ownership in ownership.h.
+  /// to whoever acts on it last, by a request and a grant, a round trip after the act; what nobody
+  /// has asked for is the lowest id's.
   SingleOwner,
   VirtualCoupling,  ///< a spring and a damper to the remote state, [friston] Sec. 2.6
 };
@@ -36,11 +37,11 @@ struct TwoStepOptions {
 
 /// Of Coupling::VirtualCoupling: force = mass (w^2 e + 2 z w de/dt), w = 2 pi frequency, z =
 /// damping_ratio, e the way to the remote state; torque likewise with the inertia. Taken at the end
-/// of the step, as implicit Euler does, so that no gain is too high for the step. Two free peers
-/// pull at each other: what is between them swings at sqrt(2) w with a damping ratio of sqrt(2) z.
-/// The defaults damp that critically (1/e in about a quarter of a second) and are the most that
-/// bears 150 ms between two peers with linear extrapolation: 1 Hz is unstable there, 2 Hz from 80
-/// ms.
+/// of the step, as implicit Euler does, so that no gain is too high for the step while the remote
+/// state does not answer. Two free peers pull at each other: what is between them swings at sqrt(2)
+/// w with a damping ratio of sqrt(2) z. The defaults damp that critically, so that half of it is
+/// left after 0.38 s, and bear a delay of 150 ms with linear extrapolation, at which 1 Hz swings
+/// up; 2 Hz, which agrees far better on short links, does so from about 80 ms.
 struct VirtualCouplingOptions {
   double frequency = 0.5;                     ///< Hz, > 0, at most 100
   double damping_ratio = 0.7071067811865476;  ///< >= 0, at most 100

@@ -181,9 +181,9 @@ class Peer final : public pbd::TargetSource {
   void leave(SessionTime now);
 
   // For bodies that another engine steps. The world is then a view of them: before_step moves it
-  // (with any coupling but OnePass and VirtualCoupling, which ask the solver to), the other engine
-  // is told what has changed, pulls by these springs and steps, and poses and twists are copied
-  // back before after_step.
+  // (with TwoStep or SingleOwner; the others ask the solver for something), the other engine is
+  // told what has changed, pulls by these springs and steps, and poses and twists are copied back
+  // before after_step.
 
   /// All users' springs, own and remote, as they pull during the step to come; appended. Anchors
   /// are of its start and go on with their velocity.
