@@ -6,6 +6,7 @@
 // Compiled for single or double precision as BT_USE_DOUBLE_PRECISION says.
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -67,6 +68,31 @@ class BulletEngine final : public Engine {
     btRigidBody& b = *bodies_[static_cast<std::size_t>(body)];
     b.setLinearVelocity(bt(twist.linear));
     b.setAngularVelocity(bt(twist.angular));
+    b.activate(true);
+  }
+  void set_pose(int body, const Pose& pose) override {
+    btRigidBody& b = *bodies_[static_cast<std::size_t>(body)];
+    b.setWorldTransform(bt(pose));
+    b.setInterpolationWorldTransform(bt(pose));
+    b.activate(true);
+  }
+  void touching(std::vector<std::pair<int, int>>& out) const override {
+    const auto first = static_cast<std::ptrdiff_t>(out.size());
+    const btDispatcher& dispatcher = dispatcher_;
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+      const btPersistentManifold& manifold =
+          *const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i);
+      btScalar impulse = 0;
+      for (int k = 0; k < manifold.getNumContacts(); ++k) {
+        impulse += manifold.getContactPoint(k).getAppliedImpulse();
+      }
+      if (impulse > btScalar(0)) {
+        out.push_back(
+            std::minmax(manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex()));
+      }
+    }
+    std::sort(out.begin() + first, out.end());
+    out.erase(std::unique(out.begin() + first, out.end()), out.end());
   }
 
  private:
@@ -113,6 +139,7 @@ class BulletEngine final : public Engine {
     info.m_restitution = static_cast<btScalar>(std::sqrt(body.restitution));
     bodies_.push_back(std::make_unique<btRigidBody>(info));
     btRigidBody& b = *bodies_.back();
+    b.setUserIndex(static_cast<int>(bodies_.size()) - 1);
     b.setDamping(0, 0);
     if (!sleeping_) b.setActivationState(DISABLE_DEACTIVATION);
     const bool touches = body.collides && !std::holds_alternative<NoShape>(body.shape);

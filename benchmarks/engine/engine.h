@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "benchmarks/scenes/scene.h"
 
 namespace tandem::bench {
 
@@ -41,6 +41,10 @@ class Engine {
   virtual pbd::BodyState state(int body) const = 0;
   virtual EngineStats stats() const { return {}; }
   virtual void set_twist(int body, const Twist& twist) = 0;
+  /// Puts a body somewhere else; its velocity knows nothing of it.
+  virtual void set_pose(int body, const Pose& pose) = 0;
+  /// Pairs of bodies that pushed each other in the last step, ascending, each once; appended.
+  virtual void touching(std::vector<std::pair<int, int>>& out) const = 0;
 };
 
 /// @throws std::invalid_argument where the engine cannot build the scene: what() says why

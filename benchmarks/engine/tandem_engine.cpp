@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
+#include <algorithm>
+
 #include "engine/engine.h"
 #include "engine/tandem_joints.h"
 #include "tandem/collision/contact_source.h"
+#include "tandem/pbd/contact.h"
 #include "tandem/pbd/solver.h"
 
 namespace tandem::bench {
@@ -59,6 +62,22 @@ class TandemEngine final : public Engine {
   void step(double dt) override { report_ = &solver_.step(world_, dt); }
   pbd::BodyState state(int body) const override { return world_.state(id(body)); }
   void set_twist(int body, const Twist& twist) override { world_.set_twist(id(body), twist); }
+  void set_pose(int body, const Pose& pose) override { world_.set_pose(id(body), pose); }
+  void touching(std::vector<std::pair<int, int>>& out) const override {
+    if (world_.contacts() == nullptr) return;
+    const auto number = [&](std::uint32_t slot) {
+      const auto found = std::find_if(ids_.begin(), ids_.end(),
+                                      [slot](const pbd::BodyId& i) { return i.index == slot; });
+      return static_cast<int>(found - ids_.begin());
+    };
+    const auto first = static_cast<std::ptrdiff_t>(out.size());
+    for (const pbd::Contact& contact : world_.contacts()->contacts()) {
+      if (!(contact.impulse > 0.0)) continue;
+      out.push_back(std::minmax(number(contact.manifold.body_a), number(contact.manifold.body_b)));
+    }
+    std::sort(out.begin() + first, out.end());
+    out.erase(std::unique(out.begin() + first, out.end()), out.end());
+  }
   EngineStats stats() const override {
     EngineStats stats{.stage_s = {}, .substeps = solver_.options().substeps};
     if (report_ == nullptr) return stats;

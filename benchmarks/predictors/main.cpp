@@ -61,7 +61,7 @@ void compare(std::string_view scene, const demos::DemoOptions& options) {
     for (std::size_t k = 0; k < bench::kKinds.size(); ++k) {
       std::printf("%s,%d,%llu,%s,%s,%s,%zu,%.9g,%.9g,%.9g,%.4g,%.4g\n", std::string(scene).c_str(),
                   options.profile, static_cast<unsigned long long>(options.seed),
-                  std::string(demos::to_string(options.predictor)).c_str(),
+                  std::string(demos::to_string(options.predictor_kind())).c_str(),
                   std::string(bench::to_string(static_cast<bench::Situation>(s))).c_str(),
                   std::string(demos::to_string(bench::kKinds[k])).c_str(), of[k].count,
                   1e3 * of[k].p50, 1e3 * of[k].p95, 1e3 * of[k].max, of[k].p50 / euler.p50,

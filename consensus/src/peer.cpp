@@ -14,6 +14,8 @@ using pbd::detail::require;
 void PeerOptions::validate() const {
   influence.validate();
   prediction.validate();
+  two_step.validate();
+  virtual_coupling.validate();
   require(update_hz >= 1e-3 && update_hz <= 10000.0, "PeerOptions", "update_hz", update_hz,
           "0.001 to 10000");
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",
@@ -49,7 +51,10 @@ void Peer::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   impl_->springs().move(id, anchor_w, now);
 }
 void Peer::release(GrabId id) { impl_->springs().release(id, impl_->now()); }
+std::optional<PeerId> Peer::owner(const SharedId& id) const { return impl_->owner(id); }
 bool Peer::held(const SharedId& id) const { return impl_->held(id); }
+void Peer::springs(std::vector<pbd::Tether::Def>& out) const { impl_->springs().pulls(out); }
+void Peer::note_contact(pbd::BodyId a, pbd::BodyId b) { impl_->note_contact(a, b); }
 void Peer::before_step(SessionTime now) { impl_->before_step(now); }
 void Peer::after_step(SessionTime now) { impl_->after_step(now); }
 void Peer::leave(SessionTime now) { impl_->leave(now); }

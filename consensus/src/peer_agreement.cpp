@@ -8,7 +8,6 @@
 #include "cpu_clock.h"
 #include "peer_impl.h"
 #include "tandem/pbd/math.h"
-#include "two_step.h"
 
 namespace tandem::consensus {
 namespace {
@@ -50,7 +49,11 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       springs_(world, options_),
       inbox_({.max_age = options.influence.max_age}),
       predictor_(make_predictor(options.predictor, options.prediction)),
-      keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {}
+      keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
+  if (options.coupling == Coupling::SingleOwner) {
+    ownership_ = std::make_unique<Ownership>(transport.self(), options.influence.max_age);
+  }
+}
 
 void Peer::Impl::share(const ShareDef& def) {
   if (!def.id.valid()) throw std::invalid_argument("ShareDef: id = 0 breaks the rule: not zero");
@@ -71,6 +74,7 @@ void Peer::Impl::share(const ShareDef& def) {
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
   const auto shared = shared_.insert(at, Shared{.def = def, .history = spare_history()});
   if (keeps_heard_) shared->heard.reserve(kUsualPeers);
+  if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
   inbox_.add_id(def.id);
   if (def.owner.has_value()) ++owned_;
 }
@@ -93,6 +97,7 @@ void Peer::Impl::unshare(const SharedId& id) {
   springs_.forget_body(shared.def.body, now_);
   if (shared.def.owner.has_value()) --owned_;
   inbox_.remove_id(id);
+  if (ownership_ != nullptr) ownership_->remove(index_of(shared));
   shared_.erase(shared_.begin() + (&shared - shared_.data()));
   targets_.clear();
   targeted_.clear();
@@ -139,12 +144,10 @@ void Peer::Impl::before_step(SessionTime now) {
   }
   receive(now);
   springs_.prepare(now);
+  if (ownership_ != nullptr) update_ownership(now);
   aggregate(now);
   tell_observer(now);
-  if (options_.coupling != Coupling::TwoStep) return;
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    targeted_[i]->averaged = average_state(world_, targets_[i], step_dt_);
-  }
+  if (!in_pass()) apply_coupling();
 }
 
 void Peer::Impl::after_step(SessionTime now) {
@@ -164,9 +167,8 @@ void Peer::Impl::after_step(SessionTime now) {
       world_.set_pose(shared.def.body, shared.hard.shown.pose);
       world_.set_twist(shared.def.body, shared.hard.shown.twist);
     }
-    const pbd::Correction correction = options_.coupling == Coupling::OnePass
-                                           ? world_.correction(shared.def.body)
-                                           : shared.averaged;
+    const pbd::Correction correction =
+        in_pass() ? world_.correction(shared.def.body) : shared.averaged;
     if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
     remember(shared, now, correction);
     shared.averaged = {};
@@ -180,9 +182,7 @@ void Peer::Impl::after_step(SessionTime now) {
 }
 
 void Peer::Impl::collect(std::vector<pbd::PoseTarget>& out) const {
-  if (options_.coupling == Coupling::OnePass) {
-    out.insert(out.end(), targets_.begin(), targets_.end());
-  }
+  if (in_pass()) out.insert(out.end(), targets_.begin(), targets_.end());
 }
 
 MotionHistory Peer::Impl::spare_history() {
@@ -233,7 +233,8 @@ void Peer::Impl::aggregate(SessionTime now) {
     const auto newest = inbox_.newest_at(i);
     prefetch(i, age_);  // about the same for all bodies
     if (!world_.contains(shared.def.body)) continue;
-    if (shared.def.owner == self) {
+    const bool unheard = options_.coupling == Coupling::None && !shared.def.owner.has_value();
+    if (unheard || shared.def.owner == self) {
       estimates_.clear();
       drag(shared, now);
       continue;
@@ -280,6 +281,10 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
                           SessionTime now) {
   estimates_.clear();
   if (newest.empty()) return;
+  if (ownership_ != nullptr && !shared.def.owner.has_value()) {
+    estimate_owner(shared, newest, now);
+    return;
+  }
   const pbd::BodyState& own = world_.states()[shared.def.body.index];
   const PeerId self = transport_.self();
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
@@ -300,7 +305,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
     const double heard = owner ? 1.0 : std::min(claimed, most);
     double share = hearing_.apply(heard, known);
     if (!owner) {
-      if (own_confidence >= 1.0) {  // a newcomer leads nobody
+      if (options_.arbitration && own_confidence >= 1.0) {  // a newcomer leads nobody
         // Compared at the stamp: what spins fast turns far within the age of an update.
         double angle = 0.0;
         const MotionHistory::Moment stamp = shared.history.moment(update.stamp);
@@ -352,7 +357,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       place(shared, pose, twist, now);
     } else if (known.sender_leads || (received.peer < self && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
-      if (!held && shared.lead.parted(prediction.translation, now)) {
+      if (options_.arbitration && !held && shared.lead.parted(prediction.translation, now)) {
         place(shared, pose, twist, now);
         shared.jumped = kJumpTold;
         ++stats_.bodies_placed;
@@ -394,6 +399,9 @@ Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTi
 }
 
 double Peer::Impl::announced(const Shared& shared) {
+  if (ownership_ != nullptr && !shared.def.owner.has_value()) {
+    return ownership_->mine(index_of(shared)) ? 1.0 : 0.0;
+  }
   return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
                                    .sender_owns = shared.def.owner == transport_.self(),
                                    .held_alone = springs_.holds_alone(shared.def.body),

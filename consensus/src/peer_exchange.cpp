@@ -59,7 +59,10 @@ void Peer::Impl::receive(SessionTime now) {
 void Peer::Impl::take_in(PeerId from, SessionTime now) {
   inbox_.add_peer(from);
   const SessionTime farewell = farewell_of(from);
+  // Nothing asks for states where nothing is agreed upon and nobody drives a body.
+  const bool unheard = options_.coupling == Coupling::None && owned_ == 0;
   for (const StateUpdate& update : incoming_.states) {
+    if (unheard) break;
     // Overtaken by the farewell; what is stamped later comes from a successor.
     if (update.stamp <= farewell) continue;
     if (inbox_.offer(from, update, now) != InboxVerdict::UnknownId) continue;
@@ -74,6 +77,7 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
     }
     if (!springs_.receive(from, update, shared->def.body, now)) ++stats_.springs_refused;
   }
+  if (!incoming_.ownership.empty()) hear_ownership(from, now);
   if (!incoming_.leaves.empty()) {
     inbox_.remove_peer(from);
     for (Shared& shared : shared_) {

@@ -13,6 +13,7 @@
 #include "hard_input.h"
 #include "initiative.h"
 #include "lead.h"
+#include "ownership.h"
 #include "session_time.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
@@ -22,7 +23,8 @@
 namespace tandem::consensus {
 
 /// What one peer does in a step. Receiving and sending are in peer_exchange.cpp, who acts on what
-/// and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp.
+/// and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp, couplings other
+/// than the pass in peer_coupling.cpp.
 class Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
@@ -32,10 +34,12 @@ class Peer::Impl {
   void unshare(const SharedId& id);
   std::optional<SessionTime> heard(const SharedId& id, PeerId from) const;
   std::span<const UnknownState> unknown() const { return unknown_; }
+  std::optional<PeerId> owner(const SharedId& id);
 
   GrabId grab(const GrabDef& def) { return springs_.grab(def, at(def.body).def.body); }
   Springs& springs() { return springs_; }
   bool held(const SharedId& id) const;
+  void note_contact(pbd::BodyId a, pbd::BodyId b);
 
   void before_step(SessionTime now);
   void after_step(SessionTime now);
@@ -79,7 +83,8 @@ class Peer::Impl {
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
     /// What is needed for each body in each step ends here.
     HardInput hard = {};
-    pbd::Correction averaged = {};  ///< by two-step coupling, this step
+    pbd::Correction averaged = {};  ///< before the step, where the pass does not do it
+    double still = 0.0;             ///< s, at rest and in agreement, see rests()
   };
 
   /// An estimate that the observer is told of once all is done: recording is no aggregation.
@@ -131,7 +136,24 @@ class Peer::Impl {
 
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
+  void mark_noted_contacts();
   void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+
+  // Couplings other than the pass.
+  /// Whether targets go into the solver's pass; those of owners do where nothing is agreed upon.
+  bool in_pass() const {
+    return options_.coupling == Coupling::OnePass || options_.coupling == Coupling::None;
+  }
+  void apply_coupling();
+  /// Where bodies pass from owner to owner: who has which, and what is to be said about it.
+  void update_ownership(SessionTime now);
+  void hear_ownership(PeerId from, SessionTime now);
+  /// The state of whoever owns the body, carried to now.
+  void estimate_owner(const Shared& shared, std::span<const Inbox::Received> newest,
+                      SessionTime now);
+  std::size_t index_of(const Shared& shared) const {
+    return static_cast<std::size_t>(&shared - shared_.data());
+  }
 
   // Remember and send.
   void mark_joints();
@@ -159,6 +181,7 @@ class Peer::Impl {
   const Interest* interest_ = nullptr;
   PeerStats stats_;
   std::vector<Shared> shared_;                    ///< by id, as in inbox_
+  std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
   std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
   std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
   std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
@@ -167,6 +190,8 @@ class Peer::Impl {
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
   std::vector<std::uint8_t> acting_;
   std::vector<std::uint8_t> touching_;
+  /// Slots of a body and of what pushed it in the last step of another engine.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> noted_contacts_;
   std::size_t owned_ = 0;  ///< bodies that have an owner
   SessionTime now_ = 0;
   SessionTime started_ = 0;

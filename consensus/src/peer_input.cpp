@@ -15,7 +15,7 @@ namespace tandem::consensus {
 void Peer::Impl::mark_acting() {
   acting_.assign(world_.slot_count(), 0);
   springs_.mark(acting_);
-  if (world_.contacts() == nullptr) return;
+  if (world_.contacts() == nullptr && noted_contacts_.empty()) return;
   touching_.assign(world_.slot_count(), 0);
   for (const Shared& shared : shared_) {
     if (owned_ == 0) break;
@@ -23,6 +23,8 @@ void Peer::Impl::mark_acting() {
     touching_[shared.def.body.index] =
         shared.def.owner == transport_.self() ? kTouchedByOwn : kTouchedByOther;
   }
+  mark_noted_contacts();
+  if (world_.contacts() == nullptr) return;
   for (const pbd::Contact& contact : world_.contacts()->contacts()) {
     // Of the whole step: what bounced has left in the last substep.
     if (!(contact.impulse > 0.0)) continue;
@@ -35,7 +37,7 @@ void Peer::Impl::mark_acting() {
 
 void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Received> newest,
                                    SessionTime now) {
-  if (shared.def.owner.has_value()) return;
+  if (!options_.initiative || shared.def.owner.has_value()) return;
   const std::uint8_t bits = acting_[shared.def.body.index];
   // A newcomer has yet to take over what the others know.
   const bool established = confidence() >= 1.0;

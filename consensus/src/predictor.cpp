@@ -42,7 +42,8 @@ class Extrapolator final : public Predictor {
       position += 0.5 * age * age * acceleration;
       twist.linear += age * acceleration;
     }
-    return detail::to_state(update, own.newest(), position, twist, age);
+    return detail::to_state(update, own.newest(), position, twist,
+                            options_.extrapolates_orientation ? age : 0.0);
   }
   double gain() const override { return 1.0; }
   bool remembers() const override { return kind_ == PredictorKind::SecondOrder; }

@@ -39,6 +39,8 @@ class Springs {
   void announce(SessionTime now, std::vector<SpringUpdate>& states,
                 std::vector<SpringUpdate>& events);
 
+  /// All that pull, own and remote, as they do in the step to come; appended.
+  void pulls(std::vector<pbd::Tether::Def>& out) const;
   bool holds(pbd::BodyId body) const;
   /// How users hold a body, as bits.
   enum Grip : std::uint8_t {

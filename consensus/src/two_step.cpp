@@ -3,30 +3,76 @@
 #include "two_step.h"
 
 #include "tandem/consensus/influence.h"
-#include "tandem/consensus/policy.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
+namespace {
 
-pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt) {
-  const SleepLimits limits;
+pbd::Vec3 rotation_to(const pbd::World& world, const pbd::PoseTarget& target) {
+  if (target.use_rotation_error) return target.rotation_error;
+  return pbd::rotation_between(world.pose(target.body).orientation, target.pose.orientation);
+}
+
+/// @param share   of each difference that is closed now
+/// @param limits  smaller differences stay
+pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, double share,
+                          const SleepLimits& limits) {
+  if (left_asleep(world, target)) return {};
   const pbd::BodyState own = world.state(target.body);
-  const double share = share_per_step(target.share, dt);
+  const auto part = [share](const pbd::Vec3& gap, double limit) {
+    return gap.norm() > limit ? pbd::Vec3(share * gap) : pbd::Vec3(pbd::Vec3::Zero());
+  };
   pbd::Correction correction;
-  const pbd::Vec3 apart = target.pose.position - own.pose.position;
-  if (apart.norm() > limits.distance) correction.translation = share * apart;
-  if (target.rotation_error.norm() > limits.angle) {
-    correction.rotation = share * target.rotation_error;
+  correction.translation = part(target.pose.position - own.pose.position, limits.distance);
+  correction.rotation = part(rotation_to(world, target), limits.angle);
+  correction.twist.linear = part(target.twist.linear - own.twist.linear, limits.speed);
+  correction.twist.angular = part(target.twist.angular - own.twist.angular, limits.angular_speed);
+  // Setting anything wakes: what is where it should be may go to sleep.
+  if (!correction.translation.isZero(0.0) || !correction.rotation.isZero(0.0)) {
+    world.set_pose(target.body, {own.pose.position + correction.translation,
+                                 pbd::rotated(own.pose.orientation, correction.rotation)});
   }
-  const pbd::Vec3 dv = target.twist.linear - own.twist.linear;
-  if (dv.norm() > limits.speed) correction.twist.linear = share * dv;
-  const pbd::Vec3 dw = target.twist.angular - own.twist.angular;
-  if (dw.norm() > limits.angular_speed) correction.twist.angular = share * dw;
-  world.set_pose(target.body, {own.pose.position + correction.translation,
-                               pbd::rotated(own.pose.orientation, correction.rotation)});
-  world.set_twist(target.body, {own.twist.linear + correction.twist.linear,
-                                own.twist.angular + correction.twist.angular});
+  if (!correction.twist.linear.isZero(0.0) || !correction.twist.angular.isZero(0.0)) {
+    world.set_twist(target.body, {own.twist.linear + correction.twist.linear,
+                                  own.twist.angular + correction.twist.angular});
+  }
   return correction;
+}
+
+constexpr SleepLimits kNoLimits{.distance = 0.0, .angle = 0.0, .speed = 0.0, .angular_speed = 0.0};
+/// As pbd::SolverOptions and the solver's targets have them.
+constexpr SleepLimits kSlow{
+    .distance = 1e-3, .angle = 0.0175, .speed = 0.01, .angular_speed = 0.02};
+constexpr double kRestAfter = 0.5;  // s
+
+bool within(const pbd::World& world, const pbd::PoseTarget& target, const SleepLimits& limits) {
+  const pbd::Vec3 apart = target.pose.position - world.pose(target.body).position;
+  return apart.norm() <= limits.distance && rotation_to(world, target).norm() <= limits.angle;
+}
+
+}  // namespace
+
+bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, double& still) {
+  const auto slow = [](const pbd::Twist& twist) {
+    return twist.linear.norm() < kSlow.speed && twist.angular.norm() < kSlow.angular_speed;
+  };
+  const bool agrees = within(world, target, kSlow);
+  still = agrees && slow(world.twist(target.body)) && slow(target.twist) ? still + dt : 0.0;
+  return still >= kRestAfter;
+}
+
+bool left_asleep(const pbd::World& world, const pbd::PoseTarget& target) {
+  return !world.awake(target.body) && within(world, target, kSlow);
+}
+
+pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
+                              const TwoStepOptions& options) {
+  return close_gap(world, target, share_per_step(target.share, dt),
+                   options.thresholds ? options.limits : kNoLimits);
+}
+
+pbd::Correction follow_state(pbd::World& world, const pbd::PoseTarget& target) {
+  return close_gap(world, target, 1.0, kNoLimits);
 }
 
 }  // namespace tandem::consensus

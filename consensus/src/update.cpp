@@ -15,7 +15,7 @@ using pbd::ByteWriter;
 using pbd::Quat;
 using pbd::Vec3;
 
-enum class MessageKind : std::uint8_t { States = 1, Springs = 2, Leave = 3 };
+enum class MessageKind : std::uint8_t { States = 1, Springs = 2, Leave = 3, Ownership = 4 };
 
 constexpr std::uint8_t kInContact = 1;
 constexpr std::uint8_t kHeld = 2;
@@ -211,6 +211,21 @@ CodecResult read(ByteReader& in, Leave& leave) {
   return check(leave);
 }
 
+void write(ByteWriter& out, const OwnershipUpdate& update) {
+  write_id(out, update.body);
+  out.u64(update.to);
+  out.u8(static_cast<std::uint8_t>(update.event));
+  out.i64(update.stamp);
+}
+
+CodecResult read(ByteReader& in, OwnershipUpdate& update) {
+  update.body = read_id(in);
+  update.to = in.u64();
+  update.event = static_cast<OwnershipEvent>(in.u8());
+  update.stamp = in.i64();
+  return check(update);
+}
+
 template <class Record>
 std::size_t encode_all(std::span<const Record> records, MessageKind kind,
                        std::vector<std::byte>& out) {
@@ -277,6 +292,8 @@ CodecResult decode_message(ByteReader& in, std::size_t packet_bytes, DecodedPack
       return decode_records(in, count, kSpringBytes, packet_bytes, out.springs);
     case MessageKind::Leave:
       return decode_records(in, count, kLeaveBytes, packet_bytes, out.leaves);
+    case MessageKind::Ownership:
+      return decode_records(in, count, kOwnershipBytes, packet_bytes, out.ownership);
   }
   return fault(PacketFault::UnknownKind, "kind: unknown");
 }
@@ -287,6 +304,7 @@ void DecodedPacket::clear() {
   states.clear();
   springs.clear();
   leaves.clear();
+  ownership.clear();
 }
 
 std::string CodecResult::reason() const {
@@ -345,6 +363,16 @@ CodecResult check(const SpringUpdate& update) {
 
 CodecResult check(const Leave& leave) { return check_stamp(leave.stamp); }
 
+CodecResult check(const OwnershipUpdate& update) {
+  if (update.event != OwnershipEvent::Request && update.event != OwnershipEvent::Grant) {
+    return fault(PacketFault::BadCode, "ownership: unknown event");
+  }
+  const CodecResult result = check_id(update.body);
+  if (!result.ok()) return result;
+  if (update.to == 0) return fault(PacketFault::BadId, "ownership: to must not be 0");
+  return check_stamp(update.stamp);
+}
+
 std::size_t encode(std::span<const StateUpdate> updates, std::vector<std::byte>& out) {
   return encode_all(updates, MessageKind::States, out);
 }
@@ -355,6 +383,10 @@ std::size_t encode(std::span<const SpringUpdate> updates, std::vector<std::byte>
 
 std::size_t encode(const Leave& leave, std::vector<std::byte>& out) {
   return encode_all(std::span<const Leave>(&leave, 1), MessageKind::Leave, out);
+}
+
+std::size_t encode(std::span<const OwnershipUpdate> updates, std::vector<std::byte>& out) {
+  return encode_all(updates, MessageKind::Ownership, out);
 }
 
 CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out) {

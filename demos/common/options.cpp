@@ -79,10 +79,15 @@ consensus::InputMode mode(std::string_view text) {
   refuse("--mode", text, "soft, asymmetric or hard");
 }
 
-consensus::Coupling coupling(std::string_view text) {
-  if (text == "one-pass") return consensus::Coupling::OnePass;
-  if (text == "two-step") return consensus::Coupling::TwoStep;
-  refuse("--solver", text, "one-pass or two-step");
+Scheme scheme(std::string_view option, std::string_view text) {
+  for (int i = 0; i <= static_cast<int>(Scheme::Pd); ++i) {
+    const auto value = static_cast<Scheme>(i);
+    if (text == to_string(value)) return value;
+  }
+  refuse(
+      option, text,
+      "one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, none, single-owner or "
+      "pd");
 }
 
 std::string address(std::string_view text) {
@@ -105,6 +110,24 @@ std::vector<double> rates(std::string_view text) {
     const std::size_t comma = text.find(',');
     result.push_back(number("--rates", text.substr(0, comma), 10.0, 1000.0,
                             "numbers from 10 to 1000, with commas between them"));
+    if (comma == std::string_view::npos) return result;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+/// "tandem,bullet": what the peers run on, in turn.
+std::vector<Engine> engines(std::string_view text) {
+  std::vector<Engine> result;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::string_view name = text.substr(0, comma);
+    if (name != "tandem" && name != "bullet") {
+      refuse("--engines", name, "tandem and bullet, with commas between them");
+    }
+    if (name == "bullet" && !has_bullet()) {
+      refuse("--engines", name, "built with Bullet (TANDEM_BULLET_PEER)");
+    }
+    result.push_back(name == "bullet" ? Engine::Bullet : Engine::Tandem);
     if (comma == std::string_view::npos) return result;
     text.remove_prefix(comma + 1);
   }
@@ -145,6 +168,10 @@ void read_chance(std::string_view name, Reader& in, DemoOptions& o) {
 template <double DemoOptions::*Member>
 void read_seconds(std::string_view name, Reader& in, DemoOptions& o) {
   o.*Member = number(name, in.value(name), 0.0, 10.0, kSeconds);
+}
+
+void read_scheme(std::string_view name, Reader& in, DemoOptions& o) {
+  o.scheme = scheme(name, in.value(name));
 }
 
 constexpr Option kOptions[] = {
@@ -194,9 +221,11 @@ constexpr Option kOptions[] = {
            number(name, in.value(name), std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
      }},
     {"--influence", Where::Everywhere, read_chance<&DemoOptions::influence>},
-    {"--solver", Where::Everywhere,
+    {"--coupling", Where::Everywhere, read_scheme},
+    {"--solver", Where::Everywhere, read_scheme},  // the older name
+    {"--pd-frequency", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.solver = coupling(in.value(name));
+       o.pd_frequency = number(name, in.value(name), 0.01, 100.0, "a number from 0.01 to 100");
      }},
     {"--update-hz", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -209,6 +238,14 @@ constexpr Option kOptions[] = {
      }},
     {"--rates", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) { o.rates = rates(in.value(name)); }},
+    {"--engines", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.engines = engines(in.value(name));
+     }},
+    {"--bullet-iterations", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.bullet_iterations = number(name, in.value(name), 1, 10000, "an integer from 1 to 10000");
+     }},
     {"--variant", Where::Everywhere, read_text<&DemoOptions::variant>},
     {"--replay", Where::Everywhere, read_text<&DemoOptions::replay>},
     {"--predictor", Where::Everywhere,
@@ -233,15 +270,51 @@ constexpr Option kOptions[] = {
     {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},
 };
 
+/// What a scheme is made of.
+void apply(Scheme scheme, consensus::PeerOptions& options) {
+  using consensus::Coupling;
+  const bool as_published = scheme == Scheme::OnePassPlain || scheme == Scheme::TwoStepPaper ||
+                            scheme == Scheme::TwoStepPlain || scheme == Scheme::Pd;
+  if (as_published) options = consensus::with_published_rules(std::move(options));
+  options.two_step.thresholds = scheme == Scheme::TwoStepPaper;
+  switch (scheme) {
+    case Scheme::OnePass:
+    case Scheme::OnePassPlain:
+      options.coupling = Coupling::OnePass;
+      break;
+    case Scheme::TwoStepPaper:
+    case Scheme::TwoStepPlain:
+    case Scheme::TwoStep:
+      options.coupling = Coupling::TwoStep;
+      break;
+    case Scheme::None:
+      options.coupling = Coupling::None;
+      break;
+    case Scheme::SingleOwner:
+      options.coupling = Coupling::SingleOwner;
+      options.predictor = consensus::PredictorKind::Euler;
+      break;
+    case Scheme::Pd:
+      options.coupling = Coupling::VirtualCoupling;
+      // A spring is not stable against a turning body that is said to stand still.
+      options.prediction.extrapolates_orientation = true;
+      break;
+  }
+}
+
 }  // namespace
 
-consensus::PeerOptions DemoOptions::peer_options() const {
+consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
   result.influence.baseline = influence;
   if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement at all
-  result.predictor = predictor;
-  result.coupling = solver;
+  apply(other, result);
+  result.virtual_coupling.frequency = pd_frequency;
+  if (predictor) {
+    result.predictor = *predictor;
+    result.prediction.extrapolates_orientation = true;
+  }
   result.mode = mode;
   result.prediction.max_extrapolation = extrapolation;
   result.max_anchor_extrapolation = spring_extrapolation;
@@ -249,6 +322,13 @@ consensus::PeerOptions DemoOptions::peer_options() const {
   if (damped_start > 0.0) result.acceptance.then(consensus::damped_start(damped_start));
   if (sleeping_threshold) result.acceptance.then(consensus::sleeping_threshold());
   return result;
+}
+
+Scheme DemoOptions::scheme_of(std::size_t peer) const {
+  if (engine(peer) == Engine::Tandem) return scheme;
+  if (scheme == Scheme::OnePass) return Scheme::TwoStep;
+  if (scheme == Scheme::OnePassPlain) return Scheme::TwoStepPlain;
+  return scheme == Scheme::Pd ? Scheme::TwoStepPaper : scheme;
 }
 
 consensus::LinkOptions DemoOptions::link_options() const {
@@ -305,9 +385,12 @@ Session:
   --seconds S        length (20)
   --seed N           of everything that is drawn (1)
   --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
-  --solver one-pass|two-step       (one-pass)
+  --coupling one-pass|one-pass-plain|two-step|two-step-plain|two-step-paper|single-owner|pd|none
+                     (one-pass)
+  --pd-frequency F   Hz, natural frequency of pd's spring (0.5)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
-  --predictor none|euler|second-order|kalman|local-motion|blend|adaptive  (adaptive)
+  --predictor none|euler|second-order|kalman|local-motion|blend|adaptive
+                     (adaptive; euler with plain, paper, single-owner and pd)
   --extrapolation S  longest extrapolation of states (1)
   --spring-extrapolation S         of users' springs; 0 = off (0.3)
   --damped-start S   shares grow over this time since a peer was heard (0)
@@ -315,6 +398,8 @@ Session:
   --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
   --update-hz F      states sent each second (60)
   --rates F,F,..     steps each second of the peers, in turn (60)
+  --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
+  --bullet-iterations N            of Bullet's solver (10)
   --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any
   --replay FILE      users do what --record wrote, instead of following their script
@@ -353,8 +438,26 @@ std::string_view to_string(consensus::InputMode mode) {
   return mode == consensus::InputMode::Hard ? "hard" : "asymmetric";
 }
 
-std::string_view to_string(consensus::Coupling coupling) {
-  return coupling == consensus::Coupling::OnePass ? "one-pass" : "two-step";
+std::string_view to_string(Scheme scheme) {
+  switch (scheme) {
+    case Scheme::OnePass:
+      return "one-pass";
+    case Scheme::OnePassPlain:
+      return "one-pass-plain";
+    case Scheme::TwoStepPaper:
+      return "two-step-paper";
+    case Scheme::TwoStepPlain:
+      return "two-step-plain";
+    case Scheme::TwoStep:
+      return "two-step";
+    case Scheme::None:
+      return "none";
+    case Scheme::SingleOwner:
+      return "single-owner";
+    case Scheme::Pd:
+      break;
+  }
+  return "pd";
 }
 
 }  // namespace tandem::demos

@@ -10,10 +10,23 @@
 #include <string_view>
 #include <vector>
 
+#include "common/physics.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
 
 namespace tandem::demos {
+
+/// How copies are kept together: a coupling, and the prediction and rules of influence before it.
+enum class Scheme : std::uint8_t {
+  OnePass,
+  OnePassPlain,  ///< with the prediction and rules of TwoStepPaper: what the coupling alone does
+  TwoStepPaper,  ///< as published: sleeping thresholds, linear extrapolation, constant share
+  TwoStepPlain,  ///< the same without thresholds: what OnePassPlain is to be compared with
+  TwoStep,       ///< without thresholds and with all that one-pass has but the pass
+  None,          ///< users' springs alone
+  SingleOwner,   ///< with linear extrapolation
+  Pd,            ///< virtual coupling, with the prediction and rules of TwoStepPaper
+};
 
 /// What all demos understand on their command line.
 struct DemoOptions {
@@ -21,22 +34,26 @@ struct DemoOptions {
   double seconds = 20.0;    ///< s, of session time
   std::uint64_t seed = 1;   ///< of noise, orders, step phases, users and links
   double influence = 0.08;  ///< baseline share per 1/60 s; 0 = no agreement
-  consensus::PredictorKind predictor = consensus::PredictorKind::Adaptive;
+  /// nullopt = the scheme's: Euler in what is reproduced as published, else Adaptive.
+  std::optional<consensus::PredictorKind> predictor;
   consensus::InputMode mode = consensus::InputMode::Soft;
   double extrapolation = 1.0;         ///< s, longest of states
   double spring_extrapolation = 0.3;  ///< s, longest of users' springs
   double damped_start = 0.0;          ///< s, over which a peer's share grows; 0 = at once
   double modelled_error = 0.0;        ///< m, of a predictor, that halves a share; 0 = none does
   bool sleeping_threshold = false;    ///< leave small differences alone, [friston] Sec. 4.6
-  consensus::Coupling solver = consensus::Coupling::OnePass;
+  Scheme scheme = Scheme::OnePass;
+  double pd_frequency = consensus::VirtualCouplingOptions{}.frequency;  ///< Hz, of Scheme::Pd
   double update_hz = 60.0;
   int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
-  std::vector<double> rates = {60.0};  ///< steps each second of the peers, in turn
-  std::string variant;                 ///< of the scenario; "" = its default
-  double loss = 0.0;                   ///< of the virtual link: chance that a state is lost
-  double duplicate = 0.0;              ///< chance that it comes twice
-  double reorder = 0.0;                ///< chance that it is overtaken
-  double bandwidth = 0.0;              ///< bit/s in each direction; 0 = unlimited
+  std::vector<double> rates = {60.0};              ///< steps each second of the peers, in turn
+  std::vector<Engine> engines = {Engine::Tandem};  ///< of the peers, in turn
+  std::optional<int> bullet_iterations;            ///< nullopt = Bullet's default, 10
+  std::string variant;                             ///< of the scenario; "" = its default
+  double loss = 0.0;       ///< of the virtual link: chance that a state is lost
+  double duplicate = 0.0;  ///< chance that it comes twice
+  double reorder = 0.0;    ///< chance that it is overtaken
+  double bandwidth = 0.0;  ///< bit/s in each direction; 0 = unlimited
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
@@ -54,7 +71,15 @@ struct DemoOptions {
   bool over_network() const { return listen.has_value() || !connect.empty(); }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
-  consensus::PeerOptions peer_options() const;
+  Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }
+  /// Another engine has no pass that targets could be in, and is not asked for forces: it takes two
+  /// steps by the same rules.
+  Scheme scheme_of(std::size_t peer) const;
+  consensus::PeerOptions peer_options() const { return peer_options(scheme); }
+  /// The same for a peer that does it another way.
+  consensus::PeerOptions peer_options(Scheme other) const;
+  /// What is used, as given or as the scheme has it.
+  consensus::PredictorKind predictor_kind() const { return peer_options().predictor; }
   consensus::LinkOptions link_options() const;
 };
 
@@ -72,7 +97,7 @@ DemoOptions parse_options(std::span<const std::string_view> arguments);
 std::string usage(std::string_view program);
 
 std::string_view to_string(consensus::PredictorKind kind);
-std::string_view to_string(consensus::Coupling coupling);
+std::string_view to_string(Scheme scheme);
 std::string_view to_string(consensus::InputMode mode);
 
 }  // namespace tandem::demos

@@ -63,8 +63,9 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
     : scenario_(scenario),
       bounds_(scenario.bounds()),
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
+      physics_(make_physics(options.engine(number), scene_, options.bullet_iterations)),
       signals_(transport),
-      peer_(*scene_.world, signals_, options.peer_options()),
+      peer_(*scene_.world, signals_, options.peer_options(options.scheme_of(number))),
       referee_(scenario.make_referee(scene_)) {
   peer_.set_observer(this);
   record_.id = id;
@@ -121,7 +122,7 @@ void Participant::begin(consensus::SessionTime now) {
 void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point before = Clock::now();
-  const pbd::StepReport& report = solver_.step(*scene_.world, seconds_of(end - now));
+  const pbd::StepReport& report = physics_->step(scene_, peer_, seconds_of(end - now));
   const std::chrono::duration<double> elapsed = Clock::now() - before;
   record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
@@ -215,9 +216,16 @@ void Participant::watch(consensus::SessionTime now, const pbd::StepReport& repor
 
 void Participant::record_contacts(consensus::SessionTime now) {
   if (wait_for_exchange_ && !has_exchanged()) return;
-  events_.update(*scene_.world, *scene_.contacts);
   ContactFrame& frame = record_.contacts.emplace_back();
   frame.time = now;
+  if (const auto* pairs = physics_->touching()) {
+    for (const auto& [a, b] : *pairs) {
+      frame.pairs.push_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b));
+    }
+    std::sort(frame.pairs.begin(), frame.pairs.end());
+    return;
+  }
+  events_.update(*scene_.world, *scene_.contacts);
   const auto body_at = [this](const pbd::BodyId& id) {
     return id.index < body_of_slot_.size() ? body_of_slot_[id.index] : pbd::BodyId::kNone;
   };

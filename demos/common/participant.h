@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "common/options.h"
+#include "common/physics.h"
 #include "common/signals.h"
 #include "common/track.h"
 #include "scenes/scenario.h"
 #include "tandem/collision/contact_events.h"
 #include "tandem/consensus/peer.h"
-#include "tandem/pbd/solver.h"
+#include "tandem/pbd/report.h"
 
 namespace tandem::demos {
 
@@ -74,7 +75,7 @@ class Participant final : private consensus::PeerObserver {
   const Scenario& scenario_;
   Bounds bounds_;
   Scene scene_;
-  pbd::Solver solver_;
+  std::unique_ptr<Physics> physics_;
   Signals signals_;
   consensus::Peer peer_;
   consensus::PeerObserver* observer_ = nullptr;

@@ -78,8 +78,8 @@ void describe_run(JsonWriter& json, const Report& r) {
   } else {
     json.field("variant", o.variant);
   }
-  json.field("solver", to_string(o.solver));
-  json.field("predictor", to_string(o.predictor));
+  json.field("solver", to_string(o.scheme));
+  json.field("predictor", to_string(o.predictor_kind()));
   if (o.over_network()) {
     json.null_field("profile");
   } else {
@@ -91,6 +91,11 @@ void describe_run(JsonWriter& json, const Report& r) {
   json.key("step_hz_of_peers").begin_array();
   for (const PeerRecord& peer : r.run.peers) {
     json.value(peer.local ? peer.step_hz : Distribution::kNone);
+  }
+  json.end_array();
+  json.key("engines").begin_array();
+  for (std::size_t i = 0; i < r.run.peers.size(); ++i) {
+    if (r.run.peers[i].local) json.value(to_string(o.engine(r.run.peers[i].id - 1)));
   }
   json.end_array();
   json.field("update_hz", o.update_hz).field("influence", o.influence);
@@ -132,8 +137,8 @@ std::string report_table(const Report& r) {
       format("%s: %zu peers, %s, %.1f s, seed %llu, %s, %s, influence %g, %g updates/s\n",
              r.scenario.c_str(), r.run.peers.size(),
              o.over_network() ? "TCP" : format("profile %d", o.profile).c_str(), r.run.seconds,
-             static_cast<unsigned long long>(o.seed), std::string(to_string(o.solver)).c_str(),
-             std::string(to_string(o.predictor)).c_str(), o.influence, o.update_hz);
+             static_cast<unsigned long long>(o.seed), std::string(to_string(o.scheme)).c_str(),
+             std::string(to_string(o.predictor_kind())).c_str(), o.influence, o.update_hz);
   out += format("  %-26s %9s %9s %9s %9s %9s %9s\n", "", "p50", "p75", "p95", "p99", "max", "n");
   out += row("divergence, mm", m.divergence_m, 1e3);
   out += row("  contested, mm", m.contested_m, 1e3);

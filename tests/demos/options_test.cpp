@@ -32,7 +32,8 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
   CHECK(o.seconds == 20.0);
   CHECK(o.influence >= 0.05);  // the baseline's range, 5 to 10 %
   CHECK(o.influence <= 0.10);
-  CHECK(o.solver == consensus::Coupling::OnePass);
+  CHECK(o.scheme == Scheme::OnePass);
+  CHECK(o.predictor_kind() == consensus::PredictorKind::Adaptive);
 }
 
 TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {
@@ -49,7 +50,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.influence == 0.0);
   CHECK(o.peer_options().influence.held_alone == 0.0);  // not even of who holds a body alone
   CHECK(o.predictor == consensus::PredictorKind::Euler);
-  CHECK(o.solver == consensus::Coupling::TwoStep);
+  CHECK(o.scheme == Scheme::TwoStep);
   CHECK(o.update_hz == 30.0);
   CHECK(o.profile == 5);
   CHECK(o.step_hz(0) == 60.0);
@@ -83,11 +84,52 @@ TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]"
   CHECK(parse({"--sleeping-threshold"}).peer_options().acceptance.apply(0.4, {}) == 0.0);
   for (const char* name :
        {"none", "euler", "second-order", "kalman", "local-motion", "blend", "adaptive"}) {
-    CHECK(to_string(parse({"--predictor", name}).predictor) == name);
+    CHECK(to_string(parse({"--predictor", name}).predictor_kind()) == name);
   }
   for (const char* name : {"soft", "asymmetric", "hard"}) {
     CHECK(to_string(parse({"--mode", name}).mode) == name);
   }
+}
+
+TEST_CASE("options: couplings that are compared differ in what they say and in nothing else",
+          "[demos][unit]") {
+  using consensus::Coupling;
+  using consensus::PredictorKind;
+  const auto of = [](std::string_view name) { return parse({"--coupling", name}).peer_options(); };
+  for (const char* name : {"one-pass", "one-pass-plain", "two-step-paper", "two-step-plain",
+                           "two-step", "none", "single-owner", "pd"}) {
+    CHECK(to_string(parse({"--coupling", name}).scheme) == name);
+    CHECK(parse({"--solver", name}).scheme == parse({"--coupling", name}).scheme);
+  }
+  CHECK(of("one-pass").coupling == Coupling::OnePass);
+  const consensus::PeerOptions two_step = of("two-step");
+  CHECK(two_step.coupling == Coupling::TwoStep);
+  CHECK(two_step.predictor == of("one-pass").predictor);
+  CHECK(two_step.hearing.empty());
+  CHECK(two_step.initiative);
+  CHECK_FALSE(two_step.two_step.thresholds);
+  for (const char* name : {"two-step-paper", "two-step-plain"}) {
+    const consensus::PeerOptions paper = of(name);
+    CHECK(paper.coupling == Coupling::TwoStep);
+    CHECK(paper.predictor == PredictorKind::Euler);
+    CHECK_FALSE(paper.prediction.extrapolates_orientation);
+    CHECK_FALSE(paper.initiative);
+    CHECK(paper.announcement.apply(0.0, {.leads = 1.0, .confidence = 0.0}) == 0.08);
+    // No gain rule: what is fresh counts in full.
+    CHECK(paper.hearing.apply(0.9, {.leads = 1.0, .age = 0.0, .gain = 0.0}) == 0.9);
+    CHECK(paper.two_step.thresholds == (std::string_view(name) == "two-step-paper"));
+  }
+  CHECK(of("one-pass-plain").coupling == Coupling::OnePass);
+  CHECK(of("one-pass-plain").predictor == PredictorKind::Euler);
+  CHECK_FALSE(of("one-pass-plain").initiative);
+  CHECK(of("none").coupling == Coupling::None);
+  CHECK(of("single-owner").coupling == Coupling::SingleOwner);
+  CHECK(of("single-owner").predictor == PredictorKind::Euler);
+  CHECK(of("pd").coupling == Coupling::VirtualCoupling);
+  CHECK(parse({"--pd-frequency", "2"}).peer_options().virtual_coupling.frequency == 2.0);
+  // What is said counts.
+  CHECK(parse({"--coupling=pd", "--predictor", "kalman"}).peer_options().predictor ==
+        PredictorKind::Kalman);
 }
 
 TEST_CASE("options: rates go round the peers", "[demos][unit]") {
@@ -127,7 +169,9 @@ TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
   CHECK(refusal({"--predictor", "Euler"}) ==
         "--predictor = Euler breaks: none, euler, second-order, "
         "kalman, local-motion, blend or adaptive");
-  CHECK(refusal({"--solver", ""}) == "--solver =  breaks: one-pass or two-step");
+  CHECK(refusal({"--solver", ""}) ==
+        "--solver =  breaks: one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, "
+        "none, single-owner or pd");
   CHECK(refusal({"--listen", "65536"}) == "--listen = 65536 breaks: a port from 0 (any) to 65535");
   for (const char* bad : {"host", "host:", ":80", "host:0", "host:65536", "host:8x"}) {
     CHECK(refusal({"--connect", bad}) ==

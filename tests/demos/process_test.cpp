@@ -116,6 +116,35 @@ TEST_CASE("processes: two of them agree over TCP as peers in virtual time do", "
   }
 }
 
+TEST_CASE("processes: a Tandem peer and a Bullet peer hold a session over TCP, at different rates",
+          "[demos][socket]") {
+#ifndef TANDEM_HAS_BULLET
+  WARN("skipped: built without Bullet (TANDEM_BULLET_PEER)");
+#else
+  const Folder folder;
+  const std::string port = std::to_string(free_port());
+  const std::vector<std::string> both{"--seconds",     "12",      "--engines",
+                                      "tandem,bullet", "--rates", "60,72"};
+  std::vector<std::string> tandem{"--listen", port, "--json", folder.file("tandem")};
+  std::vector<std::string> bullet{"--connect", "localhost:" + port, "--json",
+                                  folder.file("bullet")};
+  tandem.insert(tandem.end(), both.begin(), both.end());
+  bullet.insert(bullet.end(), both.begin(), both.end());
+  Process a(tandem);
+  Process b(bullet);
+  // 1 says that a world was not stable: Bullet's stacks settle by more than the 5 mm that the
+  // scenario allows to its pillar.
+  CHECK(WEXITSTATUS(a.wait()) <= 1);
+  CHECK(WEXITSTATUS(b.wait()) <= 1);
+  for (const char* peer : {"tandem", "bullet"}) {
+    CHECK(number(folder.file(peer), "divergence_resting_m", "p50") <= 5e-3);
+    CHECK(number(folder.file(peer), "divergence_moving_m", "p50") <= 20e-3);
+    CHECK(number(folder.file(peer), "divergence_moving_m", "count") > 500);
+    CHECK(number(folder.file(peer), "outcome", "plate_lifted_m") > 0.15);
+  }
+#endif
+}
+
 TEST_CASE("processes: every demo runs as one process for each peer", "[demos][socket]") {
   // The cliff would not be in time on a busy machine.
   for (const std::string demo : {"piano", "room", "tennis"}) {

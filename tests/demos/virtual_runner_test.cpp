@@ -36,6 +36,17 @@ TEST_CASE("virtual run: same options, same bits; another seed, others", "[demos]
   CHECK(run(options).metrics.hash != first.metrics.hash);
 }
 
+TEST_CASE("virtual run: without a coupling is with no influence, bit for bit", "[demos][golden]") {
+  DemoOptions none = quiet(3, 4.0);
+  none.scheme = Scheme::None;
+  DemoOptions mute = quiet(3, 4.0);
+  mute.influence = 0.0;
+  const RunResult a = run_virtual(CubesScenario(), none);
+  const RunResult b = run_virtual(CubesScenario(), mute);
+  for (std::size_t i = 0; i < 2; ++i) CHECK(a.peers[i].hash == b.peers[i].hash);
+  CHECK(a.peers[0].bodies_aggregated == 0);
+}
+
 TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][golden]") {
   const CubesScenario scenario(kSmall);
   DemoOptions options = quiet(5, 3.0);

@@ -25,6 +25,8 @@ class Still final : public Engine {
     return states[static_cast<std::size_t>(body)];
   }
   void set_twist(int /*body*/, const Twist& /*twist*/) override {}
+  void set_pose(int /*body*/, const Pose& /*pose*/) override {}
+  void touching(std::vector<std::pair<int, int>>& /*out*/) const override {}
   std::vector<tandem::pbd::BodyState> states;
 };
 

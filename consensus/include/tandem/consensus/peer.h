@@ -7,7 +7,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "tandem/consensus/coupling.h"
 #include "tandem/consensus/inbox.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/consensus/policy.h"
@@ -16,14 +18,10 @@
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
 #include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::consensus {
-
-enum class Coupling : std::uint8_t {
-  OnePass,  ///< remote states are targets in the solver's pass
-  TwoStep,  ///< the paper's scheme: average first, [friston] Sec. 4.2 and 4.6, then a plain step
-};
 
 /// How a user's spring acts, [friston] Secs. 3.5, 4.3 and 7.1.
 enum class InputMode : std::uint8_t {
@@ -45,6 +43,13 @@ struct PeerOptions {
   PredictorKind predictor = PredictorKind::Adaptive;
   PredictorOptions prediction;
   Coupling coupling = Coupling::OnePass;
+  TwoStepOptions two_step;
+  VirtualCouplingOptions virtual_coupling;
+  /// Whose user was the last to act on a body leads, see docs/ARCHITECTURE.md; false: nobody does.
+  bool initiative = true;
+  /// Where no average brings copies together (they rest on different faces, or something solid is
+  /// between them) the lower id decides; false: they are averaged all the same.
+  bool arbitration = true;
   /// Of this peer's springs. With Hard others are believed as well that they move a body by hand:
   /// they count as its owners while they do.
   InputMode mode = InputMode::Soft;
@@ -61,6 +66,14 @@ struct PeerOptions {
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
+
+/// The options with the prediction and the share of the paper's prototype, and nothing beside them,
+/// whatever the coupling: positions carried by their velocity, orientations not at all (Sec. 4.2,
+/// Eq. 3), the baseline share (more while this peer alone knows the user's constraint, Sec. 3.2;
+/// all of an owner's, Sec. 6.3) that halves with age as Sec. 3.3 asks for, which gives no law; no
+/// gain rule, no initiative, no arbitration, full authority at once. Shares are per 1/60 s as
+/// elsewhere.
+PeerOptions with_published_rules(PeerOptions options);
 
 /// A body that all peers know under one id.
 struct ShareDef {
@@ -142,8 +155,8 @@ struct UnknownState {
 /// One participant: shares bodies of a world with the other peers of a transport.
 ///
 /// Each step:  peer.before_step(now);  solver.step(world, dt);  peer.after_step(now + dt);
-/// with session times. Two-step coupling moves bodies in before_step; one-pass coupling hands
-/// targets to the solver as the world's TargetSource.
+/// with session times. One-pass coupling hands targets to the solver as the world's TargetSource;
+/// the others move bodies, or pull at them, in before_step.
 ///
 /// Peers' bytes are untrusted: what does not decode is counted and its sender dropped with the
 /// reason; unknown ids are counted and ignored; values are bounded by the codec.
@@ -162,6 +175,10 @@ class Peer final : public pbd::TargetSource {
   void share(const ShareDef& def);
   /// Change who owns a shared body; nullopt = everybody. @throws as share
   void set_owner(const SharedId& id, std::optional<PeerId> owner);
+  /// Who owns a shared body now: as it was said, or as Coupling::SingleOwner has it; nullopt =
+  /// nobody.
+  /// @throws std::invalid_argument where it is not shared
+  std::optional<PeerId> owner(const SharedId& id) const;
 
   /// Share it no longer: states of it count as unknown, own springs on it are released.
   /// @throws std::invalid_argument where it is not shared
@@ -188,6 +205,18 @@ class Peer final : public pbd::TargetSource {
   void after_step(SessionTime now);
   /// Tell the others that this peer goes: its springs and states end there.
   void leave(SessionTime now);
+
+  // For bodies that another engine steps. The world is then a view of them: before_step moves it
+  // (with TwoStep or SingleOwner; the others ask the solver for something), the other engine is
+  // told what has changed, pulls by these springs and steps, and poses and twists are copied back
+  // before after_step.
+
+  /// All users' springs, own and remote, as they pull during the step to come; appended. Anchors
+  /// are of its start and go on with their velocity.
+  void springs(std::vector<pbd::Tether::Def>& out) const;
+  /// Two bodies of the world pushed each other in the step that was just made; an invalid id stands
+  /// for anything else. To be called before after_step.
+  void note_contact(pbd::BodyId a, pbd::BodyId b = {});
 
   const PeerStats& stats() const;
   void set_observer(PeerObserver* observer);

@@ -143,6 +143,9 @@ struct PredictorOptions {
   double max_extrapolation = 1.0;
   /// Hz, of SecondOrder: accelerations that change faster count nothing, those at half of it fully.
   double max_frequency = 4.0;
+  /// Of Euler and SecondOrder: turn the orientation by the angular velocity. [friston]
+  /// Sec. 4.2 does not.
+  bool extrapolates_orientation = true;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;

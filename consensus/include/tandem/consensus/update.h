@@ -56,6 +56,16 @@ struct SpringUpdate {
   SessionTime stamp = 0;                          ///< ns, session time of the anchor
 };
 
+enum class OwnershipEvent : std::uint8_t { Request = 1, Grant = 2 };
+
+/// Who owns a body, between peers of Coupling::SingleOwner.
+struct OwnershipUpdate {
+  SharedId body;
+  PeerId to = 0;  ///< whom it is asked of, or granted to; never 0
+  OwnershipEvent event = OwnershipEvent::Request;
+  SessionTime stamp = 0;  ///< ns: when the sender's user began to act, or when it was granted
+};
+
 /// The sender is about to leave the session: its states and springs end here.
 struct Leave {
   SessionTime stamp = 0;  ///< ns
@@ -66,6 +76,7 @@ struct DecodedPacket {
   std::vector<StateUpdate> states;
   std::vector<SpringUpdate> springs;
   std::vector<Leave> leaves;
+  std::vector<OwnershipUpdate> ownership;
 
   void clear();
 };
@@ -104,9 +115,12 @@ inline constexpr std::size_t kHeaderBytes = 6;    ///< magic u16, version u8, ki
 inline constexpr std::size_t kStateBytes = 93;
 inline constexpr std::size_t kSpringBytes = 129;
 inline constexpr std::size_t kLeaveBytes = 8;
+inline constexpr std::size_t kOwnershipBytes = 33;
 /// States and springs that fit into a packet which holds nothing else.
 inline constexpr std::size_t kMaxStatesPerPacket = (kMaxPacketBytes - kHeaderBytes) / kStateBytes;
 inline constexpr std::size_t kMaxSpringsPerPacket = (kMaxPacketBytes - kHeaderBytes) / kSpringBytes;
+inline constexpr std::size_t kMaxOwnershipPerPacket =
+    (kMaxPacketBytes - kHeaderBytes) / kOwnershipBytes;
 
 // Ranges outside of which a value is taken for a fault or an attack.
 inline constexpr double kMaxPosition = 1e7;          ///< m, norm, exclusive
@@ -120,6 +134,7 @@ inline constexpr SessionTime kMaxStamp = SessionTime{1} << 62;
 CodecResult check(const StateUpdate& update);
 CodecResult check(const SpringUpdate& update);
 CodecResult check(const Leave& leave);
+CodecResult check(const OwnershipUpdate& update);
 
 /// Append a message with these records to a packet (several messages above kMaxRecords records).
 /// Records that check() refuses are left out: one broken body must not make peers refuse the
@@ -128,6 +143,7 @@ CodecResult check(const Leave& leave);
 std::size_t encode(std::span<const StateUpdate> updates, std::vector<std::byte>& out);
 std::size_t encode(std::span<const SpringUpdate> updates, std::vector<std::byte>& out);
 std::size_t encode(const Leave& leave, std::vector<std::byte>& out);
+std::size_t encode(std::span<const OwnershipUpdate> updates, std::vector<std::byte>& out);
 
 /// Read a whole packet, one or more messages back to back. All or nothing: with a fault `out` is
 /// empty. Orientations come out normalised. Never throws on account of the bytes; no allocation

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Couplings other than the pass: what is done with the estimates before a plain step.
+#include <algorithm>
+#include <cmath>
+
+#include "peer_impl.h"
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/typed_block.h"
+#include "two_step.h"
+#include "virtual_coupling.h"
+
+namespace tandem::consensus {
+
+using pbd::detail::require;
+
+void TwoStepOptions::validate() const {
+  const auto limit = [](double value, const char* field) {
+    require(value >= 0.0 && std::isfinite(value), "TwoStepOptions", field, value,
+            "finite and >= 0");
+  };
+  limit(limits.distance, "limits.distance");
+  limit(limits.angle, "limits.angle");
+  limit(limits.speed, "limits.speed");
+  limit(limits.angular_speed, "limits.angular_speed");
+}
+
+void VirtualCouplingOptions::validate() const {
+  require(frequency > 0.0 && frequency <= 100.0, "VirtualCouplingOptions", "frequency", frequency,
+          "above 0 to 100 Hz");
+  require(damping_ratio >= 0.0 && damping_ratio <= 100.0, "VirtualCouplingOptions", "damping_ratio",
+          damping_ratio, "0 to 100");
+  require(max_acceleration > 0.0 && std::isfinite(max_acceleration), "VirtualCouplingOptions",
+          "max_acceleration", max_acceleration, "finite and > 0 m/s^2");
+  require(max_angular_acceleration > 0.0 && std::isfinite(max_angular_acceleration),
+          "VirtualCouplingOptions", "max_angular_acceleration", max_angular_acceleration,
+          "finite and > 0 rad/s^2");
+}
+
+PeerOptions with_published_rules(PeerOptions options) {
+  options.predictor = PredictorKind::Euler;
+  options.prediction.extrapolates_orientation = false;
+  options.announcement = {};
+  options.announcement.then(baseline(options.influence.baseline))
+      .then(raised_while_held_alone(options.influence.held_alone))
+      .then(owner_alone());
+  options.hearing = {};
+  options.hearing.then(age_decay(options.influence.half_life, options.influence.max_age));
+  options.initiative = false;
+  options.arbitration = false;
+  options.authority_ramp = 0.0;
+  return options;
+}
+
+void Peer::Impl::apply_coupling() {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const pbd::PoseTarget& target = targets_[i];
+    pbd::Correction& done = targeted_[i]->averaged;
+    const bool thresholds = options_.coupling == Coupling::TwoStep && options_.two_step.thresholds;
+    if (!thresholds && rests(world_, target, step_dt_, targeted_[i]->still)) continue;
+    if (target.share >= 1.0) {
+      done = follow_state(world_, target);
+    } else if (options_.coupling == Coupling::VirtualCoupling) {
+      // A force is no correction: predictors are not told.
+      pull_towards(world_, target, step_dt_, options_.virtual_coupling);
+    } else {
+      done = average_state(world_, target, step_dt_, options_.two_step);
+    }
+  }
+}
+
+std::optional<PeerId> Peer::Impl::owner(const SharedId& id) {
+  const Shared& shared = at(id);
+  if (ownership_ == nullptr || shared.def.owner.has_value()) return shared.def.owner;
+  const PeerId owner = ownership_->owner(index_of(shared));
+  return owner != 0 ? std::optional(owner) : std::nullopt;
+}
+
+void Peer::Impl::hear_ownership(PeerId from, SessionTime now) {
+  if (ownership_ == nullptr) return;
+  for (const OwnershipUpdate& update : incoming_.ownership) {
+    if (const Shared* shared = find(update.body)) {
+      ownership_->hear(index_of(*shared), from, update, now);
+    } else {
+      ++stats_.unknown_ids;
+    }
+  }
+}
+
+void Peer::Impl::update_ownership(SessionTime now) {
+  PeerId lowest = 0;  // of those present; asked for once, and only where it matters
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    const Shared& shared = shared_[i];
+    if (shared.def.owner.has_value() || !world_.contains(shared.def.body)) continue;
+    const bool known = shared.def.body.index < acting_.size();
+    const std::uint8_t bits = known ? acting_[shared.def.body.index] : std::uint8_t{0};
+    const bool acting = (bits & (Springs::kShared | Springs::kAlone | kTouchedByOwn)) != 0;
+    ownership_->update(i, shared.def.id, inbox_.newest_at(i), acting, now);
+    if (!ownership_->abandoned(i, now)) continue;
+    if (lowest == 0) {
+      lowest = transport_.self();
+      for (const PeerStatus& peer : transport_.peers()) {
+        if (peer.connected) lowest = std::min(lowest, peer.id);
+      }
+    }
+    if (lowest == transport_.self()) ownership_->claim(i, now);
+  }
+  for (const OwnershipUpdate& update : ownership_->outgoing()) {
+    outgoing_.clear();
+    encode(std::span<const OwnershipUpdate>(&update, 1), outgoing_);
+    if (update.event == OwnershipEvent::Grant) {
+      post_all(Delivery::Reliable);
+    } else if (transport_.post(update.to, outgoing_, Delivery::Reliable)) {
+      stats_.bytes_sent += outgoing_.size();
+    }
+  }
+  ownership_->outgoing().clear();
+}
+
+void Peer::Impl::estimate_owner(const Shared& shared, std::span<const Inbox::Received> newest,
+                                SessionTime now) {
+  const PeerId owner = ownership_->owner(index_of(shared));
+  if (owner == 0 || owner == transport_.self()) return;
+  const pbd::BodyState& own = world_.state(shared.def.body);
+  for (const Inbox::Received& received : newest) {
+    const StateUpdate& update = received.update;
+    // Until the new owner has the grant nobody owns the body, and it moves as it does here.
+    if (received.peer != owner || update.influence < 1.0F) continue;
+    const PredictionContext context{
+        .now = now,
+        .mirrored_share = 0.0,
+        .peers = static_cast<int>(newest.size()),
+        .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity()};
+    const Prediction prediction = predictor_->predict(update, shared.history, context);
+    const pbd::Vec3 position = own.pose.position + prediction.translation;
+    estimates_.push_back(
+        {.peer = owner,
+         .pose = {position, pbd::rotated(own.pose.orientation, prediction.rotation)},
+         .twist = {own.twist.linear + prediction.twist.linear,
+                   own.twist.angular + prediction.twist.angular},
+         .share = 1.0});
+    if (observer_ == nullptr) return;
+    noted_.push_back(
+        {owner, shared.def.id, position, kNs * static_cast<double>(now - update.stamp)});
+    observer_->on_estimate({owner, update, shared.history, context, prediction});
+    return;
+  }
+}
+
+}  // namespace tandem::consensus

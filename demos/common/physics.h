@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "tandem/consensus/peer.h"
+#include "tandem/pbd/report.h"
+
+namespace tandem::demos {
+
+enum class Engine : std::uint8_t {
+  Tandem,
+  /// An impulse engine behind the paper's two steps. The world is a view of it.
+  Bullet,
+};
+std::string_view to_string(Engine engine);
+
+/// What moves a peer's bodies between before_step and after_step.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class Physics {
+ public:
+  virtual ~Physics() = default;
+  /// One step of `dt` s of the scene's world. @param peer  of that world
+  virtual const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) = 0;
+  /// Pairs of the scene's shared bodies, by index, that pushed each other in the last step; null
+  /// where the world's own contacts tell.
+  virtual const std::vector<std::pair<std::size_t, std::size_t>>* touching() const {
+    return nullptr;
+  }
+};
+
+/// @param iterations  of the other engine's solver; nullopt = its default
+/// @throws std::invalid_argument where the engine is not in this build, or cannot hold the scene
+std::unique_ptr<Physics> make_physics(Engine engine, const Scene& scene,
+                                      std::optional<int> iterations = std::nullopt);
+
+/// Whether Bullet is in this build.
+bool has_bullet();
+
+/// Of bullet/: as make_physics.
+std::unique_ptr<Physics> make_bullet_physics(const Scene& scene, std::optional<int> iterations);
+
+}  // namespace tandem::demos
