@@ -25,6 +25,7 @@ sys.path.insert(0, str(HERE / "evaluation"))
 import stats
 
 SECONDS = {"cubes": 20, "room": 40, "piano": 22, "cliff": 6}
+MOST_SEEDS = {"cliff": 1}  # a thousand bodies are many samples
 # Name, options, and what it is.
 SCHEMES = {
     "one-pass": ([], "the default: targets in the solver's pass, our prediction and rules"),
@@ -62,7 +63,7 @@ MEASURES = [
 
 def cells(scenarios, profiles, seeds):
     for scenario in scenarios:
-        for seed in range(1, seeds + 1):
+        for seed in range(1, min(seeds, MOST_SEEDS.get(scenario, seeds)) + 1):
             for profile in profiles:
                 for scheme in SCHEMES:
                     if scheme.startswith("bullet") and scenario not in BULLET_SCENES:
@@ -151,7 +152,11 @@ def report(results, scenarios, profiles, path):
         "",
         "Two peers, the same scenes, links, seeds and recorded inputs for all; means over seeds ± half "
         "of the 95 % confidence interval. What is averaged, predicted and heard is the same in "
-        "*one-pass* and *two-step*, and in the two that are *plain*: there only the coupling differs.",
+        "*one-pass* and *two-step*, and in the two that are *plain*: there only the coupling differs. "
+        "Stable means that nothing got lost or broke and that, in cubes, what nobody touches stands to "
+        "5 mm; Bullet's stacks settle by more than that by themselves. The energy of agreement is the "
+        "solver's own account, which two steps bypass. Low divergence is not all: averages of late "
+        "states slow down what moves (energy through velocities).",
         "",
         "| scheme | what it is |",
         "|---|---|",
