@@ -22,9 +22,9 @@
 
 namespace tandem::consensus {
 
-/// What one peer does in a step. Receiving and sending are in peer_exchange.cpp, who acts on what
-/// and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp, couplings other
-/// than the pass in peer_coupling.cpp.
+/// What one peer does in a step. Which bodies are shared is in peer_members.cpp, receiving and
+/// sending in peer_exchange.cpp, who acts on what and hard inputs in peer_input.cpp, prediction and
+/// fusion in peer_agreement.cpp, couplings other than the pass in peer_coupling.cpp.
 class Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Which bodies are shared, and the memory of what they did.
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
+
+#include "peer_impl.h"
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// Room that is made for what is kept of other peers' states; more of them allocate once.
+constexpr std::size_t kUsualPeers = 4;
+
+void prefetch_bytes(const void* first, std::size_t size) {
+  constexpr std::size_t kLine = 64;
+  const char* const bytes = static_cast<const char*>(first);
+  for (std::size_t i = 0; i < size; i += kLine) __builtin_prefetch(bytes + i);
+}
+
+}  // namespace
+
+void Peer::Impl::share(const ShareDef& def) {
+  if (!def.id.valid()) throw std::invalid_argument("ShareDef: id = 0 breaks the rule: not zero");
+  pbd::detail::require_body(world_, def.body, "ShareDef", "body");
+  if (find(def.id) != nullptr) {
+    throw std::invalid_argument("ShareDef: id = " + def.id.to_string() +
+                                " breaks the rule: shared once only");
+  }
+  if (world_.props(def.body).type == pbd::BodyType::Static) {
+    throw std::invalid_argument("ShareDef: body = static breaks the rule: one that can move");
+  }
+  if (std::ranges::any_of(shared_, [&](const Shared& s) { return s.def.body == def.body; })) {
+    throw std::invalid_argument("ShareDef: body of id = " + def.id.to_string() +
+                                " breaks the rule: shared under one id only");
+  }
+  const auto at =
+      std::lower_bound(shared_.begin(), shared_.end(), def.id,
+                       [](const Shared& s, const SharedId& id) { return s.def.id < id; });
+  const auto shared = shared_.insert(at, Shared{.def = def, .history = spare_history()});
+  if (keeps_heard_) shared->heard.reserve(kUsualPeers);
+  if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
+  inbox_.add_id(def.id);
+  if (def.owner.has_value()) ++owned_;
+}
+
+void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
+  ShareDef& def = at(id).def;
+  if (def.owner.has_value()) --owned_;
+  if (owner.has_value()) ++owned_;
+  def.owner = owner;
+}
+
+void Peer::Impl::unshare(const SharedId& id) {
+  Shared& shared = at(id);
+  if (shared.history.has_memory()) {
+    shared.history.clear();
+    spare_.push_back(std::move(shared.history));
+  } else {
+    --without_memory_;
+  }
+  springs_.forget_body(shared.def.body, now_);
+  if (shared.def.owner.has_value()) --owned_;
+  inbox_.remove_id(id);
+  if (ownership_ != nullptr) ownership_->remove(index_of(shared));
+  shared_.erase(shared_.begin() + (&shared - shared_.data()));
+  targets_.clear();
+  targeted_.clear();
+}
+
+std::optional<SessionTime> Peer::Impl::heard(const SharedId& id, PeerId from) const {
+  for (const Inbox::Received& received : inbox_.newest(id)) {
+    if (received.peer == from) return received.update.stamp;
+  }
+  return std::nullopt;
+}
+
+Peer::Impl::Shared* Peer::Impl::find(const SharedId& id) {
+  const auto it = std::lower_bound(shared_.begin(), shared_.end(), id,
+                                   [](const Shared& s, const SharedId& i) { return s.def.id < i; });
+  return it != shared_.end() && it->def.id == id ? &*it : nullptr;
+}
+
+Peer::Impl::Shared& Peer::Impl::at(const SharedId& id) {
+  Shared* shared = find(id);
+  if (shared == nullptr) {
+    throw std::invalid_argument("Peer: id = " + id.to_string() + " breaks the rule: shared here");
+  }
+  return *shared;
+}
+
+bool Peer::Impl::held(const SharedId& id) const {
+  const Shared* shared = const_cast<Impl*>(this)->find(id);
+  return shared != nullptr && springs_.holds(shared->def.body);
+}
+
+MotionHistory Peer::Impl::spare_history() {
+  if (spare_.empty()) {
+    ++without_memory_;
+    return {{}, 0, 1};
+  }
+  MotionHistory history = std::move(spare_.back());
+  spare_.pop_back();
+  return history;
+}
+
+void Peer::Impl::lay_out_histories() {
+  tapes_.emplace_back(without_memory_ * MotionHistory::kCapacity);
+  std::size_t place = 0;
+  for (Shared& shared : shared_) {
+    if (shared.history.has_memory()) continue;
+    shared.history = MotionHistory(tapes_.back(), place++, without_memory_);
+  }
+  without_memory_ = 0;
+}
+
+void Peer::Impl::prefetch(std::size_t place, std::size_t age) const {
+  // Who points to it comes first, what is pointed to when that has come.
+  constexpr std::size_t kAhead = 4;  // bodies
+  if (place + 2 * kAhead < shared_.size()) {
+    prefetch_bytes(&shared_[place + 2 * kAhead], offsetof(Shared, hard));
+  }
+  if (place + kAhead >= shared_.size()) return;
+  const auto newest = inbox_.newest_at(place + kAhead);
+  prefetch_bytes(newest.data(), newest.size_bytes());
+  const Shared& soon = shared_[place + kAhead];
+  prefetch_bytes(soon.heard.data(), soon.heard.size() * sizeof(Heard));
+  soon.history.prefetch(age);
+  const std::uint32_t slot = soon.def.body.index;
+  if (slot >= world_.slot_count()) return;
+  prefetch_bytes(&world_.states()[slot], sizeof(pbd::BodyState));
+  prefetch_bytes(&world_.all_props()[slot].gravity_scale, sizeof(double));
+}
+
+}  // namespace tandem::consensus
