@@ -14,14 +14,13 @@ namespace {
 /// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
 constexpr SessionTime kMaxAhead = 1'000'000'000;
 
-/// Marks bodies that a joint (not a contact, not a user's spring) holds to another.
+/// Marks bodies that a joint or a spring (not a contact) holds to another or to the world.
 class JointMarker final : public pbd::LinkVisitor {
  public:
   explicit JointMarker(std::vector<std::uint8_t>& marks) : marks_(marks) {}
   void link(std::uint32_t a, std::uint32_t b) override {
-    if (a == pbd::BodyId::kNone || b == pbd::BodyId::kNone) return;
-    marks_[a] = 1;
-    marks_[b] = 1;
+    if (a != pbd::BodyId::kNone) marks_[a] = 1;
+    if (b != pbd::BodyId::kNone) marks_[b] = 1;
   }
 
  private:

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+
+// Which shares are stable at which delay: two peers that disagree by 5 cm at first, with nobody
+// about. Prints one line of CSV for each case:
+//
+//   scheme, scene, share of peer 1, share of peer 2, delay (frames), stable, end / start, peak /
+//   start, half-life (frames; -1 = never)
+//
+// The difference is the rms over bodies at the same session time. Stable: from the third second on
+// it is below what it was at the start and does not grow.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes.h"
+#include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_link.h"
+
+namespace {
+
+using namespace tandem;
+using namespace tandem::stability_bench;
+using consensus::SessionTime;
+using pbd::Vec3;
+
+constexpr double kRate = 60.0;
+constexpr SessionTime kStart = 1'000'000'000;  // ns
+constexpr int kSteps = 300;
+constexpr double kApart = 0.05;  // m
+
+struct Scheme {
+  std::string_view name;
+  consensus::Coupling coupling;
+  bool published;  ///< the paper's prediction, no gain rule
+  bool gain;
+};
+constexpr Scheme kSchemes[] = {
+    {"one-pass", consensus::Coupling::OnePass, false, true},
+    {"one-pass without gain rule", consensus::Coupling::OnePass, false, false},
+    {"two-step", consensus::Coupling::TwoStep, false, true},
+    {"two-step without gain rule", consensus::Coupling::TwoStep, false, false},
+    {"one-pass-plain", consensus::Coupling::OnePass, true, false},
+    {"two-step-plain", consensus::Coupling::TwoStep, true, false},
+};
+constexpr double kShares[] = {0.02, 0.05, 0.1, 0.2, 0.3, 0.5};
+constexpr int kDelays[] = {0, 1, 2, 3, 5, 8, 11, 15, 20, 30};
+
+/// @param own     announced by this peer     @param other  by the other one
+consensus::PeerOptions options_of(const Scheme& scheme, double own) {
+  consensus::PeerOptions options;
+  options.coupling = scheme.coupling;
+  options.two_step.thresholds = false;
+  options.influence.baseline = own;
+  options.authority_ramp = 0.0;
+  if (scheme.published) return consensus::with_published_rules(options);
+  if (!scheme.gain) {
+    options.hearing.then(
+        consensus::age_decay(options.influence.half_life, options.influence.max_age));
+  }
+  return options;
+}
+
+struct Site {
+  Site(Kind kind, double apart, consensus::Transport& transport,
+       const consensus::PeerOptions& options)
+      : copy(build(kind, apart)), peer(*copy.world, transport, options) {
+    for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
+      peer.share({.id = consensus::SharedId::from_name("body/" + std::to_string(i)),
+                  .body = copy.bodies[i]});
+    }
+  }
+  void step(int k) {
+    const SessionTime from = kStart + std::llround(1e9 * k / kRate);
+    const SessionTime to = kStart + std::llround(1e9 * (k + 1) / kRate);
+    peer.before_step(from);
+    solver.step(*copy.world, 1e-9 * static_cast<double>(to - from));
+    peer.after_step(to);
+  }
+  Copy copy;
+  pbd::Solver solver{{.measure_stages = false}};
+  consensus::Peer peer;
+};
+
+double apart(const Site& a, const Site& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.copy.bodies.size(); ++i) {
+    sum += (a.copy.world->pose(a.copy.bodies[i]).position -
+            b.copy.world->pose(b.copy.bodies[i]).position)
+               .squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(a.copy.bodies.size()));
+}
+
+void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2, int delay) {
+  // A state of the end of a step is heard at the beginning of the next one where nothing is late.
+  consensus::VirtualNetwork network({.latency = delay / kRate}, 1, kStart);
+  network.transport(1);
+  network.transport(2);
+  Site a(kKinds[kind], 0.0, network.transport(1), options_of(scheme, share_1));
+  Site b(kKinds[kind], kApart, network.transport(2), options_of(scheme, share_2));
+  const double start = apart(a, b);
+  std::vector<double> difference;
+  for (int k = 0; k < kSteps; ++k) {
+    network.advance_to(kStart + std::llround(1e9 * k / kRate));
+    a.step(k);
+    b.step(k);
+    difference.push_back(apart(a, b) / start);
+  }
+  const auto worst = [&](int from, int to) {
+    return *std::max_element(difference.begin() + from, difference.begin() + to);
+  };
+  const double middle = worst(180, 240);
+  const double end = worst(240, 300);
+  const bool stable = std::isfinite(end) && end < 1.0 && (end < 1e-3 || end <= 1.05 * middle);
+  int half = -1;
+  for (int k = 0; k < kSteps && half < 0; ++k) {
+    if (worst(k, kSteps) < 0.5) half = k + 1;
+  }
+  std::printf("%.*s,%.*s,%g,%g,%d,%d,%.3g,%.3g,%d\n", static_cast<int>(scheme.name.size()),
+              scheme.name.data(), static_cast<int>(kKindNames[kind].size()),
+              kKindNames[kind].data(), share_1, share_2, delay, stable ? 1 : 0, end,
+              worst(0, kSteps), half);
+}
+
+}  // namespace
+
+int main() {
+  std::puts("scheme,scene,share_1,share_2,delay_frames,stable,end,peak,half_life_frames");
+  for (const Scheme& scheme : kSchemes) {
+    for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
+      for (const int delay : kDelays) {
+        for (const double share : kShares) run(scheme, kind, share, share, delay);
+        run(scheme, kind, 0.02, 0.5, delay);
+        run(scheme, kind, 0.5, 0.02, delay);
+      }
+    }
+  }
+  return 0;
+}
