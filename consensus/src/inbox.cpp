@@ -13,10 +13,10 @@ namespace tandem::consensus {
 namespace {
 
 /// Beyond this a limit is as good as none; in ns it still fits a SessionTime with ease.
-constexpr double kLongest = 1e8;  // s, about three years
+constexpr double kLongestTime = 1e8;  // s, about three years
 
 void require_seconds(const char* field, double value) {
-  if (std::isfinite(value) && value >= 0.0 && value <= kLongest) return;
+  if (std::isfinite(value) && value >= 0.0 && value <= kLongestTime) return;
   throw std::invalid_argument(std::string("InboxOptions::") + field + " = " +
                               std::to_string(value) + ": must be 0 to 1e8 s");
 }
