@@ -171,7 +171,8 @@ class LocalMotionPredictor final : public Predictor {
     return prediction;
   }
 
-  /// Own motion, own motion and the difference of velocities, linear: weighted by what each missed.
+  /// Own motion, own motion and the difference of velocities, linear, and where the own body is:
+  /// weighted by what each missed.
   /// @param lost  0 to 1, how little own turning says of the remote one's
   /// @return nothing where no way was checked yet
   std::optional<Prediction> mixed(const StateUpdate& update, const MotionHistory& own,
@@ -179,7 +180,7 @@ class LocalMotionPredictor final : public Predictor {
                                   const pbd::Twist& drift, double lost) const {
     const Prediction linear = linear_->predict(update, own, context);
     const std::array<Vec3, Memory::kWays> ways = {
-        local.translation, local.translation + drift.linear, linear.translation};
+        local.translation, local.translation + drift.linear, linear.translation, Vec3::Zero()};
     Memory& memory = *context.memory;
     if (update.stamp > memory.stamp) check(update, memory);
     if (memory.probed == 0) {
@@ -198,6 +199,12 @@ class LocalMotionPredictor final : public Predictor {
     result.rotation += straight * (linear.rotation - result.rotation);
     result.twist.linear += part[2] * (linear.twist.linear - result.twist.linear);
     result.twist.angular += straight * (linear.twist.angular - result.twist.angular);
+    // As far as nothing that is known of the remote body says more than the own one does, it is
+    // left alone: what swings faster than news travels would be pushed the wrong way.
+    const double known = 1.0 - part[3];
+    result.rotation *= known;
+    result.twist.linear *= known;
+    result.twist.angular *= known;
     return result;
   }
 

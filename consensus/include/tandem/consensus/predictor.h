@@ -164,10 +164,12 @@ struct PredictorMemory {
   double noise = 0.0;  ///< m^2/s^3, of the acceleration
 
   /// Of Adaptive: what its ways said of a time that is checked once a state of that time has come.
-  static constexpr std::size_t kWays = 3;
+  static constexpr std::size_t kWays = 4;
   SessionTime probed = 0;  ///< ns; 0 = nothing
-  std::array<pbd::Vec3, kWays> said = {pbd::Vec3::Zero(), pbd::Vec3::Zero(), pbd::Vec3::Zero()};
-  std::array<double, kWays> error = {-1.0, -1.0, -1.0};  ///< m^2, mean of late; < 0 = not known
+  std::array<pbd::Vec3, kWays> said = {pbd::Vec3::Zero(), pbd::Vec3::Zero(), pbd::Vec3::Zero(),
+                                       pbd::Vec3::Zero()};
+  std::array<double, kWays> error = {-1.0, -1.0, -1.0,
+                                     -1.0};  ///< m^2, mean of late; < 0 = not known
 };
 
 /// A remote state carried to now, as what the local body misses of it.
