@@ -192,15 +192,15 @@ class LocalMotionPredictor final : public Predictor {
     if (memory.error[0] < 0.0) return std::nullopt;
     std::array<double, Memory::kWays> part{};
     Prediction result = local;
-    result.variance = weigh(memory, part);
+    result.variance = weigh(memory, context.bound, part);
     result.translation = part[0] * ways[0] + part[1] * ways[1] + part[2] * ways[2];
     const double straight = std::max(part[2], lost);
     result.rotation += part[1] * drift.angular;
     result.rotation += straight * (linear.rotation - result.rotation);
     result.twist.linear += part[2] * (linear.twist.linear - result.twist.linear);
     result.twist.angular += straight * (linear.twist.angular - result.twist.angular);
-    // As far as nothing that is known of the remote body says more than the own one does, it is
-    // left alone: what swings faster than news travels would be pushed the wrong way.
+    // As far as what is known of the remote body says less than the own one does, that is left
+    // alone: what swings faster than news travels would be pushed the wrong way.
     const double known = 1.0 - part[3];
     result.rotation *= known;
     result.twist.linear *= known;
@@ -228,15 +228,17 @@ class LocalMotionPredictor final : public Predictor {
 
   /// Squares of inverse variances: the ways' errors are alike, so that a mean of good and bad is
   /// worse than the good one. @return the variance of the best, m^2
-  static double weigh(const Memory& memory, std::array<double, Memory::kWays>& part) {
+  /// @param bound  the body may swing: the last way is one, too
+  static double weigh(const Memory& memory, bool bound, std::array<double, Memory::kWays>& part) {
+    const std::size_t ways = bound ? Memory::kWays : Memory::kWays - 1;
     double sum = 0.0;
-    for (std::size_t k = 0; k < Memory::kWays; ++k) {
+    for (std::size_t k = 0; k < ways; ++k) {
       const double inverse = 1.0 / (memory.error[k] + kLeastError * kLeastError);
       part[k] = inverse * inverse;
       sum += part[k];
     }
     for (double& value : part) value /= sum;
-    return *std::min_element(memory.error.begin(), memory.error.end());
+    return *std::min_element(memory.error.begin(), memory.error.begin() + ways);
   }
 
   static void fade(const Prediction& to, double fraction, Prediction& prediction) {

@@ -113,6 +113,7 @@ void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction
   shared.held = (acting & kHeld) != 0;
   const bool jointed =
       shared.def.body.index < jointed_.size() && jointed_[shared.def.body.index] != 0;
+  shared.bound = shared.held || jointed;
   const bool touches = (acting & kTouched) != 0 || world_.in_contact(shared.def.body);
   const bool coupled = shared.held || jointed || touches;
   shared.history.push(now, state.pose, state.twist, correction, coupled, (acting & ~kTouched) != 0);
