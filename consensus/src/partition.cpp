@@ -158,6 +158,8 @@ void Partition::set_side(Member& member, bool comes, SessionTime now) {
 /// Bodies that others tell of and that are not here.
 void Partition::take_in(SessionTime now) {
   for (const UnknownState& unknown : peer_.unknown()) {
+    // Who has no cell decides on nothing.
+    if (std::ranges::find(cells_, unknown.from, &PartitionCell::peer) == cells_.end()) continue;
     const StateUpdate& update = unknown.update;
     const double age = kNs * static_cast<double>(now - update.stamp);
     if (age < 0.0 || age > options_.patience) continue;

@@ -172,12 +172,16 @@ Vec3 anchor_of(const SolverBody& body, const Vec3& anchor_l) {
   return anchor_l.isZero(0.0) ? anchor_l : turned(body.q, anchor_l);
 }
 
+/// m, between two points (world) of which one is on each body.
+double gap_between(const Manifold& m, const Vec3& p_a, const Vec3& p_b) {
+  return m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
+}
+
 }  // namespace
 
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
-  const Vec3 p_a = a.x + anchor_of(a, m.points[i].anchor_a_l);
-  const Vec3 p_b = b.x + anchor_of(b, m.points[i].anchor_b_l);
-  return m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
+  return gap_between(m, a.x + anchor_of(a, m.points[i].anchor_a_l),
+                     b.x + anchor_of(b, m.points[i].anchor_b_l));
 }
 
 ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b,
@@ -192,11 +196,7 @@ ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b,
   for (int i = 0; i < m.count; ++i) {
     const Vec3 anchor_a = anchor_of(a, m.points[i].anchor_a_l);
     const Vec3 anchor_b = anchor_of(b, m.points[i].anchor_b_l);
-    if (gaps != nullptr) {
-      const Vec3 p_a = a.x + anchor_a;
-      const Vec3 p_b = b.x + anchor_b;
-      (*gaps)[i] = m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
-    }
+    if (gaps != nullptr) (*gaps)[i] = gap_between(m, a.x + anchor_a, b.x + anchor_b);
     const Vec3 r_a = anchor_a + m.radius_a * m.normal;
     const Vec3 r_b = anchor_b - m.radius_b * m.normal;
     arms.a[i] = r_a + share_b * (between + r_b - r_a);

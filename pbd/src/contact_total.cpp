@@ -96,7 +96,7 @@ double straight_gap(const TotalRow& row, const SolverBody& a, const SolverBody& 
 void ContactBlock::begin_total(const SubstepContext& ctx) {
   Impl& m = *impl_;
   if (m.total.size() <= ctx.group) m.total.resize(ctx.group + 1);
-  m.turns.assign(ctx.bodies.size(), Vec3::Zero());
+  m.turns.resize(ctx.bodies.size(), Vec3::Zero());  // each sweep leaves zeros
   std::vector<TotalRow>& rows = m.total[ctx.group];
   rows.clear();
   const ContactOrder::Places places = m.order.range(ctx.group);
@@ -180,6 +180,7 @@ void ContactBlock::end_total(const SubstepContext& ctx) {
 
 bool ContactBlock::clean_up(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  if (!ctx.shared) return false;
   const bool first = ctx.substep == 0;
   if (first) m.cleaned.assign(ctx.bodies.size(), 0);
   bool any = false;
