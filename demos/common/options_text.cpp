@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What --help says, and what options are called in results.
+#include <string>
+#include <string_view>
+
+#include "common/options.h"
+
+namespace tandem::demos {
+
+std::string usage(std::string_view program) {
+  return "usage: " + std::string(program) + R"( [options]
+All peers in one process, in virtual time (the default):
+  --peers N          peers, 1 to 64 (2)
+  --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
+  --loss P --duplicate P --reorder P   chances for each state on the link (0)
+  --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
+One peer for each process, in wall time over TCP:
+  --listen PORT      accept peers here; 0 takes a free port
+  --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
+  --peer-id N        unique in the session (1 with --listen alone, else 2)
+  --wait S           give up where nobody has come after S seconds (0 = never)
+Session:
+  --seconds S        length (20)
+  --seed N           of everything that is drawn (1)
+  --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
+  --coupling one-pass|one-pass-plain|two-step|two-step-plain|two-step-paper|single-owner|pd|none
+                     (one-pass)
+  --pd-frequency F   Hz, natural frequency of pd's spring (0.5)
+  --mode soft|asymmetric|hard      what users' springs are to the others (soft)
+  --predictor none|euler|second-order|kalman|local-motion|blend|adaptive
+                     (adaptive; euler with plain, paper, single-owner and pd)
+  --extrapolation S  longest extrapolation of states (1)
+  --spring-extrapolation S         of users' springs; 0 = off (0.3)
+  --damped-start S   shares grow over this time since a peer was heard (0)
+  --modelled-error M a predictor's own error that halves a share (0 = no rule)
+  --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
+  --update-hz F      states sent each second (60)
+  --rates F,F,..     steps each second of the peers, in turn (60)
+  --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
+  --bullet-iterations N            of Bullet's solver (10)
+  --uneven           the same as --rates 60,72
+  --variant NAME     of the scenario, where it has any
+  --replay FILE      users do what --record wrote, instead of following their script
+Output:
+  --json FILE        write the result as one JSON object; - is standard output
+  --csv DIR          write tables of all samples and of all bodies
+  --record FILE      write what the users did in each step
+  --reference        run what the users did at one peer as well, and compare
+  --quiet            no table and no progress bar
+  --help             this text
+)";
+}
+
+std::string_view to_string(consensus::PredictorKind kind) {
+  switch (kind) {
+    case consensus::PredictorKind::None:
+      return "none";
+    case consensus::PredictorKind::Euler:
+      return "euler";
+    case consensus::PredictorKind::SecondOrder:
+      return "second-order";
+    case consensus::PredictorKind::Kalman:
+      return "kalman";
+    case consensus::PredictorKind::LocalMotion:
+      return "local-motion";
+    case consensus::PredictorKind::Blend:
+      return "blend";
+    case consensus::PredictorKind::Adaptive:
+      break;
+  }
+  return "adaptive";
+}
+
+std::string_view to_string(consensus::InputMode mode) {
+  if (mode == consensus::InputMode::Soft) return "soft";
+  return mode == consensus::InputMode::Hard ? "hard" : "asymmetric";
+}
+
+std::string_view to_string(Scheme scheme) {
+  switch (scheme) {
+    case Scheme::OnePass:
+      return "one-pass";
+    case Scheme::OnePassPlain:
+      return "one-pass-plain";
+    case Scheme::TwoStepPaper:
+      return "two-step-paper";
+    case Scheme::TwoStepPlain:
+      return "two-step-plain";
+    case Scheme::TwoStep:
+      return "two-step";
+    case Scheme::None:
+      return "none";
+    case Scheme::SingleOwner:
+      return "single-owner";
+    case Scheme::Pd:
+      break;
+  }
+  return "pd";
+}
+
+}  // namespace tandem::demos
