@@ -65,8 +65,7 @@ void Partition::set_cells(std::vector<PartitionCell> cells) {
 
 void Partition::add(const SharedId& id, pbd::BodyId body) {
   peer_.share({.id = id, .body = body});
-  const auto at = std::lower_bound(members_.begin(), members_.end(), id,
-                                   [](const Member& m, const SharedId& i) { return m.id < i; });
+  const auto at = members_.begin() + place_of(id);
   Member& member = *members_.insert(at, Member{.id = id, .body = body});
   const double depth = own_depth(world_.pose(body).position);
   if (depth < -(options_.overlap + options_.reach)) {
@@ -116,6 +115,10 @@ void Partition::update(SessionTime now) {
     }
     return false;
   });
+}
+
+std::ptrdiff_t Partition::place_of(const SharedId& id) const {
+  return std::ranges::lower_bound(members_, id, {}, &Member::id) - members_.begin();
 }
 
 bool Partition::is_fresh(const Member& member, PeerId from, SessionTime now) const {
@@ -173,8 +176,7 @@ void Partition::take_in(SessionTime now) {
     }
     pose.orientation = pbd::rotated(pose.orientation, age * update.twist.angular);
     if (own_depth(pose.position) < -(options_.overlap + options_.reach)) continue;
-    const auto at = std::lower_bound(members_.begin(), members_.end(), update.id,
-                                     [](const Member& m, const SharedId& i) { return m.id < i; });
+    const auto at = members_.begin() + place_of(update.id);
     if (at != members_.end() && at->id == update.id) continue;  // told of by two peers
     const pbd::BodyId body = bodies_.appear(update.id, pose, twist);
     if (!body.valid()) continue;
@@ -186,8 +188,7 @@ void Partition::take_in(SessionTime now) {
 }
 
 bool Partition::concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const {
-  const auto at = std::lower_bound(members_.begin(), members_.end(), id,
-                                   [](const Member& m, const SharedId& i) { return m.id < i; });
+  const auto at = members_.begin() + place_of(id);
   if (at == members_.end() || at->id != id) return true;
   if (at->side == Side::Followed) return false;
   for (const PartitionCell& cell : cells_) {

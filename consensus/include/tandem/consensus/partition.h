@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -104,6 +105,8 @@ class Partition final : public Interest {
     SessionTime since = 0;  ///< ns, when it came; 0 = not yet updated
   };
 
+  /// Index of the first member whose id is not below.
+  std::ptrdiff_t place_of(const SharedId& id) const;
   /// Whether a peer was heard of a body lately.
   bool is_fresh(const Member& member, PeerId from, SessionTime now) const;
   /// @param comes  it was not here before
