@@ -1,216 +1,66 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Couplings beside each other on the same scenes, links, inputs and shares.
+"""One pass against two steps: measures every section and writes docs/one-pass-vs-two-step.md.
 
     benchmarks/one_pass_vs_two_step.py build/release/bin results            everything
-    benchmarks/one_pass_vs_two_step.py build/release/bin results --quick    two seeds, three profiles
+    benchmarks/one_pass_vs_two_step.py build/release/bin results --quick    two seeds, fewer cells
     benchmarks/one_pass_vs_two_step.py build/release/bin results --report   from what is there
+    benchmarks/one_pass_vs_two_step.py build/release/bin results --sections couplings stability
 
-What the users do is recorded with the default coupling and done again with the others, so that all
-see the same inputs. Writes results/couplings.csv and docs/one-pass-vs-two-step.md; cells that are
-finished are kept.
+A section is a module in one_pass_vs_two_step/ with two functions: measure(binaries, results, seeds,
+jobs, quick) writes tables into the folder of results, report(results, docs) turns them into a
+section of text and draws its figures beside it.
 """
 import argparse
-import csv
-import json
-import subprocess
+import importlib
+import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
+import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(HERE / "evaluation"))
-import stats
+sys.path[:0] = [str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
+SECTIONS = ["couplings", "stability", "partition"]
 
-SECONDS = {"cubes": 20, "room": 40, "piano": 22, "cliff": 6}
-MOST_SEEDS = {"cliff": 1}  # a thousand bodies are many samples
-# Name, options, and what it is.
-SCHEMES = {
-    "one-pass": ([], "the default: targets in the solver's pass, our prediction and rules"),
-    "two-step": (["--coupling", "two-step"],
-                 "averaged before the step, with our prediction and rules: only the coupling differs"),
-    "one-pass-plain": (["--coupling", "one-pass-plain"],
-                       "in the pass, with the paper's prediction (Euler) and share"),
-    "two-step-plain": (["--coupling", "two-step-plain"],
-                       "before the step, with the paper's prediction and share, no thresholds"),
-    "two-step-paper": (["--coupling", "two-step-paper"], "as published: and with its thresholds"),
-    "single-owner": (["--coupling", "single-owner"], "the transactional scheme"),
-    "pd": (["--coupling", "pd"], "virtual coupling by spring and damper"),
-    "none": (["--coupling", "none"], "no consensus; springs are shared all the same"),
-    "bullet": (["--engines", "bullet", "--coupling", "two-step-paper"],
-               "PhysX-style: as published, in front of Bullet"),
-    "bullet-50": (["--engines", "bullet", "--coupling", "two-step-paper", "--bullet-iterations", "50"],
-                  "the same with 50 iterations instead of 10"),
-}
-BULLET_SCENES = ("cubes", "cliff")
-MEASURES = [
-    ("moving p50, mm", "divergence_shared_moving_m.p50", 1e3),
-    ("all p95, mm", "divergence_shared_m.p95", 1e3),
-    ("all p99, mm", "divergence_shared_m.p99", 1e3),
-    ("resting p50, mm", "divergence_resting_m.p50", 1e3),
-    ("overlap p99, mm", "penetration_m.p99", 1e3),
-    ("overlap max, mm", "penetration_m.max", 1e3),
-    ("correction p99, mm", "smoothness.correction_m.p99", 1e3),
-    ("jerk rms, m/s3", "smoothness.jerk_rms_m_s3", 1.0),
-    ("E displacement, J", "energy_J.displacement", 1.0),
-    ("E velocity, J", "energy_J.velocity_agreement", 1.0),
-    ("E potential, J", "energy_J.potential", 1.0),
-    ("CPU, s", "cpu_s", 1.0),
-]
+try:
+    import matplotlib  # noqa: F401
+except ImportError:
+    # Another Python of this machine may be able to draw.
+    if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():
+        os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
 
+HEAD = """# One pass against two steps
 
-def cells(scenarios, profiles, seeds):
-    for scenario in scenarios:
-        for seed in range(1, min(seeds, MOST_SEEDS.get(scenario, seeds)) + 1):
-            for profile in profiles:
-                for scheme in SCHEMES:
-                    if scheme.startswith("bullet") and scenario not in BULLET_SCENES:
-                        continue
-                    yield scenario, scheme, profile, seed
-
-
-def path_of(folder, scenario, scheme, profile, seed):
-    return folder / f"{scenario}-{scheme}-p{profile}-s{seed}.json"
-
-
-def run(cell, binaries, folder):
-    scenario, scheme, profile, seed = cell
-    out = path_of(folder, *cell)
-    if out.exists() and out.stat().st_mtime >= (binaries / scenario).stat().st_mtime:
-        return
-    inputs = folder / f"{scenario}-p{profile}-s{seed}.inputs"
-    command = [str(binaries / scenario), "--quiet", "--profile", str(profile), "--seed", str(seed),
-               "--seconds", str(SECONDS[scenario]), *SCHEMES[scheme][0]]
-    if scenario == "piano":
-        command += ["--variant", "soft"]
-    command += ["--record", str(inputs)] if scheme == "one-pass" else ["--replay", str(inputs)]
-    part = out.with_suffix(".part")
-    done = subprocess.run(command + ["--json", str(part)], stdout=subprocess.DEVNULL,
-                          stderr=subprocess.PIPE, check=False, text=True)
-    if not part.exists():
-        raise RuntimeError(f"{out.stem}: {done.stderr.strip()}")
-    part.rename(out)
-
-
-def run_all(wanted, binaries, folder, jobs):
-    folder.mkdir(parents=True, exist_ok=True)
-    # Inputs are recorded before they are replayed.
-    rounds = [[c for c in wanted if c[1] == "one-pass"], [c for c in wanted if c[1] != "one-pass"]]
-    done = 0
-    for cells_of_round in rounds:
-        with ThreadPoolExecutor(jobs) as pool:
-            for _ in pool.map(lambda c: run(c, binaries, folder), cells_of_round):
-                done += 1
-                if done % 20 == 0 or done == len(wanted):
-                    print(f"{done}/{len(wanted)}", file=sys.stderr, flush=True)
-
-
-def load(wanted, folder):
-    results = {}
-    for scenario, scheme, profile, seed in wanted:
-        path = path_of(folder, scenario, scheme, profile, seed)
-        if path.exists():
-            results.setdefault((scenario, scheme, profile), []).append(json.loads(path.read_text()))
-    return results
-
-
-def write_csv(results, path):
-    with path.open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["scenario", "scheme", "profile", "seed", "stable", "fault"]
-                       + [name for name, _, _ in MEASURES])
-        for (scenario, scheme, profile), runs in sorted(results.items()):
-            for r in runs:
-                table.writerow([scenario, scheme, profile, r["seed"], r["stable"], r["fault"]]
-                               + [None if stats.get(r, p) is None else f * stats.get(r, p)
-                                  for _, p, f in MEASURES])
-
-
-def verdict(results, scenario, profile, ours, theirs, path):
-    """Ratio theirs over ours, seed by seed; differences below 0.1 mm count as equal."""
-    ratios = []
-    for a, b in zip(results.get((scenario, ours, profile), []),
-                    results.get((scenario, theirs, profile), [])):
-        x, y = stats.get(a, path), stats.get(b, path)
-        if x is None or y is None:
-            continue
-        ratios.append(1.0 if abs(x - y) < 1e-4 else y / max(x, 1e-9))
-    mean, half = stats.interval(ratios)
-    if mean is None:
-        return "-"
-    return f"{mean:.2f}" if half is None else f"{mean:.2f} ± {half:.2f}"
-
-
-def report(results, scenarios, profiles, path):
-    lines = [
-        "# One pass against two steps",
-        "",
-        "Written by `benchmarks/one_pass_vs_two_step.py` from what it measured: run that again instead "
-        "of editing here.",
-        "",
-        "Two peers, the same scenes, links, seeds and recorded inputs for all; means over seeds ± half "
-        "of the 95 % confidence interval. What is averaged, predicted and heard is the same in "
-        "*one-pass* and *two-step*, and in the two that are *plain*: there only the coupling differs. "
-        "Stable means that nothing got lost or broke and that, in cubes, what nobody touches stands to "
-        "5 mm; Bullet's stacks settle by more than that by themselves. The energy of agreement is the "
-        "solver's own account, which two steps bypass. Low divergence is not all: averages of late "
-        "states slow down what moves (energy through velocities).",
-        "",
-        "| scheme | what it is |",
-        "|---|---|",
-    ]
-    lines += [f"| {name} | {text} |" for name, (_, text) in SCHEMES.items()]
-    lines += ["", "## Two steps over one pass", "",
-              "Ratios of each seed's figures, two steps over one pass: above 1 one pass is better. "
-              "Differences below 0.1 mm count as equal.", "",
-              "| scenario | profile | moving p50, ours | all p95, ours | overlap max, ours | "
-              "moving p50, plain | all p95, plain | overlap max, plain |", "|---|---|---|---|---|---|---|---|"]
-    for scenario in scenarios:
-        for profile in profiles:
-            row = [scenario, str(profile)]
-            for ours, theirs in (("one-pass", "two-step"), ("one-pass-plain", "two-step-plain")):
-                for measure in ("divergence_shared_moving_m.p50", "divergence_shared_m.p95",
-                                "penetration_m.max"):
-                    row.append(verdict(results, scenario, profile, ours, theirs, measure))
-            lines.append("| " + " | ".join(row) + " |")
-    for scenario in scenarios:
-        lines += ["", f"## {scenario}", "",
-                  "| profile | scheme | stable | " + " | ".join(n for n, _, _ in MEASURES) + " |",
-                  "|---|---|---|" + "---|" * len(MEASURES)]
-        for profile in profiles:
-            for scheme in SCHEMES:
-                runs = results.get((scenario, scheme, profile))
-                if not runs:
-                    continue
-                stable = sum(1 for r in runs if r["stable"])
-                lines.append(f"| {profile} | {scheme} | {stable} of {len(runs)} | "
-                             + " | ".join(stats.text(runs, p, f) for _, p, f in MEASURES) + " |")
-    path.write_text("\n".join(lines) + "\n")
+Written by `benchmarks/one_pass_vs_two_step.py` from what it measured: run that again instead of editing here.
+"""
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("binaries", type=Path, help="folder of the programs")
     parser.add_argument("out", type=Path, help="folder for the results")
-    parser.add_argument("--quick", action="store_true", help="two seeds, profiles 1, 3 and 5")
-    parser.add_argument("--seeds", type=int)
-    parser.add_argument("--profiles", type=int, nargs="*")
-    parser.add_argument("--scenarios", nargs="*", default=list(SECONDS), choices=list(SECONDS))
+    parser.add_argument("--quick", action="store_true", help="two seeds, fewer cells")
+    parser.add_argument("--seeds", type=int, help="how many (5, quick 2)")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--sections", nargs="*", default=SECTIONS, choices=SECTIONS,
+                        help="what to measure; all are reported")
     parser.add_argument("--report", action="store_true", help="run nothing")
     parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
     args = parser.parse_args()
-    profiles = args.profiles or ([1, 3, 5] if args.quick else [1, 2, 3, 4, 5])
-    seeds = args.seeds or (2 if args.quick else 5)
-    wanted = list(cells(args.scenarios, profiles, seeds))
-    folder = args.out / "couplings"
-    if not args.report:
-        run_all(wanted, args.binaries, folder, args.jobs)
-    results = load(wanted, folder)
-    write_csv(results, args.out / "couplings.csv")
-    report(results, args.scenarios, profiles, args.docs / "one-pass-vs-two-step.md")
+
+    args.out.mkdir(parents=True, exist_ok=True)
+    texts = [HEAD]
+    for name in SECTIONS:
+        section = importlib.import_module(name)
+        if not args.report and name in args.sections:
+            begun = time.monotonic()
+            section.measure(args.binaries, args.out, args.seeds or (2 if args.quick else 5),
+                            args.jobs, args.quick)
+            print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
+        texts.append(section.report(args.out, args.docs).rstrip() + "\n")
+    (args.docs / "one-pass-vs-two-step.md").write_text("\n".join(texts))
 
 
 if __name__ == "__main__":
