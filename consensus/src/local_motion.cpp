@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "predictors.h"
+#include "swing_fit.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -115,6 +116,9 @@ class LocalMotionPredictor final : public Predictor {
       drift.linear = reach * closing.linear - both * (t * agreed.linear - moment.linear);
       drift.angular = reach * closing.angular - both * (t * agreed.angular - moment.angular);
     }
+    if (mixes && context.bound && !context.held) {
+      return swung(update, own, context, prediction, drift);
+    }
     if (mixes) {
       const double lost = ramp(turned_apart, kFadeFromAngle, kFadeToAngle);
       const auto mean = mixed(update, own, context, prediction, drift, lost);
@@ -169,6 +173,25 @@ class LocalMotionPredictor final : public Predictor {
       prediction.twist.linear += age * context.gravity;
     }
     return prediction;
+  }
+
+  /// What hangs by joints or springs, and no hand holds: as much of the difference, and of its
+  /// drift, as has come true of late.
+  static Prediction swung(const StateUpdate& update, const MotionHistory& own,
+                          const PredictionContext& context, const Prediction& local,
+                          const pbd::Twist& drift) {
+    Memory& memory = *context.memory;
+    if (update.stamp > memory.stamp) {
+      detail::learn(memory.swing, memory.stamp, memory.position, update);
+      memory.position = update.pose.position;
+      memory.stamp = update.stamp;
+    }
+    detail::expect(memory.swing, context.now, seconds(context.now - update.stamp),
+                   own.newest().pose.position, local.translation, drift.linear);
+    const detail::SwingParts parts = detail::parts_of(memory.swing);
+    return {.translation = parts.apart * local.translation + parts.drift * drift.linear,
+            .rotation = parts.apart * local.rotation + parts.drift * drift.angular,
+            .twist = {parts.apart * local.twist.linear, parts.apart * local.twist.angular}};
   }
 
   /// Own motion, own motion and the difference of velocities, linear, and where the own body is:

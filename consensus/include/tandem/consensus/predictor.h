@@ -151,6 +151,28 @@ struct PredictorOptions {
   void validate() const;
 };
 
+/// How the difference between two copies of a body has gone on of late: sums for a least squares
+/// fit of what it was at the end of an age to what it was, and to how fast it grew, at the
+/// beginning.
+struct SwingFit {
+  /// What was seen, until the states of its time have come.
+  struct Probe {
+    SessionTime time = 0;                    ///< ns; 0 = none
+    pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, of the own copy
+    pbd::Vec3 apart = pbd::Vec3::Zero();     ///< m, from there to the other one
+    pbd::Vec3 drift = pbd::Vec3::Zero();     ///< m, difference of velocities times the age
+  };
+  static constexpr std::size_t kProbes = 4;
+  std::array<Probe, kProbes> probes;
+  // m^2: sums of products of a = apart, d = drift and y = what the difference came to.
+  double aa = 0.0;
+  double ad = 0.0;
+  double dd = 0.0;
+  double ay = 0.0;
+  double dy = 0.0;
+  double yy = 0.0;
+};
+
 /// What a predictor keeps of one peer's states of one body, from update to update.
 struct PredictorMemory {
   SessionTime stamp = 0;  ///< ns, of the last update taken in; 0 = none
@@ -170,6 +192,7 @@ struct PredictorMemory {
                                        pbd::Vec3::Zero()};
   std::array<double, kWays> error = {-1.0, -1.0, -1.0,
                                      -1.0};  ///< m^2, mean of late; < 0 = not known
+  SwingFit swing;
 };
 
 /// A remote state carried to now, as what the local body misses of it.
@@ -189,6 +212,7 @@ struct PredictionContext {
   int peers = 1;                          ///< remote peers that share the body
   pbd::Vec3 gravity = pbd::Vec3::Zero();  ///< m/s^2, on this body
   bool bound = false;  ///< a joint or a spring acts on the own body, so that it may swing
+  bool held = false;   ///< a user holds it
   /// Of this body and sender. Null: predictors that remember do without.
   PredictorMemory* memory = nullptr;
 };
