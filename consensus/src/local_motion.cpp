@@ -182,16 +182,28 @@ class LocalMotionPredictor final : public Predictor {
                           const pbd::Twist& drift) {
     Memory& memory = *context.memory;
     if (update.stamp > memory.stamp) {
-      detail::learn(memory.swing, memory.stamp, memory.position, update);
+      detail::learn(memory.swing, memory.stamp, memory.position, memory.velocity, update);
       memory.position = update.pose.position;
+      memory.velocity = update.twist.linear;
       memory.stamp = update.stamp;
     }
-    detail::expect(memory.swing, context.now, seconds(context.now - update.stamp),
-                   own.newest().pose.position, local.translation, drift.linear);
+    const MotionSample& now = own.newest();
+    detail::expect(memory.swing, context.now, seconds(context.now - update.stamp), now,
+                   local.translation, drift.linear);
     const detail::SwingParts parts = detail::parts_of(memory.swing);
-    return {.translation = parts.apart * local.translation + parts.drift * drift.linear,
-            .rotation = parts.apart * local.rotation + parts.drift * drift.angular,
-            .twist = {parts.apart * local.twist.linear, parts.apart * local.twist.angular}};
+    // Against the force it gives energy, as it does along the velocity.
+    const auto displaced = [&](const Vec3& apart, const Vec3& drifted, const Vec3& pushed) {
+      const Vec3 change = parts.apart * apart + parts.drift * drifted;
+      return detail::without_forward(parts.unknown, change, -pushed);
+    };
+    const auto blended = [&](const Vec3& difference, const Vec3& velocity) {
+      return detail::without_forward(parts.unknown, parts.velocity * difference, velocity);
+    };
+    const pbd::Twist pushed = own.pushed();
+    return {.translation = displaced(local.translation, drift.linear, pushed.linear),
+            .rotation = displaced(local.rotation, drift.angular, pushed.angular),
+            .twist = {blended(local.twist.linear, now.twist.linear),
+                      blended(local.twist.angular, now.twist.angular)}};
   }
 
   /// Own motion, own motion and the difference of velocities, linear, and where the own body is:

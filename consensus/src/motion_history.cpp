@@ -101,6 +101,14 @@ bool MotionHistory::within(const Moment& moment, const pbd::Quat& q, double half
          (moment.age == 0 || std::abs(at(moment.age - 1).pose.orientation.dot(q)) > half_cosine);
 }
 
+pbd::Twist MotionHistory::pushed() const {
+  if (count_ < 2) return {};
+  const MotionSample& now = at(0);
+  const MotionSample& then = at(1);
+  return {now.twist.linear - then.twist.linear - (now.agreed.linear - then.agreed.linear),
+          now.twist.angular - then.twist.angular - (now.agreed.angular - then.agreed.angular)};
+}
+
 std::optional<MotionSample> MotionHistory::beside_hit(const Moment& moment,
                                                       const Vec3& velocity) const {
   // at(age) is the last sample before: its own step, the one that the time is in, and the next.

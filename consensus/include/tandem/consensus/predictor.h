@@ -70,6 +70,8 @@ class MotionHistory {
     std::size_t age = 0;  ///< samples, of the newest one that is not later; else of the oldest
   };
   Moment moment(SessionTime time) const;
+  /// Change of the twist over the last step by all but agreement: along the forces on the body.
+  pbd::Twist pushed() const;
   /// Whether the history goes back that far.
   bool reaches(const Moment& moment) const {
     return count_ > 0 && at(moment.age).time <= moment.time;
@@ -152,25 +154,29 @@ struct PredictorOptions {
 };
 
 /// How the difference between two copies of a body has gone on of late: sums for a least squares
-/// fit of what it was at the end of an age to what it was, and to how fast it grew, at the
-/// beginning.
+/// fit of what it came to after an age to what it was, and to how fast it grew, at the beginning.
 struct SwingFit {
   /// What was seen, until the states of its time have come.
   struct Probe {
     SessionTime time = 0;                    ///< ns; 0 = none
     pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, of the own copy
+    pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, of the own copy
     pbd::Vec3 apart = pbd::Vec3::Zero();     ///< m, from there to the other one
     pbd::Vec3 drift = pbd::Vec3::Zero();     ///< m, difference of velocities times the age
+    double age = 0.0;                        ///< s
   };
   static constexpr std::size_t kProbes = 4;
   std::array<Probe, kProbes> probes;
-  // m^2: sums of products of a = apart, d = drift and y = what the difference came to.
+  // m^2: sums of products of a = apart, d = drift, y = what the difference came to, and v = the age
+  // times what the difference of velocities came to.
   double aa = 0.0;
   double ad = 0.0;
   double dd = 0.0;
   double ay = 0.0;
   double dy = 0.0;
   double yy = 0.0;
+  double dv = 0.0;
+  double vv = 0.0;
 };
 
 /// What a predictor keeps of one peer's states of one body, from update to update.
