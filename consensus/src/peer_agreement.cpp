@@ -238,7 +238,8 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       place(shared, pose, twist, now);
     } else if (known.sender_leads || (received.peer < self && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
-      if (options_.arbitration && !held && shared.lead.parted(prediction.translation, now)) {
+      if (options_.arbitration && !held &&
+          shared.lead.parted(prediction.translation, prediction.rotation, now)) {
         place(shared, pose, twist, now);
         shared.jumped = kJumpTold;
         ++stats_.bodies_placed;
