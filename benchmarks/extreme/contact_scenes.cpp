@@ -133,15 +133,15 @@ pbd::BodyId box_at(CopyBuilder& b, const Vec3& position, double mass) {
 }
 
 Scene tug_of_war() {
-  Scene scene{.name = "S3 tug of war", .group = "solver", .seconds = 8.0};  // two periods
+  Scene scene{.name = "S3 tug of war", .group = "solver", .seconds = 8.5};  // four periods
   scene.build = [](int) { return stack(1); };
-  const auto begin = [](double t) { return std::min(t, 1.0); };
+  const auto begin = [](double t) { return std::clamp(t - kKnown, 0.0, 1.0); };
   scene.hands = {{.peer = 0,
                   .stiffness = 200.0,
                   .damping = 10.0,
                   .path = [=](double t) { return Vec3(-0.5 * begin(t), 0.0, kHalf); }},
                  {.peer = 1, .stiffness = 300.0, .damping = 10.0, .path = [=](double t) {
-                    const double swing = 0.3 * std::sin(std::numbers::pi * t);
+                    const double swing = 0.3 * std::sin(std::numbers::pi * (t - kKnown));
                     return Vec3(begin(t) * (0.5 + swing), 0.0, kHalf);
                   }}};
   return scene;

@@ -76,24 +76,23 @@ std::vector<Scene> all_scenes() {
   return all;
 }
 
-void print(const Scene& scene, const Scheme& scheme, const std::string& link, int seed,
-           const Result& r) {
+void print(const Scene& scene, const Scheme& scheme, const std::string& link, double share,
+           int seed, const Result& r) {
   std::printf(
       "%s,\"%s\",%d,%s,%s,%g,%d,%d,%.5g,%.5g,%d,%d,%d,%.4g,%.4g,%.4g,%.5g,%.5g,%.4g,%.4g,"
       "%.4g,%.4g,%d,%d\n",
-      scene.group.c_str(), scene.name.c_str(), scene.peers, scheme.name.data(), link.c_str(),
-      scene.conditions.share, seed, r.stable ? 1 : 0, r.peak_mm, r.final_mm, r.half_frames,
-      r.percent_frames, r.millimetre_frames, r.overlap_mm, r.overlap_end_mm, r.joint_mm,
-      r.kinetic_J, r.work_J, r.excess_J, r.agreement_J, r.displacement_J, r.momentum, r.not_finite,
-      r.placed);
+      scene.group.c_str(), scene.name.c_str(), scene.peers, scheme.name.data(), link.c_str(), share,
+      seed, r.stable ? 1 : 0, r.peak_mm, r.final_mm, r.half_frames, r.percent_frames,
+      r.millimetre_frames, r.overlap_mm, r.overlap_end_mm, r.joint_mm, r.kinetic_J, r.work_J,
+      r.excess_J, r.agreement_J, r.displacement_J, r.momentum, r.not_finite, r.placed);
 }
 
-void print_series(const Scene& scene, const Scheme& scheme, const std::string& link, int seed,
-                  const Result& r) {
+void print_series(const Scene& scene, const Scheme& scheme, const std::string& link, double share,
+                  int seed, const Result& r) {
   const auto every = static_cast<std::size_t>(scene.sample_hz / 10.0);
   for (std::size_t k = 0; k < r.series.size(); k += every) {
-    std::printf("%s,\"%s\",%d,%s,%s,%d,%.3f,%.5g\n", scene.group.c_str(), scene.name.c_str(),
-                scene.peers, scheme.name.data(), link.c_str(), seed,
+    std::printf("%s,\"%s\",%d,%s,%s,%g,%d,%.3f,%.5g\n", scene.group.c_str(), scene.name.c_str(),
+                scene.peers, scheme.name.data(), link.c_str(), share, seed,
                 static_cast<double>(k) / scene.sample_hz, r.series[k]);
   }
 }
@@ -110,7 +109,7 @@ void run_links(const Options& options, const Scene& scene, const Scheme& scheme)
     const int seeds = random(scene, link) ? options.seeds : 1;
     for (int seed = 1; seed <= seeds; ++seed) {
       const Result result = run(scene, scheme, link, static_cast<std::uint64_t>(seed));
-      (options.series ? print_series : print)(scene, scheme, link, seed, result);
+      (options.series ? print_series : print)(scene, scheme, link, options.share, seed, result);
       std::fflush(stdout);
     }
   }
@@ -138,7 +137,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     std::puts(options.series
-                  ? "group,scene,peers,scheme,link,seed,time_s,difference"
+                  ? "group,scene,peers,scheme,link,share,seed,time_s,difference"
                   : "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
                     "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
                     "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"

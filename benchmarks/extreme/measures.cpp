@@ -235,12 +235,13 @@ Result Watch::finish() {
       if (scene_.stands && !(sunk < 0.5 * kHalf)) standing = false;
     }
   }
-  // What moves differs by as much as the news is late; what a user pulls at 1 m/s, by 12 cm.
-  const double bound = start + 1e3 * scene_.differs + (scene_.by_angle ? 10.0 : 300.0);
+  // What moves differs by as much as the news is late.
+  const double bound = start + 1e3 * scene_.differs + (scene_.by_angle ? 10.0 : 1000.0);
+  // A noise of one quarter is not that of the next.
   const double before = worst(n / 2, 3 * n / 4);
   const double last = worst(3 * n / 4, n);
   result_.stable =
-      result_.not_finite == 0 && standing && result_.peak_mm < bound && last < 1.25 * before + 1.0;
+      result_.not_finite == 0 && standing && result_.peak_mm < bound && last < 1.5 * before + 1.0;
   return result_;
 }
 

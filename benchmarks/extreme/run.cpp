@@ -25,7 +25,16 @@ consensus::PeerOptions options_of(const Scene& scene, const Scheme& scheme, std:
   return scheme.published ? consensus::with_published_rules(options) : options;
 }
 
-/// Hand number `index` of a scene, at its peer.
+/// No gravity before that time, s.
+void lighten(Site& site, double until) {
+  const Vec3 gravity = site.copy.world->gravity();
+  site.copy.world->set_gravity(Vec3::Zero());
+  site.user = [=](Site& s, double time) {
+    if (time >= until && s.copy.world->gravity() != gravity) s.copy.world->set_gravity(gravity);
+  };
+}
+
+/// A hand at its peer.
 void lend(Site& site, const Hand& hand) {
   auto id = std::make_shared<consensus::GrabId>();
   const auto before = site.user;
@@ -83,6 +92,7 @@ Result run(const Scene& scene, const Scheme& scheme, const std::string& link, st
         scene.build(i), *transport, options_of(scene, scheme, peer),
         peer < conditions.pace.size() ? conditions.pace[peer] : peers_bench::Pace{},
         conditions.owners));
+    if (scene.weight_from > 0.0) lighten(*session.sites.back(), scene.weight_from);
   }
   for (const Hand& hand : scene.hands)
     lend(*session.sites[static_cast<std::size_t>(hand.peer)], hand);

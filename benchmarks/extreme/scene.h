@@ -50,11 +50,12 @@ struct Scene {
   std::function<Copy(int peer)> build;
   std::vector<Hand> hands;
   Conditions conditions;
-  double differs = 0.0;     ///< m, how far apart the copies' surroundings hold them
-  bool by_angle = false;    ///< the disagreement is one of orientation
-  bool stands = false;      ///< nothing may be lower at the end by more than a quarter of an edge
-  bool weightless = false;  ///< nothing acts from outside: momentum stays
-  double sample_hz = 60.0;  ///< how often copies are compared; all have ended a step then
+  double differs = 0.0;      ///< m, how far apart the copies' surroundings hold them
+  bool by_angle = false;     ///< the disagreement is one of orientation
+  bool stands = false;       ///< nothing may be lower at the end by more than a quarter of an edge
+  bool weightless = false;   ///< nothing acts from outside: momentum stays
+  double weight_from = 0.0;  ///< s: nothing has weight before; hands are known everywhere by then
+  double sample_hz = 60.0;   ///< how often copies are compared; all have ended a step then
 };
 
 std::vector<Scene> contact_scenes();    ///< boxes, walls, stacks; geometry that differs
@@ -66,6 +67,8 @@ std::vector<Scene> topology_scenes();
 // Builders that several of them use ---------------------------------------------------------------
 
 inline constexpr double kHalf = 0.25;  ///< m, of a usual box, 1 kg
+/// s: hands are still for so long, so that all peers know of them when they begin to move.
+inline constexpr double kKnown = 0.5;
 
 Vec3 up(double z);
 /// The top of it is at this height.
