@@ -73,6 +73,7 @@ void Peer::Impl::after_step(SessionTime now) {
   if (without_memory_ > 0) lay_out_histories();
   mark_joints();
   mark_acting();
+  spread_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     Shared& shared = shared_[i];

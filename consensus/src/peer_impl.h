@@ -71,6 +71,7 @@ class Peer::Impl {
   static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns
   static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
   static constexpr std::uint8_t kTouched = 32;         ///< any
+  static constexpr std::uint8_t kJoinedToOther = 64;   ///< something that another's user acts on
   struct Shared {
     ShareDef def;
     MotionHistory history;
@@ -138,6 +139,8 @@ class Peer::Impl {
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
   void mark_noted_contacts();
+  /// Who acts on a body acts on all that joints hold to it.
+  void spread_acting();
   void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
 
   // Couplings other than the pass.
@@ -188,6 +191,7 @@ class Peer::Impl {
   std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  ///< slots of bodies that move
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
   std::vector<std::uint8_t> acting_;
   std::vector<std::uint8_t> touching_;
