@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tandem::consensus {
 namespace {
@@ -19,6 +20,7 @@ constexpr SessionTime kPause = 100'000'000;
 
 /// m: copies closer than this are left alone.
 constexpr double kParted = 0.03;
+constexpr double kFree = std::numeric_limits<double>::infinity();
 /// What is missing has changed by this part of it: something happens. A share of 0.02 needs 0.3 s.
 constexpr double kChange = 0.3;
 constexpr SessionTime kPatience = 1'000'000'000;      // ns
@@ -40,10 +42,10 @@ double Lead::share(double share, double angle, bool follows, SessionTime now) {
   return doubt > 0.0 ? 1.0 - std::pow(1.0 - share, strength) : share;
 }
 
-bool Lead::parted(const pbd::Vec3& missing, const pbd::Vec3& turn, SessionTime now) {
+bool Lead::parted(const pbd::Vec3& missing, const pbd::Vec3& turn, bool blocked, SessionTime now) {
   // About half a turn the axis changes its sign at random: only the angle is compared.
   const pbd::Vec3 angle(turn.norm(), 0.0, 0.0);
-  const bool apart = apart_.look(missing, kParted, kPatience, now);
+  const bool apart = apart_.look(missing, blocked ? kParted : kFree, kPatience, now);
   return turned_.look(angle, kToAngle, kTurnPatience, now) || apart;
 }
 

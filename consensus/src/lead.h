@@ -25,7 +25,8 @@ class Lead {
   /// between. Where that was in vain, since the follower's surroundings are others, it is left
   /// alone.
   /// @param missing  m, from the follower's copy to the leader's     @param turn  rad, likewise
-  bool parted(const pbd::Vec3& missing, const pbd::Vec3& turn, SessionTime now);
+  /// @param blocked  agreement could not move the follower's in the last step
+  bool parted(const pbd::Vec3& missing, const pbd::Vec3& turn, bool blocked, SessionTime now);
 
  private:
   static constexpr SessionTime kNever = std::numeric_limits<SessionTime>::min();

@@ -85,8 +85,10 @@ class Peer::Impl {
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
     /// What is needed for each body in each step ends here.
     HardInput hard = {};
-    pbd::Correction averaged = {};  ///< before the step, where the pass does not do it
-    double still = 0.0;             ///< s, at rest and in agreement, see rests()
+    pbd::Correction averaged = {};        ///< before the step, where the pass does not do it
+    double still = 0.0;                   ///< s, at rest and in agreement, see rests()
+    pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, what agreement wanted of this step
+    bool blocked = false;                 ///< the last step did less than half of it
   };
 
   /// An estimate that the observer is told of once all is done: recording is no aggregation.
