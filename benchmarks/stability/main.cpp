@@ -23,19 +23,16 @@
 #include <string_view>
 #include <vector>
 
+#include "peers/session.h"
 #include "scenes.h"
-#include "tandem/consensus/peer.h"
-#include "tandem/consensus/virtual_link.h"
 
 namespace {
 
 using namespace tandem;
 using namespace tandem::stability_bench;
-using consensus::SessionTime;
-using pbd::Vec3;
+using peers_bench::Site;
 
 constexpr double kRate = 60.0;
-constexpr SessionTime kStart = 1'000'000'000;  // ns
 constexpr int kSteps = 900;
 constexpr double kApart = 0.05;  // m
 
@@ -64,28 +61,7 @@ consensus::PeerOptions options_of(const Scheme& scheme, double own) {
   return options;
 }
 
-struct Site {
-  Site(Kind kind, double apart, consensus::Transport& transport,
-       const consensus::PeerOptions& options)
-      : copy(build(kind, apart)), peer(*copy.world, transport, options) {
-    for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
-      peer.share({.id = consensus::SharedId::from_name("body/" + std::to_string(i)),
-                  .body = copy.bodies[i]});
-    }
-  }
-  void step(int k) {
-    const SessionTime from = kStart + std::llround(1e9 * k / kRate);
-    const SessionTime to = kStart + std::llround(1e9 * (k + 1) / kRate);
-    peer.before_step(from);
-    solver.step(*copy.world, 1e-9 * static_cast<double>(to - from));
-    peer.after_step(to);
-  }
-  Copy copy;
-  pbd::Solver solver{{.measure_stages = false}};
-  consensus::Peer peer;
-};
-
-double speed_square(const Copy& copy) {
+double speed_square(const peers_bench::Copy& copy) {
   double sum = 0.0;
   for (const pbd::BodyId body : copy.bodies) sum += copy.world->twist(body).linear.squaredNorm();
   return sum;
@@ -93,7 +69,7 @@ double speed_square(const Copy& copy) {
 
 /// m^2/s^2: mean of speed_square() over the end, of a copy alone.
 double speed_square_alone(std::size_t kind, double apart) {
-  Copy copy = build(kKinds[kind], apart);
+  peers_bench::Copy copy = build(kKinds[kind], apart);
   pbd::Solver solver{{.measure_stages = false}};
   double sum = 0.0;
   for (int k = 0; k < kSteps; ++k) {
@@ -115,20 +91,23 @@ double apart(const Site& a, const Site& b) {
 
 void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2, int delay) {
   // A state of the end of a step is heard at the beginning of the next one where nothing is late.
-  consensus::VirtualNetwork network({.latency = delay / kRate}, 1, kStart);
-  network.transport(1);
-  network.transport(2);
-  Site a(kKinds[kind], 0.0, network.transport(1), options_of(scheme, share_1));
-  Site b(kKinds[kind], kApart, network.transport(2), options_of(scheme, share_2));
-  const double start = apart(a, b);
+  peers_bench::Session session({.latency = peers_bench::latency_of(delay)});
+  const auto add = [&](consensus::PeerId id, double off, double share) {
+    session.sites.push_back(std::make_unique<Site>(
+        build(kKinds[kind], off), session.network.transport(id), options_of(scheme, share)));
+  };
+  add(1, 0.0, share_1);
+  add(2, kApart, share_2);
+  const auto difference_now = [&] { return apart(*session.sites[0], *session.sites[1]); };
+  const double start = difference_now();
   std::vector<double> difference;
   double squares = 0.0;
   for (int k = 0; k < kSteps; ++k) {
-    network.advance_to(kStart + std::llround(1e9 * k / kRate));
-    a.step(k);
-    b.step(k);
-    difference.push_back(apart(a, b) / start);
-    if (k >= 630) squares += speed_square(a.copy) + speed_square(b.copy);
+    session.run_until((k + 1) / kRate);
+    difference.push_back(difference_now() / start);
+    if (k >= 630) {
+      for (const auto& site : session.sites) squares += speed_square(site->copy);
+    }
   }
   const auto worst = [&](int from, int to) {
     return *std::max_element(difference.begin() + from, difference.begin() + to);

@@ -21,7 +21,7 @@ class Initiative {
   /// What acts on the body in this step, as far as this peer knows.
   struct Acting {
     bool own = false;      ///< own user's spring or a body that this peer owns
-    bool other = false;    ///< another's
+    bool other = false;    ///< another's, or on what joints hold to it
     bool contact = false;  ///< it touches or is joined to something
   };
   /// Once each step. @param round_trip  s, of the news

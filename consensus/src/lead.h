@@ -20,17 +20,35 @@ class Lead {
   double share(double share, double angle, bool follows, SessionTime now);
 
   /// Something solid between two copies keeps them apart for ever: no average brings a ball through
-  /// a table. Whether the follower's has been held back in the same way for so long that it had
-  /// better be put where the leader has it, whatever is in between.
-  /// @param missing  m, from the follower's copy to the leader's
-  bool parted(const pbd::Vec3& missing, SessionTime now);
+  /// a table, and none turns a cube over its edge. Whether the follower's has been held back in the
+  /// same way for so long that it had better be put where the leader has it, whatever is in
+  /// between. Where that was in vain, since the follower's surroundings are others, it is left
+  /// alone.
+  /// @param missing  m, from the follower's copy to the leader's     @param turn  rad, likewise
+  /// @param blocked  agreement could not move the follower's in the last step
+  bool parted(const pbd::Vec3& missing, const pbd::Vec3& turn, bool blocked, SessionTime now);
 
  private:
   static constexpr SessionTime kNever = std::numeric_limits<SessionTime>::min();
+
+  /// Something that is missing and does not become less.
+  class Stuck {
+   public:
+    /// @param least     less counts as nothing
+    /// @param patience  ns
+    bool look(const pbd::Vec3& missing, double least, SessionTime patience, SessionTime now);
+
+   private:
+    SessionTime waits_ = 0;     ///< ns, since then nothing has become better; 0 = all is well
+    SessionTime together_ = 0;  ///< ns, since when nothing is missing; 0 = something is
+    pbd::Vec3 missed_ = pbd::Vec3::Zero();   ///< when it began to wait
+    pbd::Vec3 in_vain_ = pbd::Vec3::Zero();  ///< what was missing when it was put there; 0 = never
+  };
+
   SessionTime since_ = kNever;  ///< ns, since when a leader's orientation has been far away
   SessionTime last_ = kNever;   ///< ns, when one was far away for the last time
-  SessionTime waits_ = 0;       ///< since then nothing has become better; 0 = all is well
-  pbd::Vec3 missed_ = pbd::Vec3::Zero();  ///< m, then
+  Stuck apart_;
+  Stuck turned_;
 };
 
 }  // namespace tandem::consensus

@@ -24,6 +24,10 @@ constexpr double kJump = 0.1;
 /// States that tell of it, for some of them get lost.
 constexpr int kJumpTold = 3;
 
+/// Of what agreement asks for in a step: a body that does less is in something's way, and one that
+/// does it is on its way, or between neighbours that it cannot both follow.
+constexpr double kBlocked = 0.5;
+
 /// Cosine of half of 0.5 rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.9689124217106447;
 
@@ -73,6 +77,7 @@ void Peer::Impl::after_step(SessionTime now) {
   if (without_memory_ > 0) lay_out_histories();
   mark_joints();
   mark_acting();
+  spread_acting();
   const double dt = kNs * static_cast<double>(now - last_before_);
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     Shared& shared = shared_[i];
@@ -86,6 +91,9 @@ void Peer::Impl::after_step(SessionTime now) {
     }
     const pbd::Correction correction =
         in_pass() ? world_.correction(shared.def.body) : shared.averaged;
+    // Others set poses as they like.
+    shared.blocked = !in_pass() || correction.translation.dot(shared.asked) <
+                                       kBlocked * shared.asked.squaredNorm();
     if (jumps(shared, correction, dt)) shared.jumped = kJumpTold;
     remember(shared, now, correction);
     shared.averaged = {};
@@ -110,6 +118,7 @@ void Peer::Impl::aggregate(SessionTime now) {
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     Shared& shared = shared_[i];
     const auto newest = inbox_.newest_at(i);
+    shared.asked.setZero();
     prefetch(i, age_);  // about the same for all bodies
     if (!world_.contains(shared.def.body)) continue;
     const bool unheard = options_.coupling == Coupling::None && !shared.def.owner.has_value();
@@ -125,10 +134,13 @@ void Peer::Impl::aggregate(SessionTime now) {
     target.body = shared.def.body;
     target.motion = motion_;
     targeted_.push_back(&shared);
-    if (!fuse(world_.states()[shared.def.body.index].pose, estimates_, target)) {
+    const pbd::Pose& own = world_.states()[shared.def.body.index].pose;
+    if (!fuse(own, estimates_, target)) {
       targets_.pop_back();
       targeted_.pop_back();
+      continue;
     }
+    shared.asked = share_per_step(target.share, step_dt_) * (target.pose.position - own.position);
   }
 }
 
@@ -238,7 +250,8 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       place(shared, pose, twist, now);
     } else if (known.sender_leads || (received.peer < self && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
-      if (options_.arbitration && !held && shared.lead.parted(prediction.translation, now)) {
+      if (options_.arbitration && !held &&
+          shared.lead.parted(prediction.translation, prediction.rotation, shared.blocked, now)) {
         place(shared, pose, twist, now);
         shared.jumped = kJumpTold;
         ++stats_.bodies_placed;

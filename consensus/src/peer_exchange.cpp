@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -14,17 +15,27 @@ namespace {
 /// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
 constexpr SessionTime kMaxAhead = 1'000'000'000;
 
-/// Marks bodies that a joint or a spring (not a contact) holds to another or to the world.
+/// Marks bodies that a joint or a spring (not a contact) holds to another or to the world, and
+/// collects pairs of bodies that move.
 class JointMarker final : public pbd::LinkVisitor {
  public:
-  explicit JointMarker(std::vector<std::uint8_t>& marks) : marks_(marks) {}
+  using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  JointMarker(const pbd::World& world, std::vector<std::uint8_t>& marks, Pairs& pairs)
+      : props_(world.all_props()), marks_(marks), pairs_(pairs) {}
   void link(std::uint32_t a, std::uint32_t b) override {
     if (a != pbd::BodyId::kNone) marks_[a] = 1;
     if (b != pbd::BodyId::kNone) marks_[b] = 1;
+    if (moves(a) && moves(b)) pairs_.emplace_back(a, b);
   }
 
  private:
+  bool moves(std::uint32_t slot) const {
+    return slot != pbd::BodyId::kNone && props_[slot].type == pbd::BodyType::Dynamic;
+  }
+
+  std::span<const pbd::BodyProps> props_;
   std::vector<std::uint8_t>& marks_;
+  Pairs& pairs_;
 };
 
 }  // namespace
@@ -99,7 +110,8 @@ SessionTime Peer::Impl::farewell_of(PeerId peer) const {
 
 void Peer::Impl::mark_joints() {
   jointed_.assign(world_.slot_count(), 0);
-  JointMarker marker(jointed_);
+  joined_.clear();
+  JointMarker marker(world_, jointed_, joined_);
   for (const auto& block : world_.blocks()) {
     if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->links(marker);
   }
@@ -116,7 +128,8 @@ void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction
   shared.bound = shared.held || jointed;
   const bool touches = (acting & kTouched) != 0 || world_.in_contact(shared.def.body);
   const bool coupled = shared.held || jointed || touches;
-  shared.history.push(now, state.pose, state.twist, correction, coupled, (acting & ~kTouched) != 0);
+  shared.history.push(now, state.pose, state.twist, correction, coupled,
+                      (acting & ~(kTouched | kJoinedToOther)) != 0);
 }
 
 void Peer::Impl::send(SessionTime now) {

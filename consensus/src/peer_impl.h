@@ -71,6 +71,7 @@ class Peer::Impl {
   static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns
   static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
   static constexpr std::uint8_t kTouched = 32;         ///< any
+  static constexpr std::uint8_t kJoinedToOther = 64;   ///< something that another's user acts on
   struct Shared {
     ShareDef def;
     MotionHistory history;
@@ -84,8 +85,10 @@ class Peer::Impl {
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
     /// What is needed for each body in each step ends here.
     HardInput hard = {};
-    pbd::Correction averaged = {};  ///< before the step, where the pass does not do it
-    double still = 0.0;             ///< s, at rest and in agreement, see rests()
+    pbd::Correction averaged = {};        ///< before the step, where the pass does not do it
+    double still = 0.0;                   ///< s, at rest and in agreement, see rests()
+    pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, what agreement wanted of this step
+    bool blocked = false;                 ///< the last step did less than half of it
   };
 
   /// An estimate that the observer is told of once all is done: recording is no aggregation.
@@ -138,6 +141,8 @@ class Peer::Impl {
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
   void mark_noted_contacts();
+  /// Who acts on a body acts on all that joints hold to it.
+  void spread_acting();
   void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
 
   // Couplings other than the pass.
@@ -188,6 +193,7 @@ class Peer::Impl {
   std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<std::uint8_t> jointed_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  ///< slots of bodies that move
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
   std::vector<std::uint8_t> acting_;
   std::vector<std::uint8_t> touching_;

@@ -35,15 +35,34 @@ void Peer::Impl::mark_acting() {
   }
 }
 
+void Peer::Impl::spread_acting() {
+  constexpr std::uint8_t kOther = Springs::kRemote | kTouchedByOther | kJoinedToOther;
+  const auto spread = [&](const std::pair<std::uint32_t, std::uint32_t>& pair) {
+    std::uint8_t& a = acting_[pair.first];
+    std::uint8_t& b = acting_[pair.second];
+    if (((a | b) & kOther) == 0 || (a & b & kJoinedToOther) != 0) return false;
+    a = static_cast<std::uint8_t>(a | kJoinedToOther);
+    b = static_cast<std::uint8_t>(b | kJoinedToOther);
+    return true;
+  };
+  // Once up and once down is all that a chain takes.
+  for (bool more = true; more;) {
+    more = false;
+    for (auto it = joined_.begin(); it != joined_.end(); ++it) more = spread(*it) || more;
+    for (auto it = joined_.rbegin(); more && it != joined_.rend(); ++it) spread(*it);
+  }
+}
+
 void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Received> newest,
                                    SessionTime now) {
   if (!options_.initiative || shared.def.owner.has_value()) return;
   const std::uint8_t bits = acting_[shared.def.body.index];
   // A newcomer has yet to take over what the others know.
   const bool established = confidence() >= 1.0;
-  Initiative::Acting acting{.own = established && (bits & (Springs::kShared | kTouchedByOwn)) != 0,
-                            .other = (bits & (Springs::kRemote | kTouchedByOther)) != 0,
-                            .contact = shared.history.coupled()};
+  Initiative::Acting acting{
+      .own = established && (bits & (Springs::kShared | kTouchedByOwn)) != 0,
+      .other = (bits & (Springs::kRemote | kTouchedByOther | kJoinedToOther)) != 0,
+      .contact = shared.history.coupled()};
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
   if ((bits & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;

@@ -4,6 +4,7 @@
 // Who acts on a body, and alone, leads: no throw and no stroke is held back by peers that do not
 // know of it yet.
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -24,8 +25,12 @@ double since_start(SessionTime time) { return 1e-9 * static_cast<double>(time - 
 class Claims final : public PeerObserver {
  public:
   void on_prediction(PeerId, const SharedId&, SessionTime, const Vec3&, double) override {}
-  void on_estimate(const EstimateEvent& event) override { leads = event.update.flags.leads; }
+  void on_estimate(const EstimateEvent& event) override {
+    leads = event.update.flags.leads;
+    led[event.update.id] = leads;
+  }
   bool leads = false;
+  std::map<SharedId, bool> led;  ///< by body
 };
 
 /// A user who grabs the body where it is, pulls it along x and lets go; only once.
@@ -129,6 +134,41 @@ TEST_CASE("initiative: of two who hold a body nobody leads", "[consensus]") {
   session.run(0.2);
   CHECK_FALSE(claims[0].leads);
   CHECK_FALSE(claims[1].leads);
+}
+
+TEST_CASE("initiative: of two who hold the ends of one bar nobody leads", "[consensus]") {
+  // Each would follow the other's end and hold on to its own: a loop, and no follower of one that
+  // does not listen.
+  const SharedId far_end = SharedId::from_name("far end");
+  Session session(network_profile(3));
+  Claims claims[2];
+  for (int i = 0; i < 2; ++i) {
+    Site& site = session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless);
+    site.share(ball(Vec3::Zero()));
+    const pbd::BodyId middle = site.world.add_body(ball(Vec3(0.5, 0.0, 0.0)));
+    const pbd::BodyId end = site.world.add_body(ball(Vec3(1.0, 0.0, 0.0)));
+    auto& joints = site.world.add_block<pbd::JointBlock>();
+    joints.add(site.world, pbd::fixed_joint_at(site.world, middle, end, Vec3(0.7, 0.0, 0.0)));
+    joints.add(site.world, pbd::fixed_joint_at(site.world, site.body, middle, Vec3(0.2, 0.0, 0.0)));
+    site.peer->share({.id = far_end, .body = end});
+    site.peer->set_observer(&claims[i]);
+  }
+  session.run(1.2);
+  const auto hold = [](Site& site, const SharedId& what, const Vec3& where) {
+    site.user = [=, grip = GrabId{}](Site& s, SessionTime now) mutable {
+      if (grip.spring == 0) grip = s.peer->grab({.body = what, .anchor_w = where});
+      s.peer->move(grip, where, now);
+    };
+  };
+  hold(session[0], kBody, Vec3::Zero());
+  session.run(0.2);
+  CHECK(claims[1].led[kBody]);
+  CHECK_FALSE(claims[1].led[far_end]);
+  hold(session[1], far_end, Vec3(1.0, 0.0, 0.0));
+  session.run(0.2);
+  for (const Claims& claim : claims) {
+    for (const auto& [id, leads] : claim.led) CHECK_FALSE(leads);
+  }
 }
 
 TEST_CASE("initiative: it ends where the body comes to rest, and everybody is heard again",

@@ -2,8 +2,11 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // What cannot come together by averaging, and what is put somewhere else on purpose.
+#include <numbers>
+
 #include "consensus/peer_fixture.h"
 #include "support/catch.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
 namespace {
@@ -84,6 +87,65 @@ TEST_CASE("jump: what comes together by itself is left to do so", "[consensus]")
   session.run(6.0);
   CHECK(gap(session[0], session[1]) < 1e-3);
   for (const auto& site : session.sites) CHECK(site->peer->stats().bodies_placed == 0);
+}
+
+TEST_CASE("jump: a cube that lies on its other side is put there, for no average turns it",
+          "[consensus]") {
+  Session session(network_profile(3));
+  for (int i = 0; i < 2; ++i) {
+    Site& site = session.add(static_cast<PeerId>(i + 1), 0.007 * i, {.authority_ramp = 0.0});
+    const Quat turned = pbd::exp_map(Vec3(std::numbers::pi * i, 0.0, 0.0));
+    site.share(cube({0.0, 0.0, kHalf.z()}, turned));
+    put_on_plane(site);
+  }
+  const auto angle = [&] {
+    return session[0].pose().orientation.angularDistance(session[1].pose().orientation);
+  };
+  session.run(2.0);
+  CHECK(angle() > 3.0);
+  session.run(3.0);
+  CHECK(angle() < 1e-3);
+  CHECK(session[0].peer->stats().bodies_placed == 0);
+  CHECK(session[1].peer->stats().bodies_placed == 1);
+}
+
+TEST_CASE("jump: where the ground is another one, a body is put there once at most",
+          "[consensus]") {
+  constexpr double kLower = 0.1;
+  for (const bool follower_is_lower : {true, false}) {
+    Session session(network_profile(3));
+    for (int i = 0; i < 2; ++i) {
+      Site& site = session.add(static_cast<PeerId>(i + 1), 0.007 * i, {.authority_ramp = 0.0});
+      const double ground = (i == 1) == follower_is_lower ? -kLower : 0.0;
+      site.share(cube({0.0, 0.0, ground + kHalf.z()}));
+      const pbd::BodyId plane = site.world.add_body({.type = pbd::BodyType::Static});
+      site.contacts.box_on_plane(plane, Vec3::UnitZ(), ground, site.body, kHalf, {.friction = 0.5});
+      site.world.set_contact_source(&site.contacts);
+    }
+    session.run(8.0);
+    INFO((follower_is_lower ? "lower" : "higher"));
+    CHECK(session[1].peer->stats().bodies_placed <= 1);
+    // Both lie on their own ground; agreement lifts the lower one by its share in each step, and it
+    // falls back.
+    const double share = InfluenceOptions{}.baseline;
+    CHECK(gap(session[0], session[1]) > (1.0 - 2.0 * share) * kLower);
+    CHECK(gap(session[0], session[1]) < kLower + 1e-3);
+  }
+}
+
+TEST_CASE("jump: a peer between two others that pull it apart is not put anywhere", "[consensus]") {
+  // The middle one hears both and stays; the outer ones hear nobody: nothing changes for
+  // ever, and nothing is in anybody's way.
+  Session session(network_profile(1));
+  for (int i = 0; i < 3; ++i) {
+    PeerOptions options{.authority_ramp = 0.0};
+    if (i != 1) options.coupling = Coupling::None;
+    session.add(static_cast<PeerId>(i + 1), 0.0, options, kWeightless)
+        .share(ball(Vec3(0.2 * i, 0.0, 0.0)));
+  }
+  session.run(5.0);
+  CHECK(session[1].x().x() == Approx(0.2).margin(1e-3));
+  CHECK(session[1].peer->stats().bodies_placed == 0);
 }
 
 TEST_CASE("jump: an owner's jump passes through what is in between, and is no motion",

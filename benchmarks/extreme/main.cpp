@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+
+// Stiff and extreme scenes with two and more peers. Prints one line of CSV for each scene, scheme,
+// link and seed; see Result for what the columns are.
+//
+//   extreme [--group G] [--scene PART] [--scheme S] [--link L] [--share S] [--seeds N] [--series]
+//
+//   extreme --cost
+//
+// --link: frames of delay, or "profile 5"; several may be given. --share: what all announce; the
+// default where it is not given. With --series the difference between copies over time, ten times a
+// second, instead.
+
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cost.h"
+#include "run.h"
+
+namespace {
+
+using namespace tandem::extreme_bench;
+
+struct Options {
+  std::string group, scene, scheme;
+  std::vector<std::string> links;
+  double share = 0.0;  ///< 0 = the default
+  int seeds = 3;
+  bool series = false;
+  bool cost = false;
+};
+
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string name = argv[i];
+    if (name == "--series") {
+      options.series = true;
+      continue;
+    }
+    if (name == "--cost") {
+      options.cost = true;
+      continue;
+    }
+    if (i + 1 == argc) throw std::invalid_argument(name + ": wants a value");
+    const std::string value = argv[++i];
+    if (name == "--group") {
+      options.group = value;
+    } else if (name == "--scene") {
+      options.scene = value;
+    } else if (name == "--scheme") {
+      options.scheme = value;
+    } else if (name == "--link") {
+      options.links.push_back(value);
+    } else if (name == "--share") {
+      options.share = std::stod(value);
+    } else if (name == "--seeds") {
+      options.seeds = std::stoi(value);
+    } else {
+      throw std::invalid_argument("unknown option " + name);
+    }
+  }
+  return options;
+}
+
+std::vector<Scene> all_scenes() {
+  std::vector<Scene> all = contact_scenes();
+  for (auto* more : {&stiff_scenes, &condition_scenes, &topology_scenes}) {
+    for (Scene& scene : (*more)()) all.push_back(std::move(scene));
+  }
+  return all;
+}
+
+void print(const Scene& scene, const Scheme& scheme, const std::string& link, double share,
+           int seed, const Result& r) {
+  std::printf(
+      "%s,\"%s\",%d,%s,%s,%g,%d,%d,%.5g,%.5g,%d,%d,%d,%.4g,%.4g,%.4g,%.5g,%.5g,%.4g,%.4g,"
+      "%.4g,%.4g,%d,%d\n",
+      scene.group.c_str(), scene.name.c_str(), scene.peers, scheme.name.data(), link.c_str(), share,
+      seed, r.stable ? 1 : 0, r.peak_mm, r.final_mm, r.half_frames, r.percent_frames,
+      r.millimetre_frames, r.overlap_mm, r.overlap_end_mm, r.joint_mm, r.kinetic_J, r.work_J,
+      r.excess_J, r.agreement_J, r.displacement_J, r.momentum, r.not_finite, r.placed);
+}
+
+void print_series(const Scene& scene, const Scheme& scheme, const std::string& link, double share,
+                  int seed, const Result& r) {
+  const auto every = static_cast<std::size_t>(scene.sample_hz / 10.0);
+  for (std::size_t k = 0; k < r.series.size(); k += every) {
+    std::printf("%s,\"%s\",%d,%s,%s,%g,%d,%.3f,%.5g\n", scene.group.c_str(), scene.name.c_str(),
+                scene.peers, scheme.name.data(), link.c_str(), share, seed,
+                static_cast<double>(k) / scene.sample_hz, r.series[k]);
+  }
+}
+
+bool random(const Scene& scene, const std::string& link) {
+  const Conditions& c = scene.conditions;
+  return link == "profile 5" || c.noise > 0.0 || c.noise_angle > 0.0 || c.loss > 0.0;
+}
+
+void run_links(const Options& options, const Scene& scene, const Scheme& scheme) {
+  std::vector<std::string> links = options.links;
+  if (links.empty()) links = {"0", "3", "7", "profile 5"};
+  for (const std::string& link : links) {
+    const int seeds = random(scene, link) ? options.seeds : 1;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const Result result = run(scene, scheme, link, static_cast<std::uint64_t>(seed));
+      (options.series ? print_series : print)(scene, scheme, link, options.share, seed, result);
+      std::fflush(stdout);
+    }
+  }
+}
+
+void run_all(const Options& options) {
+  for (Scene& scene : all_scenes()) {
+    if (!options.group.empty() && scene.group != options.group) continue;
+    if (scene.name.find(options.scene) == std::string::npos) continue;
+    if (options.share > 0.0) scene.conditions.share = options.share;
+    for (const Scheme& scheme : kSchemes) {
+      if (!options.scheme.empty() && scheme.name != options.scheme) continue;
+      run_links(options, scene, scheme);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const Options options = parse(argc, argv);
+    if (options.cost) {
+      print_costs();
+      return 0;
+    }
+    std::puts(options.series
+                  ? "group,scene,peers,scheme,link,share,seed,time_s,difference"
+                  : "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
+                    "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
+                    "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"
+                    "placed");
+    run_all(options);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 2;
+  }
+}

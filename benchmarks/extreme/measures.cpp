@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "measure/geometry.h"
+#include "tandem/pbd/math.h"
+
+namespace tandem::extreme_bench {
+namespace {
+
+using peers_bench::BoxBody;
+using peers_bench::Site;
+
+double overlap_of(const Copy& copy) {
+  double deepest = 0.0;
+  const auto look = [&](const BoxBody& a, const BoxBody& b) {
+    const pbd::Pose& pose_a = copy.world->pose(a.body);
+    const pbd::Pose& pose_b = copy.world->pose(b.body);
+    deepest = std::max(deepest, -bench::box_box_gap(a.half, pose_a, b.half, pose_b));
+  };
+  for (std::size_t i = 0; i < copy.boxes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) look(copy.boxes[i], copy.boxes[j]);
+    for (const BoxBody& wall : copy.walls) look(copy.boxes[i], wall);
+  }
+  return deepest;
+}
+
+double joint_error_of(const Copy& copy) {
+  double largest = 0.0;
+  for (const pbd::JointId id : copy.joint_ids) {
+    const pbd::SixDofJointDef& def = copy.joints->def(id);
+    const Vec3 a = copy.world->pose(def.a).to_world(def.frame_a.anchor);
+    const Vec3 b = copy.world->pose(def.b).to_world(def.frame_b.anchor);
+    largest = std::max(largest, (a - b).norm());
+  }
+  return largest;
+}
+
+/// Springs of all users, in the same order each time.
+template <class Visit>
+void for_each_spring(const pbd::World& world, Visit&& visit) {
+  constexpr std::uint32_t kMost = 16;  // of springs, and of times that one was let go
+  for (const auto& block : world.blocks()) {
+    const auto* tethers = dynamic_cast<const pbd::Tethers*>(block.get());
+    if (tethers == nullptr) continue;
+    for (std::uint32_t i = 0; i < kMost; ++i) {
+      for (std::uint32_t generation = 0; generation < kMost; ++generation) {
+        const pbd::ConstraintId id{i, generation};
+        if (tethers->contains(id)) visit(tethers->at(id));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Sample sample(const std::vector<std::unique_ptr<Site>>& sites) {
+  Sample result;
+  const std::size_t bodies = sites.front()->copy.bodies.size();
+  for (std::size_t i = 0; i < bodies; ++i) {
+    double apart = 0.0;
+    double turned = 0.0;
+    for (std::size_t a = 0; a < sites.size(); ++a) {
+      const pbd::BodyState& one = sites[a]->copy.world->state(sites[a]->copy.bodies[i]);
+      result.finite = result.finite && one.pose.position.allFinite() &&
+                      one.pose.orientation.coeffs().allFinite() && one.twist.linear.allFinite() &&
+                      one.twist.angular.allFinite();
+      for (std::size_t b = 0; b < a; ++b) {
+        const pbd::Pose& other = sites[b]->copy.world->pose(sites[b]->copy.bodies[i]);
+        apart = std::max(apart, (one.pose.position - other.position).norm());
+        turned =
+            std::max(turned, pbd::rotation_between(one.pose.orientation, other.orientation).norm());
+      }
+    }
+    result.apart += apart * apart;
+    result.turned += turned * turned;
+  }
+  result.apart = std::sqrt(result.apart / static_cast<double>(bodies));
+  result.turned = std::sqrt(result.turned / static_cast<double>(bodies));
+  for (const auto& site : sites) {
+    result.overlap = std::max(result.overlap, overlap_of(site->copy));
+    result.joint_error = std::max(result.joint_error, joint_error_of(site->copy));
+  }
+  return result;
+}
+
+EnergyAccount::EnergyAccount(const Site& site) : kinetic(site.copy.world->kinetic_energy()) {}
+
+double EnergyAccount::weight_power(const Site& site) {
+  const pbd::World& world = *site.copy.world;
+  double sum = 0.0;
+  for (const pbd::BodyId body : site.copy.bodies) {
+    sum += world.props(body).mass * world.gravity().dot(world.twist(body).linear);
+  }
+  return sum;
+}
+
+void EnergyAccount::begun(const Site& site) {
+  const pbd::World& world = *site.copy.world;
+  const double now = world.kinetic_energy();
+  agreement += now - kinetic;
+  kinetic = now;
+  power_ = weight_power(site);
+  pulls_.clear();
+  for_each_spring(world, [&](const pbd::Tether& spring) {
+    const pbd::Tether::Def& def = spring.def();
+    pulls_.push_back(
+        {def.body, def.anchor_l, world.pose(def.body).to_world(def.anchor_l), spring.force()});
+  });
+}
+
+void EnergyAccount::stepped(const Site& site, const pbd::StepReport& report, double dt) {
+  const pbd::World& world = *site.copy.world;
+  kinetic = world.kinetic_energy();
+  work += 0.5 * dt * (power_ + weight_power(site));
+  std::size_t next = 0;
+  for_each_spring(world, [&](const pbd::Tether& spring) {
+    const Pull& pull = pulls_[next++];
+    const pbd::Pose& pose = world.pose(pull.body);
+    const pbd::Correction agreed = world.correction(pull.body);
+    const Vec3 arm = pose.orientation * pull.arm_l;
+    const Vec3 way =
+        pose.position + arm - pull.at - agreed.translation - agreed.rotation.cross(arm);
+    work += 0.5 * (pull.force + spring.force()).dot(way);
+  });
+  const pbd::ConsensusEnergy& energy = report.energy;
+  agreement += energy.displacement + energy.velocity_agreement + energy.leak;
+  displacement = std::max(displacement, std::abs(energy.displacement));
+  if (report.status != pbd::StepStatus::Ok) ++bad_steps;
+  momentum.setZero();
+  for (const pbd::BodyId body : site.copy.bodies) {
+    momentum += world.props(body).mass * world.twist(body).linear;
+  }
+}
+
+Watch::Watch(const Scene& scene, peers_bench::Session& session) : scene_(scene), session_(session) {
+  accounts_.reserve(session.sites.size());
+  for (const auto& site : session.sites) {
+    accounts_.emplace_back(*site);
+    EnergyAccount& account = accounts_.back();
+    site->begun = [&account](Site& s) { account.begun(s); };
+    site->stepped = [&account](Site& s, const pbd::StepReport& report, double dt) {
+      account.stepped(s, report, dt);
+    };
+    start_kinetic_ += account.kinetic;
+    for (const pbd::BodyId body : site->copy.bodies) {
+      const pbd::BodyState& state = site->copy.world->state(body);
+      const Vec3 momentum = site->copy.world->props(body).mass * state.twist.linear;
+      start_momentum_ += momentum;
+      start_push_ += momentum.norm();
+      lowest_.push_back(state.pose.position.z());
+    }
+  }
+  result_.excess_J = -std::numeric_limits<double>::infinity();
+  look();
+}
+
+double Watch::difference(const Sample& s) const {
+  return scene_.by_angle ? s.turned * 180.0 / std::numbers::pi : 1e3 * s.apart;
+}
+
+void Watch::look() {
+  samples_.push_back(sample(session_.sites));
+  if (!samples_.back().finite) ++result_.not_finite;
+  double kinetic = 0.0;
+  double work = 0.0;
+  double agreement = 0.0;
+  Vec3 momentum = Vec3::Zero();
+  for (const EnergyAccount& account : accounts_) {
+    kinetic += account.kinetic;
+    work += account.work;
+    agreement += account.agreement;
+    momentum += account.momentum;
+  }
+  if (kinetic > result_.kinetic_J) {
+    result_.kinetic_J = kinetic;
+    result_.work_J = work;
+  }
+  result_.excess_J = std::max(result_.excess_J, kinetic - start_kinetic_ - work);
+  result_.agreement_J = std::max(result_.agreement_J, agreement);
+  if (scene_.weightless && start_push_ > 0.0 && samples_.size() > 1) {
+    result_.momentum =
+        std::max(result_.momentum, (momentum - start_momentum_).norm() / start_push_);
+  }
+}
+
+Result Watch::finish() {
+  const std::size_t n = samples_.size();
+  std::vector<double> worst_from(n + 1, 0.0);  // of all that come from here on
+  for (std::size_t k = n; k-- > 0;) {
+    const Sample& s = samples_[k];
+    worst_from[k] = std::max(worst_from[k + 1], difference(s));
+    result_.overlap_mm = std::max(result_.overlap_mm, 1e3 * s.overlap);
+    result_.joint_mm = std::max(result_.joint_mm, 1e3 * s.joint_error);
+  }
+  for (const Sample& s : samples_) result_.series.push_back(difference(s));
+  const auto worst = [&](std::size_t from, std::size_t to) {
+    return *std::max_element(result_.series.begin() + static_cast<std::ptrdiff_t>(from),
+                             result_.series.begin() + static_cast<std::ptrdiff_t>(to));
+  };
+  const auto second = static_cast<std::size_t>(scene_.sample_hz);
+  for (std::size_t k = n - second; k < n; ++k) {
+    result_.overlap_end_mm += 1e3 * samples_[k].overlap / static_cast<double>(second);
+  }
+  const double start = result_.series.front();
+  const double frames = 60.0 / scene_.sample_hz;
+  const auto until = [&](double limit) {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (worst_from[k] < limit) return static_cast<int>(static_cast<double>(k) * frames);
+    }
+    return -1;
+  };
+  if (start > 0.0) {
+    result_.half_frames = until(0.5 * start);
+    result_.percent_frames = until(0.01 * start);
+    result_.millimetre_frames = until(1.0);
+  }
+  result_.peak_mm = worst_from[0];
+  result_.final_mm = worst(n - second, n);
+  for (const EnergyAccount& account : accounts_) {
+    result_.displacement_J = std::max(result_.displacement_J, account.displacement);
+    result_.not_finite += account.bad_steps;
+  }
+  bool standing = true;
+  std::size_t body = 0;
+  for (const auto& site : session_.sites) {
+    result_.placed += static_cast<int>(site->peer.stats().bodies_placed);
+    for (const pbd::BodyId id : site->copy.bodies) {
+      const double sunk = lowest_[body++] - site->copy.world->pose(id).position.z();
+      if (scene_.stands && !(sunk < 0.5 * kHalf)) standing = false;
+    }
+  }
+  // What moves differs by as much as the news is late.
+  const double bound = start + 1e3 * scene_.differs + (scene_.by_angle ? 10.0 : 1000.0);
+  // A noise of one quarter is not that of the next.
+  const double before = worst(n / 2, 3 * n / 4);
+  const double last = worst(3 * n / 4, n);
+  result_.stable =
+      result_.not_finite == 0 && standing && result_.peak_mm < bound && last < 1.5 * before + 1.0;
+  return result_;
+}
+
+}  // namespace tandem::extreme_bench

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <vector>
+
+#include "peers/session.h"
+#include "scene.h"
+
+namespace tandem::extreme_bench {
+
+/// All copies at one moment.
+struct Sample {
+  double apart = 0.0;        ///< m, rms over bodies of the largest distance between two copies
+  double turned = 0.0;       ///< rad, likewise
+  double overlap = 0.0;      ///< m, largest of any copy
+  double joint_error = 0.0;  ///< m, likewise
+  bool finite = true;
+};
+Sample sample(const std::vector<std::unique_ptr<peers_bench::Site>>& sites);
+
+/// Kinetic energy and what has changed it, of one copy, step by step. All J.
+///
+/// The work is that of gravity and of all users' springs; displacement by agreement does none.
+/// Gravity's is taken from velocities by the trapezoidal rule, which is exact for a constant force
+/// (bodies that are pushed out of each other gain height, and no energy). Springs' is the mean of
+/// the force at the ends of the step, on the way of the point that they hold.
+class EnergyAccount {
+ public:
+  explicit EnergyAccount(const peers_bench::Site& site);
+  /// Between Peer::before_step and the solver's step.
+  void begun(const peers_bench::Site& site);
+  /// After the solver's step.
+  void stepped(const peers_bench::Site& site, const pbd::StepReport& report, double dt);
+
+  double kinetic = 0.0;
+  double work = 0.0;
+  double agreement = 0.0;     ///< kinetic energy that agreement brought, however it was applied
+  double displacement = 0.0;  ///< the solver's account of the displacement channel, largest |value|
+  int bad_steps = 0;          ///< that the solver had to put back
+  pbd::Vec3 momentum = pbd::Vec3::Zero();  ///< kg m/s
+
+ private:
+  struct Pull {
+    pbd::BodyId body;
+    Vec3 arm_l;
+    Vec3 at;     ///< m, world, at the start of the step
+    Vec3 force;  ///< N, in the last substep
+  };
+  static double weight_power(const peers_bench::Site& site);
+
+  std::vector<Pull> pulls_;  ///< at the start of the step
+  double power_ = 0.0;       ///< W, of gravity, likewise
+};
+
+struct Result {
+  bool stable = false;
+  double peak_mm = 0.0;   ///< or degrees, of scenes by angle
+  double final_mm = 0.0;  ///< over the last second, likewise
+  int half_frames = -1;   ///< until half of the disagreement is gone for good; -1 = never, or none
+  int percent_frames = -1;     ///< until it is below 1 % for good
+  int millimetre_frames = -1;  ///< until it is below 1 mm for good
+  double overlap_mm = 0.0;
+  double overlap_end_mm = 0.0;  ///< mean over the last second
+  double joint_mm = 0.0;
+  double kinetic_J = 0.0;       ///< largest, over all copies
+  double work_J = 0.0;          ///< of what acts, up to then
+  double excess_J = 0.0;        ///< most that kinetic energy has grown by beyond all work
+  double agreement_J = 0.0;     ///< most that agreement has brought
+  double displacement_J = 0.0;  ///< largest of any step
+  double momentum = 0.0;  ///< largest change, of all copies' momentum, relative; 0 where it may
+  int not_finite = 0;
+  int placed = 0;              ///< bodies that were put where the leader has them
+  std::vector<double> series;  ///< difference at each sample, mm or degrees
+};
+
+/// Collects samples and ends as a Result.
+class Watch {
+ public:
+  Watch(const Scene& scene, peers_bench::Session& session);
+  void look();
+  Result finish();
+
+ private:
+  double difference(const Sample& s) const;
+
+  const Scene& scene_;
+  peers_bench::Session& session_;
+  std::vector<EnergyAccount> accounts_;
+  std::vector<double> lowest_;  ///< m, height of each body at the start, by peer and body
+  std::vector<Sample> samples_;
+  double start_kinetic_ = 0.0;
+  pbd::Vec3 start_momentum_ = pbd::Vec3::Zero();
+  double start_push_ = 0.0;  ///< kg m/s, sum of all momenta's sizes
+  Result result_;
+};
+
+}  // namespace tandem::extreme_bench
