@@ -34,7 +34,7 @@ COLUMNS = (
        "time_to_agree_s", "held_limit_m.p50", "held_limit_m.p95", "held_by_one_m.p50",
        "held_by_one_m.p95", "blows.count", "blows.before_m.p95", "blows.after_m.p95", "jumps",
        "penetration_m.p99", "penetration_m.max", "energy_J.displacement",
-       "energy_J.velocity_agreement", "energy_J.potential", "energy_J.leak", "bytes_per_second",
+       "energy_J.velocity_agreement", "energy_J.potential", "bytes_per_second",
        "step_ms.p50", "step_ms.p99", "cpu_s"])
 
 
@@ -175,9 +175,9 @@ def world_lines(results):
                               f"{short(interval(agreed)[0])} ({len(agreed)} of {len(own)})",
                               text(own, "penetration_m.max", 1e3)] + [
                                   text(own, f"energy_J.{e}") for e in (
-                                      "displacement", "velocity_agreement", "potential", "leak")])
+                                      "displacement", "velocity_agreement", "potential")])
     return table(["scenario", "profile", "contacts differ", "at the end", "agreed after, s",
-                  "overlap, mm", "E displacement, J", "E velocity", "E potential", "E leak"], lines)
+                  "overlap, mm", "E displacement, J", "E velocity", "E potential"], lines)
 
 
 def variant_lines(results):

@@ -129,7 +129,7 @@ void EnergyAccount::stepped(const Site& site, const pbd::StepReport& report, dou
     work += 0.5 * (pull.force + spring.force()).dot(way);
   });
   const pbd::ConsensusEnergy& energy = report.energy;
-  agreement += energy.displacement + energy.velocity_agreement + energy.leak;
+  agreement += energy.displacement + energy.velocity_agreement;
   displacement = std::max(displacement, std::abs(energy.displacement));
   if (report.status != pbd::StepStatus::Ok) ++bad_steps;
   momentum.setZero();

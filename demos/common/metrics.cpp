@@ -192,7 +192,6 @@ void add_totals(std::span<const PeerRecord> peers, Metrics& m) {
     m.energy.displacement += peer.energy.displacement;
     m.energy.velocity_agreement += peer.energy.velocity_agreement;
     m.energy.potential += peer.energy.potential;
-    m.energy.leak += peer.energy.leak;
     out.u64(peer.hash);
   }
   if (updates > 0) {

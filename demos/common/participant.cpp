@@ -129,7 +129,6 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   record_.energy.displacement += report.energy.displacement;
   record_.energy.velocity_agreement += report.energy.velocity_agreement;
   record_.energy.potential += report.energy.potential;
-  record_.energy.leak += report.energy.leak;
   if (!wait_for_exchange_ || has_exchanged()) record_.seconds += seconds_of(end - now);
   record_bodies(end);
   watch(end, report);

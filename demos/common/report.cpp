@@ -153,10 +153,8 @@ std::string report_table(const Report& r) {
   out += format("  overhead           parse %.2f us, process %.2f us, aggregate %.2f us\n",
                 m.parse_us, m.process_us, m.aggregate_us);
   out += format("  each peer sends    %.1f kB/s\n", 1e-3 * m.bytes_per_second);
-  out += format(
-      "  agreement's energy displacement %.3g J, velocity %.3g J, potential %.3g J, "
-      "leak %.3g J\n",
-      m.energy.displacement, m.energy.velocity_agreement, m.energy.potential, m.energy.leak);
+  out += format("  agreement's energy displacement %.3g J, velocity %.3g J, potential %.3g J\n",
+                m.energy.displacement, m.energy.velocity_agreement, m.energy.potential);
   for (const PeerRecord& peer : r.run.peers) {
     if (peer.outcome.empty()) continue;
     out += format("  outcome at peer %llu ", static_cast<unsigned long long>(peer.id));
@@ -199,7 +197,7 @@ std::string report_json(const Report& r) {
   json.key("energy_J").begin_object();
   json.field("displacement", m.energy.displacement);
   json.field("velocity_agreement", m.energy.velocity_agreement);
-  json.field("potential", m.energy.potential).field("leak", m.energy.leak).end_object();
+  json.field("potential", m.energy.potential).end_object();
   json.key("outcome").begin_object();
   for (const PeerRecord& peer : r.run.peers) {
     if (!peer.local) continue;

@@ -32,7 +32,7 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(sleep_after, 0.0, 1e6, "sleep_after", error) &&
          in_range(sleep_speed, 0.0, 1e6, "sleep_speed", error) &&
          in_range(sleep_spin, 0.0, 1e6, "sleep_spin", error) &&
-         in_range(threads, 1, 64, "threads", error) && in_range(leak, 0.0, 1.0, "leak", error) &&
+         in_range(threads, 1, 64, "threads", error) &&
          in_range(contact.push_gain, 0.0, 1.0, "contact.push_gain", error) &&
          in_range(contact.extra_sweeps, 0, 10000, "contact.extra_sweeps", error) &&
          in_range(contact.resting_tolerance, 0.0, 1e6, "contact.resting_tolerance", error) &&

@@ -170,7 +170,6 @@ void Solver::Impl::clean_up() {
     for (context.group = 0; context.group < groups_.all().size(); ++context.group) {
       for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
     }
-    targets_.leak(options_.leak, dt_, bodies_.all(), world_->props_, report_.energy);
   }
   clock_.stop(Stage::CleanUp);
   report_.ran[static_cast<std::size_t>(Stage::CleanUp)] = ran;

@@ -136,12 +136,12 @@ void Targets::move_bodies(std::span<SolverBody> bodies, std::span<const BodyProp
       row.e_q =
           rotation_between(body.q, rotated(row.pose.orientation, row.elapsed * row.twist.angular));
     }
-    row.wanted_x = row.share * row.e_x;
+    Vec3 move = row.share * row.e_x;
     Vec3 turn = row.share * row.e_q;
-    take_out(props[row.body].locks.linear, row.wanted_x);
+    take_out(props[row.body].locks.linear, move);
     take_out(props[row.body].locks.angular, turn);
-    body.x += row.wanted_x;
-    body.dx += row.wanted_x;
+    body.x += move;
+    body.dx += move;
     body.q = rotated(body.q, turn);
     body.dtheta += turn;
   }
@@ -175,22 +175,6 @@ void Targets::end_total(std::span<SolverBody> bodies, std::span<const BodyProps>
     Row& row = rows_[row_of_[saved.body]];
     row.e_x -= moved;
     row.e_q -= turned;
-    row.blocked += moved - row.wanted_x;
-  }
-}
-
-void Targets::leak(double fraction, double dt, std::span<SolverBody> bodies,
-                   std::span<const BodyProps> props, ConsensusEnergy& energy) {
-  for (const Row& row : rows_) {
-    SolverBody& body = bodies[row.body];
-    const double length = row.blocked.norm();
-    if (length < 1e-9) continue;
-    const Vec3 direction = row.blocked / length;
-    const double speed = body.v.dot(direction);
-    if (speed >= 0.0) continue;
-    const double before = kinetic_energy(body, props[row.body], body.v, body.w);
-    body.v += std::min(-speed, fraction * length / dt) * direction;
-    energy.leak += kinetic_energy(body, props[row.body], body.v, body.w) - before;
   }
 }
 

@@ -49,10 +49,6 @@ class Targets {
   void end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
                  std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 
-  /// Brake bodies along the part of their displacement that rows have blocked in this step.
-  void leak(double fraction, double dt, std::span<SolverBody> bodies,
-            std::span<const BodyProps> props, ConsensusEnergy& energy);
-
  private:
   struct Row {
     std::uint32_t body = 0;
@@ -61,13 +57,11 @@ class Targets {
     double step_share = 0.0;  ///< for the whole step
     Pose pose;                ///< Inertial: where the target is at the start of the step
     Twist twist;
-    Vec3 e_x = Vec3::Zero();       ///< m, still missing
-    Vec3 e_q = Vec3::Zero();       ///< rad, rotation vector, world
-    Vec3 e_v = Vec3::Zero();       ///< m/s
-    Vec3 e_w = Vec3::Zero();       ///< rad/s
-    Vec3 wanted_x = Vec3::Zero();  ///< m, the move asked of the pass in this part
-    Vec3 blocked = Vec3::Zero();   ///< m, sum of what rows changed of it, this step
-    double elapsed = 0.0;          ///< s since the start of the step
+    Vec3 e_x = Vec3::Zero();  ///< m, still missing
+    Vec3 e_q = Vec3::Zero();  ///< rad, rotation vector, world
+    Vec3 e_v = Vec3::Zero();  ///< m/s
+    Vec3 e_w = Vec3::Zero();  ///< rad/s
+    double elapsed = 0.0;     ///< s since the start of the step
   };
   struct Saved {
     std::uint32_t body = 0;

@@ -191,7 +191,7 @@ std::vector<std::byte> announcements(const Scene& s) {
     out.u32(static_cast<std::uint32_t>(value));
   }
   for (const double value :
-       {r.energy.displacement, r.energy.velocity_agreement, r.energy.potential, r.energy.leak}) {
+       {r.energy.displacement, r.energy.velocity_agreement, r.energy.potential}) {
     out.f64(value);
   }
   for (const bool ran : r.ran) out.u8(ran ? 1 : 0);

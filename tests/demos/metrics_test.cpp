@@ -234,7 +234,6 @@ TEST_CASE("metrics: sums are over peers, rates for each", "[demos][unit]") {
     peers[i].bodies_aggregated = 500;
     peers[i].bytes_sent = 10000 * (i + 1);
     peers[i].seconds = 10.0;
-    peers[i].energy.leak = -1.0;
     peers[i].step_s = {0.001, 0.003};
   }
   const Metrics m = evaluate(peers);
@@ -242,7 +241,6 @@ TEST_CASE("metrics: sums are over peers, rates for each", "[demos][unit]") {
   CHECK(m.process_us == Approx(2.0));
   CHECK(m.aggregate_us == Approx(8.0));
   CHECK(m.bytes_per_second == Approx(1500.0));
-  CHECK(m.energy.leak == Approx(-2.0));
   CHECK(m.step_ms.mean == Approx(2.0));
 }
 

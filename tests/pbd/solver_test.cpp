@@ -63,7 +63,6 @@ TEST_CASE("solver: options out of range are refused naming field, value and rule
       {"total_iterations_per_step", "10001.0",
        [](SolverOptions& o) { o.total_iterations_per_step = 10001; }},
       {"clean_up_iterations", "-1.0", [](SolverOptions& o) { o.clean_up_iterations = -1; }},
-      {"leak", "1.5", [](SolverOptions& o) { o.leak = 1.5; }},
       {"contact.push_speed", "inf", [](SolverOptions& o) { o.contact.push_speed = kInf; }},
       {"contact.warm_start_gap", "nan", [](SolverOptions& o) { o.contact.warm_start_gap = kNan; }},
       {"contact.clean_up_slop", "-1.0", [](SolverOptions& o) { o.contact.clean_up_slop = -1.0; }},

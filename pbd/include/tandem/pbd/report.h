@@ -31,7 +31,6 @@ struct ConsensusEnergy {
   /// Change of gravitational energy by displacement, and of the energy that a spinning body has for
   /// being turned at the same angular velocity.
   double potential = 0.0;
-  double leak = 0.0;  ///< kinetic energy that braking of blocked bodies removed, <= 0
 };
 
 /// What the bodies and rows of a step asked for. What nothing asks for is left out.

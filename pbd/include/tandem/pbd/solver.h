@@ -38,8 +38,6 @@ struct SolverOptions {
   /// Position-only sweeps after the last substep, at most; they touch only what is left to repair.
   int clean_up_iterations = 8;
   ConsensusForm form = ConsensusForm::Substep;
-  /// Share of blocked displacement that brakes a body held off its target, 0 to 1; 0 switches off.
-  double leak = 0.25;
   ContactOptions contact;
   /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast)
   /// more substeps, 2 to 32 times as many, for as long as they do.
