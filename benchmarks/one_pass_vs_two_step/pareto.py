@@ -20,6 +20,7 @@ import matplotlib
 matplotlib.use("Agg")
 matplotlib.rcParams["svg.hashsalt"] = "tandem"
 import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator, NullFormatter
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -107,6 +108,11 @@ def _scene_rows(results):
     return rows
 
 
+def _unstable(row):
+    # Of Bullet's undisturbed stacks of cubes none stands to the demo's 5 mm, with or without peers.
+    return row["stable"] != "1" and (row["scheme"], row["scenario"]) != ("bullet", "cubes")
+
+
 class Front:
     """Settings of one scheme in one cell: time and error by seed. Those that are not stable with
     each seed are left out."""
@@ -119,7 +125,7 @@ class Front:
             if r["scheme"] == scheme:
                 by_setting.setdefault(r["setting"], []).append(r)
         for setting, found in by_setting.items():
-            if any(r["stable"] != "1" for r in found):
+            if any(_unstable(r) for r in found):
                 self.lost += 1
                 continue
             errors = {r["seed"]: demo_runs.number(r, error) for r in found}
@@ -151,10 +157,14 @@ class Front:
 
 def verdict(rows, ours, theirs, error, budgets=9):
     """Their best error over ours at equal time: geometric mean over budgets and seeds, and the ends
-    of its 95 % interval over seeds; None where there is nothing to compare."""
+    of its 95 % interval over seeds; infinite where they have no stable setting, 0 where we have
+    none; None where there is nothing to compare."""
     a, b = Front(rows, ours, error), Front(rows, theirs, error)
-    if not a.points or not b.points:
+    said = any(demo_runs.number(r, error) is not None for r in rows)
+    if not said or not (a.points or a.lost) or not (b.points or b.lost):
         return None
+    if not a.points or not b.points:
+        return None if not a.points and not b.points else (math.inf if a.points else 0.0,) * 3
     low, high = max(a.cheapest(), b.cheapest()), max(a.dearest(), b.dearest())
     logs = {}
     for k in range(budgets):
@@ -199,6 +209,10 @@ def verdicts(rows, errors, pairs):
 def _text(v):
     if v is None:
         return "-"
+    if math.isinf(v[0]):
+        return "two steps lost **2x**"
+    if v[0] == 0.0:
+        return "one pass lost (worse)"
     mark = {"worse": " (worse)", "2x": " **2x**", "not worse": ""}[_kind(v)]
     return f"{v[0]:.2f} [{v[1]:.2f}, {v[2]:.2f}]{mark}"
 
@@ -228,9 +242,17 @@ def _panel(axes, rows, error, title):
         line = front.line()
         axes.plot([t for t, _ in line], [max(FLOOR, e) for _, e in line], style, color=colour,
                   lw=1.5, label=scheme, drawstyle="steps-post")
-    axes.axhline(EQUAL, color="#cccccc", lw=0.8, zorder=0)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    for get, put, least in ((axes.get_xlim, axes.set_xlim, 4.0), (axes.get_ylim, axes.set_ylim, 10.0)):
+        low, high = get()
+        wider = max(1.0, math.sqrt(least * low / high))
+        put(low / wider, high * wider)
+    axes.axhline(EQUAL, color="#cccccc", lw=0.8, zorder=0)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(lambda v, _: f"{v:g}")
+        axis.set_minor_formatter(NullFormatter())
     axes.set_title(title, fontsize=9)
     axes.tick_params(labelsize=7, which="both")
     axes.grid(True, which="major", alpha=0.3)
@@ -300,8 +322,7 @@ def report(results: Path, docs: Path) -> str:
                                    for e in (("all_p95_mm", "all p95"),
                                              ("overlap_max_mm", "overlap max"))],
             docs / "pareto.svg")
-    constraint = [("overlap_mean_mm", "overlap mean"), ("joint_max_mm", "joint opening max"),
-                  ("apart_late_mm", "apart, second half")]
+    constraint = [("overlap_mean_mm", "overlap mean"), ("apart_late_mm", "apart, second half")]
     _figure(scenes, [s + ", hands" for s in SCENES],
             [(p, e) for p in profiles for e in ([("apart_mm", "apart, whole run")], constraint)],
             docs / "pareto_scenes.svg")
@@ -313,6 +334,8 @@ def report(results: Path, docs: Path) -> str:
         return not cell[0].startswith("spring")
 
     n, worse, twice = _count(everything, PAIRS[0], rich)
+    better = sum(1 for (p, cell, e), v in everything.items()
+                 if p == PAIRS[0] and rich(cell, e) and v[1] > 1.001)
     lines = [
         "## Error against run time", "",
         "The same inputs and seeds; substeps 1 to 16 (the small scenes: 32), more sweeps of the pass,"
@@ -321,13 +344,15 @@ def report(results: Path, docs: Path) -> str:
         "is on no front. Ratios are two steps' best error over ours at equal time: geometric mean "
         "over nine budgets from what the dearer scheme's cheapest setting takes on, and its 95 % "
         "interval over seeds; differences below 0.1 mm count as equal, above 1 is better for one "
-        "pass. Small scenes: two peers 5 cm apart at first, each with and without hands that shake "
-        "two of the bodies.", "",
+        "pass; lost: no setting is stable with each seed. Small scenes: two peers 5 cm apart at "
+        "first, each with and without hands that shake two of the bodies.", "",
         "| must hold | measured | holds |", "|---|---|---|",
         f"| one pass not worse than two steps beyond the interval, contact-rich or jointed | worse in "
         f"{worse} of {n} | {'yes' if worse == 0 else 'no'} |",
         f"| 2x better in at least half of them | {twice} of {n} | "
         f"{'yes' if 2 * twice >= n else 'no'} |",
+        f"| (of the cells that differ by more than 0.1 mm beyond the interval) | better in {better}, "
+        f"worse in {worse} | |",
     ]
     if any(p == PAIRS[2] for p, _, _ in of_demos):
         for name, keep in (("divergence", ("moving_p50_mm", "all_p95_mm")),
