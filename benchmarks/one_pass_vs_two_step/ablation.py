@@ -132,7 +132,8 @@ def _measure_price(path, binaries, jobs, quick):
         return
     if shutil.which("valgrind") is None or shutil.which("callgrind_annotate") is None:
         return
-    runs = {name: ["--seconds", "6", *options] for name, options in CASES.items()}
+    seconds = "2" if quick else "6"
+    runs = {name: ["--seconds", seconds, *options] for name, options in CASES.items()}
     if not quick:
         for seed in PRICE_SEEDS:
             here = ["--seconds", "3", "--seed", seed]
