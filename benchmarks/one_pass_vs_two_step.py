@@ -22,7 +22,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
-SECTIONS = ["couplings", "stability", "partition"]
+SECTIONS = ["couplings", "pareto", "stability", "extreme", "influence", "predictors", "ablation",
+            "partition"]
 
 try:
     import matplotlib  # noqa: F401

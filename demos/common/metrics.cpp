@@ -176,7 +176,8 @@ Distribution gathered(std::span<const PeerRecord> peers, Member member, double s
 
 void add_totals(std::span<const PeerRecord> peers, Metrics& m) {
   double parse = 0.0, process = 0.0, aggregate = 0.0, targets = 0.0, rate = 0.0;
-  std::uint64_t updates = 0, bodies = 0, local = 0;
+  double cpu = 0.0;
+  std::uint64_t updates = 0, bodies = 0, local = 0, steps = 0;
   std::vector<std::byte> hashes;
   pbd::ByteWriter out(hashes);
   for (const PeerRecord& peer : peers) {
@@ -186,6 +187,14 @@ void add_totals(std::span<const PeerRecord> peers, Metrics& m) {
     process += peer.process_s;
     aggregate += peer.aggregate_s;
     targets += peer.targets_s;
+    cpu += peer.cpu_s;
+    steps += peer.step_s.size();
+    for (std::size_t body = 0; body < peer.tracks.size(); ++body) {
+      if (is_owned(peer, static_cast<std::uint32_t>(body))) continue;
+      for (const TrackSample& s : peer.tracks[body].samples()) {
+        m.peak_speed = std::fmax(m.peak_speed, s.speed);
+      }
+    }
     updates += peer.updates_received;
     bodies += peer.bodies_aggregated;
     if (peer.seconds > 0.0) rate += static_cast<double>(peer.bytes_sent) / peer.seconds;
@@ -202,6 +211,7 @@ void add_totals(std::span<const PeerRecord> peers, Metrics& m) {
     m.aggregate_us = 1e6 * aggregate / static_cast<double>(bodies);
     m.targets_us = 1e6 * targets / static_cast<double>(bodies);
   }
+  if (steps > 0) m.step_cpu_us = 1e6 * cpu / static_cast<double>(steps);
   if (local > 0) m.bytes_per_second = rate / static_cast<double>(local);
   m.hash = pbd::hash_bytes(hashes);
 }

@@ -99,6 +99,8 @@ struct Metrics {
   double process_us = Distribution::kNone;    ///< CPU time, each update
   double aggregate_us = Distribution::kNone;  ///< CPU time, each shared body and step
   double targets_us = Distribution::kNone;    ///< wall time of the pass's total channel, likewise
+  double step_cpu_us = Distribution::kNone;   ///< CPU time of one peer's step, its peer's included
+  double peak_speed = Distribution::kNone;    ///< m/s, of what nobody owns
   double bytes_per_second = Distribution::kNone;  ///< payload sent by one peer, mean over peers
   pbd::ConsensusEnergy energy;                    ///< sum over peers and steps, J
   std::uint64_t hash = 0;                         ///< of all worlds

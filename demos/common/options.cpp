@@ -133,6 +133,21 @@ std::vector<Engine> engines(std::string_view text) {
   }
 }
 
+/// "masses,clean-up": parts to do without.
+Ablation ablation(std::string_view text) {
+  Ablation result;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::string_view name = text.substr(0, comma);
+    std::size_t part = 0;
+    while (part < kParts && name != to_string(static_cast<Part>(part))) ++part;
+    if (part == kParts) refuse("--ablate", name, "parts that --help lists, with commas between");
+    result.leave_out(static_cast<Part>(part));
+    if (comma == std::string_view::npos) return result;
+    text.remove_prefix(comma + 1);
+  }
+}
+
 /// Where an option has a meaning.
 enum class Where : std::uint8_t { Everywhere, Virtual, Network };
 
@@ -246,6 +261,24 @@ constexpr Option kOptions[] = {
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.bullet_iterations = number(name, in.value(name), 1, 10000, "an integer from 1 to 10000");
      }},
+    {"--substeps", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.solver.substeps = number(name, in.value(name), 1, 1000, "an integer from 1 to 1000");
+     }},
+    {"--iterations", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.solver.position_iterations =
+           number(name, in.value(name), 1, 1000, "an integer from 1 to 1000");
+     }},
+    {"--total-iterations", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.solver.total_iterations =
+           number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
+     }},
+    {"--ablate", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.ablation = ablation(in.value(name));
+     }},
     {"--variant", Where::Everywhere, read_text<&DemoOptions::variant>},
     {"--replay", Where::Everywhere, read_text<&DemoOptions::replay>},
     {"--predictor", Where::Everywhere,
@@ -321,6 +354,13 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   if (modelled_error > 0.0) result.acceptance.then(consensus::modelled_error(modelled_error));
   if (damped_start > 0.0) result.acceptance.then(consensus::damped_start(damped_start));
   if (sleeping_threshold) result.acceptance.then(consensus::sleeping_threshold());
+  ablation.apply(result);
+  return result;
+}
+
+pbd::SolverOptions DemoOptions::solver_options() const {
+  pbd::SolverOptions result = solver;
+  ablation.apply(result);
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/ablation.h"
 #include "common/physics.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
@@ -49,6 +50,8 @@ struct DemoOptions {
   std::vector<double> rates = {60.0};              ///< steps each second of the peers, in turn
   std::vector<Engine> engines = {Engine::Tandem};  ///< of the peers, in turn
   std::optional<int> bullet_iterations;            ///< nullopt = Bullet's default, 10
+  pbd::SolverOptions solver = {};                  ///< of peers on Tandem
+  Ablation ablation;                               ///< parts that the run does without
   std::string variant;                             ///< of the scenario; "" = its default
   double loss = 0.0;       ///< of the virtual link: chance that a state is lost
   double duplicate = 0.0;  ///< chance that it comes twice
@@ -75,6 +78,8 @@ struct DemoOptions {
   /// Another engine has no pass that targets could be in, and is not asked for forces: it takes two
   /// steps by the same rules.
   Scheme scheme_of(std::size_t peer) const;
+  /// With what the run does without.
+  pbd::SolverOptions solver_options() const;
   consensus::PeerOptions peer_options() const { return peer_options(scheme); }
   /// The same for a peer that does it another way.
   consensus::PeerOptions peer_options(Scheme other) const;

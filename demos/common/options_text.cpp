@@ -40,6 +40,12 @@ Session:
   --rates F,F,..     steps each second of the peers, in turn (60)
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
   --bullet-iterations N            of Bullet's solver (10)
+  --substeps N       of Tandem's solver (4)
+  --iterations N     sweeps of its pass in each substep (1)
+  --total-iterations N            and of its total channel, 0 to 1000 (2)
+  --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
+                     clean-up, masses, substeps, rotation, gain-rule, age, ways, own-motion,
+                     initiative, leading, arbitration, ramp, refine
   --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any
   --replay FILE      users do what --record wrote, instead of following their script

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -18,6 +19,13 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::uint64_t kLookEvery = 5;  // steps between two looks at penetration and faults
+
+/// CPU time of the calling thread.
+double thread_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
 
 double seconds_of(consensus::SessionTime ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -63,11 +71,14 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
     : scenario_(scenario),
       bounds_(scenario.bounds()),
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
-      physics_(make_physics(options.engine(number), scene_, options.bullet_iterations)),
+      physics_(options.ablation.around(make_physics(
+          options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
       signals_(transport),
       peer_(*scene_.world, signals_, options.peer_options(options.scheme_of(number))),
       referee_(scenario.make_referee(scene_)) {
   peer_.set_observer(this);
+  targets_ = options.ablation.around(peer_);
+  if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
   record_.id = id;
   record_.step_hz = options.step_hz(number);
   record_.tracks.resize(scene_.bodies.size());
@@ -114,7 +125,9 @@ void Participant::begin(consensus::SessionTime now) {
   // Two-step coupling moves bodies before the step.
   moved_.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
+  const double cpu_before = thread_cpu_s();
   peer_.before_step(now);
+  record_.cpu_s += thread_cpu_s() - cpu_before;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_.stats().updates_received > 0) record_.first_exchange = now;
 }
@@ -122,7 +135,9 @@ void Participant::begin(consensus::SessionTime now) {
 void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point before = Clock::now();
+  const double cpu_before = thread_cpu_s();
   const pbd::StepReport& report = physics_->step(scene_, peer_, seconds_of(end - now));
+  record_.cpu_s += thread_cpu_s() - cpu_before;
   const std::chrono::duration<double> elapsed = Clock::now() - before;
   record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
@@ -135,7 +150,11 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   ++steps_;
 }
 
-void Participant::finish(consensus::SessionTime now) { peer_.after_step(now); }
+void Participant::finish(consensus::SessionTime now) {
+  const double cpu_before = thread_cpu_s();
+  peer_.after_step(now);
+  record_.cpu_s += thread_cpu_s() - cpu_before;
+}
 
 const PeerRecord& Participant::record() {
   const consensus::PeerStats& stats = peer_.stats();

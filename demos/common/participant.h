@@ -78,6 +78,7 @@ class Participant final : private consensus::PeerObserver {
   std::unique_ptr<Physics> physics_;
   Signals signals_;
   consensus::Peer peer_;
+  std::unique_ptr<pbd::TargetSource> targets_;  ///< null: the peer is asked
   consensus::PeerObserver* observer_ = nullptr;
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;

@@ -12,6 +12,7 @@
 #include "scenes/scene.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/pbd/report.h"
+#include "tandem/pbd/solver.h"
 
 namespace tandem::demos {
 
@@ -37,9 +38,11 @@ class Physics {
 };
 
 /// @param iterations  of the other engine's solver; nullopt = its default
+/// @param solver      of Tandem's
 /// @throws std::invalid_argument where the engine is not in this build, or cannot hold the scene
 std::unique_ptr<Physics> make_physics(Engine engine, const Scene& scene,
-                                      std::optional<int> iterations = std::nullopt);
+                                      std::optional<int> iterations = std::nullopt,
+                                      const pbd::SolverOptions& solver = {});
 
 /// Whether Bullet is in this build.
 bool has_bullet();

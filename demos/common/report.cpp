@@ -191,6 +191,7 @@ std::string report_json(const Report& r) {
   json.key("step_ms").begin_object();
   json.field("mean", m.step_ms.mean).field("p50", m.step_ms.p50).field("p99", m.step_ms.p99);
   json.end_object();
+  json.field("step_cpu_us", m.step_cpu_us).field("peak_speed_m_s", m.peak_speed);
   json.field("realtime_factor", r.run.seconds / r.run.wall_s);
   json.key("penetration_m").begin_object();
   json.field("p99", m.penetration_m.p99).field("max", m.penetration_m.max).end_object();

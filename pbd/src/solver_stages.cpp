@@ -138,7 +138,7 @@ void Solver::Impl::solve_total(int iterations) {
   if (targets_.empty() || !targets_.selected()) return;
   SubstepContext context = context_;
   if (options_.form == ConsensusForm::Step) context.h = dt_;
-  targets_.begin_total(bodies_.all());
+  targets_.begin_total(bodies_.all(), options_.heavier_where_shared);
   for_blocks([&](ConstraintBlock& block) { block.begin_total(context); });
   targets_.move_bodies(bodies_.all(), world_->props_);
   for (int i = 0; i < iterations; ++i) {

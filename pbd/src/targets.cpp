@@ -108,7 +108,7 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const Bod
   }
 }
 
-void Targets::begin_total(std::span<SolverBody> bodies) {
+void Targets::begin_total(std::span<SolverBody> bodies, bool heavier) {
   for (Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     body.dx.setZero();
@@ -119,7 +119,7 @@ void Targets::begin_total(std::span<SolverBody> bodies) {
     saved.w = body.w;
     saved.inv_mass = body.inv_mass;
     saved.inv_inertia_w = body.inv_inertia_w;
-    if (row_of_[saved.body] == BodyId::kNone) continue;
+    if (!heavier || row_of_[saved.body] == BodyId::kNone) continue;
     // A body that remote peers know well is (1 + W) times heavier here: 1 / (1 + W) = 1 - share.
     const double scale = 1.0 - rows_[row_of_[saved.body]].share;
     body.inv_mass *= scale;

@@ -44,7 +44,8 @@ class Targets {
                         std::span<Correction> corrections, ConsensusEnergy& energy);
 
   /// Scale masses, move bodies to their targets, let the rows have their say, measure.
-  void begin_total(std::span<SolverBody> bodies);
+  /// @param heavier  see SolverOptions::heavier_where_shared
+  void begin_total(std::span<SolverBody> bodies, bool heavier);
   void move_bodies(std::span<SolverBody> bodies, std::span<const BodyProps> props);
   void end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
                  std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);

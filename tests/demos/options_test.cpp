@@ -36,6 +36,24 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
   CHECK(o.predictor_kind() == consensus::PredictorKind::Adaptive);
 }
 
+TEST_CASE("options: what a run does without reaches solver and peer", "[demos][unit]") {
+  CHECK_FALSE(parse({}).ablation.any());
+  const std::string help = usage("cubes");
+  for (std::size_t i = 0; i < kParts; ++i) {
+    const std::string_view name = to_string(static_cast<Part>(i));
+    CAPTURE(name);
+    CHECK(help.find(name) != std::string::npos);
+    CHECK(parse({"--ablate", name}).ablation.lacks(static_cast<Part>(i)));
+  }
+  const DemoOptions o = parse({"--ablate", "leak,clean-up,ways", "--substeps", "7"});
+  CHECK(o.solver_options().leak == 0.0);
+  CHECK(o.solver_options().clean_up_iterations == 0);
+  CHECK(o.solver_options().substeps == 7);
+  CHECK(o.peer_options().predictor == consensus::PredictorKind::Blend);
+  CHECK(o.peer_options().initiative);
+  CHECK_FALSE(refusal({"--ablate", "leak,nonsense"}).empty());
+}
+
 TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {
   const DemoOptions o =
       parse({"--peers",     "3",           "--seconds=4.5", "--seed", "9",

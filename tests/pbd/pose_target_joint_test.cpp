@@ -133,6 +133,23 @@ TEST_CASE("pose_target: across a joint the pair moves W m / (M + W m) of the gap
   }
 }
 
+TEST_CASE("pose_target: with masses as they are, the pair moves by the targeted body's momentum",
+          "[pbd][consensus][analytic]") {
+  // The targeted one goes its share s of the gap, the joint then keeps the centre of mass.
+  for (const double weight : {0.1, 1.0, 4.0}) {
+    for (const double other : {0.2, 1.0, 5.0}) {
+      Row row({1.0, other}, {{weight, Vec3(0.1, 0.0, 0.0)}, {}}, 0.0);
+      SolverOptions options = converged();
+      options.heavier_where_shared = false;
+      Solver solver(options);
+      solver.step(row.world, kFrame);
+      const double expected = 0.1 * weight / (1.0 + weight) / (1.0 + other);
+      CHECK(std::abs(row.world.pose(row.bodies[0]).position.x() - expected) < 1e-9);
+      CHECK(std::abs(row.world.pose(row.bodies[1]).position.x() - 1.0 - expected) < 1e-9);
+    }
+  }
+}
+
 TEST_CASE("pose_target: converged once a step, jointed bodies reach the constrained optimum",
           "[pbd][consensus][analytic]") {
   const std::vector<std::vector<double>> masses{{1.0, 1.0}, {2.0, 0.3}, {1.0, 4.0, 0.5, 2.0}};

@@ -35,6 +35,9 @@ struct SolverOptions {
   /// Sweeps of the total channel in each substep (form Substep) or step (form Step).
   int total_iterations = 2;
   int total_iterations_per_step = 12;
+  /// In the total channel bodies with a target are heavier by what remote peers know of them: 1 + W
+  /// times, W the target's weight against the local 1. Rows then move the others.
+  bool heavier_where_shared = true;
   /// Position-only sweeps after the last substep, at most; they touch only what is left to repair.
   int clean_up_iterations = 8;
   ConsensusForm form = ConsensusForm::Substep;

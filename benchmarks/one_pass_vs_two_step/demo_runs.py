@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""Runs of the demos for the sections: what users do is recorded with the default coupling and done
+again by all others; one line of a CSV for each run."""
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "evaluation"))
+import stats
+
+VARIANT = {"piano": ["--variant", "soft"]}
+# Column, place in a result, factor.
+MEASURES = {
+    "cpu_us": ("step_cpu_us", 1.0),
+    "moving_p50_mm": ("divergence_shared_moving_m.p50", 1e3),
+    "all_p95_mm": ("divergence_shared_m.p95", 1e3),
+    "overlap_p99_mm": ("penetration_m.p99", 1e3),
+    "overlap_max_mm": ("penetration_m.max", 1e3),
+    "correction_p99_mm": ("smoothness.correction_m.p99", 1e3),
+    "jerk_rms": ("smoothness.jerk_rms_m_s3", 1.0),
+    "peak_speed_m_s": ("peak_speed_m_s", 1.0),
+    "e_displacement_J": ("energy_J.displacement", 1.0),
+    "e_velocity_J": ("energy_J.velocity_agreement", 1.0),
+    "e_potential_J": ("energy_J.potential", 1.0),
+}
+COLUMNS = ["stable", "success", *MEASURES]
+
+
+def success(scenario, outcome):
+    """How much of what the users set out to do was done, 0 to 1, at the peer where it was least."""
+    scores = []
+    for peer in outcome.values():
+        if scenario == "cubes":
+            scores.append(peer["cubes_in_stacks"] / 12.0)
+        elif scenario == "room":
+            scores.append((peer["box_handed_over"] + peer["blocks_stacked"] / 4.0
+                           + (peer["bench_moved_m"] > 0.4) + peer["hull_on_shelf"]) / 4.0)
+        elif scenario == "piano":
+            scores.append(peer["delivered"])
+        elif scenario == "cliff":
+            scores.append(1.0 - peer["lost"] / 1000.0)
+    return min(max(s, 0.0) for s in scores) if scores else None
+
+
+def _command(binaries, cell):
+    return [str(binaries / cell["scenario"]), "--quiet", "--profile", str(cell["profile"]),
+            "--seed", str(cell["seed"]), "--seconds", str(cell["seconds"]),
+            *VARIANT.get(cell["scenario"], [])]
+
+
+def _inputs(folder, cell):
+    return folder / (f"{cell['scenario']}-p{cell['profile']}-s{cell['seed']}"
+                     f"-{cell['seconds']}.inputs")
+
+
+def _record(binaries, folder, cell):
+    path = _inputs(folder, cell)
+    newest = (binaries / cell["scenario"]).stat().st_mtime
+    if path.exists() and path.stat().st_mtime >= newest:
+        return
+    subprocess.run(_command(binaries, cell) + ["--record", str(path)], stdout=subprocess.DEVNULL,
+                   stderr=subprocess.DEVNULL, check=False)
+
+
+def _run(binaries, folder, cell, keys):
+    with tempfile.NamedTemporaryFile(suffix=".json") as out:
+        done = subprocess.run(
+            _command(binaries, cell) + cell["options"]
+            + ["--replay", str(_inputs(folder, cell)), "--json", out.name],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False, text=True)
+        text = Path(out.name).read_text()
+    if not text:
+        raise RuntimeError(f"{cell}: {done.stderr.strip()}")
+    result = json.loads(text)
+    row = {k: str(cell[k]) for k in keys}
+    row["stable"] = int(result["stable"])
+    row["success"] = success(cell["scenario"], result["outcome"])
+    for name, (path, factor) in MEASURES.items():
+        value = stats.get(result, path)
+        row[name] = None if value is None else f"{factor * value:.6g}"
+    return row
+
+
+def read(path):
+    if not path.exists():
+        return []
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def measure(path, cells, keys, binaries, jobs):
+    """Run the cells (dicts with scenario, profile, seed, seconds, options and all of `keys`) that
+    the CSV at `path` does not have yet; start again where a program is newer than it."""
+    newest = max((binaries / c["scenario"]).stat().st_mtime for c in cells)
+    rows = read(path) if path.exists() and path.stat().st_mtime >= newest else []
+    have = {tuple(r[k] for k in keys) for r in rows}
+    missing = [c for c in cells if tuple(str(c[k]) for k in keys) not in have]
+    if not missing:
+        return
+    folder = path.parent / "inputs"
+    folder.mkdir(parents=True, exist_ok=True)
+    recorded = {_inputs(folder, c): c for c in missing}
+    with ThreadPoolExecutor(jobs) as pool, path.open("w", newline="") as file:
+        table = csv.DictWriter(file, [*keys, *COLUMNS])
+        table.writeheader()
+        table.writerows(rows)
+        list(pool.map(lambda c: _record(binaries, folder, c), recorded.values()))
+        for row in pool.map(lambda c: _run(binaries, folder, c, keys), missing):
+            table.writerow(row)
+            file.flush()
+
+
+def number(row, column):
+    """A float, or None where there is none."""
+    text = row.get(column)
+    return float(text) if text not in (None, "") else None
+
+
+def numbers(rows, column):
+    return [v for v in (number(r, column) for r in rows) if v is not None]
