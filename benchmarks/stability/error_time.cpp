@@ -150,7 +150,7 @@ struct Site {
     return worst;
   }
 
-  Copy copy;
+  peers_bench::Copy copy;
   std::vector<Vec3> laid_out;  ///< m, where bodies were before noise
   pbd::Solver solver;
   consensus::Peer peer;

@@ -35,7 +35,7 @@ enum class Part : std::uint8_t {
   Ramp,         ///< authority that grows from zero
   Refine,       ///< more substeps where they are needed
 };
-inline constexpr std::size_t kParts = 18;
+inline constexpr std::size_t kParts = 17;
 std::string_view to_string(Part part);
 
 /// The parts that a run does without.
