@@ -36,10 +36,10 @@ PARTS = {
     "velocities": "agreement of velocities",
     "motion": "targets that feel what the body feels within the step",
     "total": "rows' say in where agreement puts bodies; clean-up alone repairs",
-    "sweep": "the second sweep of the total channel",
+    "sweep": "sweeps of the total channel after the first",
     "clean-up": "repair at the end of the step",
     "masses": "bodies with a target being heavier in the total channel",
-    "substeps": "the total channel in each substep; it runs once, at the end",
+    "once": "the total channel once a step; it runs in each substep",
     "rotation": "the exact rotation mean; plain geodesics",
     "gain-rule": "the share's limit by age",
     "age": "the share's decay with age",
@@ -78,7 +78,7 @@ STAGES = {
 # Whatever the solver does for agreement.
 AGREEMENT = ("take over targets", "agree velocities", "total channel", "clean-up")
 CASES = {"one pass": [], "one sweep": ["--total-iterations", "1"],
-         "once a step": ["--ablate", "substeps"], "clean-up alone": ["--ablate", "total"],
+         "each substep": ["--ablate", "once"], "clean-up alone": ["--ablate", "total"],
          "two steps": ["--coupling", "two-step"], "nothing agreed": ["--coupling", "none"],
          "one peer": ["--peers", "1"]}
 

@@ -27,6 +27,7 @@
 #include "scenes/random.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
+#include "tandem/pbd/solver.h"
 
 namespace {
 

@@ -254,8 +254,7 @@ TEST_CASE("pose_target: split over substeps, the pair stops a little short of th
   // The price of the Substep form: each part of the share is solved by itself. At W = 1 a pair of
   // equal bodies moves 0.297 of the gap, where the optimum of the whole step is 1/3.
   Row row({1.0, 1.0}, {{1.0, Vec3(0.1, 0.0, 0.0)}, {}}, 0.0);
-  Solver solver({.substeps = 10});
-  REQUIRE(solver.options().form == ConsensusForm::Substep);
+  Solver solver({.substeps = 10, .form = ConsensusForm::Substep});
   solver.step(row.world, kFrame);
   const double moved = row.world.pose(row.bodies[0]).position.x() / 0.1;
   INFO("moved " << moved);

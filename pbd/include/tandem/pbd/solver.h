@@ -13,7 +13,7 @@ namespace tandem::pbd {
 
 /// When the total channel runs.
 enum class ConsensusForm : std::uint8_t {
-  Substep,  ///< after each substep, with the share split over them
+  Substep,  ///< after each substep, with the share split over them: no nearer, and dearer
   Step,     ///< once, after the last substep, with the whole share
 };
 
@@ -34,13 +34,13 @@ struct SolverOptions {
   double velocity_tolerance = 1e-7;
   /// Sweeps of the total channel in each substep (form Substep) or step (form Step).
   int total_iterations = 2;
-  int total_iterations_per_step = 12;
+  int total_iterations_per_step = 4;
   /// In the total channel bodies with a target are heavier by what remote peers know of them: 1 + W
   /// times, W the target's weight against the local 1. Rows then move the others.
   bool heavier_where_shared = true;
   /// Position-only sweeps after the last substep, at most; they touch only what is left to repair.
   int clean_up_iterations = 8;
-  ConsensusForm form = ConsensusForm::Substep;
+  ConsensusForm form = ConsensusForm::Step;
   ContactOptions contact;
   /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast)
   /// more substeps, 2 to 32 times as many, for as long as they do.
