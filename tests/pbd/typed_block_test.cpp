@@ -250,7 +250,9 @@ TEST_CASE("typed_block: the stages of a step run in their documented order", "[p
   }
   SECTION("form Substep: after each substep") {
     world.set_target_source(&source);
-    Solver solver(options);
+    SolverOptions each = options;
+    each.form = ConsensusForm::Substep;
+    Solver solver(each);
     solver.step(world, kFrame);
     Log expected;
     expect(expected, "begin_step");
