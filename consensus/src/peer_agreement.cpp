@@ -226,8 +226,8 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         .mirrored_share = std::min(mirrored / share, kMostMirrored),
         .peers = static_cast<int>(newest.size()),
         .gravity = world_.all_props()[shared.def.body.index].gravity_scale * world_.gravity(),
-        .bound = shared.bound,
         .held = shared.held,
+        .hangs = shared.hangs,
         .memory = memory != nullptr ? &memory->memory : nullptr};
     const Prediction prediction = predictor_->predict(update, shared.history, context);
     if (memory != nullptr && !owner) {

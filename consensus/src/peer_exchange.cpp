@@ -125,7 +125,7 @@ void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction
   shared.held = (acting & kHeld) != 0;
   const bool jointed =
       shared.def.body.index < jointed_.size() && jointed_[shared.def.body.index] != 0;
-  shared.bound = shared.held || jointed;
+  shared.hangs = jointed && !shared.held;
   const bool touches = (acting & kTouched) != 0 || world_.in_contact(shared.def.body);
   const bool coupled = shared.held || jointed || touches;
   shared.history.push(now, state.pose, state.twist, correction, coupled,

@@ -76,7 +76,7 @@ class Peer::Impl {
     ShareDef def;
     MotionHistory history;
     bool held = false;
-    bool bound = false;      ///< held, or by a joint
+    bool hangs = false;      ///< by a joint or a spring, and nobody holds it
     bool joined = false;     ///< taken over from an established peer, as a newcomer does once
     int jumped = 0;          ///< states still to be sent that tell of a jump
     SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
