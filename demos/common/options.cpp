@@ -272,8 +272,8 @@ constexpr Option kOptions[] = {
      }},
     {"--total-iterations", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
-       const int sweeps = number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
-       o.solver.total_iterations = sweeps;
+       o.solver.total_iterations =
+           number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
      }},
     {"--ablate", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {

@@ -42,7 +42,7 @@ Session:
   --bullet-iterations N            of Bullet's solver (10)
   --substeps N       of Tandem's solver (4)
   --iterations N     sweeps of its pass in each substep (1)
-  --total-iterations N            and of its total channel, 0 to 1000 (2)
+  --total-iterations N            and of its total channel, 0 to 1000 (1)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
                      clean-up, masses, parts, rotation, gain-rule, age, ways, own-motion,
                      initiative, leading, arbitration, ramp, refine
