@@ -211,9 +211,16 @@ Result Watch::finish() {
   }
   // What moves differs by as much as the news is late.
   const double bound = start + 1e3 * scene_.differs + (scene_.by_angle ? 10.0 : 1000.0);
-  // A noise of one quarter is not that of the next.
-  const double before = worst(n / 2, 3 * n / 4);
-  const double last = worst(3 * n / 4, n);
+  // A noise of one quarter is not that of the next. Where states get lost, the longest gap decides
+  // what is worst, and luck where it lies: there the rms says whether something grows.
+  const auto rms = [&](std::size_t from, std::size_t to) {
+    double sum = 0.0;
+    for (std::size_t k = from; k < to; ++k) sum += result_.series[k] * result_.series[k];
+    return std::sqrt(sum / static_cast<double>(to - from));
+  };
+  const bool lossy = scene_.conditions.loss > 0.0;
+  const double before = lossy ? rms(n / 2, 3 * n / 4) : worst(n / 2, 3 * n / 4);
+  const double last = lossy ? rms(3 * n / 4, n) : worst(3 * n / 4, n);
   result_.stable =
       result_.not_finite == 0 && standing && result_.peak_mm < bound && last < 1.5 * before + 1.0;
   return result_;

@@ -259,8 +259,8 @@ def report(results, docs):
         "`build/release/bin/extreme`: boxes of 0.5 m and 1 kg unless said, two peers, on links of 0, 3 "
         "and 7 frames and on profile 5 (123.5 ms with jitter); all springs are soft, so that every peer "
         "simulates every user's. Stable: finite, standing where it has to, never further apart than "
-        "1 m beyond what the scene itself brings, and not growing in the last quarter. Apart: rms "
-        "over bodies, and the largest distance between two copies.", "",
+        "1 m beyond what the scene itself brings, and not growing in the last quarter (the worst in it; "
+        "with loss the rms). Apart: rms over bodies, and the largest distance between two copies.", "",
         *_must_hold(rows, costs), "",
         "At profile 5, means over seeds ± half of the 95 % interval; 180 degrees in degrees. At the end: "
         "most of the last second (overlap: its mean). What is apart because walls and floors are, stays "
