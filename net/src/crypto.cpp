@@ -34,9 +34,13 @@ Secret::Secret(std::span<const std::uint8_t, kKeyBytes> bytes) {
 
 bool operator==(const Secret& a, const Secret& b) { return equal(a.bytes_, b.bytes_); }
 
-Random system_random() {
+void initialise() {
   static const bool ready = sodium_init() >= 0;
   if (!ready) throw std::runtime_error("libsodium cannot be initialised");
+}
+
+Random system_random() {
+  initialise();
   return [](std::span<std::uint8_t> out) { randombytes_buf(out.data(), out.size()); };
 }
 

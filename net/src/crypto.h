@@ -19,6 +19,10 @@ constexpr std::size_t kHashBytes = 64;
 using PublicKey = std::array<std::uint8_t, kKeyBytes>;  // X25519
 using Hash = std::array<std::uint8_t, kHashBytes>;      // BLAKE2b-512
 
+/// Chooses the fastest code that the processor has. Call it before the rest, as often as you like.
+/// Throws std::runtime_error where the library cannot be initialised.
+void initialise();
+
 /// Overwrites memory in a way that the compiler keeps.
 void wipe(std::span<std::uint8_t> bytes);
 
@@ -42,7 +46,7 @@ class Secret {
 
 /// Fills with unpredictable bytes. Tests may give a generator of their own; nothing else may.
 using Random = std::function<void(std::span<std::uint8_t>)>;
-/// The system's. Throws std::runtime_error where the library cannot be initialised.
+/// The system's. Initialises.
 Random system_random();
 
 struct KeyPair {

@@ -58,6 +58,7 @@ void mix_ephemeral(NoiseState& state, const PublicKey& key) {
 }  // namespace
 
 NoiseState::NoiseState(std::string_view protocol, std::span<const std::uint8_t> prologue) {
+  crypto::initialise();
   if (protocol.size() > hash_.size()) throw std::length_error("NoiseState: protocol name");
   std::copy(protocol.begin(), protocol.end(), hash_.begin());
   chain_ = hash_;

@@ -23,6 +23,7 @@ std::optional<ProtectedHeader> decode_protected_header(std::span<const std::byte
 PacketSealer::PacketSealer(const crypto::Secret& key, std::uint32_t receiver, std::int64_t now,
                            const RekeyPolicy& policy, std::uint64_t first_sequence)
     : key_(key), policy_(policy), receiver_(receiver), next_(first_sequence), epoch_start_(now) {
+  crypto::initialise();
   require(policy.packets > 0, "RekeyPolicy", "packets", policy.packets, "> 0");
   require(policy.period > 0, "RekeyPolicy", "period", policy.period, "> 0 ns");
   require(first_sequence > 0, "PacketSealer", "first_sequence", first_sequence, "> 0");
@@ -52,7 +53,9 @@ bool PacketSealer::seal(std::span<const std::byte> plain, std::int64_t now,
 }
 
 PacketOpener::PacketOpener(const crypto::Secret& key)
-    : current_(key), next_(crypto::next_key(key)) {}
+    : current_(key), next_(crypto::next_key(key)) {
+  crypto::initialise();
+}
 
 std::optional<PacketOpener::Opened> PacketOpener::open(std::span<const std::byte> datagram,
                                                        std::vector<std::byte>& buffer) {

@@ -19,6 +19,7 @@ namespace tandem::net {
 // The header is authenticated. Both directions have keys of their own.
 
 constexpr std::size_t kMaxDatagram = 1200;  // bytes of UDP payload
+constexpr std::size_t kIpUdpBytes = 28;     // of IPv4 and UDP, before every datagram
 constexpr std::uint8_t kProtectedType = 0x40;
 constexpr std::size_t kProtectedHeader = 1 + 4 + 8;
 constexpr std::size_t kProtectedOverhead = kProtectedHeader + crypto::kTagBytes;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "channel_wire.h"
+
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::net {
+
+namespace {
+
+constexpr std::uint8_t kLastPiece = 1;  // the only flag
+
+}  // namespace
+
+void encode(const ChannelHeader& header, std::vector<std::byte>& out) {
+  pbd::ByteWriter writer(out);
+  writer.u32(header.ack);
+  writer.u64(header.ack_bits);
+  writer.u16(header.ack_delay);
+}
+
+void encode(const ChannelSection& section, std::vector<std::byte>& out) {
+  pbd::ByteWriter writer(out);
+  writer.u8(static_cast<std::uint8_t>(section.kind));
+  if (section.kind == ChannelSection::Kind::Piece) {
+    writer.u32(section.number);
+    writer.u8(section.last ? kLastPiece : 0);
+  }
+  writer.u16(static_cast<std::uint16_t>(section.bytes.size()));
+  writer.bytes(section.bytes);
+}
+
+bool decode_channel_packet(std::span<const std::byte> plain, ChannelPacket& packet) {
+  pbd::ByteReader reader(plain);
+  packet.sections.clear();
+  packet.header.ack = reader.u32();
+  packet.header.ack_bits = reader.u64();
+  packet.header.ack_delay = reader.u16();
+  while (reader.remaining() > 0 && !reader.failed()) {
+    ChannelSection section;
+    const std::uint8_t kind = reader.u8();
+    if (kind < 1 || kind > 3) return false;
+    section.kind = static_cast<ChannelSection::Kind>(kind);
+    if (section.kind == ChannelSection::Kind::Piece) {
+      section.number = reader.u32();
+      const std::uint8_t flags = reader.u8();
+      if (flags > kLastPiece) return false;
+      section.last = flags == kLastPiece;
+    }
+    section.bytes = reader.bytes(reader.u16());
+    if (section.kind == ChannelSection::Kind::Piece && section.bytes.size() > kMaxPieceBytes) {
+      return false;
+    }
+    packet.sections.push_back(section);
+  }
+  return !reader.failed();
+}
+
+}  // namespace tandem::net
