@@ -55,6 +55,7 @@ class HandshakeInitiator {
   void on_datagram(std::span<const std::byte> datagram, std::int64_t now);
 
   State state() const { return state_; }
+  std::uint32_t receiver() const { return local_receiver_; }
   /// In State::Done.
   const Session& session() const { return *session_; }
   /// Why not, as far as is known. What was not authenticated ("another version") is said here and
