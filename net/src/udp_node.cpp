@@ -30,16 +30,23 @@ void UdpNode::dial(const Address& address, std::int64_t now) {
   dials_.push_back({.address = address, .due = now, .backoff = options_.backoff_min});
 }
 
+std::size_t UdpNode::attached_count() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      records_, [](const auto& entry) { return entry.second.receiver != 0; }));
+}
+
 Verdict UdpNode::decide(const Introduction& other, std::int64_t now) const {
   if (leaving_) return Verdict::Full;
   const auto found = records_.find(other.peer);
   if (found == records_.end()) {
-    return records_.size() < kMaxRecords && connections_.size() < 2 * options_.max_peers
-               ? Verdict::Welcome
-               : Verdict::Full;
+    if (records_.size() >= kMaxRecords) return Verdict::Full;
+  } else {
+    if (other.incarnation < found->second.incarnation) return Verdict::Outdated;
+    if (now < found->second.hold_until) return Verdict::OnHold;
   }
-  if (other.incarnation < found->second.incarnation) return Verdict::Outdated;
-  if (now < found->second.hold_until) return Verdict::OnHold;
+  const bool is_here = found != records_.end() && found->second.receiver != 0;
+  if (!is_here && attached_count() >= options_.max_peers) return Verdict::Full;
+  // As many again that are not confirmed or are leaving.
   return connections_.size() < 2 * options_.max_peers ? Verdict::Welcome : Verdict::Full;
 }
 
@@ -75,6 +82,11 @@ UdpNode::Connection* UdpNode::attached(PeerId peer) {
 void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
   Connection& connection = connections_.at(receiver);
   const Introduction& remote = connection.link->session().remote;
+  // Asked again: several may have been half open when there was room for one.
+  if (attached(remote.peer) == nullptr && attached_count() >= options_.max_peers) {
+    connection.link->leave(describe(Verdict::Full), now);
+    return;
+  }
   Record& record = records_[remote.peer];
   record.status.id = remote.peer;
   const auto began_by_lower = [&](const Connection& c) {

@@ -84,6 +84,7 @@ class UdpNode {
     std::vector<Channels::Message> inbox;  // of connections that are gone
   };
 
+  std::size_t attached_count() const;
   Verdict decide(const Introduction& other, std::int64_t now) const;
   std::uint32_t free_receiver();
   void open(const Session& session, const Address& address, bool began_here, std::int64_t now);

@@ -117,7 +117,10 @@ void UdpSocket::wake() {
 }
 
 void UdpSocket::receive() {
+  if (waiting_) return;
+  waiting_ = true;
   socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const std::error_code& error) {
+    waiting_ = false;
     if (!error) on_readable();
   });
 }

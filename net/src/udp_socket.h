@@ -56,6 +56,7 @@ class UdpSocket {
   asio::ip::udp::socket socket_{context_};
   asio::steady_timer timer_{context_};
   bool wake_posted_ = false;
+  bool waiting_ = false;  // for the socket
   bool is_v6_ = false;
   std::uint16_t local_port_ = 0;
   std::int64_t flush_until_ = INT64_MAX;  // set: shutting down

@@ -32,11 +32,12 @@ class World {
  public:
   explicit World(const PathOptions& path = {}) : path_(path) {}
 
-  UdpNode& start(PeerId peer, std::uint64_t incarnation = 1) {
+  UdpNode& start(PeerId peer, std::uint64_t incarnation = 1, std::size_t max_peers = 64) {
     UdpNodeOptions options;
     options.handshake.self = peer;
     options.handshake.incarnation = incarnation;
     options.handshake.scene_hash = 42;
+    options.max_peers = max_peers;
     options.handshake.session_key = secret(1000);
     options.handshake.identity = crypto::make_key_pair(seeded(500 + ++starts_));
     nodes_[peer] =
@@ -60,8 +61,9 @@ class World {
       each_step();
       for (auto& [peer, node] : nodes_) node->poll(now);
       for (auto& [ends, path] : paths_) {
+        const Address target = ends.second;
         const auto to = std::ranges::find_if(
-            nodes_, [&](const auto& entry) { return address_of(entry.first) == ends.second; });
+            nodes_, [&target](const auto& entry) { return address_of(entry.first) == target; });
         for (const Bytes& datagram : path.arrived(now)) {
           if (to != nodes_.end()) to->second->on_datagram(datagram, ends.first, now);
         }
@@ -236,4 +238,15 @@ TEST_CASE("udp node: a session goes on through a flood of junk, recordings and s
   CHECK(linked(world, 1, 2));
   CHECK(world.node(1).connections() == 1);
   CHECK(status(world.node(1), 2).rejected == 0);
+}
+
+TEST_CASE("udp node: no more peers than there is room for", "[net][fault]") {
+  World world({.delay = 5 * kMs});
+  world.start(1, 1, 3);
+  for (PeerId peer = 2; peer <= 6; ++peer) world.start(peer).dial(address_of(1), 0);
+  world.run(5 * kSecond);
+  std::size_t connected = 0;
+  for (const PeerStatus& each : world.node(1).peers()) connected += each.connected ? 1 : 0;
+  CHECK(connected == 3);
+  CHECK(world.node(1).strangers().refused > 0);
 }
