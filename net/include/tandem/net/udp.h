@@ -74,7 +74,8 @@ struct UdpStrangers {
   std::uint64_t unknown = 0;     ///< packets of no connection
 };
 
-/// Mesh over UDP, encrypted and authenticated; docs/network.md says how.
+/// Mesh over UDP, encrypted and authenticated; docs/network.md says how. Only in builds that have
+/// found libsodium.
 ///
 /// - Newest: one packet each, at most max_datagram - 46 bytes; post() refuses longer ones. Sent
 ///   within the budget; what waits longer than 200 ms is dropped.
