@@ -35,8 +35,8 @@ Secret::Secret(std::span<const std::uint8_t, kKeyBytes> bytes) {
 bool operator==(const Secret& a, const Secret& b) { return equal(a.bytes_, b.bytes_); }
 
 void initialise() {
-  static const bool ready = sodium_init() >= 0;
-  if (!ready) throw std::runtime_error("libsodium cannot be initialised");
+  // It remembers itself that it was called, and may be called by several threads.
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
 }
 
 Random system_random() {
