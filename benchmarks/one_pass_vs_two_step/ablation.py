@@ -39,7 +39,7 @@ PARTS = {
     "sweep": "sweeps of the total channel after the first",
     "clean-up": "repair at the end of the step",
     "masses": "bodies with a target being heavier in the total channel",
-    "once": "the total channel once a step; it runs in each substep",
+    "parts": "agreement in parts of the step; the whole share at its end",
     "rotation": "the exact rotation mean; plain geodesics",
     "gain-rule": "the share's limit by age",
     "age": "the share's decay with age",
@@ -77,8 +77,8 @@ STAGES = {
 }
 # Whatever the solver does for agreement.
 AGREEMENT = ("take over targets", "agree velocities", "total channel", "clean-up")
-CASES = {"one pass": [], "one sweep": ["--total-iterations", "1"],
-         "each substep": ["--ablate", "once"], "clean-up alone": ["--ablate", "total"],
+CASES = {"one pass": [], "two sweeps": ["--total-iterations", "2"],
+         "at the end of the step": ["--ablate", "parts"], "clean-up alone": ["--ablate", "total"],
          "two steps": ["--coupling", "two-step"], "nothing agreed": ["--coupling", "none"],
          "one peer": ["--peers", "1"]}
 

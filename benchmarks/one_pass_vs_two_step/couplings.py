@@ -43,6 +43,7 @@ MEASURES = [
     ("overlap max, mm", "penetration_m.max", 1e3),
     ("correction p99, mm", "smoothness.correction_m.p99", 1e3),
     ("jerk rms, m/s3", "smoothness.jerk_rms_m_s3", 1.0),
+    ("free speed p50, m/s", "smoothness.free_speed_m_s.p50", 1.0),
     ("E displacement, J", "energy_J.displacement", 1.0),
     ("E velocity, J", "energy_J.velocity_agreement", 1.0),
     ("E potential, J", "energy_J.potential", 1.0),

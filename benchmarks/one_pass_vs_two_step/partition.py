@@ -82,8 +82,29 @@ def _text(value):
     return "-" if value is None else f"{value:.3g}"
 
 
+def _must_hold(runs):
+    """The bounds of the cliff on four peers at 1 ms."""
+    whole, run = runs.get(("cliff", 1, 0.001)), runs.get(("cliff", 4, 0.001))
+    if not whole or not run:
+        return []
+    row = _row(run, whole)
+    seam = row["overlap at seams p99"] / row["overlap inside p99"]
+    step = row["step over the whole's, worst"]
+
+    def line(what, value, holds):
+        return f"| cliff, 4 peers, 1 ms: {what} | {value} | {'yes' if holds else 'no'} |"
+
+    lost = row["lost"] + row["under ground"]
+    return ["| must hold | measured | holds |", "|---|---|---|",
+            line("balls lost or through the ground", lost, lost == 0),
+            line("overlap p99 at seams at most 2 x inside", f"{seam:.2f}", seam <= 2.0),
+            line("each peer's step at most 0.4 of the undivided", f"{step:.2f}", step <= 0.4), ""]
+
+
 def report(results, _docs):
     runs = _load(results / "partition")
+    if not runs:
+        raise FileNotFoundError(2, "no runs", str(results / "partition"))
     lines = [
         "## A world in parts", "",
         "[friston] Sec. 8.3, `build/release/bin/partition`: each peer decides on the bodies of its "
@@ -91,6 +112,8 @@ def report(results, _docs):
         "*cliff*: 1000 balls; *cubes*: 100 stacks. One peer is the undivided run. Seams are pairs that "
         "two peers decide on. Lengths in mm.", ""]
     table = []
+    held = _must_hold(runs)
+    lines += held
     for scene in OPTIONS:
         whole = runs.get((scene, 1, 0.001))
         rows = {c: _row(r, whole) for c, r in runs.items() if c[0] == scene} if whole else {}

@@ -78,16 +78,16 @@ class PlainTargets final : public pbd::TargetSource {
 std::string_view to_string(Part part) {
   constexpr std::array<std::string_view, kParts> kNames{
       "channels",   "velocities", "motion",      "total", "clean-up", "masses",
-      "once",       "rotation",   "gain-rule",   "age",   "ways",     "own-motion",
+      "parts",      "rotation",   "gain-rule",   "age",   "ways",     "own-motion",
       "initiative", "leading",    "arbitration", "ramp",  "refine"};
   return kNames[static_cast<std::size_t>(part)];
 }
 
 void Ablation::apply(pbd::SolverOptions& options) const {
-  if (lacks(Part::Total)) options.total_iterations = options.total_iterations_per_step = 0;
+  if (lacks(Part::Total)) options.total_iterations = 0;
   if (lacks(Part::CleanUp)) options.clean_up_iterations = 0;
   if (lacks(Part::Masses)) options.heavier_where_shared = false;
-  if (lacks(Part::OnceAStep)) options.form = pbd::ConsensusForm::Substep;
+  if (lacks(Part::InParts)) options.total_parts = 1;
   if (lacks(Part::Refine)) options.refine = false;
 }
 

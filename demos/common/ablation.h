@@ -23,7 +23,7 @@ enum class Part : std::uint8_t {
   Total,        ///< rows' say in where agreement puts bodies: clean-up alone repairs
   CleanUp,      ///< repair at the step's end
   Masses,       ///< what remote peers know is heavier in the total channel
-  OnceAStep,    ///< the total channel once, at the end of the step: it runs in each substep
+  InParts,      ///< agreement in parts of the step: the whole share at its end
   Rotation,     ///< the exact rotation mean: plain geodesics to the target instead
   GainRule,     ///< the share's limit by age
   Age,          ///< the share's decay with age

@@ -273,7 +273,7 @@ constexpr Option kOptions[] = {
     {"--total-iterations", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        const int sweeps = number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
-       o.solver.total_iterations = o.solver.total_iterations_per_step = sweeps;
+       o.solver.total_iterations = sweeps;
      }},
     {"--ablate", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {

@@ -44,7 +44,7 @@ Session:
   --iterations N     sweeps of its pass in each substep (1)
   --total-iterations N            and of its total channel, 0 to 1000 (2)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
-                     clean-up, masses, once, rotation, gain-rule, age, ways, own-motion,
+                     clean-up, masses, parts, rotation, gain-rule, age, ways, own-motion,
                      initiative, leading, arbitration, ramp, refine
   --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any

@@ -20,9 +20,8 @@ const StepReport& Solver::Impl::step(World& world, double dt) {
       advance_poses();
       agree_velocities();
       solve_velocities();
-      if (options_.form == ConsensusForm::Substep) solve_total(options_.total_iterations);
+      if (part_ends()) solve_total();
     }
-    if (options_.form == ConsensusForm::Step) solve_total(options_.total_iterations_per_step);
   }
   clean_up();
   end_step();

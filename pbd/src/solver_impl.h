@@ -41,7 +41,7 @@ class Solver::Impl {
   void agree_velocities();
   void solve_velocities();
   /// The total channel: the same rows once more, for where bodies are and not for how they move.
-  void solve_total(int iterations);
+  void solve_total();
   void clean_up();
   void end_step();
 
@@ -56,6 +56,8 @@ class Solver::Impl {
   void arrange_groups();
   Groups::Rule group_rule() const;
   void list_parts();
+  /// Whether one of the parts that agreement is split into ends with this substep.
+  bool part_ends() const;
   void project_joints();
   void note_new_overlaps();
   void restore_locked_bodies(const Group& group);
@@ -97,6 +99,7 @@ class Solver::Impl {
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
   std::vector<double> wanted_;          ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;        ///< the one being solved
+  int parts_ = 1;                       ///< that agreement of the group is split into
   std::vector<Manifold> manifolds_;
   std::vector<Pose> after_;  ///< by slot
   std::vector<MotionLimit> limits_;

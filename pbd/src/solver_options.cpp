@@ -26,8 +26,8 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(joint_tolerance, 0.0, 1.0, "joint_tolerance", error) &&
          in_range(velocity_iterations, 0, 1000, "velocity_iterations", error) &&
          in_range(velocity_tolerance, 0.0, 1.0, "velocity_tolerance", error) &&
-         in_range(total_iterations, 0, 1000, "total_iterations", error) &&
-         in_range(total_iterations_per_step, 0, 10000, "total_iterations_per_step", error) &&
+         in_range(total_parts, 1, 1000, "total_parts", error) &&
+         in_range(total_iterations, 0, 10000, "total_iterations", error) &&
          in_range(clean_up_iterations, 0, 1000, "clean_up_iterations", error) &&
          in_range(sleep_after, 0.0, 1e6, "sleep_after", error) &&
          in_range(sleep_speed, 0.0, 1e6, "sleep_speed", error) &&

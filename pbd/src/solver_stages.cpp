@@ -59,8 +59,8 @@ void Solver::Impl::begin_group(std::uint32_t group) {
   context_.h = dt_ / group_->substeps;
   if (group > 0) bodies_.rewind_kinematic(*world_);
   if (!targets_.empty()) {
-    const int parts = options_.form == ConsensusForm::Substep ? group_->substeps : 1;
-    targets_.select_group(group, parts, bodies_.all());
+    parts_ = std::min(group_->substeps, options_.total_parts);
+    targets_.select_group(group, parts_, bodies_.all());
   }
   report_.substeps = std::max(report_.substeps, group_->substeps);
 }
@@ -109,9 +109,13 @@ void Solver::Impl::advance_poses() {
 void Solver::Impl::agree_velocities() {
   if (targets_.empty() || !targets_.selected()) return;
   targets_.advance(context_.h, context_.h * (context_.substep + 1));
-  if (options_.form == ConsensusForm::Substep || context_.last) {
-    targets_.agree_velocities(bodies_.all(), world_->props_, world_->corrections_, report_.energy);
-  }
+  if (!part_ends()) return;
+  targets_.agree_velocities(bodies_.all(), world_->props_, world_->corrections_, report_.energy);
+}
+
+bool Solver::Impl::part_ends() const {
+  const int i = context_.substep;
+  return (i + 1) * parts_ / context_.substeps > i * parts_ / context_.substeps;
 }
 
 void Solver::Impl::solve_velocities() {
@@ -134,14 +138,14 @@ void Solver::Impl::solve_velocities() {
   end_stage(Stage::Velocity);
 }
 
-void Solver::Impl::solve_total(int iterations) {
+void Solver::Impl::solve_total() {
   if (targets_.empty() || !targets_.selected()) return;
   SubstepContext context = context_;
-  if (options_.form == ConsensusForm::Step) context.h = dt_;
+  context.h = dt_ / parts_;
   targets_.begin_total(bodies_.all(), options_.heavier_where_shared);
   for_blocks([&](ConstraintBlock& block) { block.begin_total(context); });
   targets_.move_bodies(bodies_.all(), world_->props_);
-  for (int i = 0; i < iterations; ++i) {
+  for (int i = 0; i < options_.total_iterations; ++i) {
     context.reverse = (context_.substep + i) % 2 == 1;
     for_blocks([&](ConstraintBlock& block) { block.project_total(context); });
     restore_locked_bodies(*group_);

@@ -273,6 +273,34 @@ TEST_CASE("partition: nobody lets go of a ball that nobody else has", "[consensu
   CHECK(halves.parts[1]->state(0).pose.position.x() == Approx(10.5).epsilon(1e-3));
 }
 
+TEST_CASE("partition: what a peer without a cell tells of appears nowhere", "[consensus][fault]") {
+  StubTransport transport(1);
+  std::vector<PartitionCell> cells(2);
+  cells[0].peer = 1;
+  cells[0].cell.max.x() = 0.0;
+  cells[1].peer = 2;
+  cells[1].cell.min.x() = 0.0;
+  Part part(transport, cells, kWeightless, {});
+  StateUpdate update;
+  update.pose.position = Vec3(-0.1, 0.0, 0.0);
+  update.influence = 1.0F;
+  SessionTime now = kStart;
+  const auto tell = [&](PeerId from, int ball_number) {
+    update.id = id_of(ball_number);
+    update.stamp = now;
+    transport.deliver(from, update);
+    part.step(now, now + ns(kFrame));
+    now += ns(kFrame);
+  };
+  for (int k = 0; k < 10; ++k) tell(3, 0);
+  CHECK_FALSE(part.has(0));
+  CHECK(part.partition->stats().appeared == 0);
+  // The same of a peer that has one is taken in.
+  tell(2, 1);
+  CHECK(part.has(1));
+  CHECK(part.partition->stats().appeared == 1);
+}
+
 TEST_CASE("partition: borders that move take the bodies along", "[consensus]") {
   Halves halves({.latency = 0.001}, kWeightless);
   for (int i = 0; i < 10; ++i) halves.add(i, ball(Vec3(-5.0 + 1.0 * i, 0.0, 0.0)));

@@ -100,7 +100,7 @@ struct Row {
 };
 
 SolverOptions converged() {
-  return {.total_iterations_per_step = 2000, .clean_up_iterations = 0, .form = ConsensusForm::Step};
+  return {.total_parts = 1, .total_iterations = 2000, .clean_up_iterations = 0};
 }
 
 /// Largest distance between solved and optimal poses, m and rad.
@@ -212,7 +212,7 @@ TEST_CASE("pose_target: against a spring, once a step, the move is that of both 
            .share = share_of(weight)});
     }
     world.set_target_source(&source);
-    Solver solver({.form = ConsensusForm::Step});
+    Solver solver({.total_parts = 1, .total_iterations = 12});
     solver.step(world, kFrame);
     const double mass = (1.0 + weight) * 2.0;
     const double expected = share_of(weight) * gap * mass / (mass + stiffness * kFrame * kFrame);
@@ -251,10 +251,10 @@ TEST_CASE("pose_target: what agreement tore open heals once the targets are gone
 
 TEST_CASE("pose_target: split over substeps, the pair stops a little short of the optimum",
           "[pbd][consensus][regression]") {
-  // The price of the Substep form: each part of the share is solved by itself. At W = 1 a pair of
+  // The price of the price of parts: each part of the share is solved by itself. At W = 1 a pair of
   // equal bodies moves 0.297 of the gap, where the optimum of the whole step is 1/3.
   Row row({1.0, 1.0}, {{1.0, Vec3(0.1, 0.0, 0.0)}, {}}, 0.0);
-  Solver solver({.substeps = 10, .form = ConsensusForm::Substep});
+  Solver solver({.substeps = 10, .total_parts = 1000});
   solver.step(row.world, kFrame);
   const double moved = row.world.pose(row.bodies[0]).position.x() / 0.1;
   INFO("moved " << moved);
@@ -268,10 +268,10 @@ TEST_CASE("pose_target: split over substeps, the pair stops a little short of th
 
 TEST_CASE("pose_target: displacement carries no kinetic energy, also through a joint",
           "[pbd][consensus][analytic]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     const double gap = 0.05;
     Row row({1.0, 3.0, 1.0}, {{2.0, Vec3(0.0, gap, 0.0), Vec3(0.0, 0.3, 0.0)}, {}, {}}, 0.15);
-    Solver solver({.form = form});
+    Solver solver({.total_parts = parts});
     // Against the energy that the same move would have as a motion.
     const double scale = 1.0 * (gap / kFrame) * (gap / kFrame);
     for (int i = 0; i < 60; ++i) {
@@ -286,11 +286,11 @@ TEST_CASE("pose_target: displacement carries no kinetic energy, also through a j
 
 TEST_CASE("pose_target: an owned body drags its joint partner along and the joint holds",
           "[pbd][consensus][unit]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     Row row({1.0, 1.0}, {{}, {}}, 0.15);
     row.source.targets.push_back(
         {.body = row.bodies[0], .pose = {Vec3(0.0, 0.02, 0.0), Quat::Identity()}, .share = 1.0});
-    Solver solver({.form = form});
+    Solver solver({.total_parts = parts});
     for (int i = 0; i < 30; ++i) solver.step(row.world, kFrame);
     CHECK((row.world.pose(row.bodies[0]).position - Vec3(0.0, 0.02, 0.0)).norm() < 1e-9);
     const StepReport& report = solver.step(row.world, kFrame);
@@ -301,14 +301,14 @@ TEST_CASE("pose_target: an owned body drags its joint partner along and the join
 
 TEST_CASE("pose_target: two owned bodies that contradict their joint do no harm",
           "[pbd][consensus][fault]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     Row row({1.0, 1.0}, {{}, {}}, 0.0);
     for (int i = 0; i < 2; ++i) {
       row.source.targets.push_back({.body = row.bodies[static_cast<std::size_t>(i)],
                                     .pose = {Vec3(2.0 * i, 0.1, 0.0), Quat::Identity()},
                                     .share = 1.0});
     }
-    Solver solver({.form = form});
+    Solver solver({.total_parts = parts});
     for (int i = 0; i < 60; ++i) {
       REQUIRE(solver.step(row.world, kFrame).status == StepStatus::Ok);
     }

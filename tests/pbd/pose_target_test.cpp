@@ -45,14 +45,14 @@ Vec3 fall(const Vec3& gravity, double h, int n) { return gravity * h * h * (0.5 
 
 TEST_CASE("pose_target: a free body ends at the weighted average of both states",
           "[pbd][consensus][analytic]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     for (const Vec3& gravity : {Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, -9.81)}) {
       for (const double share : {1e-9, 0.05, 0.3, 0.9, 1.0}) {
         for (const int n : {1, 4, 10, 20}) {
           Free scene(share, gravity);
           const BodyState start = scene.world.state(scene.body);
           const PoseTarget target = scene.target();
-          Solver solver({.substeps = n, .form = form});
+          Solver solver({.substeps = n, .total_parts = parts});
           solver.step(scene.world, kFrame);
           // [friston] Eq. 1 with local weight 1 - s: both states feel gravity, so it adds to both.
           const Vec3 local = start.pose.position + kFrame * start.twist.linear;
@@ -96,14 +96,14 @@ TEST_CASE("pose_target: peers fused by hand give the weighted average over all o
 
 TEST_CASE("pose_target: a rotation error e is closed by exp(s e), in one part or in twenty",
           "[pbd][consensus][analytic]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     for (const double angle : {1e-6, 0.1, 1.0, 3.0}) {
       for (const double share : {0.05, 0.5, 0.9, 1.0}) {
         Free scene(share);
         const Quat start = scene.pose().orientation;
         const Vec3 error = angle * Vec3(2.0, -1.0, 0.5).normalized();
         scene.target().pose.orientation = turn(error) * start;
-        Solver solver({.form = form});
+        Solver solver({.total_parts = parts});
         solver.step(scene.world, kFrame);
         CHECK(angle_between(scene.pose().orientation, turn(share * error) * start) < 1e-9);
       }
@@ -125,7 +125,7 @@ TEST_CASE("pose_target: a given rotation error may lie beyond half a turn",
 
 TEST_CASE("pose_target: spinning about one axis, angle and rate are averaged",
           "[pbd][consensus][analytic]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     const double share = 0.3;
     Free scene(share);
     const Vec3 axis = Vec3::UnitZ();
@@ -133,7 +133,7 @@ TEST_CASE("pose_target: spinning about one axis, angle and rate are averaged",
     scene.world.set_twist(scene.body, {Vec3::Zero(), 3.0 * axis});
     scene.target().pose = {Vec3::Zero(), turn(0.5 * axis)};
     scene.target().twist = {Vec3::Zero(), 5.0 * axis};
-    Solver solver({.form = form});
+    Solver solver({.total_parts = parts});
     solver.step(scene.world, kFrame);
     const double angle = (1.0 - share) * (0.2 + 3.0 * kFrame) + share * (0.5 + 5.0 * kFrame);
     CHECK(angle_between(scene.pose().orientation, turn(angle * axis)) < 1e-12);
@@ -142,11 +142,11 @@ TEST_CASE("pose_target: spinning about one axis, angle and rate are averaged",
 }
 
 TEST_CASE("pose_target: share 1 makes the remote state the owner's", "[pbd][consensus][unit]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     Free scene(1.0, Vec3(0.0, 0.0, -9.81));
     scene.target().motion = TargetMotion::Inertial;
     const PoseTarget target = scene.target();
-    Solver solver({.form = form});
+    Solver solver({.total_parts = parts});
     solver.step(scene.world, kFrame);
     CHECK((scene.pose().position - target.pose.position - kFrame * target.twist.linear).norm() <
           1e-12);
@@ -160,22 +160,21 @@ TEST_CASE("pose_target: an inertial target does not fall, and the pull against g
   const double share = 0.4;
   const int n = 10;
   const double h = kFrame / n;
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     Free scene(share, Vec3(0.0, 0.0, -9.81));
     scene.target().motion = TargetMotion::Inertial;
     const PoseTarget target = scene.target();
     Vec3 x = scene.pose().position;
     Vec3 v = scene.twist().linear;
-    const double part =
-        form == ConsensusForm::Substep ? 1.0 - std::pow(1.0 - share, 1.0 / n) : share;
+    const double part = parts > 1 ? 1.0 - std::pow(1.0 - share, 1.0 / n) : share;
     for (int k = 1; k <= n; ++k) {
       v += h * Vec3(0.0, 0.0, -9.81);
       x += h * v;
-      if (form == ConsensusForm::Step && k < n) continue;
+      if (parts == 1 && k < n) continue;
       v += part * (target.twist.linear - v);
       x += part * (target.pose.position + k * h * target.twist.linear - x);
     }
-    Solver solver({.substeps = n, .form = form});
+    Solver solver({.substeps = n, .total_parts = parts});
     solver.step(scene.world, kFrame);
     CHECK((scene.pose().position - x).norm() < 1e-12);
     CHECK((scene.twist().linear - v).norm() < 1e-12);
@@ -184,11 +183,11 @@ TEST_CASE("pose_target: an inertial target does not fall, and the pull against g
 
 TEST_CASE("pose_target: a share means the same for every length of step",
           "[pbd][consensus][analytic]") {
-  for (const ConsensusForm form : {ConsensusForm::Substep, ConsensusForm::Step}) {
+  for (const int parts : {1000, 1}) {
     Free whole(0.3);
     Free halves(0.3);
     const PoseTarget start = whole.target();
-    Solver solver({.form = form});
+    Solver solver({.total_parts = parts});
     solver.step(whole.world, kFrame);
     for (int i = 0; i < 2; ++i) {
       halves.target().pose.position = start.pose.position + i * 0.5 * kFrame * start.twist.linear;

@@ -11,12 +11,6 @@
 
 namespace tandem::pbd {
 
-/// When the total channel runs.
-enum class ConsensusForm : std::uint8_t {
-  Substep,  ///< after each substep, with the share split over them: no nearer, and dearer
-  Step,     ///< once, after the last substep, with the whole share
-};
-
 /// How a step is solved. The defaults are meant for every scene; docs/numerics.md says what holds.
 struct SolverOptions {
   /// Substeps for each step, 1 to 1000, of islands that need no more; see `refine`. The error of
@@ -32,15 +26,16 @@ struct SolverOptions {
   int velocity_iterations = 1;
   /// m/s: they stop when no row changes by more.
   double velocity_tolerance = 1e-7;
-  /// Sweeps of the total channel in each substep (form Substep) or step (form Step).
-  int total_iterations = 2;
-  int total_iterations_per_step = 4;
+  /// Agreement is split into this many parts of the step, 1 to 1000, at most one for each substep.
+  /// Fewer cost less and are as near at small shares; at large ones (0.3 and more) the whole share
+  /// at once throws stacks about.
+  int total_parts = 4;
+  int total_iterations = 1;  ///< sweeps of the total channel in each part
   /// In the total channel bodies with a target are heavier by what remote peers know of them: 1 + W
   /// times, W the target's weight against the local 1. Rows then move the others.
   bool heavier_where_shared = true;
   /// Position-only sweeps after the last substep, at most; they touch only what is left to repair.
   int clean_up_iterations = 8;
-  ConsensusForm form = ConsensusForm::Step;
   ContactOptions contact;
   /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast)
   /// more substeps, 2 to 32 times as many, for as long as they do.
