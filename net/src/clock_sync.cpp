@@ -12,6 +12,7 @@ using consensus::PeerId;
 
 namespace {
 
+constexpr SessionTime kLatestSession = SessionTime{1} << 62;  // as consensus takes it
 constexpr double kPull = 4e9;    // ns, in which a distance shrinks to a third
 constexpr double kLetGo = 10e9;  // ns, in which the pace of a reference that has gone is given up
 constexpr std::int64_t kDriftPeriod = 1'000'000'000;  // ns, from one look at the drift to the next
@@ -45,7 +46,12 @@ void ClockSync::set_correction(std::int64_t correction, std::int64_t now) {
 
 void ClockSync::on_exchange(PeerId peer, const ClockSample& sample, const ClockClaim& claim) {
   PeerClock& clock = peers_[peer];
-  if (claim.correction <= -ClockFilter::kFarthest || claim.correction >= ClockFilter::kFarthest) {
+  // Sums and differences of these do not overflow.
+  const bool sane = claim.sent > -ClockFilter::kFarthest && claim.sent < ClockFilter::kFarthest &&
+                    claim.correction > -kLatestSession && claim.correction < kLatestSession &&
+                    claim.sent + claim.correction > -ClockFilter::kFarthest &&
+                    claim.sent + claim.correction < kLatestSession;
+  if (!sane) {
     ++faults_;
     return;
   }

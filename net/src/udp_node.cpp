@@ -230,7 +230,9 @@ bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte
   record.status.bytes_in += datagram.size();
   const auto exchange = connection.link->take_exchange();
   if (exchange && options_.clock != Clock::None) {
-    clock_.on_exchange(record.status.id, exchange->sample, exchange->claim);
+    const ClockSample& times = exchange->sample;
+    connection.round_trip = times.received - times.sent - (times.their_sent - times.their_received);
+    clock_.on_exchange(record.status.id, times, exchange->claim);
   }
   for (const KnownPeer& known : connection.link->take_told()) on_told(connection, known, now);
   const auto relayed = connection.link->take_relayed();
@@ -505,7 +507,9 @@ std::vector<consensus::PeerStatus> UdpNode::peers() const {
     const UdpConnection& link = *connections_.at(record.receiver).link;
     out.back().dropped_queue_full += link.channels().dropped_states();
     out.back().rejected += link.rejected();
-    if (link.channels().rtt().any()) out.back().round_trip = link.channels().rtt().smoothed();
+    out.back().round_trip = link.channels().rtt().any()
+                                ? link.channels().rtt().smoothed()
+                                : connections_.at(record.receiver).round_trip;
   }
   return out;
 }

@@ -120,6 +120,7 @@ class UdpNode {
     Pacer relay;                    // what it may have passed on
     std::int64_t tell_due = 0;      // when it is told again who is there,
     consensus::PeerId told_to = 0;  // from whom on
+    std::int64_t round_trip = -1;   // of the last exchange of clocks
   };
   struct Record {
     consensus::PeerStatus status;

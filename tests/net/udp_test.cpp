@@ -4,6 +4,12 @@
 // Real sockets on loopback.
 #include "tandem/net/udp.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <stdexcept>
@@ -153,6 +159,87 @@ TEST_CASE("udp: four peers with public keys make a full mesh, a fifth without a 
     for (const Packet& packet : got) {
       CHECK(packet.bytes == bytes(100, static_cast<std::uint8_t>(packet.from)));
     }
+  }
+}
+
+TEST_CASE("udp: a live session under junk, oversized datagrams, questions and recordings",
+          "[net][socket][fault]") {
+  const bool filtered = GENERATE(true, false);
+  auto own = options(1);
+  own.kernel_filter = filtered;
+  UdpTransport a(own);
+  auto other = options(2, {a.local_port()});
+  other.kernel_filter = filtered;
+  UdpTransport b(other);
+  REQUIRE(eventually([&] { return status(a, 2).connected && status(b, 1).connected; }));
+
+  const int attacker = ::socket(AF_INET, SOCK_DGRAM, 0);
+  REQUIRE(attacker >= 0);
+  sockaddr_in target{};
+  target.sin_family = AF_INET;
+  target.sin_port = htons(a.local_port());
+  target.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::uint64_t state = 1;
+  const auto random = [&state] {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<std::uint8_t>(state >> 56);
+  };
+  std::vector<std::uint8_t> junk(60'000);
+  std::uint8_t posted = 0;
+  std::uint8_t got = 0;
+  REQUIRE(eventually([&] {
+    for (int i = 0; i < 200; ++i) {
+      const std::size_t size = i % 40 == 0 ? 60'000 : std::size_t{random()} * 6;
+      for (std::size_t k = 0; k < std::min<std::size_t>(size, 64); ++k) junk[k] = random();
+      if (i % 3 == 0) junk[0] = 0x40;
+      if (i % 3 == 1) {  // a question, mostly of the wrong length
+        const std::array<std::uint8_t, 7> hello{1, 'T', 'N', 'D', 'U', 1, 0};
+        std::copy(hello.begin(), hello.end(), junk.begin());
+      }
+      (void)::sendto(attacker, junk.data(), i % 6 == 1 ? 64 : size, 0,
+                     reinterpret_cast<const sockaddr*>(&target), sizeof target);
+    }
+    if (posted < 100) REQUIRE(b.post(1, bytes(500, posted++), Delivery::Reliable));
+    std::vector<Packet> packets;
+    a.drain(packets);
+    for (const Packet& packet : packets) CHECK(packet.bytes == bytes(500, got++));
+    return got == 100;
+  }));
+  ::close(attacker);
+  CHECK(status(a, 2).connected);
+  CHECK(status(a, 2).rejected == 0);
+  CHECK(a.strangers().challenged + a.strangers().limited > 100);
+  CHECK(a.strangers().bad_proof == 0);
+  if (!filtered) CHECK(a.strangers().malformed > 1000);
+  if (filtered) CHECK(a.strangers().unknown == 0);  // did not come so far
+}
+
+TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net][socket][clock]") {
+  UdpTransport first(options(1));
+  std::vector<std::unique_ptr<UdpTransport>> peers;
+  std::uint16_t port = first.local_port();
+  for (PeerId self = 2; self <= 5; ++self) {
+    peers.push_back(std::make_unique<UdpTransport>(options(self, {port})));
+    port = peers.back()->local_port();  // a chain
+  }
+  REQUIRE(eventually([&] {
+    for (const auto& peer : peers) {
+      std::size_t connected = 0;
+      for (const PeerStatus& each : peer->peers()) connected += each.connected ? 1 : 0;
+      if (connected != 4 || !peer->clock().synchronised) return false;
+    }
+    return first.clock().synchronised;
+  }));
+  for (const auto& peer : peers) {
+    const ClockStatus clock = peer->clock();
+    CHECK(clock.reference == 1);
+    CHECK(peer->relay_of(1) == 0);
+    // Of what was certain when the clock was read; between two readings this thread may sleep.
+    const auto before = first.session_now();
+    const auto mine = peer->clock();
+    const auto after = first.session_now();
+    CHECK(mine.now >= before - mine.error_bound);
+    CHECK(mine.now <= after + mine.error_bound);
   }
 }
 
