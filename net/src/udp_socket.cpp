@@ -19,7 +19,7 @@ constexpr int kReads = 4;  // batches before something else gets its turn
 // call and one awakening for many.
 constexpr std::size_t kFlood = 100;                // in
 constexpr std::int64_t kFloodWindow = 10'000'000;  // ns
-constexpr std::chrono::milliseconds kFloodPause{1};
+constexpr std::chrono::milliseconds kFloodPause{2};
 constexpr std::int64_t kGoodbyeTime = 100'000'000;   // ns, for the last packets
 constexpr std::int64_t kLongestSleep = 100'000'000;  // ns
 constexpr int kSocketBuffer = 512 * 1024;            // bytes
@@ -149,15 +149,6 @@ void UdpSocket::receive() {
   });
 }
 
-void UdpSocket::pause() {
-  waiting_ = true;
-  pause_.expires_after(kFloodPause);
-  pause_.async_wait([this](const std::error_code& error) {
-    waiting_ = false;
-    if (!error) receive();
-  });
-}
-
 void UdpSocket::on_readable() {
   std::int64_t time = now();
   for (int i = 0; i < kReads; ++i) {
@@ -172,13 +163,14 @@ void UdpSocket::on_readable() {
     if (batch_.size() < DatagramBatch::kCount) break;
   }
   step();
-  const bool flooded = useless_ > kFlood;
   if (time - window_start_ > kFloodWindow) {
+    flooded_ = useless_ > kFlood;
+    useless_ = 0;
     window_start_ = time;
-    // It goes on as it was until the next window has been seen.
-    useless_ = flooded ? kFlood / 2 : 0;
   }
-  flooded ? pause() : receive();
+  // Not by a timer: the reactor would be woken by each datagram all the same.
+  if (flooded_ || useless_ > kFlood) std::this_thread::sleep_for(kFloodPause);
+  receive();
 }
 
 void UdpSocket::step() {

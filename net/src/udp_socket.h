@@ -48,7 +48,6 @@ class UdpSocket {
   void dial();
   void wake();  // with the lock
   void receive();
-  void pause();
   void on_readable();
   void step();
   void send(std::span<const std::byte> datagram, const Address& to);
@@ -67,9 +66,9 @@ class UdpSocket {
   std::int64_t flush_until_ = INT64_MAX;  // set: shutting down
   bool left_ = false;
   DatagramBatch batch_;
-  asio::steady_timer pause_{context_};
   std::int64_t window_start_ = 0;
   std::size_t useless_ = 0;  // datagrams since then
+  bool flooded_ = false;     // in the window before
   std::thread thread_;
 };
 
