@@ -202,6 +202,8 @@ void UdpSocket::step() {
 }
 
 void UdpSocket::send(std::span<const std::byte> datagram, const Address& to) {
+  // Told of by somebody who has IPv6; a relay may have a way.
+  if (!is_v6_ && !is_v4(to)) return;
   // A full buffer, a route that is gone: the packet is lost, as packets are.
   std::error_code ignored;
   socket_.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint_of(to), 0, ignored);

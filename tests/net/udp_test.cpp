@@ -243,6 +243,42 @@ TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net
   }
 }
 
+TEST_CASE("udp: a peer with IPv4 alone and one with IPv6 alone meet through one that has both",
+          "[net][socket]") {
+  auto both = options(2);
+  both.address = "::";
+  std::unique_ptr<UdpTransport> relay;
+  std::unique_ptr<UdpTransport> six;
+  try {
+    relay = std::make_unique<UdpTransport>(both);
+    auto own = options(3);
+    own.address = "::1";
+    own.connect = {{"::1", relay->local_port()}};
+    six = std::make_unique<UdpTransport>(own);
+  } catch (const std::system_error&) {
+    WARN("no IPv6 on this host: not tested");
+    return;
+  }
+  UdpTransport four(options(1, {relay->local_port()}));
+  REQUIRE(eventually([&] { return status(four, 3).connected && status(*six, 1).connected; }));
+  CHECK(four.relay_of(3) == 2);
+  CHECK(six->relay_of(1) == 2);
+  std::uint8_t next = 0;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    REQUIRE(four.post(3, bytes(3000, i), Delivery::Reliable));
+  }
+  REQUIRE(eventually([&] {
+    std::vector<Packet> got;
+    six->drain(got);
+    for (const Packet& packet : got) {
+      CHECK(packet.from == 1);
+      CHECK(packet.bytes == bytes(3000, next++));
+    }
+    return next == 20;
+  }));
+  CHECK(relay->relayed().forwarded > 50);  // 60 kB in datagrams of at most 1200
+}
+
 TEST_CASE("udp: options that are not valid are named, a port in use is an error", "[net][fault]") {
   auto zero = options(1);
   zero.session_key = {};
