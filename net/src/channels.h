@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "channel_wire.h"
+#include "reliable_channel.h"
+#include "replay_window.h"
+#include "sent_packets.h"
+#include "tandem/consensus/transport.h"
+
+namespace tandem::net {
+
+struct ChannelOptions {
+  std::size_t state_queue_bytes = 64 * 1024;       ///< waiting to be sent; the oldest go first
+  std::int64_t state_life = 200'000'000;           ///< ns; older ones are not sent any more
+  std::size_t reliable_queue_bytes = 1024 * 1024;  ///< waiting or not acknowledged
+  std::size_t max_message_bytes = 64 * 1024;       ///< of a reliable message
+  std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< of either kind, not drained
+};
+
+/// The two channels of one connection and the acknowledgements that both of them need: states that
+/// may be lost, and messages that come in order, cut into pieces. Packets in, packets out; sealing
+/// and sending is someone else's. Times in ns.
+class Channels {
+ public:
+  explicit Channels(const ChannelOptions& options);
+
+  /// False where it does not fit into a packet of `room` plain bytes.
+  bool post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now);
+  bool post_reliable(std::span<const std::byte> message) { return reliable_.sender.post(message); }
+  /// Tell the other end where a third peer is; may be lost.
+  void tell(const KnownPeer& known);
+  /// What it has told of third peers since the last call.
+  std::vector<KnownPeer> take_told() { return std::exchange(told_, {}); }
+
+  /// Both directions of reliable messages. The next connection to the same process goes on with
+  /// them: nothing is lost, nothing comes twice.
+  struct Reliable {
+    ReliableSender sender;
+    ReliableReceiver receiver;
+  };
+  Reliable take_reliable();
+  void resume(Reliable reliable);
+  /// A packet that carries none of this.
+  void note_other(std::uint64_t sequence, std::int64_t now) { sent_.sent_empty(sequence, now); }
+
+  /// The next state is small enough for `room` plain bytes, or there is none.
+  bool fits(std::size_t room) const {
+    return states_.empty() || kChannelHeader + kStateHeader + states_.front().bytes.size() <= room;
+  }
+  /// Something waits to be sent; acknowledgements alone do not count.
+  bool has_content(std::int64_t now);
+  /// When an acknowledgement has to leave at the latest, INT64_MAX where none is due.
+  std::int64_t ack_due() const { return ack_due_; }
+  /// Appends a packet of at most `room` bytes to `out`: the acknowledgements, `clock` where there
+  /// is one, and what waits and fits.
+  void write(std::uint64_t sequence, std::size_t room, std::int64_t now, const ClockClaim* clock,
+             std::vector<std::byte>& out);
+
+  enum class Read {
+    Ok,
+    Malformed,  // or no honest sender's: the connection is over
+    Full,       // the inbox is; not acknowledged, so it comes again
+    Goodbye,    // goodbye() says why
+  };
+  Read read(std::uint64_t sequence, std::span<const std::byte> plain, std::int64_t now);
+  /// What has not been acknowledged in time is lost.
+  void on_time(std::int64_t now);
+
+  struct Message {
+    consensus::Delivery delivery{};
+    std::vector<std::byte> bytes;
+    std::int64_t at = 0;  // when it came
+  };
+  /// Appends all that has come.
+  void drain(std::vector<Message>& out);
+
+  /// What has become of packets since the last call.
+  struct Feedback {
+    std::uint64_t acked = 0;
+    std::uint64_t acked_bytes = 0;  // on the wire
+    std::uint64_t lost = 0;
+    std::uint64_t late = 0;  // were counted as lost and have come
+  };
+  Feedback take_feedback();
+
+  /// What the other end has said of its clock.
+  struct Exchange {
+    ClockSample sample;
+    ClockClaim claim;
+  };
+  /// The latest that has not been taken.
+  std::optional<Exchange> take_exchange() { return std::exchange(exchange_, {}); }
+
+  const RttEstimate& rtt() const { return sent_.rtt(); }
+  const ReliableSender& reliable() const { return reliable_.sender; }
+  std::uint64_t dropped_states() const { return dropped_states_; }
+  std::size_t waiting_states() const { return states_.size(); }
+  const std::vector<std::byte>& goodbye() const { return goodbye_; }
+
+ private:
+  struct State {
+    std::vector<std::byte> bytes;
+    std::int64_t at = 0;
+  };
+
+  void drop_stale(std::int64_t now);
+  void settle();
+  bool write_state(std::size_t end, std::vector<std::byte>& out);
+  bool write_piece(std::size_t end, std::vector<std::byte>& out);
+  void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
+  void note_clock(const ChannelSection& section, std::int64_t now);
+
+  ChannelOptions options_;
+  std::deque<State> states_;
+  std::size_t states_cost_ = 0;
+  bool reliable_first_ = true;
+  Reliable reliable_;
+  std::deque<KnownPeer> to_tell_;
+  std::vector<KnownPeer> told_;
+  SentPackets sent_;
+  SentPackets::Outcome outcome_;
+  Feedback feedback_;
+
+  ReplayWindow had_;  // what is acknowledged
+  std::int64_t latest_at_ = 0;
+  int unacknowledged_ = 0;
+  std::int64_t ack_due_ = INT64_MAX;
+
+  ChannelPacket packet_;
+  std::vector<std::uint64_t> pieces_;
+  std::vector<std::vector<std::byte>> complete_;
+  std::deque<Message> inbox_;
+  std::size_t inbox_states_ = 0;    // cost
+  std::size_t inbox_reliable_ = 0;  // cost
+  std::uint64_t dropped_states_ = 0;
+  std::vector<std::byte> goodbye_;
+  std::optional<Exchange> exchange_;
+};
+
+}  // namespace tandem::net

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "handshake.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "octets.h"
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::net {
+
+namespace {
+
+constexpr std::int64_t kFirstResend = 250'000'000;  // ns, doubled each time
+constexpr std::int64_t kLastResend = 1'000'000'000;
+constexpr int kProofsBeforeAsking = 3;  // the cookie may have become too old
+constexpr double kHelloRate = 4.0;      // per s and address
+constexpr double kHelloBurst = 16.0;
+constexpr double kHelloTotal = 2000.0;  // per s
+constexpr double kProofRate = 4.0;
+constexpr double kProofBurst = 16.0;
+constexpr double kProofTotal = 1000.0;
+
+/// Both ends hash what they believe to be doing.
+std::vector<std::uint8_t> prologue(std::uint64_t nonce) {
+  constexpr std::string_view kLabel = "tandem udp";
+  std::vector<std::uint8_t> out(kLabel.begin(), kLabel.end());
+  out.push_back(static_cast<std::uint8_t>(kUdpVersion));
+  out.push_back(static_cast<std::uint8_t>(kUdpVersion >> 8));
+  for (int i = 0; i < 8; ++i) out.push_back(static_cast<std::uint8_t>(nonce >> (8 * i)));
+  return out;
+}
+
+std::string version_reason(std::uint16_t version) {
+  return "protocol version " + std::to_string(version) + " differs from " +
+         std::to_string(kUdpVersion);
+}
+
+Introduction introduce(const HandshakeConfig& config, std::uint32_t receiver) {
+  return {.peer = config.self,
+          .incarnation = config.incarnation,
+          .scene_hash = config.scene_hash,
+          .receiver = receiver,
+          .idle_timeout_ms = config.idle_timeout_ms};
+}
+
+/// What each end checks of the other.
+Verdict judge(const HandshakeConfig& config, const Introduction& other,
+              const crypto::PublicKey& key) {
+  if (!config.trusted.empty()) {
+    const auto known = config.trusted.find(other.peer);
+    if (known == config.trusted.end() || known->second != key) return Verdict::NotTrusted;
+  }
+  if (other.peer == config.self) return Verdict::SameId;
+  if (other.scene_hash != config.scene_hash) return Verdict::SceneDiffers;
+  return Verdict::Welcome;
+}
+
+std::uint64_t random_number(const crypto::Random& random) {
+  std::array<std::uint8_t, 8> bytes{};
+  random(bytes);
+  std::uint64_t out = 0;
+  for (const std::uint8_t byte : bytes) out = out << 8 | byte;
+  return out;
+}
+
+crypto::Secret random_secret(const crypto::Random& random) {
+  crypto::Secret out;
+  random(out.bytes());
+  return out;
+}
+
+}  // namespace
+
+HandshakeInitiator::HandshakeInitiator(const HandshakeConfig& config, const crypto::Random& random,
+                                       std::uint32_t local_receiver, std::int64_t now)
+    : config_(config),
+      nonce_(random_number(random)),
+      local_receiver_(local_receiver),
+      deadline_(now + kTimeout),
+      due_(now),
+      interval_(kFirstResend),
+      reason_("no answer") {
+  noise_.emplace(config.session_key, config.identity, prologue(nonce_), random);
+  first_message_ = noise_->first_message(encode(introduce(config, local_receiver)));
+}
+
+std::span<const std::byte> HandshakeInitiator::poll(std::int64_t now) {
+  if (state_ != State::Asking && state_ != State::Proving) return {};
+  if (now >= deadline_) {
+    state_ = State::TimedOut;
+    return {};
+  }
+  if (now < due_) return {};
+  if (state_ == State::Proving && unanswered_ >= kProofsBeforeAsking) {
+    state_ = State::Asking;
+    interval_ = kFirstResend;
+  }
+  if (state_ == State::Asking) {
+    encode({.type = HandshakeType::Hello, .nonce = nonce_}, datagram_);
+  } else {
+    ++unanswered_;
+    encode({.type = HandshakeType::Initiate,
+            .nonce = nonce_,
+            .cookie = cookie_,
+            .noise = first_message_},
+           datagram_);
+  }
+  due_ = now + interval_;
+  interval_ = std::min(2 * interval_, kLastResend);
+  return datagram_;
+}
+
+void HandshakeInitiator::on_datagram(std::span<const std::byte> datagram, std::int64_t now) {
+  const auto packet = decode_handshake(datagram);
+  if (!packet || packet->nonce != nonce_) return;
+  if (packet->version != kUdpVersion) {
+    reason_ = version_reason(packet->version);
+    return;
+  }
+  if (packet->type == HandshakeType::Challenge) on_challenge(*packet, now);
+  if (packet->type == HandshakeType::Accept) on_accept(*packet);
+}
+
+void HandshakeInitiator::on_challenge(const HandshakePacket& packet, std::int64_t now) {
+  if (state_ != State::Asking) return;
+  state_ = State::Proving;
+  cookie_ = packet.cookie;
+  unanswered_ = 0;
+  interval_ = kFirstResend;
+  due_ = now;
+}
+
+void HandshakeInitiator::on_accept(const HandshakePacket& packet) {
+  if (state_ != State::Proving && state_ != State::Asking) return;
+  auto result = noise_->second_message(packet.noise);
+  if (!result) return;
+  const auto remote = decode_introduction(result->payload);
+  if (!remote) return;
+  const Verdict own = judge(config_, *remote, result->remote);
+  const Verdict verdict = own != Verdict::Welcome ? own : remote->verdict;
+  if (verdict != Verdict::Welcome) {
+    state_ = State::Refused;
+    reason_ = describe(verdict);
+    return;
+  }
+  session_ = Session{.remote = *remote,
+                     .remote_key = result->remote,
+                     .send = result->keys.initiator,
+                     .receive = result->keys.responder,
+                     .local_receiver = local_receiver_};
+  state_ = State::Done;
+  reason_.clear();
+}
+
+HandshakeResponder::HandshakeResponder(const HandshakeConfig& config, const crypto::Random& random,
+                                       Decide decide, NextReceiver next_receiver)
+    : config_(config),
+      random_(random),
+      decide_(std::move(decide)),
+      next_receiver_(std::move(next_receiver)),
+      cookie_key_(random_secret(random)),
+      hellos_(random_secret(random), kHelloRate, kHelloBurst, kHelloTotal),
+      proofs_(random_secret(random), kProofRate, kProofBurst, kProofTotal) {}
+
+Cookie HandshakeResponder::make_cookie(std::int64_t time, std::uint64_t nonce,
+                                       const Address& from) const {
+  std::vector<std::byte> message;
+  pbd::ByteWriter writer(message);
+  writer.i64(time);
+  writer.u64(nonce);
+  writer.bytes(as_bytes(from.ip));
+  writer.u16(from.port);
+  const auto bytes = octets(std::span<const std::byte>(message));
+  const auto tag = crypto::mac16(cookie_key_, bytes);
+  Cookie cookie{};
+  std::copy_n(bytes.begin(), 8, cookie.begin());
+  std::copy(tag.begin(), tag.end(), cookie.begin() + 8);
+  return cookie;
+}
+
+bool HandshakeResponder::good_cookie(const HandshakePacket& packet, const Address& from,
+                                     std::int64_t now) const {
+  pbd::ByteReader reader(as_bytes(packet.cookie));
+  const std::int64_t time = reader.i64();
+  if (!crypto::equal(make_cookie(time, packet.nonce, from), packet.cookie)) return false;
+  return now - time <= kCookieLife;
+}
+
+HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::byte> datagram,
+                                                           const Address& from, std::int64_t now) {
+  const auto packet = decode_handshake(datagram);
+  if (!packet) {
+    ++counters_.malformed;
+    return {};
+  }
+  if (packet->type == HandshakeType::Hello) {
+    if (!hellos_.allow(from, now)) {
+      ++counters_.limited;
+      return {};
+    }
+    ++counters_.challenged;
+    // With our version, whatever theirs is.
+    encode({.type = HandshakeType::Challenge,
+            .nonce = packet->nonce,
+            .cookie = make_cookie(now, packet->nonce, from)},
+           reply_);
+    return {.reply = reply_, .session = {}};
+  }
+  if (packet->type == HandshakeType::Initiate && packet->version == kUdpVersion) {
+    if (!proofs_.allow(from, now)) {
+      ++counters_.limited;
+      return {};
+    }
+    return on_initiate(*packet, from, now);
+  }
+  ++counters_.malformed;
+  return {};
+}
+
+HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket& packet,
+                                                           const Address& from, std::int64_t now) {
+  if (!good_cookie(packet, from, now)) {
+    ++counters_.bad_cookie;
+    return {};
+  }
+  std::erase_if(half_open_, [now](const HalfOpen& entry) { return now >= entry.until; });
+  // The same again: our answer was lost.
+  for (const HalfOpen& entry : half_open_) {
+    if (entry.from == from && entry.nonce == packet.nonce &&
+        std::ranges::equal(entry.first_message, packet.noise)) {
+      return {.reply = entry.reply, .session = {}};
+    }
+  }
+
+  NoiseResponder noise(config_.session_key, prologue(packet.nonce));
+  const auto first = noise.first_message(packet.noise);
+  const auto remote = first ? decode_introduction(first->payload) : std::nullopt;
+  if (!remote || remote->receiver == 0) {
+    ++counters_.bad_proof;
+    return {};
+  }
+  Verdict verdict = judge(config_, *remote, first->remote);
+  if (verdict == Verdict::Welcome) verdict = decide_(*remote, from);
+  Introduction own = introduce(config_, verdict == Verdict::Welcome ? next_receiver_() : 0);
+  own.verdict = verdict;
+  auto second = noise.second_message(config_.identity, random_, encode(own));
+  if (!second) {
+    ++counters_.bad_proof;
+    return {};
+  }
+  encode({.type = HandshakeType::Accept, .nonce = packet.nonce, .noise = second->message}, reply_);
+  if (verdict != Verdict::Welcome) {
+    ++counters_.refused;
+    return {.reply = reply_, .session = {}};
+  }
+  ++counters_.accepted;
+  if (half_open_.size() >= kMaxHalfOpen) half_open_.pop_front();
+  half_open_.push_back({.from = from,
+                        .nonce = packet.nonce,
+                        .first_message = {packet.noise.begin(), packet.noise.end()},
+                        .reply = reply_,
+                        .until = now + kHalfOpenLife});
+  return {.reply = reply_,
+          .session = Session{.remote = *remote,
+                             .remote_key = first->remote,
+                             .send = second->keys.responder,
+                             .receive = second->keys.initiator,
+                             .local_receiver = own.receiver}};
+}
+
+}  // namespace tandem::net

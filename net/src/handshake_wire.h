@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tandem/consensus/transport.h"
+
+namespace tandem::net {
+
+// The four datagrams of a handshake, little-endian; docs/network.md has the tables. All begin with
+//   u8 type,  u32 magic,  u16 version,  u64 nonce of the initiator
+// and keep that in every version, so that a disagreement can be explained.
+
+constexpr std::uint32_t kUdpMagic = 0x55444e54;  // "TNDU"
+constexpr std::uint16_t kUdpVersion = 1;
+constexpr std::size_t kHandshakeHeader = 1 + 4 + 2 + 8;
+constexpr std::size_t kCookieBytes = 8 + 16;
+constexpr std::size_t kHelloBytes = 64;  // padded: no answer is longer
+constexpr std::size_t kMaxNoiseMessage = 256;
+
+enum class HandshakeType : std::uint8_t { Hello = 1, Challenge = 2, Initiate = 3, Accept = 4 };
+
+using Cookie = std::array<std::uint8_t, kCookieBytes>;
+
+struct HandshakePacket {
+  HandshakeType type{};
+  std::uint16_t version = kUdpVersion;
+  std::uint64_t nonce = 0;
+  Cookie cookie{};                        // of Challenge and Initiate
+  std::span<const std::uint8_t> noise{};  // of Initiate and Accept; a view into the datagram
+};
+
+/// Replaces `datagram`.
+void encode(const HandshakePacket& packet, std::vector<std::byte>& datagram);
+/// None where it is no handshake. Of another version only type, version and nonce are set.
+std::optional<HandshakePacket> decode_handshake(std::span<const std::byte> datagram);
+
+enum class Verdict : std::uint8_t {
+  Welcome = 0,
+  SceneDiffers = 1,
+  SameId = 2,      // both ends have the same peer id
+  NotTrusted = 3,  // that peer has another public key, or none
+  Full = 4,
+  OnHold = 5,    // dropped a moment ago
+  Outdated = 6,  // a later process of the same peer has been seen
+};
+const char* describe(Verdict verdict);
+
+/// What each end says about itself, sealed.
+struct Introduction {
+  consensus::PeerId peer = 0;
+  std::uint64_t incarnation = 0;
+  std::uint64_t scene_hash = 0;
+  std::uint32_t receiver = 0;  // to be written on packets to it; 0 where it refuses
+  std::uint32_t idle_timeout_ms = 0;
+  Verdict verdict = Verdict::Welcome;  // of the responder
+};
+
+constexpr std::size_t kIntroductionBytes = 8 + 8 + 8 + 4 + 4 + 1;
+
+std::vector<std::uint8_t> encode(const Introduction& introduction);
+std::optional<Introduction> decode_introduction(std::span<const std::uint8_t> bytes);
+
+}  // namespace tandem::net

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "channels.h"
+#include "packet_protection.h"
+#include "rtt.h"
+
+namespace tandem::net {
+
+/// How much may be sent when: a token bucket in bits. A datagram may leave while the bucket is not
+/// empty and may overdraw it, so over any time T no more leaves than rate * T + burst + a datagram.
+class Pacer {
+ public:
+  Pacer(double kbit_per_s, std::int64_t now) : at_(now) { set_rate(kbit_per_s, now); }
+
+  void set_rate(double kbit_per_s, std::int64_t now) {
+    fill(now);
+    rate_ = kbit_per_s;
+    burst_ = std::max(kMinBurst, rate_ * 1e3 * kBurstTime);
+    tokens_ = std::min(tokens_, burst_);
+  }
+  double rate() const { return rate_; }
+
+  bool ready(std::int64_t now) {
+    fill(now);
+    return tokens_ > 0.0;
+  }
+  void spend(std::size_t datagram_bytes) {
+    tokens_ -= 8.0 * static_cast<double>(datagram_bytes + kIpUdpBytes);
+  }
+  /// When ready() will be true again.
+  std::int64_t next(std::int64_t now) {
+    fill(now);
+    return tokens_ > 0.0 ? now : now + 1 + static_cast<std::int64_t>(-tokens_ / rate_ * 1e6);
+  }
+
+ private:
+  static constexpr double kBurstTime = 0.02;         // s of the rate
+  static constexpr double kMinBurst = 8.0 * 1200.0;  // bit
+
+  void fill(std::int64_t now) {
+    if (now <= at_) return;
+    tokens_ = std::min(burst_, tokens_ + static_cast<double>(now - at_) * 1e-6 * rate_);
+    at_ = now;
+  }
+
+  double rate_ = 0.0;  // kbit/s, which is bit/ms
+  double burst_ = 0.0;
+  double tokens_ = 0.0;
+  std::int64_t at_;
+};
+
+struct CongestionOptions {
+  double min_kbit = 32.0;   ///< kbit/s, never below
+  double max_kbit = 256.0;  ///< the budget; also where it starts
+};
+
+/// Chooses the rate of a link between its limits, once a period, from loss and delay:
+///
+/// - The least of the last round trips is longer than the least of the last 10 s by more than
+///   50 ms: a queue has built up. x0.85, and not above 0.9 of what has arrived.
+/// - More than 10 % lost: x (1 - loss / 2).
+/// - Less than 2 % lost, and the rate was what held back: x1.08.
+///
+/// Loss that is not ours (radio, a bad line): where 0.6 of what was sent before is sent and what
+/// arrives has fallen with it, sending less did not help. The rate goes back to where it was, and
+/// that much loss is overlooked for 20 s. Where the loss was ours as much arrives as before.
+/// The rules on loss are those of Google's congestion control (draft-ietf-rmcat-gcc-02, Sec. 6);
+/// the one on delay is simpler, the last one is our own.
+class Congestion {
+ public:
+  Congestion(const CongestionOptions& options, std::int64_t now)
+      : options_(options), rate_(options.max_kbit), period_start_(now) {}
+
+  /// @param held_back  the pacer made something wait
+  void update(const Channels::Feedback& feedback, const RttEstimate& rtt, bool held_back,
+              std::int64_t now);
+  double rate() const { return rate_; }
+  /// Share of packets lost in the last period.
+  double loss() const { return loss_; }
+
+ private:
+  static constexpr std::int64_t kPeriod = 200'000'000;
+  static constexpr std::int64_t kLongest = 2'000'000'000;
+  static constexpr std::int64_t kQueue = 50'000'000;
+  static constexpr std::int64_t kOverlook = 20'000'000'000;
+  static constexpr std::uint64_t kEnough = 20;  // packets
+
+  void on_loss(double sent, double arrived, std::int64_t now);
+
+  CongestionOptions options_;
+  double rate_;
+  double loss_ = 0.0;
+  std::int64_t period_start_;
+  Channels::Feedback sum_;
+  bool held_back_ = false;
+  double series_rate_ = 0.0;  // before the first decrease for loss; 0: none yet
+  double series_loss_ = 0.0;
+  double series_sent_ = 0.0;     // kbit/s
+  double series_arrived_ = 0.0;  // kbit/s
+  double overlooked_ = 0.0;
+  std::int64_t overlook_until_ = INT64_MIN;
+};
+
+}  // namespace tandem::net

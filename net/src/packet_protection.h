@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "crypto.h"
+#include "replay_window.h"
+
+namespace tandem::net {
+
+// A protected packet, see docs/network.md:
+//   u8 0x40 | epoch % 16,  u32 receiver,  u64 sequence,  sealed bytes,  16 bytes of tag.
+// The header is authenticated. Both directions have keys of their own.
+
+constexpr std::size_t kMaxDatagram = 1200;     // bytes of UDP payload
+constexpr std::size_t kIpUdpBytes = 28;        // of IPv4 and UDP, before every datagram
+constexpr std::uint8_t kProtectedType = 0x40;  // upper half of the first byte
+constexpr std::uint8_t kRelayType = 0x50;      // has a datagram of or for a third peer in it
+constexpr std::size_t kProtectedHeader = 1 + 4 + 8;
+constexpr std::size_t kProtectedOverhead = kProtectedHeader + crypto::kTagBytes;
+constexpr std::size_t kRelayHeader = 1 + 8;  // to or from, and whom
+
+struct ProtectedHeader {
+  bool relay = false;
+  std::uint8_t epoch = 0;      // of 16
+  std::uint32_t receiver = 0;  // which connection, in the receiver's numbers
+  std::uint64_t sequence = 0;
+};
+
+/// None where this is no protected packet. Nothing is authenticated yet.
+std::optional<ProtectedHeader> decode_protected_header(std::span<const std::byte> datagram);
+
+/// When the sender goes on to the next key.
+struct RekeyPolicy {
+  std::uint64_t packets = std::uint64_t{1} << 20;  // > 0
+  std::int64_t period = 120'000'000'000;           // ns, > 0
+};
+
+/// Seals what one side sends. Sequence numbers start at 1 and no number is ever used twice: the
+/// last one is refused, and a copy of the object cannot be had.
+class PacketSealer {
+ public:
+  PacketSealer(const crypto::Secret& key, std::uint32_t receiver, std::int64_t now,
+               const RekeyPolicy& policy = {}, std::uint64_t first_sequence = 1);
+  PacketSealer(const PacketSealer&) = delete;
+  PacketSealer& operator=(const PacketSealer&) = delete;
+
+  /// The number that the next seal() uses; 0 where there is none left.
+  std::uint64_t next_sequence() const { return next_; }
+  /// Replaces `datagram`. False where `plain` does not fit into kMaxDatagram or the numbers have
+  /// run out: this connection is over.
+  [[nodiscard]] bool seal(std::span<const std::byte> plain, std::int64_t now,
+                          std::vector<std::byte>& datagram, bool relay = false);
+  std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  crypto::Secret key_;
+  RekeyPolicy policy_;
+  std::uint32_t receiver_;
+  std::uint64_t next_;
+  std::uint64_t epoch_ = 0;
+  std::uint64_t packets_ = 0;  // in this epoch
+  std::int64_t epoch_start_;
+};
+
+/// Opens what the other side sealed. Tries the key of the epoch before, of this one and of the
+/// next; the window and the epoch move only once a packet is authenticated.
+class PacketOpener {
+ public:
+  explicit PacketOpener(const crypto::Secret& key);
+  PacketOpener(const PacketOpener&) = delete;
+  PacketOpener& operator=(const PacketOpener&) = delete;
+
+  struct Opened {
+    std::uint64_t sequence = 0;
+    bool relay = false;
+    std::span<const std::byte> plain;  // in the caller's buffer
+  };
+  /// None: forged, damaged, seen before, too old, too long or too short. `buffer` is overwritten.
+  std::optional<Opened> open(std::span<const std::byte> datagram, std::vector<std::byte>& buffer);
+
+  struct Counters {
+    std::uint64_t opened = 0;
+    std::uint64_t malformed = 0;  // not of this form, or of an epoch far away
+    std::uint64_t replayed = 0;   // had before or too old; not looked at further
+    std::uint64_t forged = 0;     // authentication failed
+  };
+  const Counters& counters() const { return counters_; }
+  const ReplayWindow& window() const { return window_; }
+  std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  crypto::Secret previous_;  // zero where has_previous_ is false
+  crypto::Secret current_;
+  crypto::Secret next_;
+  bool has_previous_ = false;
+  std::uint64_t epoch_ = 0;
+  std::uint64_t epoch_first_ = 0;  // first number had in this epoch
+  ReplayWindow window_;
+  Counters counters_;
+};
+
+}  // namespace tandem::net

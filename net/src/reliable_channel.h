@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "channel_wire.h"
+
+namespace tandem::net {
+
+/// Pieces that may be on their way at once; the receiver keeps no more of them.
+constexpr std::uint64_t kPieceWindow = 256;
+
+/// Cuts messages into pieces and sends each until it has come. Knows no time: what is lost is said
+/// by SentPackets. It may outlive the connection: the next one to the same process goes on with it.
+class ReliableSender {
+ public:
+  /// @param limit  bytes that may wait, each piece counted with 64 bytes more
+  ReliableSender(std::size_t limit, std::size_t max_message)
+      : limit_(limit), max_message_(max_message) {}
+
+  /// False where it is too long or does not fit any more.
+  [[nodiscard]] bool post(std::span<const std::byte> message);
+  bool due() const { return next_due().has_value(); }
+  /// The next piece where it fits into `room` with its header; it counts as sent then. The view is
+  /// valid until the piece is acknowledged.
+  struct Piece {
+    std::uint64_t number = 0;
+    ChannelSection section;
+  };
+  std::optional<Piece> take(std::size_t room);
+  void on_acked(std::uint64_t number);
+  void on_lost(std::uint64_t number);
+  /// A new connection to the same process: whatever is not acknowledged goes again.
+  void restart();
+  /// Forgets what waits. The other end notices by the number of the stream.
+  void begin_anew();
+
+  bool empty() const { return pieces_.empty(); }
+  std::size_t cost() const { return cost_; }
+  std::uint64_t resent() const { return resent_; }
+
+ private:
+  enum class State : std::uint8_t { Waiting, Flying, Acked };
+  struct Entry {
+    State state = State::Waiting;
+    bool last = false;
+    bool sent = false;
+    std::vector<std::byte> bytes;
+  };
+
+  Entry* find(std::uint64_t number);
+  std::optional<std::size_t> next_due() const;
+
+  std::size_t limit_;
+  std::size_t max_message_;
+  std::deque<Entry> pieces_;  // the first has number first_
+  std::uint64_t first_ = 1;
+  std::uint8_t stream_ = 0;
+  std::size_t cost_ = 0;
+  std::uint64_t resent_ = 0;
+};
+
+/// Puts pieces back together, in order, each once. Keeps at most kPieceWindow of them and one
+/// message that is not complete.
+class ReliableReceiver {
+ public:
+  explicit ReliableReceiver(std::size_t max_message) : max_message_(max_message) {}
+
+  /// Appends messages that are complete now. False where no honest sender would send this: beyond
+  /// the window, or of a message that is too long.
+  [[nodiscard]] bool on_piece(const ChannelSection& piece,
+                              std::vector<std::vector<std::byte>>& messages);
+
+ private:
+  struct Entry {
+    bool last = false;
+    std::vector<std::byte> bytes;
+  };
+
+  std::size_t max_message_;
+  std::uint8_t stream_ = 0;
+  std::uint64_t expected_ = 1;
+  std::map<std::uint64_t, Entry> early_;
+  std::vector<std::byte> message_;
+};
+
+}  // namespace tandem::net

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "sent_packets.h"
+
+#include <algorithm>
+
+namespace tandem::net {
+
+void SentPackets::Outcome::clear() {
+  acked_pieces.clear();
+  lost_pieces.clear();
+  acked_packets = acked_bytes = lost_packets = late_packets = 0;
+}
+
+SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence) {
+  Entry& entry = slot(sequence);
+  if (entry.state == State::Flying) lost(entry, overrun_);
+  entry.sequence = sequence;
+  entry.state = State::None;
+  entry.piece_count = 0;
+  latest_sent_ = sequence;
+  if (sequence >= kRing) oldest_ = std::max(oldest_, sequence - kRing + 1);
+  return entry;
+}
+
+void SentPackets::sent_empty(std::uint64_t sequence, std::int64_t now) {
+  next_slot(sequence).at = now;
+}
+
+std::uint64_t SentPackets::widen(std::uint32_t ack) const {
+  // The number nearest below what was sent last; 0 where there is none.
+  const std::uint64_t behind =
+      static_cast<std::uint32_t>(static_cast<std::uint32_t>(latest_sent_) - ack);
+  return behind >= latest_sent_ ? 0 : latest_sent_ - behind;
+}
+
+std::optional<std::int64_t> SentPackets::sent_at(const ChannelHeader& header) const {
+  const std::uint64_t ack = header.ack == 0 && header.ack_bits == 0 ? 0 : widen(header.ack);
+  const Entry& entry = entries_[ack % kRing];
+  return ack != 0 && entry.sequence == ack ? std::optional(entry.at) : std::nullopt;
+}
+
+void SentPackets::sent(std::uint64_t sequence, std::size_t bytes,
+                       std::span<const std::uint64_t> pieces, std::int64_t now) {
+  Entry& entry = next_slot(sequence);
+  entry.at = now;
+  entry.bytes = bytes;
+  entry.state = State::Flying;
+  entry.piece_count = static_cast<std::uint8_t>(std::min(pieces.size(), kMaxPieces));
+  std::copy_n(pieces.begin(), entry.piece_count, entry.pieces.begin());
+  ++in_flight_;
+}
+
+void SentPackets::acked(std::uint64_t sequence, Outcome& outcome) {
+  Entry& entry = slot(sequence);
+  if (entry.sequence != sequence) return;
+  if (entry.state != State::Flying && entry.state != State::Lost) return;
+  if (entry.state == State::Flying) {
+    --in_flight_;
+  } else {
+    ++outcome.late_packets;
+  }
+  entry.state = State::Acked;
+  ++outcome.acked_packets;
+  outcome.acked_bytes += entry.bytes;
+  outcome.acked_pieces.insert(outcome.acked_pieces.end(), entry.pieces.begin(),
+                              entry.pieces.begin() + entry.piece_count);
+}
+
+void SentPackets::lost(Entry& entry, Outcome& outcome) {
+  entry.state = State::Lost;
+  --in_flight_;
+  ++outcome.lost_packets;
+  outcome.lost_pieces.insert(outcome.lost_pieces.end(), entry.pieces.begin(),
+                             entry.pieces.begin() + entry.piece_count);
+}
+
+bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome& outcome) {
+  if (header.ack == 0 && header.ack_bits == 0) return true;  // nothing had yet
+  const std::uint64_t ack = widen(header.ack);
+  if (ack == 0) return false;
+
+  // Also of those that counted as lost: where a queue grows faster than the estimate, all are late.
+  if (const Entry& entry = slot(ack);
+      entry.sequence == ack && (entry.state == State::Flying || entry.state == State::Lost)) {
+    rtt_.add(now - entry.at - header.ack_delay * kAckDelayUnit, now);
+  }
+  const std::uint64_t before = outcome.acked_packets;
+  acked(ack, outcome);
+  for (std::uint64_t i = 0; i < 64 && i + 1 < ack; ++i) {
+    if ((header.ack_bits >> i & 1) != 0) acked(ack - 1 - i, outcome);
+  }
+  highest_acked_ = std::max(highest_acked_, ack);
+  if (outcome.acked_packets > before) backoff_ = 0;
+
+  for (; oldest_ + kReorder <= highest_acked_; ++oldest_) {
+    Entry& entry = slot(oldest_);
+    if (entry.sequence == oldest_ && entry.state == State::Flying) lost(entry, outcome);
+  }
+  return true;
+}
+
+void SentPackets::on_time(std::int64_t now, Outcome& outcome) {
+  if (overrun_.lost_packets > 0) {
+    outcome.lost_packets += overrun_.lost_packets;
+    outcome.lost_pieces.insert(outcome.lost_pieces.end(), overrun_.lost_pieces.begin(),
+                               overrun_.lost_pieces.end());
+    overrun_.clear();
+  }
+  const std::int64_t timeout =
+      std::min(rtt_.timeout() << std::min(backoff_, 4), RttEstimate::kMaxTimeout);
+  bool any = false;
+  for (; oldest_ <= latest_sent_; ++oldest_) {
+    Entry& entry = slot(oldest_);
+    if (entry.sequence != oldest_ || entry.state != State::Flying) continue;
+    if (now - entry.at < timeout) break;
+    lost(entry, outcome);
+    any = true;
+  }
+  if (any && now - last_timeout_ >= timeout) {
+    ++backoff_;
+    last_timeout_ = now;
+  }
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "channel_wire.h"
+#include "rtt.h"
+
+namespace tandem::net {
+
+/// What was sent and has not been heard of: which packets have come, which are lost, how long it
+/// took. A packet is lost when three later ones have come, or after a timeout; it may still turn
+/// out to have come. Fixed memory.
+class SentPackets {
+ public:
+  static constexpr std::size_t kRing = 1024;
+  static constexpr std::size_t kMaxPieces = 8;  // of one packet
+  static constexpr std::uint64_t kReorder = 3;
+
+  /// A packet that the other end acknowledges. @param bytes  on the wire
+  /// @param pieces  numbers, at most kMaxPieces
+  void sent(std::uint64_t sequence, std::size_t bytes, std::span<const std::uint64_t> pieces,
+            std::int64_t now);
+  /// A packet with nothing in it, of which nothing is expected.
+  void sent_empty(std::uint64_t sequence, std::int64_t now);
+  /// When the packet left that `header` acknowledges, where it is known.
+  std::optional<std::int64_t> sent_at(const ChannelHeader& header) const;
+
+  struct Outcome {
+    std::vector<std::uint64_t> acked_pieces;
+    std::vector<std::uint64_t> lost_pieces;
+    std::uint64_t acked_packets = 0;
+    std::uint64_t acked_bytes = 0;
+    std::uint64_t lost_packets = 0;
+    std::uint64_t late_packets = 0;  // counted as lost before
+
+    void clear();
+  };
+  /// False where it acknowledges what was never sent. Adds to `outcome`.
+  [[nodiscard]] bool on_ack(const ChannelHeader& header, std::int64_t now, Outcome& outcome);
+  /// What has waited too long is lost. Adds to `outcome`.
+  void on_time(std::int64_t now, Outcome& outcome);
+
+  const RttEstimate& rtt() const { return rtt_; }
+  std::size_t in_flight() const { return in_flight_; }
+
+ private:
+  enum class State : std::uint8_t { None, Flying, Acked, Lost };
+  struct Entry {
+    std::uint64_t sequence = 0;
+    std::int64_t at = 0;
+    std::size_t bytes = 0;
+    State state = State::None;
+    std::uint8_t piece_count = 0;
+    std::array<std::uint64_t, kMaxPieces> pieces{};
+  };
+
+  Entry& slot(std::uint64_t sequence) { return entries_[sequence % kRing]; }
+  std::uint64_t widen(std::uint32_t ack) const;
+  Entry& next_slot(std::uint64_t sequence);
+  void acked(std::uint64_t sequence, Outcome& outcome);
+  void lost(Entry& entry, Outcome& outcome);
+
+  std::array<Entry, kRing> entries_{};
+  std::uint64_t latest_sent_ = 0;
+  std::uint64_t highest_acked_ = 0;
+  std::uint64_t oldest_ = 1;  // none that flies is older
+  std::size_t in_flight_ = 0;
+  int backoff_ = 0;  // timeouts in a row, nothing heard between them
+  std::int64_t last_timeout_ = 0;
+  Outcome overrun_;  // overwritten in the ring before their time
+  RttEstimate rtt_;
+};
+
+}  // namespace tandem::net

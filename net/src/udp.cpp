@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/net/udp.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "require.h"
+#include "udp_socket.h"
+
+namespace tandem::net {
+
+namespace {
+
+std::int64_t nanoseconds(std::chrono::milliseconds value) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(value).count();
+}
+
+UdpNodeOptions node_options(const UdpOptions& options) {
+  options.validate();
+  UdpNodeOptions out;
+  HandshakeConfig& own = out.handshake;
+  own.self = options.self;
+  own.incarnation = options.incarnation;
+  if (own.incarnation == 0) {
+    own.incarnation =
+        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                       std::chrono::system_clock::now().time_since_epoch())
+                                       .count());
+  }
+  own.scene_hash = options.scene_hash;
+  own.idle_timeout_ms = static_cast<std::uint32_t>(options.idle_timeout.count());
+  own.session_key = crypto::Secret(options.session_key);
+  own.identity = crypto::make_key_pair(crypto::system_random());
+  if (options.identity) {
+    own.identity.secret = crypto::Secret(*options.identity);
+    own.identity.public_key = crypto::public_key_of(own.identity.secret);
+  }
+  for (const UdpTrusted& trusted : options.trusted) own.trusted[trusted.peer] = trusted.public_key;
+
+  UdpConnectionOptions& link = out.connection;
+  link.channels.state_queue_bytes = options.state_queue_bytes;
+  link.channels.reliable_queue_bytes = options.reliable_queue_bytes;
+  link.channels.max_message_bytes = options.max_message_bytes;
+  link.channels.inbox_bytes = options.inbox_bytes;
+  link.congestion = {.min_kbit = options.min_kbit_per_s, .max_kbit = options.kbit_per_s};
+  link.max_datagram = options.max_datagram;
+  link.idle_timeout = nanoseconds(options.idle_timeout);
+  out.max_peers = options.max_peers;
+  out.clock = options.clock;
+  out.relay = options.relay;
+  out.relay_kbit = options.kbit_per_s;
+  out.backoff_min = nanoseconds(options.backoff_min);
+  out.backoff_max = nanoseconds(options.backoff_max);
+  out.drop_hold = nanoseconds(options.drop_hold);
+  return out;
+}
+
+}  // namespace
+
+UdpKey make_udp_key() {
+  UdpKey out{};
+  crypto::system_random()(out);
+  return out;
+}
+
+UdpKey udp_public_key(const UdpKey& identity) {
+  return crypto::public_key_of(crypto::Secret(identity));
+}
+
+void UdpOptions::validate() const {
+  using std::chrono::milliseconds;
+  const auto check = [](bool ok, const char* field, auto value, const char* rule) {
+    require(ok, "UdpOptions", field, value, rule);
+  };
+  const auto period = [&](milliseconds value, milliseconds least, const char* field,
+                          const char* rule) {
+    check(value >= least && value <= std::chrono::hours(1), field, value.count(), rule);
+  };
+  check(self != 0, "self", self, "not 0");
+  check(!address.empty(), "address", address, "an address");
+  for (const HostPort& peer : connect) {
+    check(!peer.host.empty() && peer.port != 0, "connect", to_string(peer), "HOST:PORT");
+  }
+  // A key is not for error messages.
+  check(session_key != UdpKey{}, "session_key", std::string("zero"), "secret");
+  for (const UdpTrusted& each : trusted) {
+    check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
+  }
+  check(kbit_per_s >= 8.0 && kbit_per_s <= 1e6, "kbit_per_s", kbit_per_s, "in [8, 1e6]");
+  check(min_kbit_per_s > 0.0 && min_kbit_per_s <= kbit_per_s, "min_kbit_per_s", min_kbit_per_s,
+        "in (0, kbit_per_s]");
+  check(max_datagram >= 548 && max_datagram <= kMaxDatagram, "max_datagram", max_datagram,
+        "in [548, 1200]");
+  check(max_message_bytes >= 64 && max_message_bytes <= 1024 * 1024, "max_message_bytes",
+        max_message_bytes, "in [64, 1 MiB]");
+  check(state_queue_bytes >= 2048, "state_queue_bytes", state_queue_bytes, ">= 2048");
+  check(reliable_queue_bytes >= 2 * max_message_bytes, "reliable_queue_bytes", reliable_queue_bytes,
+        ">= 2 * max_message_bytes");
+  check(inbox_bytes >= 2 * max_message_bytes, "inbox_bytes", inbox_bytes,
+        ">= 2 * max_message_bytes");
+  check(max_peers >= 1 && max_peers <= 1024, "max_peers", max_peers, "in [1, 1024]");
+  period(idle_timeout, milliseconds(40), "idle_timeout", "in [40 ms, 1 h]");
+  period(backoff_min, milliseconds(1), "backoff_min", "in [1 ms, 1 h]");
+  period(backoff_max, backoff_min, "backoff_max", "in [backoff_min, 1 h]");
+  period(drop_hold, milliseconds(0), "drop_hold", "in [0, 1 h]");
+  check(flush_timeout >= milliseconds(0) && flush_timeout <= milliseconds(10000), "flush_timeout",
+        flush_timeout.count(), "in [0, 10 s]");
+}
+
+class UdpTransport::Impl {
+ public:
+  explicit Impl(const UdpOptions& options)
+      : self(options.self), socket(options, node_options(options)) {}
+
+  const consensus::PeerId self;
+  UdpSocket socket;
+};
+
+UdpTransport::UdpTransport(const UdpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+UdpTransport::~UdpTransport() = default;
+
+consensus::PeerId UdpTransport::self() const { return impl_->self; }
+
+bool UdpTransport::post(consensus::PeerId to, std::span<const std::byte> bytes,
+                        consensus::Delivery delivery) {
+  return impl_->socket.with(
+      true, [&](UdpNode& node, std::int64_t now) { return node.post(to, bytes, delivery, now); });
+}
+
+void UdpTransport::drain(std::vector<consensus::Packet>& out) {
+  impl_->socket.with(false, [&](UdpNode& node, std::int64_t) { node.drain(out); });
+}
+
+void UdpTransport::drop(consensus::PeerId peer, const std::string& reason) {
+  impl_->socket.with(true, [&](UdpNode& node, std::int64_t now) { node.drop(peer, reason, now); });
+}
+
+std::vector<consensus::PeerStatus> UdpTransport::peers() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.peers(); });
+}
+
+SessionTime UdpTransport::session_now() const {
+  return impl_->socket.with(false,
+                            [](UdpNode& node, std::int64_t now) { return node.session_now(now); });
+}
+
+ClockStatus UdpTransport::clock() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t now) { return node.clock(now); });
+}
+
+std::uint16_t UdpTransport::local_port() const { return impl_->socket.local_port(); }
+
+UdpRelayed UdpTransport::relayed() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
+    return UdpRelayed{.forwarded = node.relayed().forwarded, .refused = node.relayed().refused};
+  });
+}
+
+consensus::PeerId UdpTransport::relay_of(consensus::PeerId peer) const {
+  return impl_->socket.with(false,
+                            [peer](UdpNode& node, std::int64_t) { return node.relay_of(peer); });
+}
+
+UdpStrangers UdpTransport::strangers() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
+    const auto& counters = node.strangers();
+    return UdpStrangers{.malformed = counters.malformed,
+                        .limited = counters.limited,
+                        .challenged = counters.challenged,
+                        .bad_cookie = counters.bad_cookie,
+                        .bad_proof = counters.bad_proof,
+                        .refused = counters.refused,
+                        .unknown = node.unknown()};
+  });
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "udp_socket.h"
+
+#include <algorithm>
+#include <asio/buffer.hpp>
+#include <asio/ip/v6_only.hpp>
+#include <asio/post.hpp>
+#include <chrono>
+#include <exception>
+#include <system_error>
+
+namespace tandem::net {
+
+namespace {
+
+constexpr int kReads = 4;  // batches before something else gets its turn
+// Where so many datagrams are of no use, more are let come together before they are looked at: one
+// call and one awakening for many.
+constexpr std::size_t kFlood = 100;                // in
+constexpr std::int64_t kFloodWindow = 10'000'000;  // ns
+constexpr std::chrono::milliseconds kFloodPause{2};
+constexpr std::int64_t kGoodbyeTime = 100'000'000;   // ns, for the last packets
+constexpr std::int64_t kLongestSleep = 100'000'000;  // ns
+constexpr int kSocketBuffer = 512 * 1024;            // bytes
+
+/// What the system clock is ahead of the steady one.
+std::int64_t system_correction(std::int64_t steady) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+             .count() -
+         steady;
+}
+
+Address address_of(const asio::ip::udp::endpoint& endpoint) {
+  Address out;
+  const auto ip = endpoint.address();
+  out.ip = ip.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, ip.to_v4()).to_bytes()
+                      : ip.to_v6().to_bytes();
+  out.port = endpoint.port();
+  return out;
+}
+
+}  // namespace
+
+UdpSocket::UdpSocket(const UdpOptions& options, const UdpNodeOptions& node)
+    : options_(options),
+      node_(
+          started(node), crypto::system_random(),
+          [this](std::span<const std::byte> datagram, const Address& to) { send(datagram, to); }) {
+  bind();
+  receive();
+  thread_ = std::thread([this] { run(); });
+}
+
+UdpSocket::~UdpSocket() {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto patience =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(options_.flush_timeout).count();
+    flush_until_ = now() + patience;
+    wake();
+  }
+  thread_.join();
+}
+
+std::int64_t UdpSocket::now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+UdpNodeOptions UdpSocket::started(UdpNodeOptions node) {
+  node.start = now();
+  node.correction = system_correction(node.start);
+  return node;
+}
+
+void UdpSocket::follow_system_clock(std::int64_t time) {
+  if (options_.clock == Clock::System) node_.set_correction(system_correction(time), time);
+}
+
+void UdpSocket::bind() {
+  std::error_code error;
+  const auto address = asio::ip::make_address(options_.address, error);
+  is_v6_ = address.is_v6();
+  const Endpoint endpoint(address, options_.port);
+  if (!error) socket_.open(endpoint.protocol(), error);
+  if (!error && is_v6_) socket_.set_option(asio::ip::v6_only(false), error);
+  if (!error) socket_.bind(endpoint, error);
+  if (!error) socket_.non_blocking(true, error);
+  if (!error) local_port_ = socket_.local_endpoint(error).port();
+  if (error) {
+    throw std::system_error(
+        error.value(), std::system_category(),
+        "UdpTransport: cannot bind " + to_string(HostPort{options_.address, options_.port}));
+  }
+  // Refused sizes cost packets in bursts, nothing else.
+  socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);
+  socket_.set_option(asio::socket_base::send_buffer_size(kSocketBuffer), error);
+  if (options_.kernel_filter) (void)attach_filter(socket_.native_handle(), node_.receiver_prefix());
+}
+
+void UdpSocket::run() {
+  try {
+    dial();
+  } catch (const std::exception&) {
+    // No memory: who cannot be dialled may still dial us.
+  }
+  for (;;) {
+    try {
+      step();
+      context_.run();
+      return;
+    } catch (const std::exception&) {
+      // Out of memory at worst: what was being done is lost like a packet.
+      receive();
+    }
+  }
+}
+
+void UdpSocket::dial() {
+  asio::ip::udp::resolver resolver(context_);
+  for (const HostPort& peer : options_.connect) {
+    std::error_code error;
+    const auto found = resolver.resolve(peer.host, std::to_string(peer.port), error);
+    if (error) continue;
+    const auto usable = std::find_if(found.begin(), found.end(), [this](const auto& entry) {
+      return is_v6_ || entry.endpoint().address().is_v4();
+    });
+    if (usable == found.end()) continue;
+    const std::scoped_lock lock(mutex_);
+    node_.dial(address_of(usable->endpoint()), now());
+  }
+}
+
+void UdpSocket::wake() {
+  if (wake_posted_) return;
+  wake_posted_ = true;
+  asio::post(context_, [this] { step(); });
+}
+
+void UdpSocket::receive() {
+  if (waiting_) return;
+  waiting_ = true;
+  socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const std::error_code& error) {
+    waiting_ = false;
+    if (!error) on_readable();
+  });
+}
+
+void UdpSocket::on_readable() {
+  std::int64_t time = now();
+  for (int i = 0; i < kReads; ++i) {
+    const auto read = batch_.read(socket_.native_handle());
+    if (read == DatagramBatch::Read::Nothing) break;
+    if (read == DatagramBatch::Read::Error) continue;  // an ICMP answer to something that was sent
+    const std::scoped_lock lock(mutex_);
+    time = now();
+    for (std::size_t k = 0; k < batch_.size(); ++k) {
+      useless_ += node_.on_datagram(batch_.bytes(k), batch_.from(k), time) ? 0 : 1;
+    }
+    if (batch_.size() < DatagramBatch::kCount) break;
+  }
+  step();
+  if (time - window_start_ > kFloodWindow) {
+    flooded_ = useless_ > kFlood;
+    useless_ = 0;
+    window_start_ = time;
+  }
+  // Not by a timer: the reactor would be woken by each datagram all the same.
+  if (flooded_ || useless_ > kFlood) std::this_thread::sleep_for(kFloodPause);
+  receive();
+}
+
+void UdpSocket::step() {
+  const std::scoped_lock lock(mutex_);
+  wake_posted_ = false;
+  const std::int64_t time = now();
+  if (flush_until_ != INT64_MAX) {
+    if (!left_ && (time >= flush_until_ || !node_.busy())) {
+      left_ = true;
+      flush_until_ = time + kGoodbyeTime;
+      node_.leave("has left", time);
+    }
+    if (left_ && (node_.connections() == 0 || time >= flush_until_)) {
+      std::error_code ignored;
+      socket_.close(ignored);
+      context_.stop();
+      return;
+    }
+  }
+  follow_system_clock(time);
+  node_.poll(time);
+  const bool ending = flush_until_ != INT64_MAX;
+  const std::int64_t sleep = std::clamp<std::int64_t>(node_.next_due(time) - time, 200'000,
+                                                      ending ? 5'000'000 : kLongestSleep);
+  timer_.expires_after(std::chrono::nanoseconds(sleep));
+  timer_.async_wait([this](const std::error_code& error) {
+    if (!error) step();
+  });
+}
+
+void UdpSocket::send(std::span<const std::byte> datagram, const Address& to) {
+  // Told of by somebody who has IPv6; a relay may have a way.
+  if (!is_v6_ && !is_v4(to)) return;
+  // A full buffer, a route that is gone: the packet is lost, as packets are.
+  std::error_code ignored;
+  socket_.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint_of(to), 0, ignored);
+}
+
+UdpSocket::Endpoint UdpSocket::endpoint_of(const Address& address) const {
+  const asio::ip::address_v6 ip(address.ip);
+  if (!is_v6_) return {asio::ip::make_address_v4(asio::ip::v4_mapped, ip), address.port};
+  return {ip, address.port};
+}
+
+}  // namespace tandem::net

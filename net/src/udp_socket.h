@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <asio/io_context.hpp>
+#include <asio/ip/udp.hpp>
+#include <asio/steady_timer.hpp>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "datagram_batch.h"
+#include "tandem/net/udp.h"
+#include "udp_node.h"
+
+namespace tandem::net {
+
+/// The socket, the clock and the thread of a UdpNode. Everything else is the node's.
+class UdpSocket {
+ public:
+  /// Throws std::system_error where it cannot bind.
+  UdpSocket(const UdpOptions& options, const UdpNodeOptions& node);
+  ~UdpSocket();
+  UdpSocket(const UdpSocket&) = delete;
+  UdpSocket& operator=(const UdpSocket&) = delete;
+
+  std::uint16_t local_port() const { return local_port_; }
+
+  /// Calls `use(node, now)` under the lock; then the network thread looks what is to be done.
+  template <class Use>
+  auto with(bool wakes, Use&& use) {
+    const std::scoped_lock lock(mutex_);
+    if (wakes) wake();
+    const std::int64_t time = now();
+    follow_system_clock(time);
+    return use(node_, time);
+  }
+
+ private:
+  using Endpoint = asio::ip::udp::endpoint;
+
+  static std::int64_t now();
+  static UdpNodeOptions started(UdpNodeOptions node);
+  void follow_system_clock(std::int64_t time);
+  void bind();
+  void run();
+  void dial();
+  void wake();  // with the lock
+  void receive();
+  void on_readable();
+  void step();
+  void send(std::span<const std::byte> datagram, const Address& to);
+  Endpoint endpoint_of(const Address& address) const;
+
+  const UdpOptions options_;
+  std::mutex mutex_;  // of the node, held for memory and arithmetic only
+  UdpNode node_;
+  asio::io_context context_{1};
+  asio::ip::udp::socket socket_{context_};
+  asio::steady_timer timer_{context_};
+  bool wake_posted_ = false;
+  bool waiting_ = false;  // for the socket
+  bool is_v6_ = false;
+  std::uint16_t local_port_ = 0;
+  std::int64_t flush_until_ = INT64_MAX;  // set: shutting down
+  bool left_ = false;
+  DatagramBatch batch_;
+  std::int64_t window_start_ = 0;
+  std::size_t useless_ = 0;  // datagrams since then
+  bool flooded_ = false;     // in the window before
+  std::thread thread_;
+};
+
+}  // namespace tandem::net

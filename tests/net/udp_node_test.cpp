@@ -1,0 +1,585 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Whole processes but for their sockets, over seeded paths, in virtual time.
+#include "udp_node.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "sim_link.h"
+#include "support/catch.h"
+#include "tandem/pbd/bytes.h"
+
+using namespace tandem::net;
+using namespace protocol;
+using tandem::consensus::Delivery;
+using tandem::consensus::Packet;
+using tandem::consensus::PeerId;
+using tandem::consensus::PeerStatus;
+
+namespace {
+
+Address address_of(PeerId peer) {
+  return {
+      .ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, static_cast<std::uint8_t>(peer)},
+      .port = 4000};
+}
+
+class World {
+ public:
+  explicit World(const PathOptions& path = {}) : path_(path) {}
+
+  UdpNode& start(PeerId peer, std::uint64_t incarnation = 1, std::size_t max_peers = 64) {
+    UdpNodeOptions options;
+    options.handshake.self = peer;
+    options.handshake.incarnation = incarnation;
+    options.handshake.scene_hash = 42;
+    options.max_peers = max_peers;
+    options.start = now;
+    options.correction = static_cast<std::int64_t>(peer) * kSecond;
+    options.handshake.session_key = secret(1000);
+    options.handshake.identity = crypto::make_key_pair(seeded(500 + ++starts_));
+    nodes_[peer] =
+        std::make_unique<UdpNode>(options, seeded(7000 + starts_),
+                                  [this, peer](std::span<const std::byte> out, const Address& to) {
+                                    tap(copy(out));
+                                    path(address_of(peer), to).send(copy(out), now);
+                                  });
+    return *nodes_[peer];
+  }
+  /// Hears all that is sent, whoever it is for.
+  std::function<void(const Bytes&)> tap = [](const Bytes&) {};
+  void stop(PeerId peer) { nodes_.erase(peer); }
+  UdpNode& node(PeerId peer) { return *nodes_.at(peer); }
+  Path& path(const Address& from, const Address& to) {
+    return paths_.try_emplace({from, to}, path_, paths_.size() + 1).first->second;
+  }
+
+  void run(std::int64_t duration) {
+    for (const std::int64_t end = now + duration; now < end; now += kMs) {
+      each_step();
+      for (auto& [peer, node] : nodes_) node->poll(now);
+      for (auto& [ends, path] : paths_) {
+        const Address target = ends.second;
+        const auto to = std::ranges::find_if(
+            nodes_, [&target](const auto& entry) { return address_of(entry.first) == target; });
+        for (const Bytes& datagram : path.arrived(now)) {
+          if (to != nodes_.end()) to->second->on_datagram(datagram, ends.first, now);
+        }
+      }
+    }
+  }
+
+  std::function<void()> each_step = [] {};
+  std::int64_t now = 0;
+
+ private:
+  PathOptions path_;
+  std::map<std::pair<Address, Address>, Path> paths_;
+  std::map<PeerId, std::unique_ptr<UdpNode>> nodes_;
+  std::uint64_t starts_ = 0;
+};
+
+PeerStatus status(const UdpNode& node, PeerId peer) {
+  for (const PeerStatus& each : node.peers()) {
+    if (each.id == peer) return each;
+  }
+  return {};
+}
+
+bool linked(World& world, PeerId a, PeerId b) {
+  return status(world.node(a), b).connected && status(world.node(b), a).connected;
+}
+
+Bytes number(std::uint64_t value) {
+  Bytes out;
+  tandem::pbd::ByteWriter(out).u64(value);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("udp node: four peers that all dial each other have one connection each", "[net]") {
+  World world({.delay = 30 * kMs, .jitter = 10 * kMs, .loss = 0.05});
+  for (PeerId peer = 1; peer <= 4; ++peer) {
+    UdpNode& node = world.start(peer);
+    for (PeerId other = 1; other <= 4; ++other) {
+      if (other != peer) node.dial(address_of(other), 0);
+    }
+  }
+  world.run(3 * kSecond);
+  for (PeerId a = 1; a <= 4; ++a) {
+    CHECK(world.node(a).connections() == 3);
+    for (PeerId b = 1; b < a; ++b) CHECK(linked(world, a, b));
+  }
+
+  std::map<std::pair<PeerId, PeerId>, std::uint64_t> next;
+  std::map<std::pair<PeerId, PeerId>, std::uint64_t> states;
+  std::uint64_t posted = 0;
+  world.each_step = [&] {
+    const bool posts = posted < 300 && world.now % (16 * kMs) == 0;
+    for (PeerId a = 1; a <= 4; ++a) {
+      for (PeerId b = 1; posts && b <= 4; ++b) {
+        if (a == b) continue;
+        REQUIRE(world.node(a).post(b, number(posted), Delivery::Reliable, world.now));
+        REQUIRE(world.node(a).post(b, Bytes(200), Delivery::Newest, world.now));
+      }
+      std::vector<Packet> got;
+      world.node(a).drain(got);
+      for (const Packet& packet : got) {
+        if (packet.bytes.size() == 200) {
+          ++states[{packet.from, a}];
+        } else {
+          CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == next[{packet.from, a}]++);
+        }
+      }
+    }
+    posted += posts ? 1 : 0;
+  };
+  world.run(10 * kSecond);
+  CHECK(next.size() == 12);
+  for (const auto& [ends, count] : next) CHECK(count == 300);
+  for (const auto& [ends, count] : states) CHECK(count > 250);  // 5 % lost: 285 expected
+}
+
+TEST_CASE("udp node: a restarted peer takes over at once, its predecessor is refused",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2, 10).dial(address_of(1), 0);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  world.stop(2);  // without a word
+  world.start(2, 11).dial(address_of(1), world.now);
+  world.run(200 * kMs);
+  CHECK(linked(world, 1, 2));
+  CHECK(world.node(1).connections() <= 2);  // one of them says goodbye
+  world.run(kSecond);
+  CHECK(world.node(1).connections() == 1);
+
+  world.stop(2);
+  world.run(6 * kSecond);
+  CHECK_FALSE(status(world.node(1), 2).connected);
+  world.start(2, 10).dial(address_of(1), world.now);
+  world.run(3 * kSecond);
+  CHECK_FALSE(status(world.node(1), 2).connected);
+}
+
+TEST_CASE("udp node: a cut path heals by itself", "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  world.path(address_of(1), address_of(2)).set({.loss = 1.1});
+  world.path(address_of(2), address_of(1)).set({.loss = 1.1});
+  world.run(6 * kSecond);
+  CHECK_FALSE(status(world.node(1), 2).connected);
+  CHECK_FALSE(status(world.node(2), 1).connected);
+  CHECK(status(world.node(2), 1).reason.find("nothing heard") != std::string::npos);
+  world.run(5 * kSecond);
+  CHECK(status(world.node(2), 1).reason == "no answer");  // it has tried
+  world.path(address_of(1), address_of(2)).set({.delay = 20 * kMs});
+  world.path(address_of(2), address_of(1)).set({.delay = 20 * kMs});
+  world.run(9 * kSecond);  // an attempt that began in the dark ends after 5 s, then 3 s of waiting
+  CHECK(linked(world, 1, 2));
+}
+
+TEST_CASE("udp node: a dropped peer is told, stays away, and comes back when the hold is over",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  world.node(1).drop(2, "talks nonsense", world.now);
+  world.run(500 * kMs);
+  CHECK_FALSE(status(world.node(1), 2).connected);
+  CHECK(status(world.node(1), 2).reason == "dropped: talks nonsense");
+  CHECK_FALSE(world.node(1).post(2, number(1), Delivery::Newest, world.now));
+  world.run(5 * kSecond);
+  CHECK(linked(world, 1, 2));
+}
+
+TEST_CASE("udp node: a session goes on through a flood of junk, recordings and spoofed addresses",
+          "[net][fault]") {
+  // The attacker hears everything from the first Hello on, and can use any address.
+  World world({.delay = 10 * kMs});
+  std::vector<Bytes> heard;
+  world.tap = [&](const Bytes& datagram) { heard.push_back(datagram); };
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  Dice dice(6);
+  std::uint64_t posted = 0;
+  std::uint64_t got = 0;
+  world.each_step = [&] {
+    if (world.now % (16 * kMs) == 0 && world.now < 5 * kSecond) {
+      REQUIRE(world.node(2).post(1, number(posted++), Delivery::Newest, world.now));
+    }
+    std::vector<Packet> packets;
+    world.node(1).drain(packets);
+    for (const Packet& packet : packets) {
+      CHECK(packet.from == 2);
+      CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == got++);
+    }
+    for (int i = 0; i < 20; ++i) {  // 20 k per s
+      Bytes junk = random_bytes(dice, dice.below(1250));
+      if (dice.chance(0.5)) junk = heard[dice.below(heard.size())];
+      // Also what has not arrived yet: then the copy counts, and the original is the replay.
+      if (!junk.empty() && dice.chance(0.3)) junk[dice.below(junk.size())] ^= std::byte{4};
+      const PeerId from = dice.chance(0.5) ? 2 : 3 + dice.below(200);
+      world.node(1).on_datagram(junk, address_of(from), world.now);
+    }
+  };
+  world.run(5 * kSecond);
+  CHECK(got == posted);
+  CHECK(linked(world, 1, 2));
+  CHECK(world.node(1).connections() == 1);
+  CHECK(status(world.node(1), 2).rejected == 0);
+}
+
+TEST_CASE("udp node: no more peers than there is room for", "[net][fault]") {
+  World world({.delay = 5 * kMs});
+  world.start(1, 1, 3);
+  for (PeerId peer = 2; peer <= 6; ++peer) world.start(peer).dial(address_of(1), 0);
+  world.run(5 * kSecond);
+  std::size_t connected = 0;
+  for (const PeerStatus& each : world.node(1).peers()) connected += each.connected ? 1 : 0;
+  CHECK(connected == 3);
+  CHECK(world.node(1).strangers().refused > 0);
+}
+
+namespace {
+
+/// Neither hears the other.
+void cut(World& world, PeerId a, PeerId b, bool whole = false) {
+  const PathOptions path = whole ? PathOptions{.delay = 20 * kMs} : PathOptions{.loss = 1.1};
+  world.path(address_of(a), address_of(b)).set(path);
+  world.path(address_of(b), address_of(a)).set(path);
+}
+
+}  // namespace
+
+TEST_CASE("udp node: reliable messages outlive connections, each once and in order",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs, .jitter = 10 * kMs, .loss = 0.1, .duplicate = 0.1});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(2 * kSecond);
+  REQUIRE(linked(world, 1, 2));
+  std::map<PeerId, std::uint64_t> posted;
+  std::map<PeerId, std::uint64_t> got;
+  int outages = 0;
+  world.each_step = [&] {
+    for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+      // Of several pieces, so that connections break in the middle of one.
+      if (world.now % (20 * kMs) == 0 && world.now < 60 * kSecond) {
+        Bytes message = number(posted[peer]);
+        message.resize(8 + posted[peer] % 3000);
+        const PeerId other = 3 - peer;
+        posted[peer] +=
+            world.node(peer).post(other, message, Delivery::Reliable, world.now) ? 1 : 0;
+      }
+      std::vector<Packet> packets;
+      world.node(peer).drain(packets);
+      for (const Packet& packet : packets) {
+        REQUIRE(packet.bytes.size() >= 8);
+        REQUIRE(tandem::pbd::ByteReader(packet.bytes).u64() == got[packet.from]);
+        REQUIRE(packet.bytes.size() == 8 + got[packet.from] % 3000);
+        ++got[packet.from];
+      }
+    }
+    // One end notices before the other, or both at once.
+    const std::int64_t phase = world.now < 60 * kSecond ? world.now % (12 * kSecond) : 0;
+    if (phase == 3 * kSecond) {
+      world.path(address_of(1), address_of(2)).set({.loss = 1.1});
+      if (outages++ % 2 == 0) world.path(address_of(2), address_of(1)).set({.loss = 1.1});
+    }
+    if (phase == 8 * kSecond + 500 * kMs) {
+      world.path(address_of(1), address_of(2)).set({.delay = 20 * kMs, .loss = 0.1});
+      world.path(address_of(2), address_of(1)).set({.delay = 20 * kMs, .loss = 0.1});
+    }
+  };
+  world.run(60 * kSecond);
+  world.path(address_of(1), address_of(2)).set({.delay = 20 * kMs});
+  world.path(address_of(2), address_of(1)).set({.delay = 20 * kMs});
+  world.run(60 * kSecond);
+  CHECK(outages == 5);
+  CHECK(posted[1] > 500);
+  CHECK(posted[2] > 500);
+  CHECK(got[1] == posted[1]);
+  CHECK(got[2] == posted[2]);
+}
+
+TEST_CASE("udp node: a dropped peer and a restarted one begin with an empty queue",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2, 10).dial(address_of(1), 0);
+  world.run(kSecond);
+  const auto first = [&](PeerId at) {
+    std::vector<Packet> packets;
+    world.node(at).drain(packets);
+    return packets.empty() ? std::uint64_t{0} : tandem::pbd::ByteReader(packets[0].bytes).u64();
+  };
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    REQUIRE(world.node(1).post(2, number(i), Delivery::Reliable, world.now));
+  }
+  world.run(200 * kMs);
+  CHECK(first(2) == 1);
+  REQUIRE(world.node(1).post(2, number(4), Delivery::Reliable, world.now));
+  world.node(1).drop(2, "test", world.now);
+  world.run(6 * kSecond);
+  REQUIRE(linked(world, 1, 2));
+  REQUIRE(world.node(1).post(2, number(5), Delivery::Reliable, world.now));
+  world.run(200 * kMs);
+  CHECK(first(2) == 5);  // 4 was discarded, the stream goes on all the same
+
+  cut(world, 1, 2);
+  REQUIRE(world.node(1).post(2, number(6), Delivery::Reliable, world.now));
+  world.run(100 * kMs);
+  world.stop(2);
+  cut(world, 1, 2, true);
+  world.start(2, 11).dial(address_of(1), world.now);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  CHECK(first(2) == 0);
+  REQUIRE(world.node(1).post(2, number(7), Delivery::Reliable, world.now));
+  world.run(200 * kMs);
+  CHECK(first(2) == 7);
+}
+
+TEST_CASE("udp node: a newcomer that knows one address meets all", "[net]") {
+  World world({.delay = 20 * kMs, .loss = 0.1});
+  world.start(1);
+  for (PeerId peer = 2; peer <= 8; ++peer) world.start(peer).dial(address_of(peer - 1), 0);
+  world.run(10 * kSecond);
+  for (PeerId a = 1; a <= 8; ++a) {
+    for (PeerId b = 1; b < a; ++b) CHECK(linked(world, a, b));
+    CHECK(world.node(a).relayed().forwarded == 0);
+  }
+  world.start(9).dial(address_of(4), world.now);
+  world.run(3 * kSecond);
+  for (PeerId a = 1; a <= 8; ++a) CHECK(linked(world, a, 9));
+}
+
+TEST_CASE("udp node: peers without a route go through one that has it, and straight where they can",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
+  world.node(1).dial(address_of(2), 0);
+  world.node(3).dial(address_of(2), 0);
+  cut(world, 1, 3);
+  world.run(6 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  CHECK(world.node(1).relay_of(3) == 2);
+  CHECK(world.node(3).relay_of(1) == 2);
+  CHECK(world.node(1).relay_of(2) == 0);
+
+  std::uint64_t next = 0;
+  const auto exchange = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      REQUIRE(world.node(1).post(3, Bytes(1154, std::byte{5}), Delivery::Newest, world.now));
+      REQUIRE(world.node(1).post(3, number(i), Delivery::Reliable, world.now));
+      world.run(100 * kMs);
+    }
+    std::vector<Packet> packets;
+    world.node(3).drain(packets);
+    std::size_t states = 0;
+    next = 0;
+    for (const Packet& packet : packets) {
+      if (packet.bytes.size() == 1154) ++states;
+      if (packet.bytes.size() == 8) CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == next++);
+    }
+    return states;
+  };
+  CHECK(exchange(20) >= 19);
+  CHECK(next >= 19);
+  CHECK(status(world.node(1), 3).round_trip > 79 * kMs);
+  const std::uint64_t forwarded = world.node(2).relayed().forwarded;
+  CHECK(forwarded > 40);
+
+  // A second relay, and the first one goes: the connection stays.
+  world.start(4).dial(address_of(2), world.now);
+  world.run(4 * kSecond);
+  world.stop(2);
+  world.run(6 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  CHECK(world.node(1).relay_of(3) == 4);
+  exchange(5);
+
+  // The way is open again: straight from then on, and no message is lost on the way over.
+  cut(world, 1, 3, true);
+  world.run(12 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  CHECK(world.node(1).relay_of(3) == 0);
+  const std::uint64_t at_the_end = world.node(4).relayed().forwarded;
+  exchange(5);
+  CHECK(next == 5);
+  CHECK(world.node(4).relayed().forwarded == at_the_end);
+}
+
+TEST_CASE("udp node: a relay that alters, repeats or invents is heard by nobody", "[net][fault]") {
+  World world({.delay = 10 * kMs});
+  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
+  world.node(1).dial(address_of(2), 0);
+  world.node(3).dial(address_of(2), 0);
+  cut(world, 1, 3);
+  world.run(5 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  // What peer 2 might do: hand over as "from 1" what it likes.
+  Dice dice(4);
+  std::uint64_t posted = 0;
+  std::uint64_t got = 0;
+  world.each_step = [&] {
+    if (world.now % (50 * kMs) == 0) {
+      posted += world.node(1).post(3, number(posted), Delivery::Newest, world.now) ? 1 : 0;
+    }
+    for (int i = 0; i < 5; ++i) {
+      Bytes junk = random_bytes(dice, 1 + dice.below(300));
+      if (dice.chance(0.5)) junk[0] = std::byte{0x40};
+      if (dice.chance(0.2)) junk[0] = std::byte{0x50};
+      world.node(3).passed_on(2, dice.chance(0.8) ? 1 : dice.below(50), junk, world.now);
+    }
+    std::vector<Packet> packets;
+    world.node(3).drain(packets);
+    for (const Packet& packet : packets) {
+      if (packet.from == 1) CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == got++);
+    }
+  };
+  world.run(2 * kSecond);
+  CHECK(got >= posted - 3);
+  CHECK(status(world.node(3), 1).rejected == 0);
+}
+
+TEST_CASE("udp node: a relay passes on within its budget only, and not at all where told not to",
+          "[net][fault]") {
+  World world({.delay = 10 * kMs});
+  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
+  world.node(1).dial(address_of(2), 0);
+  world.node(3).dial(address_of(2), 0);
+  cut(world, 1, 3);
+  world.run(5 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  const std::uint64_t before = world.path(address_of(2), address_of(3)).bytes();
+  for (int i = 0; i < 100; ++i) {  // 1.5 Mbit/s, where 256 kbit/s are allowed
+    for (int k = 0; k < 10; ++k) {
+      (void)world.node(1).post(3, Bytes(1000), Delivery::Newest, world.now);
+    }
+    world.run(50 * kMs);
+  }
+  const auto kbit =
+      8e-3 * static_cast<double>(world.path(address_of(2), address_of(3)).bytes() - before) / 5.0;
+  CHECK(kbit < 300.0);  // and 2's own
+  CHECK(kbit > 100.0);
+}
+
+TEST_CASE("udp node: a member that tells nonsense of third peers costs a few small datagrams",
+          "[net][fault]") {
+  World world({.delay = 10 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  // As if 2 said so: a hundred peers at a hundred addresses, and what no host has.
+  std::size_t sent = 0;
+  world.tap = [&](const Bytes& datagram) { sent += datagram.size() == kHelloBytes ? 1 : 0; };
+  for (int i = 0; i < 50; ++i) {
+    for (PeerId peer = 50; peer < 150; ++peer) {
+      world.node(1).told(2, {.peer = peer, .address = address_of(peer)}, world.now);
+    }
+    world.node(1).told(2, {.peer = 7, .address = {}}, world.now);
+    world.node(1).told(2, {.peer = 1, .address = address_of(9)}, world.now);
+    world.run(100 * kMs);
+  }
+  CHECK(sent > 10);
+  CHECK(sent < 200);  // 16 addresses at a time, 8 questions in 5 s each
+  CHECK(linked(world, 1, 2));
+}
+
+TEST_CASE("udp node: all have one time, also where one of them came late", "[net][clock]") {
+  World world({.delay = 20 * kMs, .jitter = 4 * kMs});
+  world.start(2);
+  world.start(3).dial(address_of(2), 0);
+  world.run(6 * kSecond);
+  world.start(1).dial(address_of(3), world.now);
+  world.run(10 * kSecond);
+  for (PeerId peer = 1; peer <= 3; ++peer) {
+    const auto clock = world.node(peer).clock(world.now);
+    CHECK(clock.synchronised);
+    CHECK(clock.faults == 0);
+    CHECK(clock.reference == 1);
+    CHECK(std::abs(clock.now - world.node(1).session_now(world.now)) < 3 * kMs);
+    CHECK(clock.error_bound < 30 * kMs);
+  }
+}
+
+TEST_CASE("udp node: nobody is sent more than he sends, and who stalls keeps nobody else out",
+          "[net][fault]") {
+  // Strangers at 200 addresses who ask, take a cookie and say no more; the attacker hears all.
+  World world({.delay = 10 * kMs});
+  world.start(1);
+  std::map<PeerId, std::size_t> asked;
+  Dice dice(8);
+  std::vector<Bytes> heard;
+  world.tap = [&](const Bytes& datagram) { heard.push_back(datagram); };
+  world.each_step = [&] {
+    for (int i = 0; i < 5; ++i) {
+      const PeerId stranger = 20 + dice.below(200);
+      Bytes question;
+      if (heard.empty() || dice.chance(0.8)) {
+        encode(HandshakePacket{.type = HandshakeType::Hello, .nonce = dice.next()}, question);
+      } else {  // also another's proof
+        question = heard[dice.below(heard.size())];
+      }
+      asked[stranger] += question.size();
+      world.node(1).on_datagram(question, address_of(stranger), world.now);
+    }
+  };
+  world.run(3 * kSecond);
+  world.start(2).dial(address_of(1), world.now);
+  world.run(2 * kSecond);
+  CHECK(linked(world, 1, 2));
+  CHECK(world.node(1).connections() == 1);
+  CHECK(world.node(1).strangers().challenged > 1000);
+  for (const auto& [stranger, bytes] : asked) {
+    const std::uint64_t answered = world.path(address_of(1), address_of(stranger)).bytes();
+    CHECK(answered <= bytes + bytes / 64 * tandem::net::kIpUdpBytes);
+  }
+}
+
+TEST_CASE("udp node: a member that begins connections and never goes on fills nothing for long",
+          "[net][fault]") {
+  World world({.delay = kMs});
+  world.start(1, 1, 8);
+  // It has the session key: many proofs, of which none is followed by a packet.
+  std::vector<Bytes> accepts;
+  for (PeerId id = 100; id < 140; ++id) {
+    HandshakeConfig config;
+    config.self = id;
+    config.incarnation = 1;
+    config.scene_hash = 42;
+    config.session_key = secret(1000);
+    config.identity = crypto::make_key_pair(seeded(id));
+    HandshakeInitiator initiator(config, seeded(id), 7, world.now);
+    const Address from = address_of(id % 3 + 30);
+    for (int i = 0; i < 200 && initiator.state() != HandshakeInitiator::State::Done; ++i) {
+      const Bytes question = copy(initiator.poll(world.now));
+      if (!question.empty()) world.node(1).on_datagram(question, from, world.now);
+      world.run(kMs);
+      for (const Bytes& answer : world.path(address_of(1), from).arrived(world.now)) {
+        initiator.on_datagram(answer, world.now);
+      }
+    }
+  }
+  CHECK(world.node(1).connections() <= 16);
+  world.run(6 * kSecond);  // idle_timeout
+  CHECK(world.node(1).connections() == 0);
+  world.start(2).dial(address_of(1), world.now);
+  world.run(kSecond);
+  CHECK(linked(world, 1, 2));
+}
