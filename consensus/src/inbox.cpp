@@ -31,6 +31,7 @@ InboxOptions validated(const InboxOptions& options) {
 void InboxOptions::validate() const {
   require_seconds("max_age", max_age);
   require_seconds("max_future", max_future);
+  plausibility.validate();
 }
 
 void InboxCounters::count(InboxVerdict verdict) {
@@ -50,6 +51,9 @@ void InboxCounters::count(InboxVerdict verdict) {
     case InboxVerdict::Future:
       ++future;
       break;
+    case InboxVerdict::Implausible:
+      ++implausible;
+      break;
     case InboxVerdict::UnknownId:
       ++unknown_id;
       break;
@@ -60,11 +64,14 @@ void InboxCounters::count(InboxVerdict verdict) {
 }
 
 std::uint64_t InboxCounters::dropped() const {
-  return duplicate + late + expired + future + unknown_id + unknown_peer;
+  return duplicate + late + expired + future + implausible + unknown_id + unknown_peer;
 }
 
 Inbox::Inbox(const InboxOptions& options)
-    : max_age_ns_(to_ns(validated(options).max_age)), max_future_ns_(to_ns(options.max_future)) {}
+    : max_age_ns_(to_ns(validated(options).max_age)),
+      max_future_ns_(to_ns(options.max_future)),
+      teleport_interval_ns_(to_ns(options.plausibility.teleport_interval)),
+      plausibility_(options.plausibility) {}
 
 void Inbox::add_id(const SharedId& id) {
   if (!id.valid()) throw std::invalid_argument("Inbox::add_id: id = zeros: must not be all zeros");
@@ -126,11 +133,18 @@ InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, Se
   const auto at = std::lower_bound(body.newest.begin(), body.newest.end(), from,
                                    [](const Received& r, PeerId peer) { return r.peer < peer; });
   if (at == body.newest.end() || at->peer != from) {
-    body.newest.insert(at, Received{from, update, now});
+    if (!plausible(update, plausibility_)) return InboxVerdict::Implausible;
+    body.newest.insert(at, Received{.peer = from, .update = update, .arrival = now});
     return InboxVerdict::Accepted;
   }
   if (update.stamp == at->update.stamp) return InboxVerdict::Duplicate;
   if (update.stamp < at->update.stamp) return InboxVerdict::Late;
+  if (!plausible(at->update, update, plausibility_)) {
+    const bool told = update.flags.teleported && plausible(update, plausibility_);
+    const bool again = at->jumped != 0 && now - at->jumped < teleport_interval_ns_;
+    if (!told || again) return InboxVerdict::Implausible;
+    at->jumped = now;
+  }
   at->update = update;
   at->arrival = now;
   return InboxVerdict::Accepted;
@@ -145,8 +159,9 @@ std::span<const Inbox::Received> Inbox::newest(const SharedId& id) const {
 std::size_t Inbox::prune(SessionTime now) {
   std::size_t dropped = 0;
   for (Body& body : bodies_) {
-    dropped += std::erase_if(body.newest,
-                             [&](const Received& r) { return r.update.stamp < now - max_age_ns_; });
+    dropped += std::erase_if(body.newest, [&](const Received& r) {
+      return r.update.stamp < now - max_age_ns_ || r.update.stamp > now + max_future_ns_;
+    });
   }
   return dropped;
 }

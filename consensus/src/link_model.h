@@ -96,11 +96,16 @@ class Link {
   void launch(Waiting packet, SessionTime departure, Air& air);
   void fly(SessionTime due, Delivery delivery, std::vector<std::byte> bytes, Air& air);
   void recall(SessionTime now, Air& air);
+  /// End of the burst of loss that a packet leaves in; no later than `departure` outside.
+  SessionTime burst_end(SessionTime departure);
 
   PeerId from_;
   PeerId to_;
   LinkOptions options_;
   Random random_;
+  Random bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
+  SessionTime burst_begin_;
+  SessionTime burst_end_;
   bool cut_ = false;
   std::string closed_;
   std::deque<Waiting> waiting_;

@@ -50,6 +50,7 @@ PeerOptions with_published_rules(PeerOptions options) {
   options.initiative = false;
   options.arbitration = false;
   options.authority_ramp = 0.0;
+  options.robust.outvote = false;
   return options;
 }
 

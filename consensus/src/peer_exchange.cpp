@@ -68,6 +68,7 @@ void Peer::Impl::receive(SessionTime now) {
 
 void Peer::Impl::take_in(PeerId from, SessionTime now) {
   inbox_.add_peer(from);
+  report_of(from);
   const SessionTime farewell = farewell_of(from);
   // Nothing asks for states where nothing is agreed upon and nobody drives a body.
   const bool unheard = options_.coupling == Coupling::None && owned_ == 0;
@@ -83,9 +84,10 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
     const Shared* shared = find(update.body);
     if (shared == nullptr || !world_.contains(shared->def.body)) {
       ++stats_.springs_refused;
+      ++report_of(from).springs_refused;
       continue;
     }
-    if (!springs_.receive(from, update, shared->def.body, now)) ++stats_.springs_refused;
+    receive_spring(from, update, shared->def.body, now);
   }
   if (!incoming_.ownership.empty()) hear_ownership(from, now);
   if (!incoming_.leaves.empty()) {
@@ -162,6 +164,7 @@ void Peer::Impl::send(SessionTime now) {
   post_records(std::span<const SpringUpdate>(spring_states_), kMaxSpringsPerPacket,
                [this] { post_all(Delivery::Newest); });
   post_states();
+  greet_newcomers();
 }
 
 void Peer::Impl::post_states() {

@@ -25,9 +25,13 @@ class Springs {
   void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
   void release(GrabId id, SessionTime now);
 
+  enum class Verdict : std::uint8_t {
+    Taken,
+    Limited,  ///< taken, with less strength or speed than it asks for
+    Refused,
+  };
   /// Apply another peer's message. `body` is the local instance of update.body.
-  /// @return false where it was refused
-  bool receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
+  Verdict receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
   /// Let go what a peer holds, for good.
   void drop_peer(PeerId from, SessionTime now);
   /// Let go all springs on a body.
@@ -50,6 +54,8 @@ class Springs {
   };
   /// Set those bits of all bodies that somebody holds; by slot.
   void mark(std::vector<std::uint8_t>& grips) const;
+  /// Whether that peer's user holds the body by a spring.
+  bool held_by(PeerId peer, pbd::BodyId body) const;
   /// Whether an own spring that no other peer simulates holds the body.
   bool holds_alone(pbd::BodyId body) const;
   /// An own spring's hand in hard mode.
@@ -82,7 +88,11 @@ class Springs {
 
   Own& find(GrabId id);
   void let_go(Remote& remote);
-  pbd::Tether::Def tether_of(const SpringUpdate& update, pbd::BodyId body) const;
+  /// Cut to what RobustOptions allow. @return whether anything was
+  bool limit(pbd::Tether::Def& def) const;
+  bool too_many(const Remote& remote, pbd::BodyId body) const;
+  bool too_far(const pbd::Tether::Def& def) const;
+  static pbd::Tether::Def tether_of(const SpringUpdate& update, pbd::BodyId body);
   static SpringUpdate message_of(const Own& own, SpringEvent event, SessionTime now);
 
   pbd::World& world_;

@@ -14,6 +14,7 @@
 #include "tandem/consensus/influence.h"
 #include "tandem/consensus/policy.h"
 #include "tandem/consensus/predictor.h"
+#include "tandem/consensus/robust.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
@@ -42,6 +43,9 @@ struct PeerOptions {
   PolicyChain acceptance;
   PredictorKind predictor = PredictorKind::Adaptive;
   PredictorOptions prediction;
+  /// How far others are believed.
+  RobustOptions robust;
+  PlausibilityOptions plausibility;
   Coupling coupling = Coupling::OnePass;
   TwoStepOptions two_step;
   VirtualCouplingOptions virtual_coupling;
@@ -56,6 +60,9 @@ struct PeerOptions {
   /// s: own influence grows from 0 to full over this time after the first step, against others and
   /// against remote states: a newcomer takes over what the others know before it is heard.
   double authority_ramp = 1.0;
+  /// s: states that are stamped further ahead of the own clock are refused: one of the two is
+  /// wrong, and what a hand will do cannot be told. Above the longest step of any peer.
+  double max_future = 0.25;
   /// s: springs of a peer that has fallen silent are let go after this.
   double spring_timeout = 1.0;
   /// s: an anchor is carried on by its velocity no longer than this; 0 = not at all.
@@ -219,6 +226,9 @@ class Peer final : public pbd::TargetSource {
   void note_contact(pbd::BodyId a, pbd::BodyId b = {});
 
   const PeerStats& stats() const;
+  /// What each of the others has sent that was not believed, by ascending id; who has left stays.
+  /// Valid until the next step.
+  std::span<const PeerReport> reports() const;
   void set_observer(PeerObserver* observer);
   /// Must outlive the peer or be set to null.
   void set_interest(const Interest* interest);
