@@ -45,6 +45,14 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       inbox_({.max_age = options.influence.max_age}),
       predictor_(make_predictor(options.predictor, options.prediction)),
       keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
+  if (options.sending.selects() || options.sending.format != StateFormat::Full) {
+    SendOptions sending = options.sending;
+    // Who owns a body must be heard of before it is taken for gone.
+    const bool owners = options.coupling == Coupling::SingleOwner;
+    if (owners)
+      sending.rest_refresh = std::min(sending.rest_refresh, 0.5 * options.influence.max_age);
+    outbox_ = std::make_unique<Outbox>(sending, transport);
+  }
   if (options.coupling == Coupling::SingleOwner) {
     ownership_ = std::make_unique<Ownership>(transport.self(), options.influence.max_age);
   }
@@ -184,7 +192,7 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
   double heaviest = 0.0;
   InfluenceContext known{.leads = own_lead, .gain = predictor_->gain()};
   for (const Inbox::Received& received : newest) {
-    const StateUpdate& update = received.update;
+    const StateUpdate& update = as_meant(received, shared);
     const bool owner = shared.def.owner == received.peer ||
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
@@ -229,7 +237,8 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         .bound = shared.bound,
         .held = shared.held,
         .memory = memory != nullptr ? &memory->memory : nullptr};
-    const Prediction prediction = predictor_->predict(update, shared.history, context);
+    Prediction prediction = predictor_->predict(update, shared.history, context);
+    if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
     if (memory != nullptr && !owner) {
       share = accepted(share, prediction, *memory, now);
       if (!(share > 0.0)) continue;

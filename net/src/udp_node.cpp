@@ -280,6 +280,7 @@ std::vector<consensus::PeerStatus> UdpNode::peers() const {
     const UdpConnection& link = *connections_.at(record.receiver).link;
     out.back().dropped_queue_full += link.channels().dropped_states();
     out.back().rejected += link.rejected();
+    out.back().kbit_per_s = link.congestion().rate();
   }
   return out;
 }

@@ -21,6 +21,9 @@ struct LinkOptions {
   double reorder_delay = 0.02;          ///< s, longest time it is held back; uniform from 0
   double bandwidth = 0.0;               ///< bit/s of payload; 0 = unlimited
   std::size_t queue_limit = 64 * 1024;  ///< bytes that may wait for the bandwidth
+  /// Bytes of the longest state; longer ones are refused, as over UDP with a small MTU (502 at an
+  /// MTU of 576, see docs/network.md). Reliable packets are cut into pieces there.
+  std::size_t max_state_bytes = 64 * 1024;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -51,6 +54,7 @@ struct LinkCounters {
 /// - Delivery::Reliable is never lost: each loss costs a resend after twice the latency (1 ms at
 ///   least), and later reliable packets wait for it. post() refuses it where kMaxReliableBytes
 ///   wait.
+/// - Transport::max_packet_bytes() is the least of all links that go out.
 /// - While a link is cut, states are dropped and reliable packets wait for heal(). Both sides see a
 ///   link that is cut in either direction as not connected.
 /// - Transport::drop() closes both directions for good until heal(), the new handshake.
