@@ -47,6 +47,8 @@ void LinkOptions::validate() const {
           burst_length, "0 to 3600 s");
   require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "LinkOptions",
           "bandwidth", bandwidth, "0 or at least 1 bit/s");
+  require(max_state_bytes >= 1 && max_state_bytes <= VirtualNetwork::kMaxPacketBytes, "LinkOptions",
+          "max_state_bytes", static_cast<double>(max_state_bytes), "1 to 65536");
 }
 
 LinkOptions network_profile(int number) {
@@ -123,7 +125,9 @@ bool Link::make_room(std::size_t size) {
 }
 
 bool Link::post(SessionTime now, std::span<const std::byte> bytes, Delivery delivery, Air& air) {
-  if (bytes.size() > VirtualNetwork::kMaxPacketBytes || !closed_.empty()) return false;
+  const std::size_t most =
+      delivery == Delivery::Newest ? options_.max_state_bytes : VirtualNetwork::kMaxPacketBytes;
+  if (bytes.size() > most || !closed_.empty()) return false;
   send_waiting(now, air);
   if (delivery == Delivery::Reliable) {
     const std::size_t waiting = waiting_bytes(Delivery::Reliable);

@@ -67,6 +67,7 @@ class Link {
   /// Why the sender's side is not open; empty where it is.
   std::string reason() const { return closed_.empty() && cut_ ? "link cut" : closed_; }
   const LinkCounters& counters() const { return counters_; }
+  std::size_t max_state_bytes() const { return options_.max_state_bytes; }
   std::uint64_t bytes_posted() const { return bytes_posted_; }
   std::uint64_t bytes_delivered() const { return bytes_delivered_; }
   /// Whether something waits; it starts at free_at().

@@ -11,8 +11,23 @@ namespace tandem::consensus {
 
 using pbd::detail::require;
 
+void SendOptions::validate() const {
+  const auto in = [](const char* field, double value, double low, double high, const char* rule) {
+    require(value >= low && value <= high, "SendOptions", field, value, rule);
+  };
+  require(kbit_per_s == 0.0 || (kbit_per_s >= 8.0 && kbit_per_s <= 1e9), "SendOptions",
+          "kbit_per_s", kbit_per_s, "0 or 8 to 1e9");
+  in("packet_overhead", packet_overhead, 0.0, 1000.0, "0 to 1000 bytes");
+  in("tolerance", tolerance, 0.0, 1e3, "0 to 1000 m");
+  require(angle_tolerance > 0.0 && angle_tolerance <= 10.0, "SendOptions", "angle_tolerance",
+          angle_tolerance, "above 0 to 10 rad");
+  in("refresh", refresh, 0.0, 3600.0, "0 to 3600 s");
+  in("rest_refresh", rest_refresh, 0.0, 3600.0, "0 to 3600 s");
+}
+
 void PeerOptions::validate() const {
   influence.validate();
+  sending.validate();
   prediction.validate();
   robust.validate();
   plausibility.validate();

@@ -50,6 +50,14 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
               .plausibility = options.plausibility}),
       predictor_(make_predictor(options.predictor, options.prediction)),
       keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
+  if (options.sending.selects() || options.sending.format != StateFormat::Full) {
+    SendOptions sending = options.sending;
+    // Who owns a body must be heard of before it is taken for gone.
+    const bool owners = options.coupling == Coupling::SingleOwner;
+    if (owners)
+      sending.rest_refresh = std::min(sending.rest_refresh, 0.5 * options.influence.max_age);
+    outbox_ = std::make_unique<Outbox>(sending, transport);
+  }
   if (options.coupling == Coupling::SingleOwner) {
     ownership_ = std::make_unique<Ownership>(transport.self(), options.influence.max_age);
   }
@@ -202,7 +210,7 @@ bool Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
   InfluenceContext known{.leads = own_lead, .gain = predictor_->gain()};
   for (std::size_t i = 0; i < newest.size(); ++i) {
     const Inbox::Received& received = newest[i];
-    const StateUpdate& update = received.update;
+    const StateUpdate& update = as_meant(received, shared);
     const bool owner = shared.def.owner == received.peer ||
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
@@ -252,7 +260,8 @@ bool Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         .held = shared.held,
         .hangs = shared.hangs,
         .memory = memory != nullptr ? &memory->memory : nullptr};
-    const Prediction prediction = predictor_->predict(update, shared.history, context);
+    Prediction prediction = predictor_->predict(update, shared.history, context);
+    if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
     if (memory != nullptr && !owner) {
       share = accepted(share, prediction, *memory, now);
       if (!(share > 0.0)) continue;

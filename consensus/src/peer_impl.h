@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -15,6 +16,8 @@
 #include "initiative.h"
 #include "lead.h"
 #include "majority.h"
+#include "names.h"
+#include "outbox.h"
 #include "ownership.h"
 #include "session_time.h"
 #include "springs.h"
@@ -79,6 +82,7 @@ class Peer::Impl {
   static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
   static constexpr std::uint8_t kTouched = 32;         ///< any
   static constexpr std::uint8_t kJoinedToOther = 64;   ///< something that another's user acts on
+  static constexpr std::uint32_t kNoName = 0xffffffff;
   struct Shared {
     ShareDef def;
     MotionHistory history;
@@ -95,6 +99,9 @@ class Peer::Impl {
     HardInput hard = {};
     pbd::Correction averaged = {};        ///< before the step, where the pass does not do it
     double still = 0.0;                   ///< s, at rest and in agreement, see rests()
+    std::uint32_t name = kNoName;         ///< what the outbox calls it
+    pbd::Pose lies = {};                  ///< where it has been, about, since lies_since
+    SessionTime lies_since = 0;           ///< ns; 0 = it moves
     pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, what agreement wanted of this step
     bool blocked = false;                 ///< the last step did less than half of it
   };
@@ -114,6 +121,12 @@ class Peer::Impl {
   void receive(SessionTime now);
   CodecResult parse(const Packet& packet);
   void take_in(PeerId from, SessionTime now);
+  void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell, SessionTime now);
+  void take_in_compact(PeerId from, SessionTime farewell, SessionTime now);
+  void take_in_anchors(PeerId from, SessionTime now);
+  /// The state that a remote one stands for now: of what rests one that is as new as the last word
+  /// of its sender, of what was rounded the one nearest to the own copy. Valid until the next call.
+  const StateUpdate& as_meant(const Inbox::Received& received, const Shared& shared);
   /// Stamp of a peer's farewell; the beginning of time where it has not left.
   SessionTime farewell_of(PeerId peer) const;
 
@@ -204,9 +217,26 @@ class Peer::Impl {
   void send(SessionTime now);
   /// Tell those who have connected since the last time all that is to be known, reliably.
   void greet_newcomers();
-  /// Encode into outgoing_, packet by packet, and call post().
+  StateUpdate state_of(Shared& shared, SessionTime now);
+  /// Whether a body has been lying still for a while.
+  bool lies_still(Shared& shared, const pbd::BodyState& state, SessionTime now) const;
+  /// By the outbox: what is due, to each of the others.
+  void send_selected(SessionTime now);
+  /// Encode into outgoing_, packets that the transport takes, and call post() for each.
   template <class Record, class Post>
-  void post_records(std::span<const Record> records, std::size_t most, Post&& post);
+  void post_records(std::span<const Record> records, std::size_t record_bytes, Delivery delivery,
+                    Post&& post) {
+    // What decode() takes, and what the transport does.
+    const std::size_t packet = std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
+    const std::size_t most = std::min(kMaxRecords, records_in(packet, record_bytes));
+    while (!records.empty()) {
+      const std::size_t count = std::min(most, records.size());
+      outgoing_.clear();
+      encode(records.first(count), outgoing_);
+      post();
+      records = records.subspan(count);
+    }
+  }
   void post_all(Delivery delivery);
   void post_to(PeerId to, Delivery delivery);
   /// The states that concern each of the others.
@@ -227,6 +257,10 @@ class Peer::Impl {
   PeerStats stats_;
   std::vector<PeerReport> reports_;               ///< by peer
   std::vector<Shared> shared_;                    ///< by id, as in inbox_
+  std::unique_ptr<Outbox> outbox_;                ///< null: all in full to everybody
+  NameTables names_;                              ///< of the others
+  SessionTime springs_told_ = 0;                  ///< ns, when springs were last sent in full
+  std::size_t springs_told_to_ = 0;               ///< peers that were there then
   std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
   std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
   std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
@@ -272,6 +306,10 @@ class Peer::Impl {
   std::vector<SpringUpdate> spring_states_;
   std::vector<SpringUpdate> spring_events_;
   std::vector<std::byte> outgoing_;
+  std::vector<std::byte> anchors_;
+  StateUpdate meant_;
+  std::vector<OutgoingState> selectable_;
+  std::vector<std::size_t> told_in_full_;
 };
 
 }  // namespace tandem::consensus

@@ -36,20 +36,15 @@ void Peer::Impl::greet_newcomers() {
   }
   has_sent_ = true;
   for (const PeerId to : newcomers_) {
-    const auto tell = [&](auto records, std::size_t most) {
-      for (; !records.empty(); records = records.subspan(std::min(most, records.size()))) {
-        outgoing_.clear();
-        encode(records.first(std::min(most, records.size())), outgoing_);
-        if (!outgoing_.empty()) post_to(to, Delivery::Reliable);
-      }
-    };
+    const auto tell = [&] { post_to(to, Delivery::Reliable); };
     concerning_.clear();
     for (const StateUpdate& state : states_) {
       const bool concerns = interest_ == nullptr || interest_->concerns(to, state.id, state.pose);
       if (concerns) concerning_.push_back(state);
     }
-    tell(std::span<const StateUpdate>(concerning_), kMaxStatesPerPacket);
-    tell(std::span<const SpringUpdate>(spring_states_), kMaxSpringsPerPacket);
+    post_records(std::span<const StateUpdate>(concerning_), kStateBytes, Delivery::Reliable, tell);
+    post_records(std::span<const SpringUpdate>(spring_states_), kSpringBytes, Delivery::Reliable,
+                 tell);
   }
 }
 

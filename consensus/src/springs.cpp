@@ -164,6 +164,15 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   return limited ? Verdict::Limited : Verdict::Taken;
 }
 
+const SpringUpdate* Springs::last_of(PeerId from, std::uint32_t spring) const {
+  const auto key = std::pair(from, spring);
+  const auto it = std::lower_bound(
+      remote_.begin(), remote_.end(), key,
+      [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
+  const bool known = it != remote_.end() && it->peer == from && it->last.spring == spring;
+  return known ? &it->last : nullptr;
+}
+
 void Springs::drop_peer(PeerId from, SessionTime now) {
   for (Remote& remote : remote_) {
     if (remote.peer != from) continue;
@@ -247,6 +256,10 @@ bool Springs::holds(pbd::BodyId body) const {
                      [&](const Own& o) { return drags(o) || pulls(o.tether); }) ||
          std::any_of(remote_.begin(), remote_.end(),
                      [&](const Remote& r) { return r.live && pulls(r.tether); });
+}
+
+bool Springs::holds_own(pbd::BodyId body) const {
+  return std::ranges::find(own_, body, &Own::body) != own_.end();
 }
 
 void Springs::mark(std::vector<std::uint8_t>& grips) const {

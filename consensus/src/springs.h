@@ -32,6 +32,8 @@ class Springs {
   };
   /// Apply another peer's message. `body` is the local instance of update.body.
   Verdict receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
+  /// What another peer last said of a spring; null where nothing is known of it.
+  const SpringUpdate* last_of(PeerId from, std::uint32_t spring) const;
   /// Let go what a peer holds, for good.
   void drop_peer(PeerId from, SessionTime now);
   /// Let go all springs on a body.
@@ -46,6 +48,8 @@ class Springs {
   /// All that pull, own and remote, as they do in the step to come; appended.
   void pulls(std::vector<pbd::Tether::Def>& out) const;
   bool holds(pbd::BodyId body) const;
+  /// Whether this peer's user holds the body.
+  bool holds_own(pbd::BodyId body) const;
   /// How users hold a body, as bits.
   enum Grip : std::uint8_t {
     kShared = 1,  ///< by an own spring that all peers simulate

@@ -111,9 +111,14 @@ void UdpOptions::validate() const {
 class UdpTransport::Impl {
  public:
   explicit Impl(const UdpOptions& options)
-      : self(options.self), socket(options, node_options(options)) {}
+      : self(options.self),
+        max_state_bytes(options.max_datagram - kProtectedOverhead - kChannelHeader - kStateHeader),
+        max_message_bytes(options.max_message_bytes),
+        socket(options, node_options(options)) {}
 
   const consensus::PeerId self;
+  const std::size_t max_state_bytes;
+  const std::size_t max_message_bytes;
   UdpSocket socket;
 };
 
@@ -126,6 +131,11 @@ bool UdpTransport::post(consensus::PeerId to, std::span<const std::byte> bytes,
                         consensus::Delivery delivery) {
   return impl_->socket.with(
       true, [&](UdpNode& node, std::int64_t now) { return node.post(to, bytes, delivery, now); });
+}
+
+std::size_t UdpTransport::max_packet_bytes(consensus::Delivery delivery) const {
+  return delivery == consensus::Delivery::Newest ? impl_->max_state_bytes
+                                                 : impl_->max_message_bytes;
 }
 
 void UdpTransport::drain(std::vector<consensus::Packet>& out) {

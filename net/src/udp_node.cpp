@@ -510,6 +510,7 @@ std::vector<consensus::PeerStatus> UdpNode::peers() const {
     out.back().round_trip = link.channels().rtt().any()
                                 ? link.channels().rtt().smoothed()
                                 : connections_.at(record.receiver).round_trip;
+    out.back().kbit_per_s = link.congestion().rate();
   }
   return out;
 }

@@ -19,7 +19,7 @@ inline StateUpdate some_state(Dice& dice) {
   update.stamp = static_cast<SessionTime>(dice.bits() >> 8);
   const std::uint64_t bits = dice.bits();
   update.flags = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0,
-                  (bits & 16) != 0};
+                  (bits & 16) != 0,      (bits & 32) != 0};
   return update;
 }
 

@@ -91,7 +91,14 @@ class Inbox {
   /// The same of the `index`th of all registered ids, in their order.
   /// @pre index < id_count()
   std::span<const Received> newest_at(std::size_t index) const { return bodies_[index].newest; }
-  /// Drop what has become older than max_age, or after a clock was set back is further ahead than
+  /// The peer has sent something at this session time, ns, however late that came: what it said of
+  /// resting bodies before still holds. Stamps more than max_future ahead are ignored.
+  /// @return whether it had fallen silent for longer than max_age: what it said was dropped
+  bool note_alive(PeerId from, SessionTime stamp, SessionTime now);
+  /// ns: until when a state of this inbox is known to hold: its stamp; of a resting body the newest
+  /// stamp of anything that its sender has sent.
+  SessionTime holds_until(const Received& received) const;
+  /// Drop what has not held for max_age, or after a clock was set back is further ahead than
   /// max_future; returns how many.
   std::size_t prune(SessionTime now);
 
@@ -108,12 +115,14 @@ class Inbox {
   struct Peer {
     PeerId id = 0;
     bool present = false;
+    SessionTime alive = 0;  ///< ns, newest stamp; 0 = none yet
     InboxCounters counters;
   };
 
   Body* find_body(const SharedId& id);
   const Body* find_body(const SharedId& id) const;
   Peer* find_peer(PeerId id);
+  const Peer* find_peer(PeerId id) const;
   InboxVerdict judge(PeerId from, const StateUpdate& update, SessionTime now);
   InboxVerdict store(Body& body, PeerId from, const StateUpdate& update, SessionTime now);
 

@@ -23,6 +23,9 @@ struct LinkOptions {
   double bursts = 0.0;                  ///< bursts of loss, 1/s: nothing gets through
   double burst_length = 0.2;            ///< s, mean; from 0 to twice that
   std::size_t queue_limit = 64 * 1024;  ///< bytes that may wait for the bandwidth
+  /// Bytes of the longest state; longer ones are refused, as over UDP with a small MTU (502 at an
+  /// MTU of 576, see docs/network.md). Reliable packets are cut into pieces there.
+  std::size_t max_state_bytes = 64 * 1024;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -54,6 +57,7 @@ struct LinkCounters {
 ///   least), and later reliable packets wait for it. post() refuses it where kMaxReliableBytes
 ///   wait.
 /// - In a burst all that leaves is lost; reliable packets are resent after its end.
+/// - Transport::max_packet_bytes() is the least of all links that go out.
 /// - While a link is cut, states are dropped and reliable packets wait for heal(). Both sides see a
 ///   link that is cut in either direction as not connected.
 /// - Transport::drop() closes both directions for good until heal(), the new handshake.

@@ -111,6 +111,7 @@ class UdpTransport final : public consensus::Transport {
   consensus::PeerId self() const override;
   bool post(consensus::PeerId to, std::span<const std::byte> bytes,
             consensus::Delivery delivery) override;
+  std::size_t max_packet_bytes(consensus::Delivery delivery) const override;
   /// Ordered by peer id, within one peer as they came.
   void drain(std::vector<consensus::Packet>& out) override;
   void drop(consensus::PeerId peer, const std::string& reason) override;
