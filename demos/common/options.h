@@ -61,7 +61,10 @@ struct DemoOptions {
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
   std::uint64_t peer_id = 0;            ///< of this process
-  double wait = 0.0;  ///< s, how long to wait for the first other process; 0 = for ever
+  double wait = 0.0;       ///< s, how long to wait for the first other process; 0 = for ever
+  std::string key;         ///< file with the session's key, 64 hex digits: UDP, encrypted
+  bool insecure = false;   ///< UDP on this machine alone, with a key that everybody knows
+  double budget = 2000.0;  ///< kbit/s, of each link over UDP
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none
@@ -72,6 +75,7 @@ struct DemoOptions {
   bool help = false;
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
+  bool udp() const { return !key.empty() || insecure; }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }
