@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include <cctype>
-#include <charconv>
-#include <fstream>
+#include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "common/network.h"
+#include "common/session_key.h"
+#include "common/split_states.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
 #include "tandem/net/udp.h"
@@ -15,21 +17,11 @@ namespace tandem::demos {
 namespace {
 
 net::UdpKey read_key(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw std::invalid_argument("--key = " + path + ": cannot be read");
-  std::string digits;
-  for (char c = 0; digits.size() < 65 && in.get(c);) {
-    if (std::isspace(static_cast<unsigned char>(c)) == 0) digits += c;
+  try {
+    return read_session_key(path);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--key = " + path + " breaks: " + error.what());
   }
-  net::UdpKey key{};
-  bool good = digits.size() == 2 * key.size();
-  for (std::size_t i = 0; good && i < key.size(); ++i) {
-    const char* const from = digits.data() + 2 * i;
-    const auto [end, error] = std::from_chars(from, from + 2, key[i], 16);
-    good = error == std::errc{} && end == from + 2;
-  }
-  if (!good) throw std::invalid_argument("--key = " + path + ": must hold 64 hex digits");
-  return key;
 }
 
 /// No secret: it tells sessions of demos from other datagrams.
@@ -38,10 +30,6 @@ net::UdpKey known_key() {
   const std::string_view text = "tandem demo, not a secret";
   std::copy(text.begin(), text.end(), key.begin());
   return key;
-}
-
-bool is_loopback(const std::string& host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
 net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash) {
@@ -54,7 +42,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
     const net::HostPort address = net::parse_host_port(text);
     if (options.insecure && !is_loopback(address.host)) {
       throw std::invalid_argument("--connect = " + text +
-                                  ": must be of this machine with --insecure");
+                                  " breaks: of this machine, with --insecure");
     }
     result.connect.push_back(address);
   }
@@ -63,6 +51,8 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
     result.session_key = known_key();
   } else {
     result.session_key = read_key(options.key);
+    if (!options.identity.empty()) result.identity = read_key(options.identity);
+    for (const auto& [peer, key] : options.trusted) result.trusted.push_back({peer, key});
   }
   return result;
 }
@@ -71,7 +61,7 @@ class UdpNetwork final : public Network {
  public:
   explicit UdpNetwork(const net::UdpOptions& options) : transport_(options) {}
 
-  consensus::Transport& transport() override { return transport_; }
+  consensus::Transport& transport() override { return split_; }
   consensus::SessionTime now() override { return clock_.now(); }
   std::uint16_t local_port() const override { return transport_.local_port(); }
   std::string trouble() const override {
@@ -86,7 +76,10 @@ class UdpNetwork final : public Network {
   }
 
  private:
+  static constexpr std::size_t kLongestState = 1154;  // see UdpTransport
+
   net::UdpTransport transport_;
+  SplitStates split_{transport_, kLongestState};
   net::SessionClock clock_;
 };
 
