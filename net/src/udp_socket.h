@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <array>
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/steady_timer.hpp>
@@ -11,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "datagram_batch.h"
 #include "tandem/net/udp.h"
 #include "udp_node.h"
 
@@ -32,18 +32,23 @@ class UdpSocket {
   auto with(bool wakes, Use&& use) {
     const std::scoped_lock lock(mutex_);
     if (wakes) wake();
-    return use(node_, now());
+    const std::int64_t time = now();
+    follow_system_clock(time);
+    return use(node_, time);
   }
 
  private:
   using Endpoint = asio::ip::udp::endpoint;
 
   static std::int64_t now();
+  static UdpNodeOptions started(UdpNodeOptions node);
+  void follow_system_clock(std::int64_t time);
   void bind();
   void run();
   void dial();
   void wake();  // with the lock
   void receive();
+  void pause();
   void on_readable();
   void step();
   void send(std::span<const std::byte> datagram, const Address& to);
@@ -61,7 +66,10 @@ class UdpSocket {
   std::uint16_t local_port_ = 0;
   std::int64_t flush_until_ = INT64_MAX;  // set: shutting down
   bool left_ = false;
-  std::array<std::byte, 2048> buffer_{};
+  DatagramBatch batch_;
+  asio::steady_timer pause_{context_};
+  std::int64_t window_start_ = 0;
+  std::size_t useless_ = 0;  // datagrams since then
   std::thread thread_;
 };
 

@@ -25,6 +25,8 @@ enum class Delivery : std::uint8_t {
 struct Packet {
   PeerId from = 0;
   std::vector<std::byte> bytes;
+  /// When they came; the least value where the transport does not say.
+  SessionTime received = INT64_MIN;
 };
 
 /// A peer as the transport sees it.
@@ -38,6 +40,7 @@ struct PeerStatus {
   std::uint64_t bytes_out = 0;
   std::uint64_t dropped_queue_full = 0;  ///< states dropped because a queue was full
   std::uint64_t rejected = 0;            ///< frames refused: too long, wrong version, not decodable
+  std::int64_t round_trip = -1;          ///< to it and back, smoothed, ns; -1: not known
 };
 
 /// Carries bytes between peers. Faults are data (PeerStatus), never exceptions.
