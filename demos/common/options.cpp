@@ -226,6 +226,12 @@ constexpr Option kOptions[] = {
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.wait = number(name, in.value(name), 0.0, 86400.0, "a number from 0 to 86400");
      }},
+    {"--key", Where::Network, read_text<&DemoOptions::key>},
+    {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
+    {"--budget", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.budget = number(name, in.value(name), 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
+     }},
     {"--seconds", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");
@@ -401,6 +407,9 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   }
   if (!options.over_network() && !network_only.empty()) {
     refuse(network_only, "given", "needs --listen or --connect");
+  }
+  if (!options.key.empty() && options.insecure) {
+    refuse("--insecure", "given", "has no meaning with --key");
   }
   // Who waits is user A, who calls is user B.
   if (options.over_network() && options.peer_id == 0) {

@@ -8,10 +8,12 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/ablation.h"
 #include "common/physics.h"
+#include "common/session_key.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
 
@@ -61,7 +63,12 @@ struct DemoOptions {
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
   std::uint64_t peer_id = 0;            ///< of this process
-  double wait = 0.0;  ///< s, how long to wait for the first other process; 0 = for ever
+  double wait = 0.0;     ///< s, how long to wait for the first other process; 0 = for ever
+  std::string key;       ///< file with the session's key, 64 hex digits: UDP, encrypted
+  std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
+  std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
+  bool insecure = false;   ///< UDP on this machine alone, with a key that everybody knows
+  double budget = 2000.0;  ///< kbit/s, of each link over UDP
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none
@@ -72,6 +79,7 @@ struct DemoOptions {
   bool help = false;
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
+  bool udp() const { return !key.empty() || insecure; }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }

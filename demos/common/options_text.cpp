@@ -16,10 +16,13 @@ All peers in one process, in virtual time (the default):
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
   --loss P --duplicate P --reorder P   chances for each state on the link (0)
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
-One peer for each process, in wall time over TCP:
+One peer for each process, in wall time over TCP, or with a key over UDP:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
   --peer-id N        unique in the session (1 with --listen alone, else 2)
+  --key FILE         over UDP, encrypted; 64 hex digits, the same for all (tandem-key makes one)
+  --insecure         over UDP, with a key that everybody knows; loopback addresses only
+  --budget B         of each link over UDP, kbit/s (2000)
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)

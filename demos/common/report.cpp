@@ -85,7 +85,7 @@ void describe_run(JsonWriter& json, const Report& r) {
   } else {
     json.field("profile", o.profile);
   }
-  json.field("transport", o.over_network() ? "tcp" : "virtual");
+  json.field("transport", o.over_network() ? (o.udp() ? "udp" : "tcp") : "virtual");
   json.field("peers", r.run.peers.size()).field("seconds", r.run.seconds).field("seed", o.seed);
   json.field("step_hz", r.run.peers.empty() ? Distribution::kNone : r.run.peers.front().step_hz);
   json.key("step_hz_of_peers").begin_array();
@@ -136,8 +136,9 @@ std::string report_table(const Report& r) {
   std::string out =
       format("%s: %zu peers, %s, %.1f s, seed %llu, %s, %s, influence %g, %g updates/s\n",
              r.scenario.c_str(), r.run.peers.size(),
-             o.over_network() ? "TCP" : format("profile %d", o.profile).c_str(), r.run.seconds,
-             static_cast<unsigned long long>(o.seed), std::string(to_string(o.scheme)).c_str(),
+             o.over_network() ? (o.udp() ? "UDP" : "TCP") : format("profile %d", o.profile).c_str(),
+             r.run.seconds, static_cast<unsigned long long>(o.seed),
+             std::string(to_string(o.scheme)).c_str(),
              std::string(to_string(o.predictor_kind())).c_str(), o.influence, o.update_hz);
   out += format("  %-26s %9s %9s %9s %9s %9s %9s\n", "", "p50", "p75", "p95", "p99", "max", "n");
   out += row("divergence, mm", m.divergence_m, 1e3);

@@ -176,6 +176,20 @@ TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[
   CHECK(o.connect == std::vector<std::string>{"a:1", "b:65535"});
 }
 
+TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
+  CHECK_FALSE(parse({"--listen", "1"}).udp());
+  const DemoOptions o = parse({"--listen", "1", "--key", "k", "--budget", "256"});
+  CHECK(o.udp());
+  CHECK(o.key == "k");
+  CHECK(o.budget == 256.0);
+  CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
+  CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
+        "--insecure = given breaks: has no meaning with --key");
+  CHECK(refusal({"--insecure"}) == "--insecure = given breaks: needs --listen or --connect");
+  CHECK(refusal({"--listen", "1", "--budget", "31"}) ==
+        "--budget = 31 breaks: kbit/s, a number from 32 to 1e6");
+}
+
 TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
   CHECK(refusal({"--profile", "6"}) == "--profile = 6 breaks: an integer from 0 to 5");
   CHECK(refusal({"--profile", "2.5"}) == "--profile = 2.5 breaks: an integer from 0 to 5");
