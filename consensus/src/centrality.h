@@ -30,12 +30,12 @@ struct Vote {
 /// A vote counts in full up to `full` times the cost of the best one, and nothing from `none` times
 /// that on.
 struct Periphery {
-  double full = 1.0;
-  double none = 1.1;
+  double full = 1.05;
+  double none = 1.18;
 };
 /// Of three votes in a row none is outside: they may be neighbours in a chain of many.
 constexpr Periphery periphery(std::size_t votes) {
-  return votes > 3 ? Periphery{} : Periphery{.full = 1.5, .none = 1.75};
+  return votes > 3 ? Periphery{} : Periphery{.full = 1.7, .none = 1.85};
 }
 
 /// How much each vote counts beside the others, by what it costs to reach them all from there; in
@@ -45,7 +45,7 @@ constexpr Periphery periphery(std::size_t votes) {
 /// What it is worth: say that votes in a ball of radius r have a part 1 - a of the weight, and one
 /// vote of weight a says whatever it likes. It counts nothing from the centre's distance
 ///   r (1 - a + p (2 - a)) / (1 - a - p a),  p = periphery().none
-/// on: 5.6 r for one of four, 43 r for one of three; and with r = 0 nothing at all. With a larger p
+/// on: 6.2 r for one of four, 75 r for one of three; and with r = 0 nothing at all. With a larger p
 /// more votes count, but from 1.25 on one that says something else to each can drive three apart.
 ///
 /// Votes that are moved or turned together count the same. Cost O(N^2), no allocation. Errors:
