@@ -208,6 +208,23 @@ constexpr Option kOptions[] = {
        o.bandwidth = number(name, text, 0.0, 1e12, kRule);
        if (o.bandwidth > 0.0 && o.bandwidth < 1.0) refuse(name, text, kRule);
      }},
+    {"--max-state", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.max_state_bytes = number(name, in.value(name), std::size_t{128}, std::size_t{65536},
+                                  "bytes, an integer from 128 to 65536");
+     }},
+    {"--compact", Where::Everywhere, read_flag<&DemoOptions::compact>},
+    {"--budget", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       constexpr std::string_view kRule = "kbit/s, 0 or a number from 8 to 1e6";
+       const std::string_view text = in.value(name);
+       o.budget = number(name, text, 0.0, 1e6, kRule);
+       if (o.budget > 0.0 && o.budget < 8.0) refuse(name, text, kRule);
+     }},
+    {"--tolerance", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.tolerance = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
+     }},
     {"--listen", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.listen = number(name, in.value(name), std::uint16_t{0}, std::uint16_t{65535},
@@ -346,6 +363,9 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
 consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
+  if (compact) result.sending.format = consensus::StateFormat::Compact;
+  result.sending.kbit_per_s = budget;
+  result.sending.tolerance = tolerance;
   result.influence.baseline = influence;
   if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement at all
   apply(other, result);
@@ -384,6 +404,7 @@ consensus::LinkOptions DemoOptions::link_options() const {
   result.duplicate = duplicate;
   result.reorder = reorder;
   result.bandwidth = bandwidth;
+  result.max_state_bytes = max_state_bytes;
   return result;
 }
 

@@ -55,10 +55,14 @@ struct DemoOptions {
   pbd::SolverOptions solver = {};                  ///< of peers on Tandem
   Ablation ablation;                               ///< parts that the run does without
   std::string variant;                             ///< of the scenario; "" = its default
-  double loss = 0.0;       ///< of the virtual link: chance that a state is lost
-  double duplicate = 0.0;  ///< chance that it comes twice
-  double reorder = 0.0;    ///< chance that it is overtaken
-  double bandwidth = 0.0;  ///< bit/s in each direction; 0 = unlimited
+  double loss = 0.0;                        ///< of the virtual link: chance that a state is lost
+  double duplicate = 0.0;                   ///< chance that it comes twice
+  double reorder = 0.0;                     ///< chance that it is overtaken
+  double bandwidth = 0.0;                   ///< bit/s in each direction; 0 = unlimited
+  std::size_t max_state_bytes = 64 * 1024;  ///< bytes of the longest state
+  bool compact = false;                     ///< states are rounded to few bits
+  double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = unlimited
+  double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes

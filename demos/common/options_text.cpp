@@ -16,6 +16,7 @@ All peers in one process, in virtual time (the default):
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
   --loss P --duplicate P --reorder P   chances for each state on the link (0)
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
+  --max-state N      bytes of the longest packet of states; 502 is an MTU of 576 (65536)
 One peer for each process, in wall time over TCP, or with a key over UDP:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
@@ -39,6 +40,9 @@ Session:
   --damped-start S   shares grow over this time since a peer was heard (0)
   --modelled-error M a predictor's own error that halves a share (0 = no rule)
   --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
+  --compact          states rounded to few bits
+  --budget K         kbit/s that a peer sends to each other one, headers included (0 = unlimited)
+  --tolerance M      states that the others expect nearly right are not sent (0 = all are)
   --update-hz F      states sent each second (60)
   --rates F,F,..     steps each second of the peers, in turn (60)
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
