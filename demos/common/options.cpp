@@ -245,10 +245,6 @@ constexpr Option kOptions[] = {
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
     {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
-    {"--budget", Where::Network,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.budget = number(name, in.value(name), 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
-     }},
     {"--seconds", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");

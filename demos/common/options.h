@@ -61,7 +61,7 @@ struct DemoOptions {
   double bandwidth = 0.0;                   ///< bit/s in each direction; 0 = unlimited
   std::size_t max_state_bytes = 64 * 1024;  ///< bytes of the longest state
   bool compact = false;                     ///< states are rounded to few bits
-  double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = unlimited
+  double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = no limit
   double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
@@ -72,7 +72,6 @@ struct DemoOptions {
   std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
   std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
   bool insecure = false;   ///< UDP on this machine alone, with a key that everybody knows
-  double budget = 2000.0;  ///< kbit/s, of each link over UDP
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none

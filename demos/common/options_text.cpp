@@ -23,7 +23,6 @@ One peer for each process, in wall time over TCP, or with a key over UDP:
   --peer-id N        unique in the session (1 with --listen alone, else 2)
   --key FILE         over UDP, encrypted; 64 hex digits, the same for all (tandem-key makes one)
   --insecure         over UDP, with a key that everybody knows; loopback addresses only
-  --budget B         of each link over UDP, kbit/s (2000)
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)
@@ -41,7 +40,8 @@ Session:
   --modelled-error M a predictor's own error that halves a share (0 = no rule)
   --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
   --compact          states rounded to few bits
-  --budget K         kbit/s that a peer sends to each other one, headers included (0 = unlimited)
+  --budget K         kbit/s that a peer sends to each other one, headers included (0 = unlimited;
+                     over UDP 2000)
   --tolerance M      states that the others expect nearly right are not sent (0 = all are)
   --update-hz F      states sent each second (60)
   --rates F,F,..     steps each second of the peers, in turn (60)
