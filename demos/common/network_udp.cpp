@@ -8,7 +8,6 @@
 #include "common/network.h"
 #include "common/session_key.h"
 #include "common/split_states.h"
-#include "tandem/net/clock.h"
 #include "tandem/net/session.h"
 #include "tandem/net/udp.h"
 
@@ -38,6 +37,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   result.scene_hash = scene_hash;
   result.port = options.listen.value_or(0);
   result.kbit_per_s = options.budget;
+  result.clock = options.timeline == Timeline::System ? net::Clock::System : net::Clock::Session;
   for (const std::string& text : options.connect) {
     const net::HostPort address = net::parse_host_port(text);
     if (options.insecure && !is_loopback(address.host)) {
@@ -62,7 +62,8 @@ class UdpNetwork final : public Network {
   explicit UdpNetwork(const net::UdpOptions& options) : transport_(options) {}
 
   consensus::Transport& transport() override { return split_; }
-  consensus::SessionTime now() override { return clock_.now(); }
+  consensus::SessionTime now() override { return transport_.session_now(); }
+  std::int64_t clock_error() const override { return transport_.clock().error_bound; }
   std::uint16_t local_port() const override { return transport_.local_port(); }
   std::string trouble() const override {
     std::string text;
@@ -80,7 +81,6 @@ class UdpNetwork final : public Network {
 
   net::UdpTransport transport_;
   SplitStates split_{transport_, kLongestState};
-  net::SessionClock clock_;
 };
 
 }  // namespace

@@ -228,6 +228,12 @@ constexpr Option kOptions[] = {
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
     {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
+    {"--clock", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view text = in.value(name);
+       if (text != "session" && text != "system") refuse(name, text, "session or system");
+       o.timeline = text == "system" ? Timeline::System : Timeline::Session;
+     }},
     {"--budget", Where::Network,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.budget = number(name, in.value(name), 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
