@@ -18,6 +18,8 @@ class Network {
   virtual consensus::Transport& transport() = 0;
   /// Session time, ns.
   virtual consensus::SessionTime now() = 0;
+  /// ns: how far now() can be from the others'; -1 = not known.
+  virtual std::int64_t clock_error() const = 0;
   virtual std::uint16_t local_port() const = 0;
   /// Why nobody has come, for who waits; "" where nothing is known.
   virtual std::string trouble() const = 0;

@@ -15,6 +15,7 @@ class TcpNetwork final : public Network {
 
   consensus::Transport& transport() override { return transport_; }
   consensus::SessionTime now() override { return clock_.now(); }
+  std::int64_t clock_error() const override { return -1; }
   std::uint16_t local_port() const override { return transport_.local_port(); }
   std::string trouble() const override {
     std::string text;

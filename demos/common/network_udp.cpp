@@ -7,8 +7,6 @@
 
 #include "common/network.h"
 #include "common/session_key.h"
-#include "common/split_states.h"
-#include "tandem/net/clock.h"
 #include "tandem/net/session.h"
 #include "tandem/net/udp.h"
 
@@ -40,6 +38,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   constexpr double kLink = 2000.0;  // kbit/s, where nothing is said
   result.kbit_per_s = options.budget > 0.0 ? options.budget : kLink;
   result.min_kbit_per_s = std::min(result.min_kbit_per_s, result.kbit_per_s);
+  result.clock = options.timeline == Timeline::System ? net::Clock::System : net::Clock::Session;
   for (const std::string& text : options.connect) {
     const net::HostPort address = net::parse_host_port(text);
     if (options.insecure && !is_loopback(address.host)) {
@@ -63,8 +62,9 @@ class UdpNetwork final : public Network {
  public:
   explicit UdpNetwork(const net::UdpOptions& options) : transport_(options) {}
 
-  consensus::Transport& transport() override { return split_; }
-  consensus::SessionTime now() override { return clock_.now(); }
+  consensus::Transport& transport() override { return transport_; }
+  consensus::SessionTime now() override { return transport_.session_now(); }
+  std::int64_t clock_error() const override { return transport_.clock().error_bound; }
   std::uint16_t local_port() const override { return transport_.local_port(); }
   std::string trouble() const override {
     std::string text;
@@ -78,11 +78,7 @@ class UdpNetwork final : public Network {
   }
 
  private:
-  static constexpr std::size_t kLongestState = 1154;  // see UdpTransport
-
   net::UdpTransport transport_;
-  SplitStates split_{transport_, kLongestState};
-  net::SessionClock clock_;
 };
 
 }  // namespace

@@ -245,6 +245,12 @@ constexpr Option kOptions[] = {
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
     {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
+    {"--clock", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view text = in.value(name);
+       if (text != "session" && text != "system") refuse(name, text, "session or system");
+       o.timeline = text == "system" ? Timeline::System : Timeline::Session;
+     }},
     {"--seconds", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");

@@ -31,6 +31,12 @@ enum class Scheme : std::uint8_t {
   Pd,            ///< virtual coupling, with the prediction and rules of TwoStepPaper
 };
 
+/// Where session time comes from over UDP; over TCP it is the system clock's.
+enum class Timeline : std::uint8_t {
+  Session,  ///< the session's own, agreed on in band
+  System,   ///< the system clock of hosts that PTP or NTP disciplines
+};
+
 /// What all demos understand on their command line.
 struct DemoOptions {
   int peers = 2;
@@ -72,6 +78,7 @@ struct DemoOptions {
   std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
   std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
   bool insecure = false;   ///< UDP on this machine alone, with a key that everybody knows
+  Timeline timeline = Timeline::Session;
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none

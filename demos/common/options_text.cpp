@@ -23,6 +23,8 @@ One peer for each process, in wall time over TCP, or with a key over UDP:
   --peer-id N        unique in the session (1 with --listen alone, else 2)
   --key FILE         over UDP, encrypted; 64 hex digits, the same for all (tandem-key makes one)
   --insecure         over UDP, with a key that everybody knows; loopback addresses only
+  --clock session|system   over UDP: time agreed on in the session, or the system clock, where PTP
+                     or NTP disciplines it (session)
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)

@@ -67,6 +67,7 @@ class Session {
       stop_.wait(std::chrono::nanoseconds(physics_.next_due() - network_->now()));
       advance();
     }
+    clock_error_ = network_->clock_error();
     // One state more from where we stand would be heard after the farewell.
     participant_.leave(physics_.physics_time());
     return result();
@@ -81,6 +82,13 @@ class Session {
   /// Take in what has come, so that the step that follows in one step's time knows it.
   void begin(SessionTime now) {
     rendezvous_.update(now);
+    // Nothing moves while nobody is there: all begin together, as in virtual time, not with a world
+    // that fell asleep while it waited.
+    in_company_ = in_company_ || rendezvous_.connected();
+    if (!in_company_) {
+      show(now);
+      return;
+    }
     if (rendezvous_.epoch() && !scripted_) {
       scripted_ = true;
       const std::size_t user = number_of(options_);
@@ -96,6 +104,7 @@ class Session {
   /// All steps that are due. The first one has begun already, unless time was jumped over.
   void advance() {
     const net::ClockTick tick = physics_.advance(network_->now());
+    if (!in_company_) return;
     SessionTime time = physics_.physics_time();
     for (const SessionTime step : tick.steps) time -= step;
     bool begun = tick.skipped == 0;
@@ -130,6 +139,7 @@ class Session {
     // The wait for company is no part of the session.
     const SessionTime from = rendezvous_.epoch().value_or(start_);
     run.seconds = net::seconds(std::max<SessionTime>(0, physics_.physics_time() - from));
+    run.clock_error = clock_error_ < 0 ? -1.0 : net::seconds(clock_error_);
     run.wall_s = net::seconds(std::max<SessionTime>(1, network_->now() - from));
     return run;
   }
@@ -145,6 +155,8 @@ class Session {
   SessionTime start_;
   net::PhysicsClock physics_;
   Progress progress_;
+  bool in_company_ = false;        ///< somebody was there once
+  std::int64_t clock_error_ = -1;  ///< ns
   bool scripted_ = false;
 };
 

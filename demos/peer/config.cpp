@@ -167,9 +167,13 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
   in.read("key", o.key);
   in.read("identity", o.identity);
   in.read("insecure", o.insecure);
+  std::string clock = "session";
+  in.read("clock", clock);
+  if (clock != "session" && clock != "system") in.refuse("clock", "\"session\" or \"system\"");
+  o.timeline = clock == "system" ? Timeline::System : Timeline::Session;
   in.read("kbit_per_s", o.budget, 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
   if (!udp) {
-    for (const char* key : {"key", "identity", "trusted", "insecure", "kbit_per_s"}) {
+    for (const char* key : {"key", "identity", "trusted", "insecure", "clock", "kbit_per_s"}) {
       if (in.has(key)) in.refuse(key, "has no meaning with transport = \"tcp\"");
     }
   } else if (o.key.empty() == !o.insecure) {

@@ -111,6 +111,10 @@ std::string metrics_text(const PeerFigures& f) {
   page.quantiles("", *f.step);
   page.begin("divergence_metres", "summary", "Of bodies' instances at all peers, of late.");
   page.quantiles("", *f.divergence);
+  if (f.clock_error >= 0.0) {
+    page.single("clock_error_bound_seconds", "gauge", "Of session time here, against the others'.",
+                f.clock_error);
+  }
   page.single("skipped_seconds_total", "counter", "Session time that was not simulated.",
               f.skipped);
   page.single("faults_total", "counter", "Steps after which the world was broken.",

@@ -26,6 +26,7 @@ struct PeerFigures {
   const RecentQuantiles* divergence = nullptr;  ///< m, of all peers; never null
   double uptime = 0.0;                          ///< s
   double skipped = 0.0;                         ///< s of session time that were not simulated
+  double clock_error = -1.0;                    ///< s, bound; < 0 = not known
   std::uint64_t faults = 0;                     ///< steps after which the world was broken
   std::uint64_t packets_rejected = 0;           ///< that did not decode
   std::uint64_t bodies_placed = 0;

@@ -217,12 +217,15 @@ class Node {
     figures.divergence = &divergence_.all();
     figures.uptime = uptime(now);
     figures.skipped = skipped_;
+    figures.clock_error = 1e-9 * static_cast<double>(network_->clock_error());
     figures.faults = faults_;
     figures.packets_rejected = peer_.stats().packets_rejected;
     figures.bodies_placed = peer_.stats().bodies_placed;
     for (const consensus::PeerStatus& status : peers) {
       const LinkFigures link = words_.figures(status.id);
-      figures.remotes.push_back({status, link.loss, link.round_trip, divergence_.of(status.id)});
+      const double round_trip =
+          status.round_trip < 0 ? link.round_trip : 1e-9 * static_cast<double>(status.round_trip);
+      figures.remotes.push_back({status, link.loss, round_trip, divergence_.of(status.id)});
     }
     if (metrics_) metrics_->publish(metrics_text(figures));
     if (log_.shows_status()) log_.status(status_text(figures, terminal_columns()));

@@ -214,6 +214,9 @@ TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
   CHECK(o.udp());
   CHECK(o.key == "k");
   CHECK(o.budget == 256.0);
+  CHECK(o.timeline == Timeline::Session);
+  CHECK(parse({"--listen", "1", "--clock", "system"}).timeline == Timeline::System);
+  CHECK(refusal({"--listen", "1", "--clock", "gps"}) == "--clock = gps breaks: session or system");
   CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
   CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
         "--insecure = given breaks: has no meaning with --key");
