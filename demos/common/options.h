@@ -77,7 +77,7 @@ struct DemoOptions {
   std::string key;       ///< file with the session's key, 64 hex digits: UDP, encrypted
   std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
   std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
-  bool insecure = false;   ///< UDP on this machine alone, with a key that everybody knows
+  bool insecure = false;  ///< UDP on this machine alone, with a key that everybody knows
   Timeline timeline = Timeline::Session;
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
