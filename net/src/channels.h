@@ -20,7 +20,7 @@ namespace tandem::net {
 
 struct ChannelOptions {
   std::size_t state_queue_bytes = 64 * 1024;       ///< waiting to be sent; the oldest go first
-  std::int64_t state_life = 50'000'000;            ///< ns; older ones are not sent any more
+  std::int64_t state_life = 200'000'000;           ///< ns; older ones are not sent any more
   std::size_t reliable_queue_bytes = 1024 * 1024;  ///< waiting or not acknowledged
   std::size_t max_message_bytes = 64 * 1024;       ///< of a reliable message
   std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< of either kind, not drained

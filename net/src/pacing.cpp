@@ -46,11 +46,8 @@ void Congestion::on_loss(double sent, double arrived, std::int64_t now) {
     series_loss_ = loss_;
     series_sent_ = sent;
     series_arrived_ = arrived;
-    rate_ = std::min(rate_, kProbe * sent);  // what is allowed and not asked for says nothing
-    return;
   }
-  // Packets that were on their way count as well: a little above the probe.
-  if (sent <= 1.1 * kProbe * series_sent_ && arrived <= 0.8 * series_arrived_) {
+  if (sent <= 0.6 * series_sent_ && arrived <= 0.8 * series_arrived_) {
     rate_ = series_rate_;
     overlooked_ = 1.3 * std::max(loss_, series_loss_) + 0.05;
     overlook_until_ = now + kOverlook;

@@ -64,12 +64,13 @@ struct CongestionOptions {
 ///
 /// - The least of the last round trips is longer than the least of the last 10 s by more than
 ///   50 ms: a queue has built up. x0.85, and not above 0.9 of what has arrived.
-/// - More than 10 % lost: 0.6 of what was sent, then x (1 - loss / 2).
+/// - More than 10 % lost: x (1 - loss / 2).
 /// - Less than 2 % lost, and the rate was what held back: x1.08.
 ///
 /// Loss that is not ours (radio, a bad line): where 0.6 of what was sent before is sent and what
 /// arrives has fallen with it, sending less did not help. The rate goes back to where it was, and
-/// that much loss is overlooked for two minutes. Where the loss was ours as much arrives as before.
+/// that much loss is overlooked for two minutes. Where the loss was ours as much arrives as
+/// before.
 /// The rules on loss are those of Google's congestion control (draft-ietf-rmcat-gcc-02, Sec. 6);
 /// the one on delay is simpler, the last one is our own.
 class Congestion {
@@ -89,7 +90,6 @@ class Congestion {
   static constexpr std::int64_t kLongest = 2'000'000'000;
   static constexpr std::int64_t kQueue = 50'000'000;
   static constexpr std::int64_t kOverlook = 120'000'000'000;
-  static constexpr double kProbe = 0.6;         // of what is sent, to see whether less loses less
   static constexpr std::uint64_t kEnough = 20;  // packets
 
   void on_loss(double sent, double arrived, std::int64_t now);

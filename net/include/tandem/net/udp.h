@@ -89,7 +89,7 @@ struct UdpRelayed {
 /// found libsodium.
 ///
 /// - Newest: one packet each, at most max_datagram - 46 bytes; post() refuses longer ones. Sent
-///   within the budget; what waits longer than 50 ms is dropped.
+///   within the budget; what waits longer than 200 ms is dropped.
 /// - Reliable: in order, cut into pieces, sent again until acknowledged, each once. What a broken
 ///   connection had not delivered goes on where the same process comes back; a restarted one starts
 ///   empty.
