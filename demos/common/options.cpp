@@ -138,6 +138,12 @@ constexpr Option kOptions[] = {
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
     {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
+    {"--transport", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view text = in.value(name);
+       if (text != "tcp" && text != "udp") refuse(name, text, "tcp or udp");
+       o.wire = text == "udp" ? Wire::Udp : Wire::Tcp;
+     }},
     {"--clock", Where::Network,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        const std::string_view text = in.value(name);
@@ -326,6 +332,9 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   }
   if (!options.key.empty() && options.insecure) {
     refuse("--insecure", "given", "has no meaning with --key");
+  }
+  if (options.wire == Wire::Udp && options.key.empty() && !options.insecure) {
+    refuse("--transport", "udp", "needs --key or --insecure");
   }
   // Who waits is user A, who calls is user B.
   if (options.over_network() && options.peer_id == 0) {

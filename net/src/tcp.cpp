@@ -5,9 +5,11 @@
 #include <chrono>
 #include <utility>
 
+#include "loopback.h"
 #include "peer_table.h"
 #include "require.h"
 #include "tcp_mesh.h"
+#include "tcp_security.h"
 
 namespace tandem::net {
 
@@ -21,6 +23,26 @@ void TcpOptions::validate() const {
   check(!listen_port || !listen_address.empty(), "listen_address", listen_address, "an address");
   for (const HostPort& address : connect) {
     check(!address.host.empty() && address.port != 0, "connect", to_string(address), "HOST:PORT");
+  }
+  // A key is not for error messages.
+  const std::string given = "given";
+  if (session_key) {
+    check(has_protection(), "session_key", given, "none in a build without libsodium");
+    check(*session_key != Key{}, "session_key", std::string("zero"), "secret");
+    check(!insecure, "insecure", std::string("true"), "false with a session_key");
+  } else {
+    check(!identity, "identity", given, "none without a session_key");
+    check(trusted.empty(), "trusted", given, "empty without a session_key");
+  }
+  for (const TrustedPeer& each : trusted) {
+    check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
+  }
+  if (!session_key && !insecure) {
+    constexpr const char* kRule = "of this machine where there is neither session_key nor insecure";
+    check(!listen_port || is_loopback(listen_address), "listen_address", listen_address, kRule);
+    for (const HostPort& address : connect) {
+      check(is_loopback(address.host), "connect", to_string(address), kRule);
+    }
   }
   check(max_frame_bytes >= 64 && max_frame_bytes <= 16 * kMebi, "max_frame_bytes", max_frame_bytes,
         "in [64, 16 MiB]");
@@ -41,6 +63,8 @@ namespace {
 
 TcpOptions complete(TcpOptions options) {
   options.validate();
+  options.session_key.reset();  // TcpSecurity has them
+  options.identity.reset();
   if (options.incarnation == 0) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     options.incarnation = static_cast<std::uint64_t>(
@@ -54,7 +78,7 @@ TcpOptions complete(TcpOptions options) {
 class TcpTransport::Impl {
  public:
   explicit Impl(const TcpOptions& given)
-      : options(complete(given)), table(options), mesh(options, table) {}
+      : options(complete(given)), table(options), mesh(options, table, make_tcp_security(given)) {}
 
   const TcpOptions options;
   PeerTable table;

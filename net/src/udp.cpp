@@ -58,16 +58,6 @@ UdpNodeOptions node_options(const UdpOptions& options) {
 
 }  // namespace
 
-UdpKey make_udp_key() {
-  UdpKey out{};
-  crypto::system_random()(out);
-  return out;
-}
-
-UdpKey udp_public_key(const UdpKey& identity) {
-  return crypto::public_key_of(crypto::Secret(identity));
-}
-
 void UdpOptions::validate() const {
   const auto check = [](bool ok, const char* field, auto value, const char* rule) {
     require(ok, "UdpOptions", field, value, rule);
