@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Renderer, light, background: what is there before anything of a session is known.
+import * as THREE from './three.module.min.js';
+
+/** Colours of what has none of its own; the page's own colours are in style.css. */
+export const THEMES = {
+  light: {background: '#e9eef3', ground: '#dfe6ec', line: '#8fa1b3', wall: '#eef2f5',
+          fixed: '#c3ccd6', sky: '#ffffff', below: '#c9d2da', ambient: 1.75, sun: 2.3},
+  dark: {background: '#0f151b', ground: '#1b242d', line: '#5d7286', wall: '#222c36',
+         fixed: '#5a6877', sky: '#b9cbe0', below: '#26303a', ambient: 1.15, sun: 2.1},
+};
+
+const SLOW = 45;  // ms a picture may take before there are fewer pixels
+
+/** One renderer for all panes, and the scene that they share. */
+export class Stage {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {{still: boolean}} options  still: pictures, as good as it gets however long it takes
+   */
+  constructor(canvas, {still}) {
+    this.still = still;
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: still});
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
+    this.ratio = Math.min(2, window.devicePixelRatio || 1);
+    this.scene = new THREE.Scene();
+    this.scene.fog = new THREE.Fog('#fff', 1, 100);
+    this.scene.background = new THREE.Color();
+    this.hemisphere = new THREE.HemisphereLight();
+    this.hemisphere.position.set(0, 0, 1);
+    this.sun = new THREE.DirectionalLight('#fff6ea');
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.setScalar(still ? 4096 : 2048);
+    this.sun.shadow.radius = still ? 5 : 3;
+    this.scene.add(this.hemisphere, this.sun, this.sun.target);
+    this.slowness = 0;  // ms, mean of what pictures take
+  }
+
+  /** @param {object} theme  of THEMES */
+  paint(theme) {
+    this.scene.background.set(theme.background);
+    this.scene.fog.color.set(theme.background);
+    this.hemisphere.color.set(theme.sky);
+    this.hemisphere.groundColor.set(theme.below);
+    this.hemisphere.intensity = theme.ambient;
+    this.sun.intensity = theme.sun;
+  }
+
+  /** @param {THREE.Vector3} centre  m @param {number} radius  m: what casts shadows is within */
+  lightUp(centre, radius) {
+    this.sun.target.position.copy(centre);
+    this.sun.position.copy(centre).add(new THREE.Vector3(-0.45, -0.6, 1.15).multiplyScalar(
+      2 * radius));
+    const camera = this.sun.shadow.camera;
+    camera.left = camera.bottom = -radius;
+    camera.right = camera.top = radius;
+    camera.near = 0.2 * radius;
+    camera.far = 5 * radius;
+    camera.updateProjectionMatrix();
+    this.sun.shadow.normalBias = 0.004 * radius;
+    this.sun.shadow.bias = -0.0004;
+  }
+
+  /** @param {number} width  CSS pixels @param {number} height  CSS pixels */
+  resize(width, height) {
+    this.width = width;
+    this.height = height;
+    this.renderer.setPixelRatio(this.ratio);
+    this.renderer.setSize(width, height, false);
+  }
+
+  /**
+   * Draws one pane.
+   * @param {{x: number, y: number, width: number, height: number}} rect  CSS pixels, y down
+   * @param {THREE.PerspectiveCamera} camera
+   * @param {number} distance  m, from the camera to what it looks at
+   */
+  draw(rect, camera, distance) {
+    this.scene.fog.near = 3 * distance;
+    this.scene.fog.far = 12 * distance;
+    const bottom = this.height - rect.y - rect.height;
+    this.renderer.setViewport(rect.x, bottom, rect.width, rect.height);
+    this.renderer.setScissor(rect.x, bottom, rect.width, rect.height);
+    this.renderer.setScissorTest(true);
+    this.renderer.render(this.scene, camera);
+  }
+
+  /** Fewer pixels where pictures take too long. @param {number} took  ms since the one before */
+  adapt(took) {
+    if (this.still || took > 1000) return;
+    this.slowness += 0.05 * (took - this.slowness);
+    if (this.slowness < SLOW) return;
+    if (this.ratio > 0.75) {
+      this.ratio = Math.max(0.75, this.ratio - 0.5);
+      this.resize(this.width, this.height);
+    } else if (this.sun.shadow.mapSize.x > 1024) {
+      this.sun.shadow.mapSize.setScalar(1024);
+      this.sun.shadow.map?.dispose();
+      this.sun.shadow.map = null;
+    }
+    this.slowness = 0;
+  }
+}
