@@ -26,8 +26,8 @@ export function peerName(peer) {
  */
 export function bodyColour(body, index) {
   if (body.owner !== null && body.owner !== undefined) return new Color(peerColour(body.owner));
-  const colour = new Color(BODIES[index % BODIES.length]);
-  // Later rounds of the palette are a little lighter or darker.
-  const round = Math.floor(index / BODIES.length) % 4;
-  return colour.offsetHSL(0, 0, [0, 0.05, -0.05, 0.09][round]);
+  // Later rounds of the palette begin elsewhere and are a little lighter or darker.
+  const round = Math.floor(index / BODIES.length);
+  const colour = new Color(BODIES[(index + 3 * round) % BODIES.length]);
+  return colour.offsetHSL(0, 0, [0, 0.05, -0.05, 0.09][round % 4]);
 }

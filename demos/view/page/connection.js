@@ -51,6 +51,7 @@ export class Connection {
   }
 
   receiveText(message) {
+    if (typeof message?.type !== 'string') throw new ProtocolError('a message without a type');
     if (message.type !== 'hello') {
       this.handlers.text(message);
       return;

@@ -113,8 +113,12 @@ export class Controls {
   }
 
   showChoice(name, value) {
-    if (value === undefined || value === null) return;
+    if (value === undefined) return;
     const field = this.byId(name);
+    if (value === null) {
+      field.replaceChildren(new Option(name === 'profile' ? 'a real network' : '–'));
+      return;
+    }
     // What a run over a network uses is told, though it cannot be chosen.
     if (![...field.options].some((option) => option.value === String(value))) {
       field.append(new Option(name === 'profile' ? PROFILES[value] ?? value : value, value));

@@ -65,12 +65,12 @@ function withGrid(material, uniforms) {
           vec2 w = fwidth(p);
           vec2 d = abs(fract(p - 0.5) - 0.5) / max(w, 1e-6);
           float line = 1.0 - min(min(d.x, d.y) / width, 1.0);
-          return line * (1.0 - smoothstep(0.1, 0.45, max(w.x, w.y)));
+          return line * (1.0 - smoothstep(0.06, 0.3, max(w.x, w.y)));
         }`)
       .replace('#include <color_fragment>', `#include <color_fragment>
         float fine = gridLine(vPlace.xy / uCell, 1.0);
-        float coarse = gridLine(vPlace.xy / (10.0 * uCell), 1.6);
-        diffuseColor.rgb = mix(diffuseColor.rgb, uLine, max(0.45 * fine, 0.9 * coarse));`);
+        float coarse = gridLine(vPlace.xy / (5.0 * uCell), 1.4);
+        diffuseColor.rgb = mix(diffuseColor.rgb, uLine, max(0.3 * fine, 0.75 * coarse));`);
   };
   return material;
 }
@@ -132,7 +132,9 @@ export class Fixed extends THREE.Group {
   paint(theme) {
     this.uniforms.uLine.value.set(theme.line);
     this.ground.color.set(theme.ground);
+    // Walls turn away from the sun.
     this.wall.color.set(theme.wall);
+    this.wall.emissive.set(theme.wall).multiplyScalar(0.3);
     this.solid.color.set(theme.fixed);
   }
 

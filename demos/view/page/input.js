@@ -60,6 +60,14 @@ export class Input {
     this.ray.far = camera.far;
     return camera;
   }
+  /** @param {number} x  CSS pixels of the canvas @param {number} y
+   *  @returns {?{body: number, point: THREE.Vector3}}  what would be held there */
+  hitAt(x, y) {
+    const pane = paneAt(this.page.panes(), x, y);
+    if (!pane || !this.page.bodies()) return null;
+    this.aim(pane, x, y);
+    return this.page.bodies().hit(this.ray, pane.peer);
+  }
   at(event) {
     const box = this.canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -90,7 +98,7 @@ export class Input {
     pointer.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, hit.point);
     pointer.grab = {
       id: this.nextId++, peer: pane.peer, body: hit.body, anchor: hit.point.clone(), sent: 0,
-      local: hit.point.clone().applyMatrix4(bodies.matrix(pane.peer, hit.body).clone().invert()),
+      local: hit.point.clone().applyMatrix4(bodies.bodyMatrix(pane.peer, hit.body).clone().invert()),
     };
     this.page.send({type: 'grab', id: pointer.grab.id, pane: pane.peer, body: hit.body,
                     point: hit.point.toArray()});
@@ -118,14 +126,10 @@ export class Input {
 
   /** The hand shows what can be held. */
   hover(event, x, y) {
-    const bodies = this.page.bodies();
-    const pane = paneAt(this.page.panes(), x, y);
-    if (event.pointerType !== 'mouse' || !bodies || !pane) return;
     const now = performance.now();
-    if (now - (this.hovered ?? 0) < 80) return;
+    if (event.pointerType !== 'mouse' || now - (this.hovered ?? 0) < 80) return;
     this.hovered = now;
-    this.aim(pane, x, y);
-    this.canvas.classList.toggle('over', bodies.hit(this.ray, pane.peer) !== null);
+    this.canvas.classList.toggle('over', this.hitAt(x, y) !== null);
   }
 
   pull(pointer) {
@@ -195,10 +199,7 @@ export class Input {
 
   double(event) {
     const [x, y] = this.at(event);
-    const pane = paneAt(this.page.panes(), x, y);
-    if (!pane) return;
-    this.aim(pane, x, y);
-    if (this.page.bodies()?.hit(this.ray, pane.peer)) return;
+    if (this.hitAt(x, y)) return;
     this.page.orbit.reset();
     this.page.redraw();
   }

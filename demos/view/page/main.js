@@ -30,6 +30,7 @@ const page = {
   hello: null, bodies: null, fixed: null, overlays: null, panes: [], frame: null, settings: {},
   frames: 0, drawn: 0, connected: false, overlay: on('overlay'), marks: on('marks'),
   arrival: 0, interval: 1000 / 60, settled: true, dirty: true, stopped: false, messages: [],
+  drawnAt: 0, next: 0, justDrew: false,
 };
 document.body.classList.toggle('still', still);
 const canvas = byId('view');
@@ -163,9 +164,12 @@ function state(name) {
 function draw(now) {
   requestAnimationFrame(draw);
   input.flush();
-  if (!page.dirty || !page.bodies || !page.frame) return;
-  stage.adapt(now - (page.drawnAt ?? now));
+  // The next picture after one is late by what that one took.
+  if (page.justDrew) page.next = now + stage.adapt(now - page.drawnAt);
+  page.justDrew = false;
+  if (!page.dirty || !page.bodies || !page.frame || now < page.next) return;
   page.drawnAt = now;
+  page.justDrew = true;
   const t = still ? 1 : Math.min(1, Math.max(0, (performance.now() - page.arrival) / page.interval));
   if (!page.settled) page.bodies.move(t);
   page.settled = t === 1;
@@ -182,7 +186,7 @@ function draw(now) {
   ++page.drawn;
 }
 
-publish(window, {page, connection, orbit, canvas, stage});
+publish(window, {page, connection, orbit, canvas, stage, input});
 darkness.addEventListener('change', theme);
 new ResizeObserver(arrange).observe(canvas.parentElement);
 canvas.addEventListener('pointerdown', () => byId('hint').classList.add('gone'));

@@ -8,6 +8,7 @@ import {peerColour} from './colours.js';
 import {Dots, Sticks} from './marks.js';
 
 const CONTACT = new THREE.Color('#e5484d');
+const ELSEWHERE = new THREE.Color('#8a94a0');  // peers that have no pane here
 
 /** Marks of one peer. */
 class PeerMarks extends THREE.Group {
@@ -59,7 +60,7 @@ export class Overlays extends THREE.Group {
       marks.dots.draw(from, 0.5 * unit, CONTACT);
     }
     for (const {anchor, attachment, user} of overlays.springs) {
-      const colour = this.colours[user % this.colours.length];
+      const colour = this.colours[user] ?? ELSEWHERE;
       from.fromArray(attachment);
       to.fromArray(anchor);
       marks.sticks.addCoil(from, to, 0.9 * unit, colour);
@@ -68,14 +69,15 @@ export class Overlays extends THREE.Group {
     }
     for (const {body, peer, position} of overlays.targets) {
       to.fromArray(position);
-      marks.targets.draw(to, 1.2 * unit, this.colours[peer]);
-      marks.sticks.draw(bodies.place(p, body, from), to, 0.25 * unit, this.colours[peer]);
+      const colour = this.colours[peer] ?? ELSEWHERE;
+      marks.targets.draw(to, 1.2 * unit, colour);
+      marks.sticks.draw(bodies.place(p, body, from), to, 0.25 * unit, colour);
     }
   }
 
   drawGrab(marks, p, grab, bodies, overlays) {
     const unit = 0.01 * this.size;
-    const from = grab.local.clone().applyMatrix4(bodies.matrix(p, grab.body));
+    const from = grab.local.clone().applyMatrix4(bodies.bodyMatrix(p, grab.body));
     // With overlays on, the spring is among what the server tells.
     if (!overlays) marks.sticks.addCoil(from, grab.anchor, 0.9 * unit, this.colours[p]);
     marks.dots.draw(grab.anchor, 1.3 * unit, this.colours[p]);

@@ -5,6 +5,8 @@
 // quaternions x y z w, world frame with z up.
 
 export const PROTOCOL = 1;
+/** In place of a peer that has no pane here. */
+export const ELSEWHERE = -1;
 const FRAME = 1;
 const KEY = 1;
 const OVERLAYS = 2;
@@ -23,12 +25,12 @@ export class ProtocolError extends Error {}
  * @typedef {object} Spring
  * @property {number[]} anchor      m, world: where it is pulled to
  * @property {number[]} attachment  m, world: where it pulls
- * @property {number} user          user or peer
+ * @property {number} user          index in hello of the peer whose user pulls, or ELSEWHERE
  * @property {boolean} own          of this peer's own user
  *
  * @typedef {object} Target
  * @property {number} body        index in hello
- * @property {number} peer        index in hello
+ * @property {number} peer        index in hello, or ELSEWHERE
  * @property {number[]} position  m, world: where that peer is believed to have the body
  *
  * @typedef {object} Overlays
@@ -176,14 +178,16 @@ export class FrameDecoder {
     const contacts = list(() => (
       {point: reader.vec3(), normal: reader.vec3(), depth: reader.f32()}));
     const springs = list(() => (
-      {anchor: reader.vec3(), attachment: reader.vec3(), user: reader.u8(),
+      {anchor: reader.vec3(), attachment: reader.vec3(), user: this.peerOf(reader.u8()),
        own: reader.u8() === 1}));
     const targets = list(() => (
-      {body: reader.u16(), peer: reader.u16(), position: reader.vec3()}));
+      {body: reader.u16(), peer: this.peerOf(reader.u16()), position: reader.vec3()}));
     const at = reader.need(this.bodies);
     const influence = new Uint8Array(reader.view.buffer.slice(at, at + this.bodies));
-    return {contacts, springs,
-            targets: targets.filter((t) => t.body < this.bodies && t.peer < this.peers.length),
-            influence};
+    return {contacts, springs, targets: targets.filter((t) => t.body < this.bodies), influence};
+  }
+
+  peerOf(index) {
+    return index < this.peers.length ? index : ELSEWHERE;
   }
 }

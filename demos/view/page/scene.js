@@ -177,7 +177,7 @@ export class Bodies extends THREE.Group {
     return out.fromArray(this.peers[peer].shown.positions, 3 * body);
   }
   /** @returns {THREE.Matrix4}  body to world, as drawn */
-  matrix(peer, body) {
+  bodyMatrix(peer, body) {
     return this.peers[peer].matrices[body];
   }
 

@@ -6,7 +6,7 @@ import * as THREE from './three.module.min.js';
 
 /** Colours of what has none of its own; the page's own colours are in style.css. */
 export const THEMES = {
-  light: {background: '#e9eef3', ground: '#dfe6ec', line: '#8fa1b3', wall: '#eef2f5',
+  light: {background: '#e9eef3', ground: '#dfe6ec', line: '#8899aa', wall: '#f4f7fa',
           fixed: '#c3ccd6', sky: '#ffffff', below: '#c9d2da', ambient: 1.75, sun: 2.3},
   dark: {background: '#0f151b', ground: '#1b242d', line: '#5d7286', wall: '#222c36',
          fixed: '#5a6877', sky: '#b9cbe0', below: '#26303a', ambient: 1.15, sun: 2.1},
@@ -89,19 +89,29 @@ export class Stage {
     this.renderer.render(this.scene, camera);
   }
 
-  /** Fewer pixels where pictures take too long. @param {number} took  ms since the one before */
+  /**
+   * Fewer pixels, then no soft shadows, where pictures take too long.
+   * @param {number} took  ms since the one before
+   * @returns {number}  ms to leave to others before the next one
+   */
   adapt(took) {
-    if (this.still || took > 1000) return;
-    this.slowness += 0.05 * (took - this.slowness);
-    if (this.slowness < SLOW) return;
+    if (this.still || took > 2000) return 0;
+    this.slowness += Math.min(0.3, took / 1500) * (took - this.slowness);
+    if (this.slowness < SLOW) return 0;
+    const rest = 0.4 * this.slowness;
     if (this.ratio > 0.75) {
       this.ratio = Math.max(0.75, this.ratio - 0.5);
       this.resize(this.width, this.height);
+      this.slowness = 0.7 * SLOW;
     } else if (this.sun.shadow.mapSize.x > 1024) {
       this.sun.shadow.mapSize.setScalar(1024);
       this.sun.shadow.map?.dispose();
       this.sun.shadow.map = null;
+      this.slowness = 0.7 * SLOW;
+    } else if (this.slowness > 3 * SLOW && this.ratio > 0.5) {
+      this.ratio = 0.5;
+      this.resize(this.width, this.height);
     }
-    this.slowness = 0;
+    return rest;
   }
 }

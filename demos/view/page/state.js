@@ -6,9 +6,9 @@ import * as THREE from './three.module.min.js';
 
 /**
  * @param {Window} window
- * @param {object} parts  page, connection, orbit, canvas, stage
+ * @param {object} parts  page, connection, orbit, canvas, stage, input
  */
-export function publish(window, {page, connection, orbit, canvas, stage}) {
+export function publish(window, {page, connection, orbit, canvas, stage, input}) {
   const indexOf = (body) => (typeof body === 'number'
     ? body : page.hello.bodies.findIndex((b) => b.name === body));
   const view = {
@@ -43,6 +43,12 @@ export function publish(window, {page, connection, orbit, canvas, stage}) {
       const {positions: p, orientations: q} = page.frame.peers[peer];
       return Object.fromEntries(page.hello.bodies.map((body, b) => (
         [body.name, [...p.subarray(3 * b, 3 * b + 3), ...q.subarray(4 * b, 4 * b + 4)]])));
+    },
+    /** @returns {?string}  name of the body that a pointer there would hold */
+    bodyAt(clientX, clientY) {
+      const box = canvas.getBoundingClientRect();
+      const hit = input.hitAt(clientX - box.left, clientY - box.top);
+      return hit && page.hello.bodies[hit.body].name;
     },
     /** @returns {number[]}  clientX, clientY of a body's centre, or of a point (m, world) */
     project(body, peer, point = null) {
