@@ -67,7 +67,8 @@ test('any 32 bits are a rotation', () => {
 });
 
 test('a rotation survives to within the step of ten bits', () => {
-  for (const q of [[0.1, -0.7, 0.1, 0.7], [-0.5, 0.5, 0.5, -0.5], [0, 0, 0, -1], [0.9, 0, 0.3, 0.3]]) {
+  for (const q of [[0.1, -0.7, 0.1, 0.7], [-0.5, 0.5, 0.5, -0.5], [0, 0, 0, -1],
+                   [0.9, 0, 0.3, 0.3]]) {
     const length = Math.hypot(...q);
     const unit = q.map((v) => v / length);
     const {peers} = new FrameDecoder(hello(1)).decode(

@@ -165,8 +165,10 @@ describe('a session', {timeout: 900000}, () => {
       const before = {...observer.settings};
       const rubbish = [
         '{{{', '[]', '"text"', '{}', '\u0000', '{"type":"dance"}', '{"type":"set","name":"speed"}',
-        '{"type":"set","name":"influence","value":7}', '{"type":"set","name":"speed","value":1e999}',
-        '{"type":"set","name":"profile","value":2.5}', '{"type":"set","name":"paused","value":"yes"}',
+        '{"type":"set","name":"influence","value":7}',
+        '{"type":"set","name":"speed","value":1e999}',
+        '{"type":"set","name":"profile","value":2.5}',
+        '{"type":"set","name":"paused","value":"yes"}',
         '{"type":"grab","id":1,"pane":9,"body":0,"point":[0,0,0]}',
         '{"type":"grab","id":1,"pane":0,"body":-1,"point":[0,0,0]}',
         '{"type":"grab","id":1,"pane":0,"body":0,"point":[0,0]}',

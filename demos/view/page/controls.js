@@ -9,6 +9,12 @@ const PROFILES = ['0 · no delay', '1 · 3.5 ms', '2 · 6 ms', '3 · 28.5 ms', '
 const FIELDS = ['profile', 'predictor', 'scheme'];
 const RANGES = ['speed', 'influence'];
 
+/** What a choice is called. */
+function optionText(name, value) {
+  if (name === 'profile') return PROFILES[value] ?? String(value);
+  return String(value).replaceAll('-', ' ');
+}
+
 /** The controls of the page. */
 export class Controls {
   /**
@@ -78,8 +84,7 @@ export class Controls {
       const field = this.byId(name);
       const values = choices[name] ?? [];
       field.disabled = !live || values.length === 0;
-      field.replaceChildren(...values.map((value) => new Option(
-        name === 'profile' ? PROFILES[value] ?? value : String(value).replaceAll('-', ' '), value)));
+      field.replaceChildren(...values.map((value) => new Option(optionText(name, value), value)));
     }
     for (const name of RANGES) {
       const field = this.byId(name);
@@ -121,7 +126,7 @@ export class Controls {
     }
     // What a run over a network uses is told, though it cannot be chosen.
     if (![...field.options].some((option) => option.value === String(value))) {
-      field.append(new Option(name === 'profile' ? PROFILES[value] ?? value : value, value));
+      field.append(new Option(optionText(name, value), value));
     }
     field.value = value;
   }

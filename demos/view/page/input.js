@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Mouse, pen and fingers on the canvas. Who comes down on a body holds it at that point and moves it
-// in the plane that faces the camera; elsewhere one turns the view, two fingers or the wheel zoom.
+// Mouse, pen and fingers on the canvas. Who comes down on a body holds it at that point and moves
+// it in the plane that faces the camera; elsewhere one turns the view, two fingers or the wheel
+// zoom.
 import * as THREE from './three.module.min.js';
 import {paneAt} from './panes.js';
 
@@ -96,9 +97,10 @@ export class Input {
     if (!hit) return;
     const facing = camera.getWorldDirection(new THREE.Vector3());
     pointer.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, hit.point);
+    const toLocal = bodies.bodyMatrix(pane.peer, hit.body).clone().invert();
     pointer.grab = {
       id: this.nextId++, peer: pane.peer, body: hit.body, anchor: hit.point.clone(), sent: 0,
-      local: hit.point.clone().applyMatrix4(bodies.bodyMatrix(pane.peer, hit.body).clone().invert()),
+      local: hit.point.clone().applyMatrix4(toLocal),
     };
     this.page.send({type: 'grab', id: pointer.grab.id, pane: pane.peer, body: hit.body,
                     point: hit.point.toArray()});

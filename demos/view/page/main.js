@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Puts the page together. ?pane=0 one peer alone, ?overlay=1 all in one pane, ?still=1 for pictures,
-// ?marks=1 contacts, springs, targets and influence, ?theme=dark, ?look= (see camera.js), ?until=7.5
-// pauses the session at that time (s).
+// Puts the page together. ?pane=0 one peer alone, ?overlay=1 all in one pane, ?still=1 for
+// pictures, ?marks=1 contacts, springs, targets and influence, ?theme=dark, ?look= (see camera.js),
+// ?until=7.5 pauses the session at that time (s).
 import * as THREE from './three.module.min.js';
 import {lookAt, Orbit, parseLook} from './camera.js';
 import {Connection} from './connection.js';
@@ -46,7 +46,11 @@ const connection = new Connection(socket.href, {hello, frame, text, state});
 const send = (message) => connection.send(message);
 const input = new Input(canvas, {panes: () => page.panes, bodies: () => page.bodies, orbit, send,
                                  redraw});
-const controls = new Controls(document, {send, overlay, marks, home() { orbit.reset(); redraw(); }});
+const home = () => {
+  orbit.reset();
+  redraw();
+};
+const controls = new Controls(document, {send, overlay, marks, home});
 
 function theme() {
   const name = query.get('theme') ?? (darkness.matches ? 'dark' : 'light');
@@ -170,7 +174,8 @@ function draw(now) {
   if (!page.dirty || !page.bodies || !page.frame || now < page.next) return;
   page.drawnAt = now;
   page.justDrew = true;
-  const t = still ? 1 : Math.min(1, Math.max(0, (performance.now() - page.arrival) / page.interval));
+  const t = still ? 1 : THREE.MathUtils.clamp((performance.now() - page.arrival) / page.interval,
+                                              0, 1);
   if (!page.settled) page.bodies.move(t);
   page.settled = t === 1;
   page.dirty = !page.settled;

@@ -44,7 +44,9 @@ export class Overlays extends THREE.Group {
       marks.all.forEach((mark) => mark.clear());
       const overlays = frame?.peers[p].overlays;
       if (overlays) this.drawOverlays(marks, p, overlays, bodies);
-      for (const grab of grabs) if (grab.peer === p) this.drawGrab(marks, p, grab, bodies, overlays);
+      for (const grab of grabs) {
+        if (grab.peer === p) this.drawGrab(marks, p, grab, bodies, overlays);
+      }
       marks.all.forEach((mark) => mark.show());
     });
   }

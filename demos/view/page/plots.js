@@ -110,7 +110,8 @@ export class Plots {
     if (now - this.last < PERIOD || this.parent.offsetParent === null) return;
     this.last = now;
     const style = getComputedStyle(this.parent);
-    const colours = {text: style.getPropertyValue('--soft'), line: style.getPropertyValue('--rule')};
+    const colours = {text: style.getPropertyValue('--soft'),
+                     line: style.getPropertyValue('--rule')};
     this.plots.forEach((plot) => plot.draw(colours));
   }
 }

@@ -148,7 +148,10 @@ export class Bodies extends THREE.Group {
     for (const peer of this.peers) peer.move(t);
   }
 
-  /** @param {Set<number>} peers  who is seen @param {boolean} ghosts  all but the first are ghosts */
+  /**
+   * @param {Set<number>} peers  who is seen
+   * @param {boolean} ghosts     all but the first are ghosts
+   */
   show(peers, ghosts) {
     const first = Math.min(...peers);
     this.peers.forEach((peer, p) => {
@@ -164,7 +167,8 @@ export class Bodies extends THREE.Group {
    *   it is a user's own
    */
   hit(ray, peer) {
-    for (const {object, point, instanceId} of ray.intersectObjects(this.peers[peer].meshes, false)) {
+    const hits = ray.intersectObjects(this.peers[peer].meshes, false);
+    for (const {object, point, instanceId} of hits) {
       const {body} = object.userData.entries[instanceId];
       const {owner} = this.hello.bodies[body];
       if (owner === null || owner === undefined) return {body, point};

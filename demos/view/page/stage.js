@@ -22,7 +22,8 @@ export class Stage {
    */
   constructor(canvas, {still}) {
     this.still = still;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: still});
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true,
+                                             preserveDrawingBuffer: still});
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.renderer.toneMapping = THREE.NeutralToneMapping;

@@ -24,7 +24,8 @@ export function packQuaternion(q) {
 /** @param {number[]} p  m @param {number} unit  m @param {boolean} turned @returns {number[]} */
 export function packPosition(p, unit, turned) {
   const [x, y, z] = p.map((v) => Math.round(v / unit) + 0x100000);
-  return [((x | (y << 21)) >>> 0), (((y >>> 11) | (z << 10)) & 0x7fffffff) + (turned ? 2 ** 31 : 0)];
+  return [(x | (y << 21)) >>> 0,
+          (((y >>> 11) | (z << 10)) & 0x7fffffff) + (turned ? 2 ** 31 : 0)];
 }
 
 /** Bytes that grow. */
