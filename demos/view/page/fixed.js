@@ -48,6 +48,12 @@ function polygonGeometry(polygon, normal) {
   return geometry;
 }
 
+/** The largest of 1, 2, 5, 10, 20, .. that is not above a value. */
+function niceStep(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return decade * [5, 2, 1].find((step) => step * decade <= value * 1.0001);
+}
+
 /** Paints lines of two spacings (m) in world x and y upon a standard material. */
 function withGrid(material, uniforms) {
   material.onBeforeCompile = (shader) => {
@@ -84,8 +90,7 @@ export class Fixed extends THREE.Group {
    */
   constructor(parts, size, theme) {
     super();
-    this.cell = 10 ** Math.floor(Math.log10(Math.max(0.02, 0.4 * size)));
-    this.uniforms = {uCell: {value: 0.1 * this.cell}, uLine: {value: new THREE.Color()}};
+    this.uniforms = {uCell: {value: niceStep(size / 20)}, uLine: {value: new THREE.Color()}};
     this.solid = new THREE.MeshStandardMaterial({roughness: 0.85, vertexColors: true});
     this.ground = withGrid(new THREE.MeshStandardMaterial({roughness: 1}), this.uniforms);
     this.wall = new THREE.MeshStandardMaterial({roughness: 1});

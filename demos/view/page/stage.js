@@ -8,8 +8,8 @@ import * as THREE from './three.module.min.js';
 export const THEMES = {
   light: {background: '#e9eef3', ground: '#dfe6ec', line: '#8899aa', wall: '#f4f7fa',
           fixed: '#c3ccd6', sky: '#ffffff', below: '#c9d2da', ambient: 1.75, sun: 2.3},
-  dark: {background: '#0f151b', ground: '#1b242d', line: '#5d7286', wall: '#222c36',
-         fixed: '#5a6877', sky: '#b9cbe0', below: '#26303a', ambient: 1.15, sun: 2.1},
+  dark: {background: '#161d24', ground: '#333e49', line: '#8294a8', wall: '#3a4550',
+         fixed: '#6b7a8a', sky: '#dfe9f5', below: '#56636f', ambient: 1.6, sun: 2.6},
 };
 
 const SLOW = 45;  // ms a picture may take before there are fewer pixels
