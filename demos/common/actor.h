@@ -26,6 +26,8 @@ class Actor {
     return inside_ ? std::tuple{step_time(step_ + 1), 0} : std::tuple{step_time(step_), 1};
   }
   void act();
+  /// ns: the time of its world.
+  consensus::SessionTime reached() const { return step_time(inside_ ? step_ + 1 : step_); }
   Participant& participant() { return *participant_; }
   const Participant& participant() const { return *participant_; }
 

@@ -66,7 +66,7 @@ class Session {
 
  private:
   bool over() const {
-    if (!rendezvous_.epoch()) return false;
+    if (!rendezvous_.epoch() || options_.endless) return false;
     return physics_.physics_time() >= *rendezvous_.epoch() + std::llround(options_.seconds * 1e9);
   }
 
@@ -83,7 +83,7 @@ class Session {
     if (rendezvous_.epoch() && !scripted_) {
       scripted_ = true;
       const std::size_t user = number_of(options_);
-      if (user < scenario_.user_count()) {
+      if (user < scenario_.user_count() && !options_.no_script) {
         participant_.add_user(user, user_options(options_, user, *rendezvous_.epoch()),
                               replay_ ? &*replay_ : nullptr);
       }

@@ -47,7 +47,7 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
   std::optional<std::vector<Input>> from_file;
   if (replay == nullptr) from_file = replayed_inputs(options);
   if (from_file) replay = &*from_file;
-  for (std::size_t user = 0; user < scenario.user_count(); ++user) {
+  for (std::size_t user = 0; user < scenario.user_count() && !options.no_script; ++user) {
     actors[seat_of(options, user)].participant().add_user(
         user, user_options(options, user, kVirtualStart), replay);
   }
