@@ -18,6 +18,7 @@ bool RemoteView::body_index(const consensus::SharedId& id, std::size_t& index) c
 }
 
 void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet) {
+  if (!recording_) return;
   if (!consensus::decode(packet, decoded_).ok()) return;
   Remote& remote = remotes_[from];
   remote.tracks.resize(index_.size());

@@ -38,6 +38,7 @@ using Error = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{10};  // with a request, and with a page that is gone
+constexpr std::chrono::seconds kHandshake{3};  // at the beginning and at the end of a socket
 constexpr std::chrono::milliseconds kSameAgain{500};  // between two frames in which nothing moves
 constexpr std::chrono::milliseconds kAcceptAgain{100};
 constexpr std::chrono::milliseconds kBeat{250};
@@ -259,7 +260,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
     request_ = std::move(request);
     beast::get_lowest_layer(socket_).expires_never();
     websocket::stream_base::timeout timeout{};
-    timeout.handshake_timeout = kPatience;
+    timeout.handshake_timeout = kHandshake;
     timeout.idle_timeout = kPatience;
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
