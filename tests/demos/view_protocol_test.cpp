@@ -18,6 +18,9 @@ namespace {
 using pbd::Vec3;
 
 constexpr double kUnit = 20.0 / 0x100000;
+/// Each of three parts is off by half a step at most; where all four are 1/2 the fourth takes up
+/// all three errors, and an angle is twice the arc between quaternions.
+const double kMostTurn = 2.0 * std::sqrt(3.0 + 9.0) * 0.5 / (511.0 * std::sqrt(2.0));
 
 Layout layout_of(std::size_t panes, std::size_t bodies) {
   Layout layout;
@@ -59,7 +62,7 @@ double angle_between(const pbd::Quat& a, const pbd::Quat& b) {
   return pbd::rotation_between(a, b).norm();
 }
 
-TEST_CASE("frame: a page reads what was shown, to half a unit and 0.2 degrees",
+TEST_CASE("frame: a page reads what was shown, to half a unit and 0.3 degrees",
           "[demos][view][unit]") {
   Layout layout = layout_of(2, 19);
   layout.bodies[7].turns = false;
@@ -82,7 +85,7 @@ TEST_CASE("frame: a page reads what was shown, to half a unit and 0.2 degrees",
         const Vec3 off = body.position - pose.position;
         CHECK(off.cwiseAbs().maxCoeff() <= 0.5001 * kUnit);
         if (layout.bodies[b].turns) {
-          CHECK(angle_between(body.orientation, pose.orientation) < 0.0035);
+          CHECK(angle_between(body.orientation, pose.orientation) < 1.01 * kMostTurn);
         } else {
           CHECK(body.orientation.w() == 1.0);
         }
@@ -258,7 +261,9 @@ TEST_CASE("command: what is not valid is refused by name and changes nothing",
   const Layout layout = table();
   CommandReader reader(layout);
   const auto grab = [](const std::string& id, const std::string& rest) {
-    return R"({"type":"grab","id":)" + id + ',' + rest + '}';
+    std::string text(R"({"type":"grab","id":)");
+    text.append(id).append(",").append(rest).append("}");
+    return text;
   };
   const std::string good = R"("pane":0,"body":0,"point":[0,0,0])";
   CHECK(why(reader, R"({"type":"set","name":"influence","value":7})") ==
@@ -286,9 +291,9 @@ TEST_CASE("command: what is not valid is refused by name and changes nothing",
   CHECK_FALSE(why(reader, "").empty());
   CHECK_FALSE(why(reader, "[1]").empty());
   CHECK_FALSE(why(reader, std::string(1025, ' ')).empty());
-  CHECK_FALSE(why(reader, R"({"type":"ping","time":0,"x":)" + std::string(900, '[') +
-                              std::string(90, ']') + "}")
-                  .empty());
+  std::string deep(R"({"type":"ping","time":0,"x":)");
+  deep.append(900, '[').append(90, ']').append("}");
+  CHECK_FALSE(why(reader, deep).empty());
   CHECK(reader.held().empty());
   for (int i = 0; i < 8; ++i) CHECK(why(reader, grab(std::to_string(i), good)).empty());
   CHECK(why(reader, grab("8", good)) == "id = 8 breaks: at most 8 at once");
@@ -340,7 +345,7 @@ TEST_CASE("command: whatever comes is understood or refused", "[demos][view][fuz
           text.insert(at, text.substr(random.below(text.size()), random.below(2000)));
           break;
       }
-      if (text.empty()) text = "{";
+      if (text.empty()) text.push_back('{');
     }
     const std::size_t held = reader.held().size();
     const auto said = reader.read(text);

@@ -112,9 +112,9 @@ TEST_CASE("view server: another site's page and another name of the machine are 
   const std::string port = ':' + std::to_string(f.server.port());
   CHECK(f.status(f.root, "localhost" + port) == 200);
   CHECK(f.status(f.root, f.host, "Origin: http://" + f.host + "\r\n") == 200);
-  for (const std::string& name :
-       {"evil.example" + port, std::string("127.0.0.1"), "127.0.0.2" + port, "127.0.0.1:1", port,
-        std::string(), "127.0.0.1.evil.example" + port, "[::1]" + port}) {
+  for (const std::string& name : {"evil.example" + port, std::string("127.0.0.1"),
+                                  "127.0.0.2" + port, std::string("127.0.0.1:1"), port,
+                                  std::string(), "127.0.0.1.evil.example" + port, "[::1]" + port}) {
     INFO(name);
     CHECK(f.status(f.root, name) == 404);
   }
@@ -142,7 +142,8 @@ TEST_CASE("view server: it is at its address alone", "[demos][view][socket]") {
     inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(each->ifa_addr)->sin_addr, text,
               sizeof(text));
     INFO(text);
-    if (std::string(text) != "127.0.0.1") CHECK_THROWS(WebClient(text, f.server.port()));
+    if (std::string(text) == "127.0.0.1") continue;
+    CHECK_THROWS(WebClient(text, f.server.port()));
   }
   freeifaddrs(all);
   CHECK_THROWS_AS(Server({.address = "localhost"}, layout_of(1), kAssets), std::invalid_argument);
@@ -194,22 +195,26 @@ TEST_CASE(
 TEST_CASE("view server: a page that closes, or sends what is none, is gone",
           "[demos][view][socket]") {
   Fixture f;
-  const auto gone = [&f](const std::function<void(WebClient&)>& how) {
-    auto page = f.page();
-    how(*page);
-    const std::vector<PageEvent> events = f.events();
-    return events.size() == 1 && std::holds_alternative<Left>(events[0].what);
-  };
-  CHECK(gone([](WebClient& page) { page.close(); }));
-  CHECK(gone([](WebClient& page) { page.say(std::string(1025, ' ')); }));
-  CHECK(gone([](WebClient& page) { page.send(std::string("\x82\x80") + "abcd"); }));
-  CHECK(gone([](WebClient& page) { page.send(std::string("\x81\x02") + "{}"); }));
-  CHECK(gone([](WebClient& page) {
-    page.send(
-        "\x88\x80"
-        "abcd");
-  }));
-  CHECK(gone([](WebClient& page) { page.send(std::string(40, '\xff')); }));
+  const std::array<std::function<void(WebClient&)>, 6> ways = {
+      [](WebClient& page) { page.close(); },
+      [](WebClient& page) { page.say(std::string(1025, ' ')); },
+      [](WebClient& page) { page.send(std::string("\x82\x80") + "abcd"); },
+      [](WebClient& page) { page.send(std::string("\x81\x02") + "{}"); },
+      [](WebClient& page) { page.send(std::string("\x88\x80") + "abcd"); },
+      [](WebClient& page) { page.send(std::string(40, '\xff')); }};
+  std::vector<std::unique_ptr<WebClient>> pages;
+  for (const auto& way : ways) {
+    pages.push_back(f.page());
+    way(*pages.back());
+  }
+  // To those that break the rules it is said, and some time is given to hear it.
+  std::vector<PageEvent> events;
+  while (events.size() < ways.size()) {
+    const std::vector<PageEvent> more = f.events();
+    REQUIRE_FALSE(more.empty());
+    events.insert(events.end(), more.begin(), more.end());
+  }
+  for (const PageEvent& event : events) CHECK(std::holds_alternative<Left>(event.what));
   CHECK(f.server.pages() == 0);
 }
 
@@ -251,7 +256,7 @@ TEST_CASE("view server: pages see every frame, or the newest whole", "[demos][vi
     late.read(frame->bytes);
     ++seen;
     keys += late.key ? 1 : 0;
-    if (!late.key) CHECK(late.number == before + 1);
+    CHECK((late.key || late.number == before + 1));
     CHECK(late.number > before);
     before = late.number;
   } while (late.number < 300);
