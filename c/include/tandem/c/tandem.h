@@ -87,7 +87,11 @@ typedef struct tandem_joint {
 } tandem_joint;
 
 /** Stands for the world where a joint or an event names a body. */
+#ifdef __cplusplus
+#define TANDEM_NO_BODY (tandem_body{0xffffffffu, 0})
+#else
 #define TANDEM_NO_BODY ((tandem_body){0xffffffffu, 0})
+#endif
 
 /* ---- worlds ---- */
 
