@@ -14,6 +14,7 @@ packages=(
   build-essential cmake ninja-build
   libeigen3-dev libccd-dev libfcl-dev libtinyobjloader-dev libasio-dev
   pkgconf libsodium-dev
+  libtinygltf-dev
   catch2
 )
 for argument in "$@"; do
