@@ -10,13 +10,14 @@ function(_tandem_common target)
     RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
 endfunction()
 
-# tandem_module(<name> SOURCES ... [PUBLIC_LINK ...] [PRIVATE_LINK ...])
+# tandem_module(<name> SOURCES ... [PUBLIC_LINK ...] [PRIVATE_LINK ...] [ABSENT_HEADERS ...])
 #
 # A library of the product: target tandem_<name>, alias tandem::<name>, public headers in
 # include/tandem/<name>/. It is installed with an export set of its own, so that a consumer of one
-# module needs the dependencies of that module only.
+# module needs the dependencies of that module only. ABSENT_HEADERS, by their file names, belong to
+# something that this build leaves out: they are not installed.
 function(tandem_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC_LINK;PRIVATE_LINK")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC_LINK;PRIVATE_LINK;ABSENT_HEADERS")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "tandem_module(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -47,7 +48,12 @@ function(tandem_module name)
   endforeach()
 
   install(TARGETS ${target} EXPORT tandem-${name}-targets)
-  install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+  set(absent)
+  foreach(header IN LISTS arg_ABSENT_HEADERS)
+    list(APPEND absent PATTERN "${header}" EXCLUDE)
+  endforeach()
+  install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING
+          PATTERN "*.h" ${absent})
   install(EXPORT tandem-${name}-targets NAMESPACE tandem::
           DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tandem")
 

@@ -63,7 +63,9 @@ std::vector<Scene> condition_scenes() {
   Scene rates = tug("steps at 30 and 240 Hz", {.pace = {{.hz = 30.0}, {.hz = 240.0}}});
   rates.sample_hz = 30.0;
   scenes.push_back(std::move(rates));
-  scenes.push_back(tug("loss 50 %", {.loss = 0.5}));
+  Scene loss = tug("loss 50 %", {.loss = 0.5});
+  loss.seconds = 34.0;  // four periods in each quarter
+  scenes.push_back(std::move(loss));
   Scene frozen =
       tug("peer frozen for 2 s", {.pace = {{}, {.frozen_from = 1.5, .frozen_until = 3.5}}});
   frozen.differs = 0.6;  // as far as one hand alone pulls

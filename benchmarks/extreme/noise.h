@@ -26,6 +26,9 @@ class NoisyTransport final : public consensus::Transport {
             consensus::Delivery delivery) override {
     return inner_.post(to, bytes, delivery);
   }
+  std::size_t max_packet_bytes(consensus::Delivery delivery) const override {
+    return inner_.max_packet_bytes(delivery);
+  }
   void drain(std::vector<consensus::Packet>& out) override;
   void drop(consensus::PeerId peer, const std::string& reason) override {
     inner_.drop(peer, reason);

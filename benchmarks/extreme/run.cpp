@@ -20,6 +20,8 @@ consensus::PeerOptions options_of(const Scene& scene, const Scheme& scheme, std:
   options.two_step.thresholds = scheme.published;
   // All have been in the session for long.
   options.authority_ramp = 0.0;
+  // Who hears a part of the others alone cannot tell who is far from the rest.
+  options.robust.outvote = scene.topology == Topology::Mesh;
   if (peer < conditions.update_hz.size()) options.update_hz = conditions.update_hz[peer];
   if (conditions.share > 0.0) options.influence.baseline = conditions.share;
   return scheme.published ? consensus::with_published_rules(options) : options;

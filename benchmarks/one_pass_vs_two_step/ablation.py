@@ -7,22 +7,15 @@ import re
 import shutil
 import statistics
 import subprocess
-import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "evaluation")]
+from matplotlib.colors import LogNorm
+
 import demo_runs
 import stats
-
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.hashsalt"] = "tandem"
-import matplotlib.pyplot as plt
-from matplotlib.colors import LogNorm
+from plots import plt, save
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -234,8 +227,7 @@ def _draw(rows, effects, path):
         axes.set_yticks(range(len(parts)), parts if axes is grid[0][0] else [], fontsize=7)
         axes.set_title(f"{MEASURES[measure]}, without / with", fontsize=8)
     figure.tight_layout()
-    figure.savefig(path, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, path)
 
 
 def _summary(effects, part, measure):

@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Couplings beside each other on the same scenes, links, inputs and shares.
+"""Couplings beside each other on the same scenes, links, inputs and shares."""
+from collections import defaultdict
 
-What the users do is recorded with the default coupling and done again with the others, so that all
-see the same inputs. Cells that are finished are kept.
-"""
-import csv
-import json
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
-
+import demo_runs
 import stats
 
+NAME = "couplings.csv"
+KEYS = ["scenario", "scheme", "profile", "seed", "seconds"]
 SECONDS = {"cubes": 20, "room": 40, "piano": 22, "cliff": 6}
 MOST_SEEDS = {"cliff": 1}  # a thousand bodies are many samples
 # Name, options, and what it is.
@@ -34,119 +29,68 @@ SCHEMES = {
                   "the same with 50 iterations instead of 10"),
 }
 BULLET_SCENES = ("cubes", "cliff")
-MEASURES = [
-    ("moving p50, mm", "divergence_shared_moving_m.p50", 1e3),
-    ("all p95, mm", "divergence_shared_m.p95", 1e3),
-    ("all p99, mm", "divergence_shared_m.p99", 1e3),
-    ("resting p50, mm", "divergence_resting_m.p50", 1e3),
-    ("overlap p99, mm", "penetration_m.p99", 1e3),
-    ("overlap max, mm", "penetration_m.max", 1e3),
-    ("correction p99, mm", "smoothness.correction_m.p99", 1e3),
-    ("jerk rms, m/s3", "smoothness.jerk_rms_m_s3", 1.0),
-    ("free speed p50, m/s", "smoothness.free_speed_m_s.p50", 1.0),
-    ("E displacement, J", "energy_J.displacement", 1.0),
-    ("E velocity, J", "energy_J.velocity_agreement", 1.0),
-    ("E potential, J", "energy_J.potential", 1.0),
-    ("CPU, s", "cpu_s", 1.0),
-]
+MEASURES = {
+    "moving p50, mm": "moving_p50_mm",
+    "all p95, mm": "all_p95_mm",
+    "all p99, mm": "all_p99_mm",
+    "resting p50, mm": "resting_p50_mm",
+    "overlap p99, mm": "overlap_p99_mm",
+    "overlap max, mm": "overlap_max_mm",
+    "correction p99, mm": "correction_p99_mm",
+    "jerk rms, m/s3": "jerk_rms",
+    "free speed p50, m/s": "free_speed_p50_m_s",
+    "E displacement, J": "e_displacement_J",
+    "E velocity, J": "e_velocity_J",
+    "E potential, J": "e_potential_J",
+    "CPU, s": "cpu_s",
+}
+PROFILES = [1, 2, 3, 4, 5]
 
 
-def cells(scenarios, profiles, seeds):
-    for scenario in scenarios:
+def _cells(profiles, seeds, with_bullet):
+    for scenario, seconds in SECONDS.items():
         for seed in range(1, min(seeds, MOST_SEEDS.get(scenario, seeds)) + 1):
             for profile in profiles:
-                for scheme in SCHEMES:
-                    if scheme.startswith("bullet") and scenario not in BULLET_SCENES:
+                for scheme, (options, _) in SCHEMES.items():
+                    if scheme.startswith("bullet") and (
+                            scenario not in BULLET_SCENES or not with_bullet):
                         continue
-                    yield scenario, scheme, profile, seed
+                    yield {"scenario": scenario, "scheme": scheme, "profile": profile,
+                           "seed": seed, "seconds": seconds, "options": options}
 
 
-def path_of(folder, scenario, scheme, profile, seed):
-    return folder / f"{scenario}-{scheme}-p{profile}-s{seed}.json"
+def measure(binaries, results, seeds, jobs, quick):
+    cells = _cells([1, 3, 5] if quick else PROFILES, seeds, demo_runs.has_bullet(binaries))
+    demo_runs.measure(results / NAME, list(cells), KEYS, binaries, jobs)
 
 
-def run(cell, binaries, folder):
-    scenario, scheme, profile, seed = cell
-    out = path_of(folder, *cell)
-    if out.exists() and out.stat().st_mtime >= (binaries / scenario).stat().st_mtime:
-        return
-    inputs = folder / f"{scenario}-p{profile}-s{seed}.inputs"
-    command = [str(binaries / scenario), "--quiet", "--profile", str(profile), "--seed", str(seed),
-               "--seconds", str(SECONDS[scenario]), *SCHEMES[scheme][0]]
-    if scenario == "piano":
-        command += ["--variant", "soft"]
-    command += ["--record", str(inputs)] if scheme == "one-pass" else ["--replay", str(inputs)]
-    part = out.with_suffix(".part")
-    done = subprocess.run(command + ["--json", str(part)], stdout=subprocess.DEVNULL,
-                          stderr=subprocess.PIPE, check=False, text=True)
-    if not part.exists():
-        raise RuntimeError(f"{out.stem}: {done.stderr.strip()}")
-    part.rename(out)
-
-
-def run_all(wanted, binaries, folder, jobs):
-    folder.mkdir(parents=True, exist_ok=True)
-    # Inputs are recorded before they are replayed.
-    rounds = [[c for c in wanted if c[1] == "one-pass"], [c for c in wanted if c[1] != "one-pass"]]
-    done = 0
-    for cells_of_round in rounds:
-        with ThreadPoolExecutor(jobs) as pool:
-            for _ in pool.map(lambda c: run(c, binaries, folder), cells_of_round):
-                done += 1
-                if done % 20 == 0 or done == len(wanted):
-                    print(f"{done}/{len(wanted)}", file=sys.stderr, flush=True)
-
-
-def load(wanted, folder):
-    results = {}
-    for scenario, scheme, profile, seed in wanted:
-        path = path_of(folder, scenario, scheme, profile, seed)
-        if path.exists():
-            results.setdefault((scenario, scheme, profile), []).append(json.loads(path.read_text()))
-    return results
-
-
-def write_csv(results, path):
-    with path.open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["scenario", "scheme", "profile", "seed", "stable", "fault"]
-                       + [name for name, _, _ in MEASURES])
-        for (scenario, scheme, profile), runs in sorted(results.items()):
-            for r in runs:
-                table.writerow([scenario, scheme, profile, r["seed"], r["stable"], r["fault"]]
-                               + [None if stats.get(r, p) is None else f * stats.get(r, p)
-                                  for _, p, f in MEASURES])
-
-
-def verdict(results, scenario, profile, ours, theirs, path):
+def _verdict(ours, theirs, column):
     """Ratio theirs over ours, seed by seed; differences below 0.1 mm count as equal."""
     ratios = []
-    for a, b in zip(results.get((scenario, ours, profile), []),
-                    results.get((scenario, theirs, profile), [])):
-        x, y = stats.get(a, path), stats.get(b, path)
+    for a, b in zip(ours, theirs):
+        x, y = demo_runs.number(a, column), demo_runs.number(b, column)
         if x is None or y is None:
             continue
-        ratios.append(1.0 if abs(x - y) < 1e-4 else y / max(x, 1e-9))
+        ratios.append(1.0 if abs(x - y) < 0.1 else y / max(x, 1e-6))
     mean, half = stats.interval(ratios)
     if mean is None:
         return "-"
     return f"{mean:.2f}" if half is None else f"{mean:.2f} ± {half:.2f}"
 
 
-PROFILES = [1, 2, 3, 4, 5]
+def _text(rows, column):
+    mean, half = stats.interval(demo_runs.numbers(rows, column))
+    return "-" if mean is None else stats.short(mean) + (
+        "" if half is None else f" ± {stats.short(half)}")
 
 
-def wanted(seeds, quick):
-    return list(cells(SECONDS, [1, 3, 5] if quick else PROFILES, seeds))
-
-
-def measure(binaries, results, seeds, jobs, quick):
-    run_all(wanted(seeds, quick), binaries, results / "couplings", jobs)
-
-
-def report(results_folder, _docs):
-    results = load(wanted(9, False), results_folder / "couplings")
-    write_csv(results, results_folder / "couplings.csv")
+def report(results, _docs):
+    path = results / NAME
+    if not path.exists():
+        raise FileNotFoundError(2, "no such table", str(path))
+    runs_of = defaultdict(list)
+    for row in sorted(demo_runs.read(path), key=lambda r: int(r["seed"])):
+        runs_of[row["scenario"], row["scheme"], int(row["profile"])].append(row)
     lines = [
         "## The couplings",
         "",
@@ -171,20 +115,20 @@ def report(results_folder, _docs):
         for profile in PROFILES:
             row = [scenario, str(profile)]
             for ours, theirs in (("one-pass", "two-step"), ("one-pass-plain", "two-step-plain")):
-                for measure in ("divergence_shared_moving_m.p50", "divergence_shared_m.p95",
-                                "penetration_m.max"):
-                    row.append(verdict(results, scenario, profile, ours, theirs, measure))
+                for column in ("moving_p50_mm", "all_p95_mm", "overlap_max_mm"):
+                    row.append(_verdict(runs_of[scenario, ours, profile],
+                                        runs_of[scenario, theirs, profile], column))
             lines.append("| " + " | ".join(row) + " |")
     for scenario in SECONDS:
         lines += ["", f"### {scenario}", "",
-                  "| profile | scheme | stable | " + " | ".join(n for n, _, _ in MEASURES) + " |",
+                  "| profile | scheme | stable | " + " | ".join(MEASURES) + " |",
                   "|---|---|---|" + "---|" * len(MEASURES)]
         for profile in PROFILES:
             for scheme in SCHEMES:
-                runs = results.get((scenario, scheme, profile))
+                runs = runs_of[scenario, scheme, profile]
                 if not runs:
                     continue
-                stable = sum(1 for r in runs if r["stable"])
+                stable = sum(1 for r in runs if r["stable"] == "1")
                 lines.append(f"| {profile} | {scheme} | {stable} of {len(runs)} | "
-                             + " | ".join(stats.text(runs, p, f) for _, p, f in MEASURES) + " |")
+                             + " | ".join(_text(runs, c) for c in MEASURES.values()) + " |")
     return "\n".join(lines)

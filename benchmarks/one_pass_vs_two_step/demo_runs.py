@@ -5,24 +5,26 @@ again by all others; one line of a CSV for each run."""
 import csv
 import json
 import subprocess
-import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "evaluation"))
 import stats
 
 VARIANT = {"piano": ["--variant", "soft"]}
 # Column, place in a result, factor.
 MEASURES = {
     "cpu_us": ("step_cpu_us", 1.0),
+    "cpu_s": ("cpu_s", 1.0),
     "moving_p50_mm": ("divergence_shared_moving_m.p50", 1e3),
     "all_p95_mm": ("divergence_shared_m.p95", 1e3),
+    "all_p99_mm": ("divergence_shared_m.p99", 1e3),
+    "resting_p50_mm": ("divergence_resting_m.p50", 1e3),
     "overlap_p99_mm": ("penetration_m.p99", 1e3),
     "overlap_max_mm": ("penetration_m.max", 1e3),
     "correction_p99_mm": ("smoothness.correction_m.p99", 1e3),
     "jerk_rms": ("smoothness.jerk_rms_m_s3", 1.0),
+    "free_speed_p50_m_s": ("smoothness.free_speed_m_s.p50", 1.0),
     "peak_speed_m_s": ("peak_speed_m_s", 1.0),
     "e_displacement_J": ("energy_J.displacement", 1.0),
     "e_velocity_J": ("energy_J.velocity_agreement", 1.0),
@@ -45,6 +47,13 @@ def success(scenario, outcome):
         elif scenario == "cliff":
             scores.append(1.0 - peer["lost"] / 1000.0)
     return min(max(s, 0.0) for s in scores) if scores else None
+
+
+def has_bullet(binaries):
+    """Whether the demos were built with Bullet as an engine of their own."""
+    tried = subprocess.run([str(binaries / "cubes"), "--quiet", "--seconds", "0.1", "--engines",
+                            "bullet"], capture_output=True, check=False, text=True)
+    return "--engines" not in tried.stderr
 
 
 def _command(binaries, cell):

@@ -2,20 +2,13 @@
 # Copyright (c) 2026 The Tandem authors
 """Divergence, penetration, energy, speed and success over influence, link and scene."""
 import statistics
-import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "evaluation")]
+from matplotlib.colors import LogNorm, TwoSlopeNorm
+
 import demo_runs
 import stats
-
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.hashsalt"] = "tandem"
-import matplotlib.pyplot as plt
-from matplotlib.colors import LogNorm, TwoSlopeNorm
+from plots import plt, save
 
 INFLUENCES = ("0.02", "0.05", "0.1", "0.2", "0.5", "0.98")
 PROFILES = (1, 2, 3, 4, 5)
@@ -109,8 +102,7 @@ def _draw(rows, path):
     for axes in grid[-1]:
         axes.set_xlabel("influence", fontsize=8)
     figure.tight_layout()
-    figure.savefig(path, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, path)
 
 
 def _range(rows, column):

@@ -6,21 +6,14 @@ import io
 import math
 import statistics
 import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "evaluation")]
+from matplotlib.ticker import LogLocator, NullFormatter
+
 import demo_runs
 import stats
-
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.hashsalt"] = "tandem"
-import matplotlib.pyplot as plt
-from matplotlib.ticker import LogLocator, NullFormatter
+from plots import plt, save
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -54,9 +47,7 @@ def _settings(scenario, scheme):
 
 
 def _cells(binaries, seeds, quick):
-    has_bullet = "--engines" not in subprocess.run(
-        [str(binaries / "cubes"), "--quiet", "--seconds", "0.1", "--engines", "bullet"],
-        capture_output=True, check=False, text=True).stderr
+    has_bullet = demo_runs.has_bullet(binaries)
     for scenario, seconds in SECONDS.items():
         if quick and scenario == "cliff":
             continue
@@ -283,8 +274,7 @@ def _figure(rows, scenarios, columns, path):
     figure.legend(handles.values(), handles.keys(), loc="upper center", ncol=6, frameon=False,
                   fontsize=8)
     figure.tight_layout(rect=(0, 0, 1, 0.97))
-    figure.savefig(path, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, path)
 
 
 def _ratio_of_times(rows, pair, setting="4"):

@@ -71,7 +71,7 @@ def _row(run, whole):
         "step over the whole's, mean": mean / whole["peer"][0]["step_mean_s"],
         "step over the whole's, worst": max(p["step_mean_s"] for p in peers)
                                         / whole["peer"][0]["step_mean_s"],
-        "kbit/s a peer": 8e-3 * sum(p["bytes_per_s"] for p in peers) / len(peers),
+        "kbit/s a peer": 8e-3 * sum(p.get("bytes_per_s", 0.0) for p in peers) / len(peers),
         "overlap inside p99": mm("inside_m", "p99"), "overlap inside max": mm("inside_m", "max"),
         "overlap at seams p99": mm("seam_m", "p99"), "overlap at seams max": mm("seam_m", "max"),
         "copies apart p50": mm("apart_m", "p50"), "copies apart p95": mm("apart_m", "p95"),

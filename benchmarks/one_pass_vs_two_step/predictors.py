@@ -2,20 +2,13 @@
 # Copyright (c) 2026 The Tandem authors
 """Which prediction needs how much share for which divergence, with one pass and with two steps."""
 import statistics
-import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "evaluation")]
+from matplotlib.ticker import LogLocator, NullFormatter
+
 import demo_runs
 import stats
-
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.hashsalt"] = "tandem"
-import matplotlib.pyplot as plt
-from matplotlib.ticker import LogLocator, NullFormatter
+from plots import plt, save
 
 PREDICTORS = ("none", "euler", "second-order", "kalman", "local-motion", "blend", "adaptive")
 COLOURS = ("#8e8e8e", "#1f5fa8", "#7fb2e5", "#2e8b57", "#b8860b", "#8e44ad", "#c0392b")
@@ -100,8 +93,7 @@ def _draw(table, path):
     figure.legend(handles, labels, loc="upper center", ncol=len(PREDICTORS), frameon=False,
                   fontsize=8)
     figure.tight_layout(rect=(0, 0, 1, 0.94))
-    figure.savefig(path, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, path)
 
 
 def _needed(table, scenario, profile, scheme, predictor, best):

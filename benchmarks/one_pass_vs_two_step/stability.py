@@ -7,6 +7,10 @@ import subprocess
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
 
+from matplotlib.colors import LogNorm
+
+from plots import plt, save
+
 NAME = "stability.csv"
 SCHEMES = {
     "one-pass": "one pass",
@@ -34,10 +38,6 @@ def measure(binaries, results, _seeds, jobs, _quick):
 
 
 def _draw(rows, scenes, docs):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    matplotlib.rcParams["svg.hashsalt"] = "tandem"
     shown = ["one-pass", "two-step", "one-pass-plain", "two-step-plain"]
     figure, axes = plt.subplots(len(shown), len(scenes), figsize=(2.2 * len(scenes), 7.6),
                                 sharex=True, sharey=True, constrained_layout=True)
@@ -55,7 +55,7 @@ def _draw(rows, scenes, docs):
             axis = axes[i][j]
             axis.set_facecolor("#d04a35")
             image = axis.imshow(grid, origin="lower", aspect="auto", cmap="viridis",
-                                norm=matplotlib.colors.LogNorm(1, 300))
+                                norm=LogNorm(1, 300))
             axis.set_xticks(range(len(delays)), delays, fontsize=6)
             axis.set_yticks(range(len(shares)), shares, fontsize=6)
             if i == 0:
@@ -65,7 +65,7 @@ def _draw(rows, scenes, docs):
             if i + 1 == len(shown):
                 axis.set_xlabel("delay, frames", fontsize=8)
     figure.colorbar(image, ax=axes, label="half-life of a disagreement, frames", shrink=0.6)
-    figure.savefig(docs / "stability.svg", metadata={"Date": None})
+    save(figure, docs / "stability.svg")
 
 
 def text_of(kept, scheme):

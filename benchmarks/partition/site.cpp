@@ -2,10 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #include "site.h"
 
-#include <ctime>
 #include <string>
 #include <utility>
 
+#include "benchmarks/measure/clock.h"
 #include "demos/scenes/cliff_geometry.h"
 #include "scenes/cliff.h"
 
@@ -50,12 +50,6 @@ demos::Scene cliff(int balls) {
   return scene;
 }
 
-double cpu_s() {
-  std::timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 }  // namespace
 
 demos::Scene build_scene(Which which, int size) {
@@ -96,14 +90,14 @@ Site::Site(demos::Scene scene, consensus::Transport& transport,
 }
 
 double Site::step(consensus::SessionTime from, consensus::SessionTime to) {
-  const double begin = cpu_s();
+  const double begin = bench::thread_seconds();
   if (peer_ != nullptr) peer_->before_step(from);
   solver_.step(*scene_.world, 1e-9 * static_cast<double>(to - from));
   if (peer_ != nullptr) {
     partition_->update(to);
     peer_->after_step(to);
   }
-  return cpu_s() - begin;
+  return bench::thread_seconds() - begin;
 }
 
 bool Site::decides(std::size_t body) const {

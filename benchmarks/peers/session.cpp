@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "measure/clock.h"
+
 namespace tandem::peers_bench {
 
 consensus::SharedId shared_id(std::size_t index) {
@@ -13,9 +15,10 @@ consensus::SharedId shared_id(std::size_t index) {
 }
 
 Site::Site(Copy made, consensus::Transport& transport, const consensus::PeerOptions& options,
-           const Pace& pace, bool owns)
+           const Pace& pace, bool owns, const pbd::SolverOptions& steps)
     : id(transport.self()),
       copy(std::move(made)),
+      solver(steps),
       peer(*copy.world, transport, options),
       pace_(pace) {
   for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
@@ -36,14 +39,18 @@ void Site::act() {
       return;
     }
     if (user) user(*this, time);
+    const double before = bench::thread_seconds();
     peer.before_step(from);
     if (begun) begun(*this);
     const double dt = 1e-9 * static_cast<double>(to - from);
     const pbd::StepReport& report = solver.step(*copy.world, dt);
+    cpu += bench::thread_seconds() - before;
     if (stepped) stepped(*this, report, dt);
     inside_ = true;
   } else {
+    const double before = bench::thread_seconds();
     peer.after_step(to);
+    cpu += bench::thread_seconds() - before;
     ++steps_;
     inside_ = false;
   }

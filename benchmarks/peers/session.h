@@ -41,12 +41,14 @@ class Site {
  public:
   /// @param owns  this peer says that all bodies are its own
   Site(Copy made, consensus::Transport& transport, const consensus::PeerOptions& options,
-       const Pace& pace = {}, bool owns = false);
+       const Pace& pace = {}, bool owns = false,
+       const pbd::SolverOptions& steps = {.measure_stages = false});
 
   consensus::PeerId id;
   Copy copy;
-  pbd::Solver solver{{.measure_stages = false}};
+  pbd::Solver solver;
   consensus::Peer peer;
+  double cpu = 0.0;  ///< s, that steps have taken, exchange and all
   /// Acts before each step. @param time  s since the start, by the clock on the wall
   std::function<void(Site&, double time)> user;
   /// Before and after the solver's step; see consensus::Peer.

@@ -15,9 +15,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <vector>
 
+#include "benchmarks/measure/clock.h"
 #include "scenes/random.h"
 #include "tandem/consensus/aggregate.h"
 #include "tandem/consensus/influence.h"
@@ -35,12 +35,6 @@ constexpr int kRepeats = 9;
 constexpr double kShare = 0.08;     // largest announced; peers' are spread down to half of it
 constexpr double kDistance = 0.05;  // m
 constexpr double kAngle = 0.2;      // rad
-
-double cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct Body {
   pbd::Pose pose;
@@ -124,11 +118,11 @@ void run(int peers, int sweeps) {
   std::vector<pbd::Pose> found(bodies.size());
   std::vector<double> times;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    const double before = cpu_s();
+    const double before = bench::thread_seconds();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       found[i] = sweeps == 0 ? by_mean(bodies[i]) : by_rows(bodies[i], sweeps);
     }
-    times.push_back(cpu_s() - before);
+    times.push_back(bench::thread_seconds() - before);
   }
   std::sort(times.begin(), times.end());
   double missed = 0.0, way = 0.0, misturned = 0.0, turned = 0.0;

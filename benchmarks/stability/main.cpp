@@ -23,6 +23,7 @@
 #include <string_view>
 #include <vector>
 
+#include "peers/measures.h"
 #include "peers/session.h"
 #include "scenes.h"
 
@@ -79,16 +80,6 @@ double speed_square_alone(std::size_t kind, double apart) {
   return sum;
 }
 
-double apart(const Site& a, const Site& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.copy.bodies.size(); ++i) {
-    sum += (a.copy.world->pose(a.copy.bodies[i]).position -
-            b.copy.world->pose(b.copy.bodies[i]).position)
-               .squaredNorm();
-  }
-  return std::sqrt(sum / static_cast<double>(a.copy.bodies.size()));
-}
-
 void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2, int delay) {
   // A state of the end of a step is heard at the beginning of the next one where nothing is late.
   peers_bench::Session session({.latency = peers_bench::latency_of(delay)});
@@ -98,7 +89,9 @@ void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2,
   };
   add(1, 0.0, share_1);
   add(2, kApart, share_2);
-  const auto difference_now = [&] { return apart(*session.sites[0], *session.sites[1]); };
+  const auto difference_now = [&] {
+    return peers_bench::apart(session.sites[0]->copy, session.sites[1]->copy);
+  };
   const double start = difference_now();
   std::vector<double> difference;
   double squares = 0.0;

@@ -31,6 +31,7 @@ InboxOptions validated(const InboxOptions& options) {
 void InboxOptions::validate() const {
   require_seconds("max_age", max_age);
   require_seconds("max_future", max_future);
+  plausibility.validate();
 }
 
 void InboxCounters::count(InboxVerdict verdict) {
@@ -50,6 +51,9 @@ void InboxCounters::count(InboxVerdict verdict) {
     case InboxVerdict::Future:
       ++future;
       break;
+    case InboxVerdict::Implausible:
+      ++implausible;
+      break;
     case InboxVerdict::UnknownId:
       ++unknown_id;
       break;
@@ -60,11 +64,14 @@ void InboxCounters::count(InboxVerdict verdict) {
 }
 
 std::uint64_t InboxCounters::dropped() const {
-  return duplicate + late + expired + future + unknown_id + unknown_peer;
+  return duplicate + late + expired + future + implausible + unknown_id + unknown_peer;
 }
 
 Inbox::Inbox(const InboxOptions& options)
-    : max_age_ns_(to_ns(validated(options).max_age)), max_future_ns_(to_ns(options.max_future)) {}
+    : max_age_ns_(to_ns(validated(options).max_age)),
+      max_future_ns_(to_ns(options.max_future)),
+      teleport_interval_ns_(to_ns(options.plausibility.teleport_interval)),
+      plausibility_(options.plausibility) {}
 
 void Inbox::add_id(const SharedId& id) {
   if (!id.valid()) throw std::invalid_argument("Inbox::add_id: id = zeros: must not be all zeros");
@@ -97,6 +104,7 @@ void Inbox::remove_peer(PeerId peer) {
   Peer* const found = find_peer(peer);
   if (found == nullptr) return;
   found->present = false;
+  found->alive = 0;
   for (Body& body : bodies_) {
     std::erase_if(body.newest, [&](const Received& r) { return r.peer == peer; });
   }
@@ -118,7 +126,8 @@ InboxVerdict Inbox::judge(PeerId from, const StateUpdate& update, SessionTime no
   next_ = static_cast<std::size_t>(body - bodies_.data()) + 1;
   // Sums on the side of the trusted clock: a stamp at the end of the range must not overflow.
   if (update.stamp > now + max_future_ns_) return InboxVerdict::Future;
-  if (update.stamp < now - max_age_ns_) return InboxVerdict::Expired;
+  // What rests is said once and may have waited long for a link.
+  if (!update.flags.resting && update.stamp < now - max_age_ns_) return InboxVerdict::Expired;
   return store(*body, from, update, now);
 }
 
@@ -126,11 +135,18 @@ InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, Se
   const auto at = std::lower_bound(body.newest.begin(), body.newest.end(), from,
                                    [](const Received& r, PeerId peer) { return r.peer < peer; });
   if (at == body.newest.end() || at->peer != from) {
-    body.newest.insert(at, Received{from, update, now});
+    if (!plausible(update, plausibility_)) return InboxVerdict::Implausible;
+    body.newest.insert(at, Received{.peer = from, .update = update, .arrival = now});
     return InboxVerdict::Accepted;
   }
   if (update.stamp == at->update.stamp) return InboxVerdict::Duplicate;
   if (update.stamp < at->update.stamp) return InboxVerdict::Late;
+  if (!plausible(at->update, update, plausibility_)) {
+    const bool told = update.flags.teleported && plausible(update, plausibility_);
+    const bool again = at->jumped != 0 && now - at->jumped < teleport_interval_ns_;
+    if (!told || again) return InboxVerdict::Implausible;
+    at->jumped = now;
+  }
   at->update = update;
   at->arrival = now;
   return InboxVerdict::Accepted;
@@ -142,20 +158,34 @@ std::span<const Inbox::Received> Inbox::newest(const SharedId& id) const {
   return body->newest;
 }
 
+bool Inbox::note_alive(PeerId from, SessionTime stamp, SessionTime now) {
+  Peer* const peer = find_peer(from);
+  if (peer == nullptr || !peer->present || stamp > now + max_future_ns_) return false;
+  const bool was_silent = peer->alive != 0 && peer->alive < now - max_age_ns_;
+  if (stamp <= peer->alive) return false;
+  peer->alive = stamp;
+  return was_silent;
+}
+
+SessionTime Inbox::holds_until(const Received& received) const {
+  if (!received.update.flags.resting) return received.update.stamp;
+  const Peer* const peer = find_peer(received.peer);
+  return peer == nullptr ? received.update.stamp : std::max(received.update.stamp, peer->alive);
+}
+
 std::size_t Inbox::prune(SessionTime now) {
   std::size_t dropped = 0;
   for (Body& body : bodies_) {
-    dropped += std::erase_if(body.newest,
-                             [&](const Received& r) { return r.update.stamp < now - max_age_ns_; });
+    dropped += std::erase_if(body.newest, [&](const Received& r) {
+      return holds_until(r) < now - max_age_ns_ || r.update.stamp > now + max_future_ns_;
+    });
   }
   return dropped;
 }
 
 InboxCounters Inbox::counters(PeerId peer) const {
-  for (const Peer& p : peers_) {
-    if (p.id == peer) return p.counters;
-  }
-  return {};
+  const Peer* const found = find_peer(peer);
+  return found == nullptr ? InboxCounters{} : found->counters;
 }
 
 const Inbox::Body* Inbox::find_body(const SharedId& id) const {
@@ -168,10 +198,14 @@ Inbox::Body* Inbox::find_body(const SharedId& id) {
   return const_cast<Body*>(static_cast<const Inbox*>(this)->find_body(id));
 }
 
-Inbox::Peer* Inbox::find_peer(PeerId id) {
+const Inbox::Peer* Inbox::find_peer(PeerId id) const {
   const auto at = std::lower_bound(peers_.begin(), peers_.end(), id,
                                    [](const Peer& p, PeerId peer) { return p.id < peer; });
   return at != peers_.end() && at->id == id ? &*at : nullptr;
+}
+
+Inbox::Peer* Inbox::find_peer(PeerId id) {
+  return const_cast<Peer*>(static_cast<const Inbox*>(this)->find_peer(id));
 }
 
 }  // namespace tandem::consensus

@@ -42,8 +42,13 @@ void LinkOptions::validate() const {
   require(reorder >= 0.0 && reorder <= 1.0, "LinkOptions", "reorder", reorder, "0 to 1");
   require(reorder_delay >= 0.0 && reorder_delay <= kLongest, "LinkOptions", "reorder_delay",
           reorder_delay, "0 to 3600 s");
+  require(bursts >= 0.0 && bursts <= 1000.0, "LinkOptions", "bursts", bursts, "0 to 1000 per s");
+  require(burst_length >= 0.0 && burst_length <= kLongest, "LinkOptions", "burst_length",
+          burst_length, "0 to 3600 s");
   require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "LinkOptions",
           "bandwidth", bandwidth, "0 or at least 1 bit/s");
+  require(max_state_bytes >= 1 && max_state_bytes <= VirtualNetwork::kMaxPacketBytes, "LinkOptions",
+          "max_state_bytes", static_cast<double>(max_state_bytes), "1 to 65536");
 }
 
 LinkOptions network_profile(int number) {
@@ -92,6 +97,9 @@ Link::Link(PeerId from, PeerId to, const LinkOptions& options, std::uint64_t see
       to_(to),
       options_(options),
       random_(seed_of(seed, from, to)),
+      bursts_(seed_of(seed + 1, to, from)),
+      burst_begin_(now),
+      burst_end_(now),
       busy_until_(now),
       last_reliable_(now) {}
 
@@ -117,7 +125,9 @@ bool Link::make_room(std::size_t size) {
 }
 
 bool Link::post(SessionTime now, std::span<const std::byte> bytes, Delivery delivery, Air& air) {
-  if (bytes.size() > VirtualNetwork::kMaxPacketBytes || !closed_.empty()) return false;
+  const std::size_t most =
+      delivery == Delivery::Newest ? options_.max_state_bytes : VirtualNetwork::kMaxPacketBytes;
+  if (bytes.size() > most || !closed_.empty()) return false;
   send_waiting(now, air);
   if (delivery == Delivery::Reliable) {
     const std::size_t waiting = waiting_bytes(Delivery::Reliable);
@@ -150,6 +160,16 @@ void Link::send_waiting(SessionTime time, Air& air) {
   }
 }
 
+SessionTime Link::burst_end(SessionTime departure) {
+  if (options_.bursts <= 0.0) return departure;
+  while (burst_end_ <= departure) {
+    // Uniform, from 0 to twice the mean: a logarithm is not the same everywhere.
+    burst_begin_ = burst_end_ + to_ns(2.0 * bursts_.uniform() / options_.bursts);
+    burst_end_ = burst_begin_ + to_ns(2.0 * bursts_.uniform() * options_.burst_length) + 1;
+  }
+  return departure >= burst_begin_ ? burst_end_ : departure;
+}
+
 /// Decide a packet's fate. The number of draws is the same for every packet, so that one option
 /// does not change what the others do.
 void Link::launch(Waiting packet, SessionTime departure, Air& air) {
@@ -161,16 +181,25 @@ void Link::launch(Waiting packet, SessionTime departure, Air& air) {
   const double first = std::max(o.latency + o.jitter * (2.0 * random_.uniform() - 1.0), 0.0);
   const double second = std::max(o.latency + o.jitter * (2.0 * random_.uniform() - 1.0), 0.0);
   Random resends(random_.bits());
+  const SessionTime through = burst_end(departure);
 
   if (packet.delivery == Delivery::Reliable) {
     const SessionTime timeout = std::max(to_ns(2.0 * o.latency), SessionTime{1'000'000});
-    SessionTime due = departure + to_ns(first);
+    SessionTime due = through + to_ns(first);
+    if (through > departure) {
+      due += timeout;
+      ++counters_.resent;
+    }
     for (bool again = lost; again; again = resends.uniform() < o.loss) {
       due += timeout;
       ++counters_.resent;
     }
     last_reliable_ = std::max(last_reliable_, due);
     fly(last_reliable_, packet.delivery, std::move(packet.bytes), air);
+    return;
+  }
+  if (through > departure) {
+    ++counters_.lost;
     return;
   }
   if (doubled) {

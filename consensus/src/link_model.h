@@ -67,6 +67,7 @@ class Link {
   /// Why the sender's side is not open; empty where it is.
   std::string reason() const { return closed_.empty() && cut_ ? "link cut" : closed_; }
   const LinkCounters& counters() const { return counters_; }
+  std::size_t max_state_bytes() const { return options_.max_state_bytes; }
   std::uint64_t bytes_posted() const { return bytes_posted_; }
   std::uint64_t bytes_delivered() const { return bytes_delivered_; }
   /// Whether something waits; it starts at free_at().
@@ -96,11 +97,16 @@ class Link {
   void launch(Waiting packet, SessionTime departure, Air& air);
   void fly(SessionTime due, Delivery delivery, std::vector<std::byte> bytes, Air& air);
   void recall(SessionTime now, Air& air);
+  /// End of the burst of loss that a packet leaves in; no later than `departure` outside.
+  SessionTime burst_end(SessionTime departure);
 
   PeerId from_;
   PeerId to_;
   LinkOptions options_;
   Random random_;
+  Random bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
+  SessionTime burst_begin_;
+  SessionTime burst_end_;
   bool cut_ = false;
   std::string closed_;
   std::deque<Waiting> waiting_;

@@ -116,9 +116,7 @@ class LocalMotionPredictor final : public Predictor {
       drift.linear = reach * closing.linear - both * (t * agreed.linear - moment.linear);
       drift.angular = reach * closing.angular - both * (t * agreed.angular - moment.angular);
     }
-    if (mixes && context.bound && !context.held) {
-      return swung(update, own, context, prediction, drift);
-    }
+    if (mixes && context.hangs) return swung(update, own, context, prediction, drift);
     if (mixes) {
       const double lost = ramp(turned_apart, kFadeFromAngle, kFadeToAngle);
       const auto mean = mixed(update, own, context, prediction, drift, lost);
@@ -227,7 +225,7 @@ class LocalMotionPredictor final : public Predictor {
     if (memory.error[0] < 0.0) return std::nullopt;
     std::array<double, Memory::kWays> part{};
     Prediction result = local;
-    result.variance = weigh(memory, context.bound, part);
+    result.variance = weigh(memory, context.held, part);
     result.translation = part[0] * ways[0] + part[1] * ways[1] + part[2] * ways[2];
     const double straight = std::max(part[2], lost);
     result.rotation += part[1] * drift.angular;
@@ -263,9 +261,9 @@ class LocalMotionPredictor final : public Predictor {
 
   /// Squares of inverse variances: the ways' errors are alike, so that a mean of good and bad is
   /// worse than the good one. @return the variance of the best, m^2
-  /// @param bound  the body may swing: the last way is one, too
-  static double weigh(const Memory& memory, bool bound, std::array<double, Memory::kWays>& part) {
-    const std::size_t ways = bound ? Memory::kWays : Memory::kWays - 1;
+  /// @param held  the body may swing to and fro in a hand: the last way is one, too
+  static double weigh(const Memory& memory, bool held, std::array<double, Memory::kWays>& part) {
+    const std::size_t ways = held ? Memory::kWays : Memory::kWays - 1;
     double sum = 0.0;
     for (std::size_t k = 0; k < ways; ++k) {
       const double inverse = 1.0 / (memory.error[k] + kLeastError * kLeastError);

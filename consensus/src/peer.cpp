@@ -11,15 +11,34 @@ namespace tandem::consensus {
 
 using pbd::detail::require;
 
+void SendOptions::validate() const {
+  const auto in = [](const char* field, double value, double low, double high, const char* rule) {
+    require(value >= low && value <= high, "SendOptions", field, value, rule);
+  };
+  require(kbit_per_s == 0.0 || (kbit_per_s >= 8.0 && kbit_per_s <= 1e9), "SendOptions",
+          "kbit_per_s", kbit_per_s, "0 or 8 to 1e9");
+  in("packet_overhead", packet_overhead, 0.0, 1000.0, "0 to 1000 bytes");
+  in("tolerance", tolerance, 0.0, 1e3, "0 to 1000 m");
+  require(angle_tolerance > 0.0 && angle_tolerance <= 10.0, "SendOptions", "angle_tolerance",
+          angle_tolerance, "above 0 to 10 rad");
+  in("refresh", refresh, 0.0, 3600.0, "0 to 3600 s");
+  in("rest_refresh", rest_refresh, 0.0, 3600.0, "0 to 3600 s");
+}
+
 void PeerOptions::validate() const {
   influence.validate();
+  sending.validate();
   prediction.validate();
+  robust.validate();
+  plausibility.validate();
   two_step.validate();
   virtual_coupling.validate();
   require(update_hz >= 1e-3 && update_hz <= 10000.0, "PeerOptions", "update_hz", update_hz,
           "0.001 to 10000");
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",
           authority_ramp, "finite and >= 0 s");
+  require(max_future >= 0.0 && max_future <= 86400.0, "PeerOptions", "max_future", max_future,
+          "0 to 86400 s");
   // Times in nanoseconds are 64 bit: a day is as good as never, and fits.
   constexpr double kLongest = 86400.0;
   require(spring_timeout > 0.0 && spring_timeout <= kLongest, "PeerOptions", "spring_timeout",
@@ -59,6 +78,7 @@ void Peer::before_step(SessionTime now) { impl_->before_step(now); }
 void Peer::after_step(SessionTime now) { impl_->after_step(now); }
 void Peer::leave(SessionTime now) { impl_->leave(now); }
 const PeerStats& Peer::stats() const { return impl_->stats(); }
+std::span<const PeerReport> Peer::reports() const { return impl_->reports(); }
 void Peer::set_observer(PeerObserver* observer) { impl_->set_observer(observer); }
 void Peer::set_interest(const Interest* interest) { impl_->set_interest(interest); }
 

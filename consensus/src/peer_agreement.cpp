@@ -21,8 +21,6 @@ constexpr double kMostMirrored = 100.0;
 
 /// m: what moves so much further in a step than its velocity says was put there.
 constexpr double kJump = 0.1;
-/// States that tell of it, for some of them get lost.
-constexpr int kJumpTold = 3;
 
 /// Of what agreement asks for in a step: a body that does less is in something's way, and one that
 /// does it is on its way, or between neighbours that it cannot both follow.
@@ -30,6 +28,11 @@ constexpr double kBlocked = 0.5;
 
 /// Cosine of half of 0.5 rad: closer orientations are an average's business, see Lead.
 constexpr double kNoDoubt = 0.9689124217106447;
+/// rad: further apart nothing is left of a share, see Lead.
+constexpr double kNoMean = 1.2;
+
+/// s: nobody steps so slowly.
+constexpr double kLongestStep = 0.5;
 
 }  // namespace
 
@@ -42,9 +45,19 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       world_(world),
       transport_(transport),
       springs_(world, options_),
-      inbox_({.max_age = options.influence.max_age}),
+      inbox_({.max_age = options.influence.max_age,
+              .max_future = options.max_future,
+              .plausibility = options.plausibility}),
       predictor_(make_predictor(options.predictor, options.prediction)),
       keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
+  if (options.sending.selects() || options.sending.format != StateFormat::Full) {
+    SendOptions sending = options.sending;
+    // Who owns a body must be heard of before it is taken for gone.
+    const bool owners = options.coupling == Coupling::SingleOwner;
+    if (owners)
+      sending.rest_refresh = std::min(sending.rest_refresh, 0.5 * options.influence.max_age);
+    outbox_ = std::make_unique<Outbox>(sending, transport);
+  }
   if (options.coupling == Coupling::SingleOwner) {
     ownership_ = std::make_unique<Ownership>(transport.self(), options.influence.max_age);
   }
@@ -55,6 +68,10 @@ void Peer::Impl::before_step(SessionTime now) {
   if (step_dt_ < 0.0) {  // a clock that was set back: nothing moves, and nobody falls silent
     step_dt_ = 0.0;
     next_send_ = now;
+  }
+  if (now < last_before_ || step_dt_ > kLongestStep) {
+    // The clock was set, or nothing was stepped for long: what is remembered is of other times.
+    for (Shared& shared : shared_) shared.history.clear();
   }
   last_before_ = now;
   now_ = now;
@@ -127,20 +144,22 @@ void Peer::Impl::aggregate(SessionTime now) {
       drag(shared, now);
       continue;
     }
-    estimate(shared, newest, now);
+    const bool votes = estimate(shared, newest, now);
     if (drag(shared, now) || estimates_.empty()) continue;
     ++stats_.bodies_aggregated;
     pbd::PoseTarget& target = targets_.emplace_back();
     target.body = shared.def.body;
     target.motion = motion_;
     targeted_.push_back(&shared);
-    const pbd::Pose& own = world_.states()[shared.def.body.index].pose;
-    if (!fuse(own, estimates_, target)) {
+    const pbd::BodyState& own = world_.states()[shared.def.body.index];
+    if (!(votes ? fuse_votes(own, target) : fuse(own.pose, estimates_, target))) {
       targets_.pop_back();
       targeted_.pop_back();
       continue;
     }
-    shared.asked = share_per_step(target.share, step_dt_) * (target.pose.position - own.position);
+    limit(own, target, shared.joined);
+    shared.asked =
+        share_per_step(target.share, step_dt_) * (target.pose.position - own.pose.position);
   }
 }
 
@@ -168,14 +187,20 @@ void Peer::Impl::tell_observer(SessionTime now) {
   noted_.clear();
 }
 
-void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newest,
+bool Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newest,
                           SessionTime now) {
   estimates_.clear();
-  if (newest.empty()) return;
+  if (newest.empty()) return false;
   if (ownership_ != nullptr && !shared.def.owner.has_value()) {
     estimate_owner(shared, newest, now);
-    return;
+    return false;
   }
+  // Two peers know no majority, and pay for none.
+  const bool several =
+      options_.robust.outvote && newest.size() >= 2 && !shared.def.owner.has_value();
+  const bool hands = believes_hands(newest.size());
+  leaders_.clear();
+  claims_.clear();
   const pbd::BodyState& own = world_.states()[shared.def.body.index];
   const PeerId self = transport_.self();
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
@@ -183,14 +208,16 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
   const double own_lead = shared.initiative.strength();
   double heaviest = 0.0;
   InfluenceContext known{.leads = own_lead, .gain = predictor_->gain()};
-  for (const Inbox::Received& received : newest) {
-    const StateUpdate& update = received.update;
+  for (std::size_t i = 0; i < newest.size(); ++i) {
+    const Inbox::Received& received = newest[i];
+    const StateUpdate& update = as_meant(received, shared);
     const bool owner = shared.def.owner == received.peer ||
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
     known.age = kNs * static_cast<double>(now - update.stamp);
     known.gain = predictor_->gain_for(update);
-    known.sender_leads = update.flags.leads && own_lead == 0.0;
+    known.sender_leads = update.flags.leads && own_lead == 0.0 &&
+                         (!several || believes_lead(shared, received.peer, now));
     const double claimed = static_cast<double>(update.influence);
     const double most = known.sender_leads ? kMaxLeadersInfluence : kMaxSharedInfluence;
     const double heard = owner ? 1.0 : std::min(claimed, most);
@@ -205,7 +232,11 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
           const pbd::Quat then = shared.history.at_time(stamp).pose.orientation;
           angle = pbd::rotation_between(then, update.pose.orientation).norm();
         }
-        const bool follows = known.sender_leads || received.peer < self;
+        bool follows = known.sender_leads || received.peer < self;
+        if (several && !known.sender_leads && angle > 0.0) {
+          follows = outvoted_at_stamp(shared, newest, i);
+        }
+        if (several && !follows && angle > kNoMean) ++report_of(received.peer).outliers;
         share = shared.lead.share(share, angle, follows && own_lead == 0.0, now);
         share = std::min(share, most);  // it leads, and does not own
       }
@@ -226,10 +257,11 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
         .mirrored_share = std::min(mirrored / share, kMostMirrored),
         .peers = static_cast<int>(newest.size()),
         .gravity = world_.all_props()[shared.def.body.index].gravity_scale * world_.gravity(),
-        .bound = shared.bound,
         .held = shared.held,
+        .hangs = shared.hangs,
         .memory = memory != nullptr ? &memory->memory : nullptr};
-    const Prediction prediction = predictor_->predict(update, shared.history, context);
+    Prediction prediction = predictor_->predict(update, shared.history, context);
+    if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
     if (memory != nullptr && !owner) {
       share = accepted(share, prediction, *memory, now);
       if (!(share > 0.0)) continue;
@@ -248,13 +280,20 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       // what lies in between, and would pull at the others' once they listen.
       shared.joined = true;
       place(shared, pose, twist, now);
+      if (prediction.translation.squaredNorm() > kJump * kJump) shared.jumped = kJumpTold;
+    } else if (several) {
+      if (known.sender_leads || (hands && update.flags.owner_driven)) {
+        leaders_.push_back(received.peer);
+      }
+      if (claimed > 0.0 || known.sender_leads) {
+        claims_.push_back(
+            {.peer = received.peer, .way = prediction.translation, .turn = prediction.rotation});
+      }
     } else if (known.sender_leads || (received.peer < self && own_lead == 0.0)) {
       const bool held = shared.held || update.flags.held;
       if (options_.arbitration && !held &&
           shared.lead.parted(prediction.translation, prediction.rotation, shared.blocked, now)) {
-        place(shared, pose, twist, now);
-        shared.jumped = kJumpTold;
-        ++stats_.bodies_placed;
+        place_apart(shared, pose, twist, received.peer, now);
       }
     }
     estimates_.push_back({.peer = received.peer, .pose = pose, .twist = twist, .share = share});
@@ -265,6 +304,15 @@ void Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newes
       observer_->on_estimate({received.peer, update, shared.history, context, prediction});
     }
   }
+  if (!several) return false;
+  if (own_lead == 0.0 && options_.arbitration) give_way(shared, newest, now);
+  if (leaders_.empty()) return true;
+  // The others only know an earlier state of it, and whoever lies is one of them.
+  std::erase_if(estimates_, [this](const PeerEstimate& estimate) {
+    return estimate.share < 1.0 &&
+           std::find(leaders_.begin(), leaders_.end(), estimate.peer) == leaders_.end();
+  });
+  return false;
 }
 
 double Peer::Impl::accepted(double share, const Prediction& prediction, const Heard& heard,

@@ -50,6 +50,7 @@ PeerOptions with_published_rules(PeerOptions options) {
   options.initiative = false;
   options.arbitration = false;
   options.authority_ramp = 0.0;
+  options.robust.outvote = false;
   return options;
 }
 
@@ -124,7 +125,7 @@ void Peer::Impl::estimate_owner(const Shared& shared, std::span<const Inbox::Rec
   if (owner == 0 || owner == transport_.self()) return;
   const pbd::BodyState& own = world_.state(shared.def.body);
   for (const Inbox::Received& received : newest) {
-    const StateUpdate& update = received.update;
+    const StateUpdate& update = as_meant(received, shared);
     // Until the new owner has the grant nobody owns the body, and it moves as it does here.
     if (received.peer != owner || update.influence < 1.0F) continue;
     const PredictionContext context{
@@ -132,7 +133,8 @@ void Peer::Impl::estimate_owner(const Shared& shared, std::span<const Inbox::Rec
         .mirrored_share = 0.0,
         .peers = static_cast<int>(newest.size()),
         .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity()};
-    const Prediction prediction = predictor_->predict(update, shared.history, context);
+    Prediction prediction = predictor_->predict(update, shared.history, context);
+    if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
     const pbd::Vec3 position = own.pose.position + prediction.translation;
     estimates_.push_back(
         {.peer = owner,

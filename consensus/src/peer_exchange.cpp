@@ -68,28 +68,28 @@ void Peer::Impl::receive(SessionTime now) {
 
 void Peer::Impl::take_in(PeerId from, SessionTime now) {
   inbox_.add_peer(from);
+  report_of(from);
   const SessionTime farewell = farewell_of(from);
   // Nothing asks for states where nothing is agreed upon and nobody drives a body.
   const bool unheard = options_.coupling == Coupling::None && owned_ == 0;
   for (const StateUpdate& update : incoming_.states) {
-    if (unheard) break;
-    // Overtaken by the farewell; what is stamped later comes from a successor.
-    if (update.stamp <= farewell) continue;
-    if (inbox_.offer(from, update, now) != InboxVerdict::UnknownId) continue;
-    ++stats_.unknown_ids;
-    if (unknown_.size() < kMaxUnknown) unknown_.push_back({from, update});
+    if (!unheard) take_in_state(from, update, farewell, now);
   }
+  if (!unheard) take_in_compact(from, farewell, now);
   for (const SpringUpdate& update : incoming_.springs) {
     const Shared* shared = find(update.body);
     if (shared == nullptr || !world_.contains(shared->def.body)) {
       ++stats_.springs_refused;
+      ++report_of(from).springs_refused;
       continue;
     }
-    if (!springs_.receive(from, update, shared->def.body, now)) ++stats_.springs_refused;
+    receive_spring(from, update, shared->def.body, now);
   }
+  take_in_anchors(from, now);
   if (!incoming_.ownership.empty()) hear_ownership(from, now);
   if (!incoming_.leaves.empty()) {
     inbox_.remove_peer(from);
+    names_.forget(from);
     for (Shared& shared : shared_) {
       std::erase_if(shared.heard, [from](const Heard& heard) { return heard.peer == from; });
     }
@@ -99,6 +99,15 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
     farewells_.emplace_back(from, std::min(now + kMaxAhead, incoming_.leaves.back().stamp));
     springs_.drop_peer(from, now);
   }
+}
+
+void Peer::Impl::take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell,
+                               SessionTime now) {
+  // Overtaken by the farewell; what is stamped later comes from a successor.
+  if (update.stamp <= farewell) return;
+  if (inbox_.offer(from, update, now) != InboxVerdict::UnknownId) return;
+  ++stats_.unknown_ids;
+  if (unknown_.size() < kMaxUnknown) unknown_.push_back({from, update});
 }
 
 SessionTime Peer::Impl::farewell_of(PeerId peer) const {
@@ -125,48 +134,57 @@ void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction
   shared.held = (acting & kHeld) != 0;
   const bool jointed =
       shared.def.body.index < jointed_.size() && jointed_[shared.def.body.index] != 0;
-  shared.bound = shared.held || jointed;
+  shared.hangs = jointed && !shared.held;
   const bool touches = (acting & kTouched) != 0 || world_.in_contact(shared.def.body);
   const bool coupled = shared.held || jointed || touches;
   shared.history.push(now, state.pose, state.twist, correction, coupled,
                       (acting & ~(kTouched | kJoinedToOther)) != 0);
 }
 
+StateUpdate Peer::Impl::state_of(Shared& shared, SessionTime now) {
+  const pbd::BodyState& state =
+      shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
+  const bool by_hand = shared.hard.active || springs_.holds_alone(shared.def.body);
+  const bool kinematic = world_.props(shared.def.body).type == pbd::BodyType::Kinematic;
+  const bool leads = shared.initiative.strength() >= 1.0;
+  const bool jumped = shared.jumped > 0;
+  shared.jumped = std::max(shared.jumped - 1, 0);
+  return {.id = shared.def.id,
+          .pose = state.pose,
+          .twist = state.twist,
+          .influence = shared.hard.active ? 1.0F : static_cast<float>(announced(shared)),
+          .stamp = now,
+          .flags = {.in_contact = shared.history.coupled() && !shared.held,
+                    .held = shared.held,
+                    .owner_driven = by_hand || (shared.def.owner == transport_.self() && kinematic),
+                    .teleported = jumped,
+                    .leads = leads},
+          .oriented = shared.def.orientation};
+}
+
 void Peer::Impl::send(SessionTime now) {
+  if (outbox_ != nullptr) {
+    send_selected(now);
+    return;
+  }
   states_.clear();
   for (Shared& shared : shared_) {
-    if (!world_.contains(shared.def.body)) continue;
-    const pbd::BodyState& state =
-        shared.hard.active ? shared.hard.own : world_.state(shared.def.body);
-    const bool by_hand = shared.hard.active || springs_.holds_alone(shared.def.body);
-    const bool kinematic = world_.props(shared.def.body).type == pbd::BodyType::Kinematic;
-    const bool leads = shared.initiative.strength() >= 1.0;
-    states_.push_back(
-        {.id = shared.def.id,
-         .pose = state.pose,
-         .twist = state.twist,
-         .influence = shared.hard.active ? 1.0F : static_cast<float>(announced(shared)),
-         .stamp = now,
-         .flags = {.in_contact = shared.history.coupled() && !shared.held,
-                   .held = shared.held,
-                   .owner_driven = by_hand || (shared.def.owner == transport_.self() && kinematic),
-                   .teleported = shared.jumped > 0,
-                   .leads = leads}});
-    shared.jumped = std::max(shared.jumped - 1, 0);
+    if (world_.contains(shared.def.body)) states_.push_back(state_of(shared, now));
   }
   spring_states_.clear();
   spring_events_.clear();
   springs_.announce(now, spring_states_, spring_events_);
-  post_records(std::span<const SpringUpdate>(spring_events_), kMaxSpringsPerPacket,
+  post_records(std::span<const SpringUpdate>(spring_events_), kSpringBytes, Delivery::Reliable,
                [this] { post_all(Delivery::Reliable); });
-  post_records(std::span<const SpringUpdate>(spring_states_), kMaxSpringsPerPacket,
+  post_records(std::span<const SpringUpdate>(spring_states_), kSpringBytes, Delivery::Newest,
                [this] { post_all(Delivery::Newest); });
   post_states();
+  greet_newcomers();
 }
 
 void Peer::Impl::post_states() {
   if (interest_ == nullptr) {
-    post_records(std::span<const StateUpdate>(states_), kMaxStatesPerPacket,
+    post_records(std::span<const StateUpdate>(states_), kStateBytes, Delivery::Newest,
                  [this] { post_all(Delivery::Newest); });
     return;
   }
@@ -176,19 +194,8 @@ void Peer::Impl::post_states() {
     for (const StateUpdate& state : states_) {
       if (interest_->concerns(peer.id, state.id, state.pose)) concerning_.push_back(state);
     }
-    post_records(std::span<const StateUpdate>(concerning_), kMaxStatesPerPacket,
+    post_records(std::span<const StateUpdate>(concerning_), kStateBytes, Delivery::Newest,
                  [&] { post_to(peer.id, Delivery::Newest); });
-  }
-}
-
-template <class Record, class Post>
-void Peer::Impl::post_records(std::span<const Record> records, std::size_t most, Post&& post) {
-  while (!records.empty()) {
-    const std::size_t count = std::min(most, records.size());
-    outgoing_.clear();
-    encode(records.first(count), outgoing_);
-    post();
-    records = records.subspan(count);
   }
 }
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -10,9 +11,13 @@
 #include <vector>
 
 #include "cached_chain.h"
+#include "centrality.h"
 #include "hard_input.h"
 #include "initiative.h"
 #include "lead.h"
+#include "majority.h"
+#include "names.h"
+#include "outbox.h"
 #include "ownership.h"
 #include "session_time.h"
 #include "springs.h"
@@ -23,8 +28,10 @@
 namespace tandem::consensus {
 
 /// What one peer does in a step. Which bodies are shared is in peer_members.cpp, receiving and
-/// sending in peer_exchange.cpp, who acts on what and hard inputs in peer_input.cpp, prediction and
-/// fusion in peer_agreement.cpp, couplings other than the pass in peer_coupling.cpp.
+/// sending in peer_exchange.cpp, newcomers and what is put together again in peer_membership.cpp,
+/// who acts on what and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp,
+/// how far others are believed in peer_robust.cpp, couplings other than the pass in
+/// peer_coupling.cpp.
 class Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
@@ -55,6 +62,7 @@ class Peer::Impl {
     stats_.inbox = inbox_.totals();
     return stats_;
   }
+  std::span<const PeerReport> reports();
   SessionTime now() const { return now_; }
   void set_observer(PeerObserver* observer) { observer_ = observer; }
   void set_interest(const Interest* interest) { interest_ = interest; }
@@ -67,26 +75,33 @@ class Peer::Impl {
     SessionTime last = 0;   ///< ns, when the last one was
     PredictorMemory memory;
   };
+  /// States that tell of a jump, for some of them get lost.
+  static constexpr int kJumpTold = 3;
   // Beside Springs::Grip, what touched a body in the last step.
   static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns
   static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
   static constexpr std::uint8_t kTouched = 32;         ///< any
   static constexpr std::uint8_t kJoinedToOther = 64;   ///< something that another's user acts on
+  static constexpr std::uint32_t kNoName = 0xffffffff;
   struct Shared {
     ShareDef def;
     MotionHistory history;
     bool held = false;
-    bool bound = false;      ///< held, or by a joint
+    bool hangs = false;      ///< by a joint or a spring, and nobody holds it
     bool joined = false;     ///< taken over from an established peer, as a newcomer does once
     int jumped = 0;          ///< states still to be sent that tell of a jump
     SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
     Lead lead = {};
     Initiative initiative = {};
+    LeadClaims lead_claims = {};
     std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
     /// What is needed for each body in each step ends here.
     HardInput hard = {};
     pbd::Correction averaged = {};        ///< before the step, where the pass does not do it
     double still = 0.0;                   ///< s, at rest and in agreement, see rests()
+    std::uint32_t name = kNoName;         ///< what the outbox calls it
+    pbd::Pose lies = {};                  ///< where it has been, about, since lies_since
+    SessionTime lies_since = 0;           ///< ns; 0 = it moves
     pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, what agreement wanted of this step
     bool blocked = false;                 ///< the last step did less than half of it
   };
@@ -106,6 +121,12 @@ class Peer::Impl {
   void receive(SessionTime now);
   CodecResult parse(const Packet& packet);
   void take_in(PeerId from, SessionTime now);
+  void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell, SessionTime now);
+  void take_in_compact(PeerId from, SessionTime farewell, SessionTime now);
+  void take_in_anchors(PeerId from, SessionTime now);
+  /// The state that a remote one stands for now: of what rests one that is as new as the last word
+  /// of its sender, of what was rounded the one nearest to the own copy. Valid until the next call.
+  const StateUpdate& as_meant(const Inbox::Received& received, const Shared& shared);
   /// Stamp of a peer's farewell; the beginning of time where it has not left.
   SessionTime farewell_of(PeerId peer) const;
 
@@ -118,7 +139,8 @@ class Peer::Impl {
   /// @param age  samples, of the states that are heard
   void prefetch(std::size_t place, std::size_t age) const;
   /// Every peer's newest state of one body, carried to now.
-  void estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  /// @return whether they are to be fused as votes
+  bool estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
   void tell_observer(SessionTime now);
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
@@ -126,6 +148,14 @@ class Peer::Impl {
   bool jumps(const Shared& shared, const pbd::Correction& correction, double dt) const;
   /// Put a body where it is said to be, whatever is in between.
   void place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, SessionTime now);
+  /// The same where copies are apart for good, with all that joints hold to it, and with what
+  /// touches those and is apart as well: put back one by one they would be inside each other.
+  void place_apart(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, PeerId leader,
+                   SessionTime now);
+  void place_along(Shared& shared, std::span<const Inbox::Received> newest, PeerId leader,
+                   bool always, SessionTime now);
+  /// What place_apart() takes along, into assembly_ and island_.
+  void collect_island(std::uint32_t slot);
   bool hard_at_sender(const StateUpdate& update) const;
   double accepted(double share, const Prediction& prediction, const Heard& heard,
                   SessionTime now) const;
@@ -144,6 +174,26 @@ class Peer::Impl {
   /// Who acts on a body acts on all that joints hold to it.
   void spread_acting();
   void update_initiative(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+
+  // How far others are believed.
+  PeerReport& report_of(PeerId peer);
+  void receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
+  /// Whether a peer that says so leads a body, as far as can be known here.
+  bool believes_lead(Shared& shared, PeerId from, SessionTime now);
+  bool owns_any(PeerId peer) const;
+  /// Whether a hand is believed in that nobody else knows.
+  bool believes_hands(std::size_t others) const;
+  /// Whether more say what newest[i] says of the orientation than what is so here.
+  bool outvoted_at_stamp(const Shared& shared, std::span<const Inbox::Received> newest,
+                         std::size_t i);
+  /// Of several others, put a body where the leader or the majority has it if nothing else helps.
+  void give_way(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  /// Fuse estimates_ where there are several: those far from the rest count less.
+  bool fuse_votes(const pbd::BodyState& own, pbd::PoseTarget& target);
+  void note_outliers();
+  /// Ask for no more than RobustOptions allow.
+  /// @param joined  taken over from the others, as a newcomer does
+  void limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool joined);
 
   // Couplings other than the pass.
   /// Whether targets go into the solver's pass; those of owners do where nothing is agreed upon.
@@ -165,9 +215,28 @@ class Peer::Impl {
   void mark_joints();
   void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
   void send(SessionTime now);
-  /// Encode into outgoing_, packet by packet, and call post().
+  /// Tell those who have connected since the last time all that is to be known, reliably.
+  void greet_newcomers();
+  StateUpdate state_of(Shared& shared, SessionTime now);
+  /// Whether a body has been lying still for a while.
+  bool lies_still(Shared& shared, const pbd::BodyState& state, SessionTime now) const;
+  /// By the outbox: what is due, to each of the others.
+  void send_selected(SessionTime now);
+  /// Encode into outgoing_, packets that the transport takes, and call post() for each.
   template <class Record, class Post>
-  void post_records(std::span<const Record> records, std::size_t most, Post&& post);
+  void post_records(std::span<const Record> records, std::size_t record_bytes, Delivery delivery,
+                    Post&& post) {
+    // What decode() takes, and what the transport does.
+    const std::size_t packet = std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
+    const std::size_t most = std::min(kMaxRecords, records_in(packet, record_bytes));
+    while (!records.empty()) {
+      const std::size_t count = std::min(most, records.size());
+      outgoing_.clear();
+      encode(records.first(count), outgoing_);
+      post();
+      records = records.subspan(count);
+    }
+  }
   void post_all(Delivery delivery);
   void post_to(PeerId to, Delivery delivery);
   /// The states that concern each of the others.
@@ -186,12 +255,19 @@ class Peer::Impl {
   PeerObserver* observer_ = nullptr;
   const Interest* interest_ = nullptr;
   PeerStats stats_;
+  std::vector<PeerReport> reports_;               ///< by peer
   std::vector<Shared> shared_;                    ///< by id, as in inbox_
+  std::unique_ptr<Outbox> outbox_;                ///< null: all in full to everybody
+  NameTables names_;                              ///< of the others
+  SessionTime springs_told_ = 0;                  ///< ns, when springs were last sent in full
+  std::size_t springs_told_to_ = 0;               ///< peers that were there then
   std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
   std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
   std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
   std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
+  std::vector<PeerId> greeted_;  ///< ascending, those connected now
+  bool has_sent_ = false;
   std::vector<std::uint8_t> jointed_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  ///< slots of bodies that move
   /// By slot, what acts on bodies: Springs::Grip, kTouched and the like.
@@ -213,6 +289,13 @@ class Peer::Impl {
   std::vector<Packet> packets_;
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
+  std::vector<Claim> claims_;  ///< of the body that estimate() was asked about
+  std::vector<Claim> turns_;
+  std::vector<PeerId> leaders_;
+  std::vector<PeerId> newcomers_;
+  std::vector<std::uint32_t> assembly_;  ///< slots of bodies that are placed together
+  std::vector<std::uint32_t> island_;    ///< and of those that touch them
+  std::vector<Vote> votes_;
   std::vector<Noted> noted_;
   std::vector<Springs::Hand> hands_;
   std::vector<pbd::PoseTarget> targets_;
@@ -223,6 +306,10 @@ class Peer::Impl {
   std::vector<SpringUpdate> spring_states_;
   std::vector<SpringUpdate> spring_events_;
   std::vector<std::byte> outgoing_;
+  std::vector<std::byte> anchors_;
+  StateUpdate meant_;
+  std::vector<OutgoingState> selectable_;
+  std::vector<std::size_t> told_in_full_;
 };
 
 }  // namespace tandem::consensus

@@ -66,11 +66,14 @@ void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Receiv
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
   if ((bits & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;
+  const bool hands = believes_hands(newest.size());
   for (const Inbox::Received& received : newest) {
-    if (received.update.flags.owner_driven) acting.other = true;
+    if (received.update.flags.owner_driven && hands) acting.other = true;
     round_trip = std::max(
         round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
-    shared.initiative.hear(received.peer, received.update.flags.leads, received.update.stamp);
+    const bool leads = received.update.flags.leads &&
+                       (newest.size() < 2 || believes_lead(shared, received.peer, now));
+    shared.initiative.hear(received.peer, leads, received.update.stamp);
   }
   shared.initiative.update(acting, round_trip, now);
 }

@@ -38,6 +38,10 @@ void Peer::Impl::share(const ShareDef& def) {
     throw std::invalid_argument("ShareDef: body of id = " + def.id.to_string() +
                                 " breaks the rule: shared under one id only");
   }
+  if (outbox_ != nullptr && shared_.size() + 1 >= Outbox::kMaxNames) {
+    throw std::invalid_argument("Peer::share: bodies = " + std::to_string(shared_.size() + 1) +
+                                " breaks the rule: fewer than 65536 where SendOptions select");
+  }
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
@@ -74,7 +78,7 @@ void Peer::Impl::unshare(const SharedId& id) {
 
 std::optional<SessionTime> Peer::Impl::heard(const SharedId& id, PeerId from) const {
   for (const Inbox::Received& received : inbox_.newest(id)) {
-    if (received.peer == from) return received.update.stamp;
+    if (received.peer == from) return inbox_.holds_until(received);
   }
   return std::nullopt;
 }

@@ -45,12 +45,14 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
     pbd::detail::require_finite(def.attachment_l, "GrabDef", "attachment_l");
     pbd::detail::require_finite(def.anchor_w, "GrabDef", "anchor_w");
   } else {
-    tether = tethers_.add(world_, {.body = body,
-                                   .anchor_l = def.attachment_l,
-                                   .anchor_w = def.anchor_w,
-                                   .stiffness = def.stiffness,
-                                   .damping = def.damping,
-                                   .max_force = def.max_force});
+    pbd::Tether::Def wanted{.body = body,
+                            .anchor_l = def.attachment_l,
+                            .anchor_w = def.anchor_w,
+                            .stiffness = def.stiffness,
+                            .damping = def.damping,
+                            .max_force = def.max_force};
+    limit(wanted);  // as the others do
+    tether = tethers_.add(world_, wanted);
   }
   own_.insert(
       place,
@@ -103,7 +105,7 @@ SpringUpdate Springs::message_of(const Own& own, SpringEvent event, SessionTime 
           .stamp = own.moved != 0 ? own.moved : now};
 }
 
-pbd::Tether::Def Springs::tether_of(const SpringUpdate& update, pbd::BodyId body) const {
+pbd::Tether::Def Springs::tether_of(const SpringUpdate& update, pbd::BodyId body) {
   return {.body = body,
           .anchor_l = update.attachment_l,
           .anchor_w = update.anchor_w,
@@ -118,7 +120,8 @@ void Springs::let_go(Remote& remote) {
   remote.live = false;
 }
 
-bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now) {
+Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
+                                  SessionTime now) {
   const auto key = std::pair(from, update.spring);
   auto it = std::lower_bound(
       remote_.begin(), remote_.end(), key,
@@ -130,24 +133,26 @@ bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
     // later than all that was heard is another spring, of a successor under the same peer's id.
     const bool later = update.stamp > it->last.stamp;
     const bool successor = later && update.event == SpringEvent::Create;
-    if (update.revision < it->last.revision && !successor) return true;
-    if (update.revision == it->last.revision && !later) return true;
+    if (update.revision < it->last.revision && !successor) return Verdict::Taken;
+    if (update.revision == it->last.revision && !later) return Verdict::Taken;
   } else {
     const auto mine = std::count_if(remote_.begin(), remote_.end(),
                                     [&](const Remote& r) { return r.peer == from; });
-    if (static_cast<std::size_t>(mine) >= kMaxPerPeer) return false;
-    if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return true;
+    if (static_cast<std::size_t>(mine) >= kMaxPerPeer) return Verdict::Refused;
+    if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return Verdict::Taken;
     it = remote_.insert(it, {.peer = from});
   }
   const bool moved_body = known && it->live && it->last.body != update.body;
   if (moved_body || update.event == SpringEvent::Remove) let_go(*it);
   it->last = update;
   it->heard = now;
-  if (update.event == SpringEvent::Remove) return true;
-  const pbd::Tether::Def def = tether_of(update, body);
-  if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0)) {
+  if (update.event == SpringEvent::Remove) return Verdict::Taken;
+  pbd::Tether::Def def = tether_of(update, body);
+  const bool limited = limit(def);
+  if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0) || too_far(def) ||
+      too_many(*it, body)) {
     let_go(*it);
-    return false;
+    return Verdict::Refused;
   }
   if (it->live) {
     tethers_.set(world_, it->tether, def);
@@ -155,7 +160,17 @@ bool Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
     it->tether = tethers_.add(world_, def);
     it->live = true;
   }
-  return true;
+  it->last.anchor_velocity = def.anchor_velocity;
+  return limited ? Verdict::Limited : Verdict::Taken;
+}
+
+const SpringUpdate* Springs::last_of(PeerId from, std::uint32_t spring) const {
+  const auto key = std::pair(from, spring);
+  const auto it = std::lower_bound(
+      remote_.begin(), remote_.end(), key,
+      [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
+  const bool known = it != remote_.end() && it->peer == from && it->last.spring == spring;
+  return known ? &it->last : nullptr;
 }
 
 void Springs::drop_peer(PeerId from, SessionTime now) {
@@ -243,6 +258,10 @@ bool Springs::holds(pbd::BodyId body) const {
                      [&](const Remote& r) { return r.live && pulls(r.tether); });
 }
 
+bool Springs::holds_own(pbd::BodyId body) const {
+  return std::ranges::find(own_, body, &Own::body) != own_.end();
+}
+
 void Springs::mark(std::vector<std::uint8_t>& grips) const {
   const auto set = [&](pbd::BodyId body, Grip grip) {
     if (world_.contains(body)) grips[body.index] |= grip;
@@ -257,6 +276,44 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
       set(tethers_.def(remote.tether).body, kRemote);
     }
   }
+}
+
+bool Springs::held_by(PeerId peer, pbd::BodyId body) const {
+  return std::any_of(remote_.begin(), remote_.end(), [&](const Remote& r) {
+    return r.peer == peer && r.live && tethers_.contains(r.tether) &&
+           tethers_.def(r.tether).body == body;
+  });
+}
+
+bool Springs::limit(pbd::Tether::Def& def) const {
+  const RobustOptions& most = options_.robust;
+  // What is light is as a rule part of something that is not.
+  const double mass = std::max(world_.props(def.body).mass, 1.0);
+  const pbd::Tether::Def asked = def;
+  const double speed = def.anchor_velocity.norm();
+  if (speed > most.max_hand_speed) def.anchor_velocity *= most.max_hand_speed / speed;
+  def.stiffness = std::min(def.stiffness, most.max_stiffness * mass);
+  def.damping = std::min(def.damping, most.max_damping * mass);
+  def.max_force = std::min(def.max_force, most.max_pull * mass);
+  // A force that is never reached is no limit worth telling of.
+  return speed > most.max_hand_speed || def.stiffness < asked.stiffness ||
+         def.damping < asked.damping;
+}
+
+bool Springs::too_far(const pbd::Tether::Def& def) const {
+  const pbd::Pose& pose = world_.pose(def.body);
+  const pbd::Vec3 held = pose.position + pose.orientation * def.anchor_l;
+  const double reach = options_.robust.max_reach;
+  return !((def.anchor_w - held).squaredNorm() <= reach * reach);
+}
+
+bool Springs::too_many(const Remote& remote, pbd::BodyId body) const {
+  if (remote.live) return false;
+  const auto others = std::count_if(remote_.begin(), remote_.end(), [&](const Remote& r) {
+    return r.peer == remote.peer && r.live && tethers_.contains(r.tether) &&
+           tethers_.def(r.tether).body == body;
+  });
+  return others >= options_.robust.max_springs_per_body;
 }
 
 bool Springs::holds_alone(pbd::BodyId body) const {

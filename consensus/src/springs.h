@@ -25,9 +25,15 @@ class Springs {
   void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
   void release(GrabId id, SessionTime now);
 
+  enum class Verdict : std::uint8_t {
+    Taken,
+    Limited,  ///< taken, with less strength or speed than it asks for
+    Refused,
+  };
   /// Apply another peer's message. `body` is the local instance of update.body.
-  /// @return false where it was refused
-  bool receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
+  Verdict receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
+  /// What another peer last said of a spring; null where nothing is known of it.
+  const SpringUpdate* last_of(PeerId from, std::uint32_t spring) const;
   /// Let go what a peer holds, for good.
   void drop_peer(PeerId from, SessionTime now);
   /// Let go all springs on a body.
@@ -42,6 +48,8 @@ class Springs {
   /// All that pull, own and remote, as they do in the step to come; appended.
   void pulls(std::vector<pbd::Tether::Def>& out) const;
   bool holds(pbd::BodyId body) const;
+  /// Whether this peer's user holds the body.
+  bool holds_own(pbd::BodyId body) const;
   /// How users hold a body, as bits.
   enum Grip : std::uint8_t {
     kShared = 1,  ///< by an own spring that all peers simulate
@@ -50,6 +58,8 @@ class Springs {
   };
   /// Set those bits of all bodies that somebody holds; by slot.
   void mark(std::vector<std::uint8_t>& grips) const;
+  /// Whether that peer's user holds the body by a spring.
+  bool held_by(PeerId peer, pbd::BodyId body) const;
   /// Whether an own spring that no other peer simulates holds the body.
   bool holds_alone(pbd::BodyId body) const;
   /// An own spring's hand in hard mode.
@@ -82,7 +92,11 @@ class Springs {
 
   Own& find(GrabId id);
   void let_go(Remote& remote);
-  pbd::Tether::Def tether_of(const SpringUpdate& update, pbd::BodyId body) const;
+  /// Cut to what RobustOptions allow. @return whether anything was
+  bool limit(pbd::Tether::Def& def) const;
+  bool too_many(const Remote& remote, pbd::BodyId body) const;
+  bool too_far(const pbd::Tether::Def& def) const;
+  static pbd::Tether::Def tether_of(const SpringUpdate& update, pbd::BodyId body);
   static SpringUpdate message_of(const Own& own, SpringEvent event, SessionTime now);
 
   pbd::World& world_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compact_wire.h"
 #include "tandem/pbd/bytes.h"
 
 namespace tandem::consensus {
@@ -15,14 +16,14 @@ using pbd::ByteWriter;
 using pbd::Quat;
 using pbd::Vec3;
 
-enum class MessageKind : std::uint8_t { States = 1, Springs = 2, Leave = 3, Ownership = 4 };
-
 constexpr std::uint8_t kInContact = 1;
 constexpr std::uint8_t kHeld = 2;
 constexpr std::uint8_t kOwnerDriven = 4;
 constexpr std::uint8_t kTeleported = 8;
 constexpr std::uint8_t kLeads = 16;
-constexpr std::uint8_t kKnownFlags = kInContact | kHeld | kOwnerDriven | kTeleported | kLeads;
+constexpr std::uint8_t kResting = 32;
+constexpr std::uint8_t kKnownFlags =
+    kInContact | kHeld | kOwnerDriven | kTeleported | kLeads | kResting;
 
 std::uint8_t pack(const UpdateFlags& flags) {
   unsigned bits = 0;
@@ -31,12 +32,13 @@ std::uint8_t pack(const UpdateFlags& flags) {
   if (flags.owner_driven) bits |= kOwnerDriven;
   if (flags.teleported) bits |= kTeleported;
   if (flags.leads) bits |= kLeads;
+  if (flags.resting) bits |= kResting;
   return static_cast<std::uint8_t>(bits);
 }
 
 UpdateFlags unpack(std::uint8_t bits) {
-  return {(bits & kInContact) != 0, (bits & kHeld) != 0, (bits & kOwnerDriven) != 0,
-          (bits & kTeleported) != 0, (bits & kLeads) != 0};
+  return {(bits & kInContact) != 0,  (bits & kHeld) != 0,  (bits & kOwnerDriven) != 0,
+          (bits & kTeleported) != 0, (bits & kLeads) != 0, (bits & kResting) != 0};
 }
 
 // What the wire makes of a number. check() looks at numbers as they arrive, so that a sender and a
@@ -226,6 +228,16 @@ CodecResult read(ByteReader& in, OwnershipUpdate& update) {
   return check(update);
 }
 
+CodecResult read(ByteReader& in, NamesWanted& wanted) {
+  wanted.table = in.u32();
+  return {};
+}
+
+CodecResult read(ByteReader& in, Alive& alive) {
+  alive.stamp = in.i64();
+  return check(alive);
+}
+
 template <class Record>
 std::size_t encode_all(std::span<const Record> records, MessageKind kind,
                        std::vector<std::byte>& out) {
@@ -234,11 +246,7 @@ std::size_t encode_all(std::span<const Record> records, MessageKind kind,
   std::size_t next = 0;
   while (next < records.size()) {
     const std::size_t start = out.size();
-    writer.u16(kPacketMagic);
-    writer.u8(kPacketVersion);
-    writer.u8(static_cast<std::uint8_t>(kind));
-    const std::size_t count_at = out.size();
-    writer.u16(0);
+    write_header(out, kind, 0);
     std::size_t count = 0;
     for (; next < records.size() && count < kMaxRecords; ++next) {
       if (!check(records[next]).ok()) continue;
@@ -246,10 +254,7 @@ std::size_t encode_all(std::span<const Record> records, MessageKind kind,
       ++count;
     }
     if (count == 0) out.resize(start);
-    if (count > 0) {
-      out[count_at] = static_cast<std::byte>(count & 0xff);
-      out[count_at + 1] = static_cast<std::byte>(count >> 8);
-    }
+    if (count > 0) put_u16(out, start + kHeaderBytes - 2, count);
     appended += count;
   }
   return appended;
@@ -294,6 +299,16 @@ CodecResult decode_message(ByteReader& in, std::size_t packet_bytes, DecodedPack
       return decode_records(in, count, kLeaveBytes, packet_bytes, out.leaves);
     case MessageKind::Ownership:
       return decode_records(in, count, kOwnershipBytes, packet_bytes, out.ownership);
+    case MessageKind::CompactStates:
+      return decode_compact(in, count, out.compact);
+    case MessageKind::Names:
+      return decode_names(in, count, out.names);
+    case MessageKind::Anchors:
+      return decode_anchors(in, count, out.anchors);
+    case MessageKind::NamesWanted:
+      return decode_records(in, count, kNamesWantedBytes, packet_bytes, out.names_wanted);
+    case MessageKind::Alive:
+      return decode_records(in, count, kAliveBytes, packet_bytes, out.alive);
   }
   return fault(PacketFault::UnknownKind, "kind: unknown");
 }
@@ -305,6 +320,11 @@ void DecodedPacket::clear() {
   springs.clear();
   leaves.clear();
   ownership.clear();
+  compact.clear();
+  names.clear();
+  names_wanted.clear();
+  alive.clear();
+  anchors.clear();
 }
 
 std::string CodecResult::reason() const {
@@ -312,11 +332,27 @@ std::string CodecResult::reason() const {
   return "byte " + std::to_string(offset) + ": " + detail;
 }
 
+void put_u16(std::vector<std::byte>& out, std::size_t at, std::size_t value) {
+  out[at] = static_cast<std::byte>(value & 0xff);
+  out[at + 1] = static_cast<std::byte>(value >> 8 & 0xff);
+}
+
+void write_header(std::vector<std::byte>& out, MessageKind kind, std::size_t count) {
+  ByteWriter writer(out);
+  writer.u16(kPacketMagic);
+  writer.u8(kPacketVersion);
+  writer.u8(static_cast<std::uint8_t>(kind));
+  writer.u16(static_cast<std::uint16_t>(count));
+}
+
 CodecResult check(const StateUpdate& update) {
-  CodecResult result = check_id(update.id);
-  if (!result.ok()) return result;
-  result = check_norm(update.pose.position, kMaxPosition, "position: must be finite",
-                      "position: norm must be below 1e7 m");
+  const CodecResult result = check_id(update.id);
+  return result.ok() ? check_state(update) : result;
+}
+
+CodecResult check_state(const StateUpdate& update) {
+  CodecResult result = check_norm(update.pose.position, kMaxPosition, "position: must be finite",
+                                  "position: norm must be below 1e7 m");
   if (!result.ok()) return result;
   result = check_sent_norm(update.twist.linear, kMaxLinearSpeed, "velocity: must be finite",
                            "velocity: norm must be below 1e5 m/s");
@@ -361,7 +397,18 @@ CodecResult check(const SpringUpdate& update) {
   return check_stamp(update.stamp);
 }
 
+CodecResult check_anchor(const AnchorUpdate& anchor) {
+  CodecResult result = check_norm(anchor.anchor_w, kMaxPosition, "anchor: must be finite",
+                                  "anchor: norm must be below 1e7 m");
+  if (!result.ok()) return result;
+  result = check_norm(anchor.anchor_velocity, kMaxLinearSpeed, "anchor velocity: must be finite",
+                      "anchor velocity: norm must be below 1e5 m/s");
+  return result.ok() ? check_stamp(anchor.stamp) : result;
+}
+
 CodecResult check(const Leave& leave) { return check_stamp(leave.stamp); }
+
+CodecResult check(const Alive& alive) { return check_stamp(alive.stamp); }
 
 CodecResult check(const OwnershipUpdate& update) {
   if (update.event != OwnershipEvent::Request && update.event != OwnershipEvent::Grant) {

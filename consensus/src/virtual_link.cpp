@@ -48,6 +48,15 @@ class VirtualNetwork::Endpoint : public Transport {
     return link != nullptr && link->post(network_.now, bytes, delivery, network_.air);
   }
 
+  std::size_t max_packet_bytes(Delivery delivery) const override {
+    std::size_t most = Transport::max_packet_bytes(delivery);
+    if (delivery == Delivery::Reliable) return most;
+    for (const auto& [ends, link] : network_.links) {
+      if (ends.first == self_) most = std::min(most, link.max_state_bytes());
+    }
+    return most;
+  }
+
   void drain(std::vector<Packet>& out) override {
     std::move(arrived_.begin(), arrived_.end(), std::back_inserter(out));
     arrived_.clear();

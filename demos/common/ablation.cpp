@@ -12,15 +12,6 @@ namespace tandem::demos {
 
 namespace {
 
-/// J, of one body.
-double kinetic_energy(const pbd::World& world, pbd::BodyId body) {
-  const pbd::BodyState& state = world.state(body);
-  const pbd::BodyProps& props = world.props(body);
-  const pbd::Vec3 spin_l = state.pose.orientation.conjugate() * state.twist.angular;
-  return 0.5 *
-         (props.mass * state.twist.linear.squaredNorm() + spin_l.dot(props.inertia_l * spin_l));
-}
-
 /// Velocities are taken from all that moved, as position-based dynamics has it where there is one
 /// channel.
 class OneChannel final : public Physics {
@@ -29,16 +20,16 @@ class OneChannel final : public Physics {
 
   const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) override {
     report_ = physics_->step(scene, peer, dt);
+    const double before = scene.world->kinetic_energy();
     for (const SceneBody& shared : scene.bodies) {
       const pbd::Correction done = scene.world->correction(shared.body);
       if (done.translation.isZero(0.0) && done.rotation.isZero(0.0)) continue;
-      const double before = kinetic_energy(*scene.world, shared.body);
       pbd::Twist twist = scene.world->twist(shared.body);
       twist.linear += done.translation / dt;
       twist.angular += done.rotation / dt;
       scene.world->set_twist(shared.body, twist);
-      report_.energy.displacement += kinetic_energy(*scene.world, shared.body) - before;
     }
+    report_.energy.displacement += scene.world->kinetic_energy() - before;
     return report_;
   }
   const std::vector<std::pair<std::size_t, std::size_t>>* touching() const override {

@@ -208,6 +208,23 @@ constexpr Option kOptions[] = {
        o.bandwidth = number(name, text, 0.0, 1e12, kRule);
        if (o.bandwidth > 0.0 && o.bandwidth < 1.0) refuse(name, text, kRule);
      }},
+    {"--max-state", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.max_state_bytes = number(name, in.value(name), std::size_t{128}, std::size_t{65536},
+                                  "bytes, an integer from 128 to 65536");
+     }},
+    {"--compact", Where::Everywhere, read_flag<&DemoOptions::compact>},
+    {"--budget", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       constexpr std::string_view kRule = "kbit/s, 0 or a number from 8 to 1e6";
+       const std::string_view text = in.value(name);
+       o.budget = number(name, text, 0.0, 1e6, kRule);
+       if (o.budget > 0.0 && o.budget < 8.0) refuse(name, text, kRule);
+     }},
+    {"--tolerance", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.tolerance = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
+     }},
     {"--listen", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.listen = number(name, in.value(name), std::uint16_t{0}, std::uint16_t{65535},
@@ -225,6 +242,14 @@ constexpr Option kOptions[] = {
     {"--wait", Where::Network,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.wait = number(name, in.value(name), 0.0, 86400.0, "a number from 0 to 86400");
+     }},
+    {"--key", Where::Network, read_text<&DemoOptions::key>},
+    {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
+    {"--clock", Where::Network,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view text = in.value(name);
+       if (text != "session" && text != "system") refuse(name, text, "session or system");
+       o.timeline = text == "system" ? Timeline::System : Timeline::Session;
      }},
     {"--seconds", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -272,8 +297,8 @@ constexpr Option kOptions[] = {
      }},
     {"--total-iterations", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
-       const int sweeps = number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
-       o.solver.total_iterations = sweeps;
+       o.solver.total_iterations =
+           number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
      }},
     {"--ablate", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -344,6 +369,9 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
 consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
+  if (compact) result.sending.format = consensus::StateFormat::Compact;
+  result.sending.kbit_per_s = budget;
+  result.sending.tolerance = tolerance;
   result.influence.baseline = influence;
   if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement at all
   apply(other, result);
@@ -382,6 +410,7 @@ consensus::LinkOptions DemoOptions::link_options() const {
   result.duplicate = duplicate;
   result.reorder = reorder;
   result.bandwidth = bandwidth;
+  result.max_state_bytes = max_state_bytes;
   return result;
 }
 
@@ -405,6 +434,9 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   }
   if (!options.over_network() && !network_only.empty()) {
     refuse(network_only, "given", "needs --listen or --connect");
+  }
+  if (!options.key.empty() && options.insecure) {
+    refuse("--insecure", "given", "has no meaning with --key");
   }
   // Who waits is user A, who calls is user B.
   if (options.over_network() && options.peer_id == 0) {

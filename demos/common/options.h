@@ -8,10 +8,12 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/ablation.h"
 #include "common/physics.h"
+#include "common/session_key.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
 
@@ -27,6 +29,12 @@ enum class Scheme : std::uint8_t {
   None,          ///< users' springs alone
   SingleOwner,   ///< with linear extrapolation
   Pd,            ///< virtual coupling, with the prediction and rules of TwoStepPaper
+};
+
+/// Where session time comes from over UDP; over TCP it is the system clock's.
+enum class Timeline : std::uint8_t {
+  Session,  ///< the session's own, agreed on in band
+  System,   ///< the system clock of hosts that PTP or NTP disciplines
 };
 
 /// What all demos understand on their command line.
@@ -53,15 +61,24 @@ struct DemoOptions {
   pbd::SolverOptions solver = {};                  ///< of peers on Tandem
   Ablation ablation;                               ///< parts that the run does without
   std::string variant;                             ///< of the scenario; "" = its default
-  double loss = 0.0;       ///< of the virtual link: chance that a state is lost
-  double duplicate = 0.0;  ///< chance that it comes twice
-  double reorder = 0.0;    ///< chance that it is overtaken
-  double bandwidth = 0.0;  ///< bit/s in each direction; 0 = unlimited
+  double loss = 0.0;                        ///< of the virtual link: chance that a state is lost
+  double duplicate = 0.0;                   ///< chance that it comes twice
+  double reorder = 0.0;                     ///< chance that it is overtaken
+  double bandwidth = 0.0;                   ///< bit/s in each direction; 0 = unlimited
+  std::size_t max_state_bytes = 64 * 1024;  ///< bytes of the longest state
+  bool compact = false;                     ///< states are rounded to few bits
+  double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = no limit
+  double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
   std::uint64_t peer_id = 0;            ///< of this process
-  double wait = 0.0;  ///< s, how long to wait for the first other process; 0 = for ever
+  double wait = 0.0;     ///< s, how long to wait for the first other process; 0 = for ever
+  std::string key;       ///< file with the session's key, 64 hex digits: UDP, encrypted
+  std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
+  std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
+  bool insecure = false;  ///< UDP on this machine alone, with a key that everybody knows
+  Timeline timeline = Timeline::Session;
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none
@@ -73,6 +90,7 @@ struct DemoOptions {
   bool help = false;
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
+  bool udp() const { return !key.empty() || insecure; }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }

@@ -16,10 +16,15 @@ All peers in one process, in virtual time (the default):
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
   --loss P --duplicate P --reorder P   chances for each state on the link (0)
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
-One peer for each process, in wall time over TCP:
+  --max-state N      bytes of the longest packet of states; 502 is an MTU of 576 (65536)
+One peer for each process, in wall time over TCP, or with a key over UDP:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
   --peer-id N        unique in the session (1 with --listen alone, else 2)
+  --key FILE         over UDP, encrypted; 64 hex digits, the same for all (tandem-key makes one)
+  --insecure         over UDP, with a key that everybody knows; loopback addresses only
+  --clock session|system   over UDP: time agreed on in the session, or the system clock, where PTP
+                     or NTP disciplines it (session)
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)
@@ -36,13 +41,17 @@ Session:
   --damped-start S   shares grow over this time since a peer was heard (0)
   --modelled-error M a predictor's own error that halves a share (0 = no rule)
   --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
+  --compact          states rounded to few bits
+  --budget K         kbit/s that a peer sends to each other one, headers included (0 = unlimited;
+                     over UDP 2000)
+  --tolerance M      states that the others expect nearly right are not sent (0 = all are)
   --update-hz F      states sent each second (60)
   --rates F,F,..     steps each second of the peers, in turn (60)
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
   --bullet-iterations N            of Bullet's solver (10)
   --substeps N       of Tandem's solver (4)
   --iterations N     sweeps of its pass in each substep (1)
-  --total-iterations N            and of its total channel, 0 to 1000 (2)
+  --total-iterations N            and of its total channel, 0 to 1000 (1)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
                      clean-up, masses, parts, rotation, gain-rule, age, ways, own-motion,
                      initiative, leading, arbitration, ramp, refine

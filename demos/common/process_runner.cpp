@@ -6,18 +6,19 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/network.h"
 #include "common/participant.h"
 #include "common/progress.h"
 #include "common/remote_view.h"
 #include "common/rendezvous.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
-#include "tandem/net/tcp.h"
 
 namespace tandem::demos {
 
@@ -28,17 +29,6 @@ using consensus::SessionTime;
 /// Noise, order and step rate go by peer id, as in the virtual run.
 std::size_t number_of(const DemoOptions& options) {
   return static_cast<std::size_t>(options.peer_id - 1);
-}
-
-net::TcpOptions tcp_options(const Scenario& scenario, const DemoOptions& options) {
-  net::TcpOptions result;
-  result.self = options.peer_id;
-  result.scene_hash = scene_hash(scenario.build({}));
-  result.listen_port = options.listen;
-  for (const std::string& address : options.connect) {
-    result.connect.push_back(net::parse_host_port(address));
-  }
-  return result;
 }
 
 net::PhysicsClockOptions clock_options(double step_hz) {
@@ -57,26 +47,27 @@ class Session {
       : scenario_(scenario),
         options_(options),
         replay_(replayed_inputs(options)),
-        transport_(tcp_options(scenario, options)),
+        network_(make_network(options, scene_hash(scenario.build({})))),
         view_(scenario.build({})),
-        rendezvous_(transport_, view_),
+        rendezvous_(network_->transport(), view_),
         participant_(scenario, options, options.peer_id, number_of(options), rendezvous_),
-        start_(clock_.now()),
+        start_(network_->now()),
         physics_(clock_options(participant_.step_hz()), start_),
         progress_(options.quiet) {
     participant_.record_from_exchange();
     if (!options.quiet && options.listen) {
       std::fprintf(stderr, "peer %llu listens on port %u\n",
-                   static_cast<unsigned long long>(options.peer_id), transport_.local_port());
+                   static_cast<unsigned long long>(options.peer_id), network_->local_port());
     }
   }
 
   RunResult run() {
     while (!stop_.requested() && !over()) {
       begin(physics_.physics_time());
-      stop_.wait(std::chrono::nanoseconds(physics_.next_due() - clock_.now()));
+      stop_.wait(std::chrono::nanoseconds(physics_.next_due() - network_->now()));
       advance();
     }
+    clock_error_ = network_->clock_error();
     // One state more from where we stand would be heard after the farewell.
     participant_.leave(physics_.physics_time());
     return result();
@@ -91,6 +82,13 @@ class Session {
   /// Take in what has come, so that the step that follows in one step's time knows it.
   void begin(SessionTime now) {
     rendezvous_.update(now);
+    // Nothing moves while nobody is there: all begin together, as in virtual time, not with a world
+    // that fell asleep while it waited.
+    in_company_ = in_company_ || rendezvous_.connected();
+    if (!in_company_) {
+      show(now);
+      return;
+    }
     if (rendezvous_.epoch() && !scripted_) {
       scripted_ = true;
       const std::size_t user = number_of(options_);
@@ -105,7 +103,8 @@ class Session {
 
   /// All steps that are due. The first one has begun already, unless time was jumped over.
   void advance() {
-    const net::ClockTick tick = physics_.advance(clock_.now());
+    const net::ClockTick tick = physics_.advance(network_->now());
+    if (!in_company_) return;
     SessionTime time = physics_.physics_time();
     for (const SessionTime step : tick.steps) time -= step;
     bool begun = tick.skipped == 0;
@@ -123,7 +122,7 @@ class Session {
       const double waited = net::seconds(now - start_);
       if (options_.wait > 0.0 && waited > options_.wait && !rendezvous_.connected()) {
         throw std::runtime_error("no peer has come within " + std::to_string(options_.wait) + " s" +
-                                 last_reason());
+                                 network_->trouble());
       }
       progress_.show(0.0, "waiting for a peer");
       return;
@@ -133,16 +132,6 @@ class Session {
                    rendezvous_.connected() ? "connected" : "no peer connected");
   }
 
-  std::string last_reason() const {
-    std::string text;
-    for (const net::DialStatus& dial : transport_.dials()) {
-      if (!dial.reason.empty()) text += "; " + net::to_string(dial.address) + ": " + dial.reason;
-    }
-    const net::StrangerStatus strangers = transport_.strangers();
-    if (!strangers.last_reason.empty()) text += "; refused: " + strangers.last_reason;
-    return text;
-  }
-
   RunResult result() {
     RunResult run;
     run.peers.push_back(participant_.record());
@@ -150,7 +139,8 @@ class Session {
     // The wait for company is no part of the session.
     const SessionTime from = rendezvous_.epoch().value_or(start_);
     run.seconds = net::seconds(std::max<SessionTime>(0, physics_.physics_time() - from));
-    run.wall_s = net::seconds(std::max<SessionTime>(1, clock_.now() - from));
+    run.clock_error = clock_error_ < 0 ? -1.0 : net::seconds(clock_error_);
+    run.wall_s = net::seconds(std::max<SessionTime>(1, network_->now() - from));
     return run;
   }
 
@@ -158,14 +148,15 @@ class Session {
   const DemoOptions& options_;
   std::optional<std::vector<Input>> replay_;
   net::StopSignal stop_;
-  net::SessionClock clock_;
-  net::TcpTransport transport_;
+  std::unique_ptr<Network> network_;
   RemoteView view_;
   Rendezvous rendezvous_;
   Participant participant_;
   SessionTime start_;
   net::PhysicsClock physics_;
   Progress progress_;
+  bool in_company_ = false;        ///< somebody was there once
+  std::int64_t clock_error_ = -1;  ///< ns
   bool scripted_ = false;
 };
 

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "common/remote_view.h"
 
+#include <algorithm>
+
 namespace tandem::demos {
 
 RemoteView::RemoteView(const Scene& scene) {
@@ -20,13 +22,7 @@ void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet)
   Remote& remote = remotes_[from];
   remote.tracks.resize(index_.size());
   std::size_t body = 0;
-  for (const consensus::SpringUpdate& spring : decoded_.springs) {
-    if (spring.event == consensus::SpringEvent::Remove) {
-      remote.springs.erase(spring.spring);
-    } else if (body_index(spring.body, body) && remote.springs.size() < kMaxSprings) {
-      remote.springs[spring.spring] = body;
-    }
-  }
+  for (const consensus::SpringUpdate& spring : decoded_.springs) look(remote, spring);
   if (!decoded_.leaves.empty()) remote.springs.clear();
   for (const consensus::StateUpdate& state : decoded_.states) {
     if (!body_index(state.id, body)) continue;
@@ -37,9 +33,33 @@ void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet)
     sample.speed = state.twist.linear.norm();
     sample.velocity = state.twist.linear;
     // One user sits at each process, however many springs the hand has.
-    for (const auto& [spring, held] : remote.springs) sample.users |= held == body ? 1 : 0;
+    for (const auto& [spring, hand] : remote.springs) {
+      sample.users |= hand.body == body && !hand.released ? 1 : 0;
+    }
     remote.tracks[body].push(sample);
   }
+}
+
+void RemoteView::look(Remote& remote, const consensus::SpringUpdate& spring) const {
+  Hand hand;
+  if (!body_index(spring.body, hand.body)) return;
+  hand.revision = spring.revision;
+  hand.released = spring.event == consensus::SpringEvent::Remove;
+  const auto known = remote.springs.find(spring.spring);
+  if (known != remote.springs.end()) {
+    // A removal comes another way than the states before it, and may overtake them.
+    if (hand.revision < known->second.revision || known->second.released) return;
+    known->second = hand;
+    return;
+  }
+  if (remote.springs.size() == kMaxSprings) {
+    // Numbers grow: the first that was released is the oldest.
+    const auto oldest = std::find_if(remote.springs.begin(), remote.springs.end(),
+                                     [](const auto& each) { return each.second.released; });
+    if (oldest == remote.springs.end()) return;
+    remote.springs.erase(oldest);
+  }
+  remote.springs[spring.spring] = hand;
 }
 
 void RemoteView::forget_hands(consensus::PeerId peer) {

@@ -29,10 +29,16 @@ class RemoteView {
  private:
   /// Of a peer: hands beyond these are not looked at, so that nobody fills our memory.
   static constexpr std::size_t kMaxSprings = 256;
+  struct Hand {
+    std::size_t body = 0;
+    std::uint32_t revision = 0;
+    bool released = false;  ///< remembered: what was under way meanwhile revives nothing
+  };
   struct Remote {
     std::vector<Track> tracks;
-    std::map<std::uint32_t, std::size_t> springs;  ///< spring to body
+    std::map<std::uint32_t, Hand> springs;  ///< by their numbers
   };
+  void look(Remote& remote, const consensus::SpringUpdate& spring) const;
   bool body_index(const consensus::SharedId& id, std::size_t& index) const;
 
   std::map<consensus::SharedId, std::size_t> index_;

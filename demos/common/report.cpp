@@ -29,6 +29,14 @@ consensus::SessionTime first_time(const std::vector<PeerRecord>& peers) {
   return first == INT64_MAX ? 0 : first;
 }
 
+/// ns, session time from which the tables count.
+consensus::SessionTime table_start(const Report& report) {
+  consensus::SessionTime start = INT64_MAX;
+  for (const DivergenceSample& s : report.metrics.samples) start = std::min(start, s.time);
+  // One peer, who disagrees with nobody.
+  return start == INT64_MAX ? first_time(report.run.peers) : start;
+}
+
 __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
   std::array<char, 256> text{};
   va_list arguments;
@@ -85,7 +93,7 @@ void describe_run(JsonWriter& json, const Report& r) {
   } else {
     json.field("profile", o.profile);
   }
-  json.field("transport", o.over_network() ? "tcp" : "virtual");
+  json.field("transport", o.over_network() ? (o.udp() ? "udp" : "tcp") : "virtual");
   json.field("peers", r.run.peers.size()).field("seconds", r.run.seconds).field("seed", o.seed);
   json.field("step_hz", r.run.peers.empty() ? Distribution::kNone : r.run.peers.front().step_hz);
   json.key("step_hz_of_peers").begin_array();
@@ -100,6 +108,9 @@ void describe_run(JsonWriter& json, const Report& r) {
   json.end_array();
   json.field("update_hz", o.update_hz).field("influence", o.influence);
   json.field("loss", o.over_network() ? Distribution::kNone : o.loss);
+  json.field("tables_start_ns", table_start(r));
+  json.field("clock_error_bound_s",
+             r.run.clock_error < 0.0 ? Distribution::kNone : r.run.clock_error);
   json.field("stable", r.stable());
   if (r.stable()) {
     json.null_field("fault");
@@ -136,8 +147,9 @@ std::string report_table(const Report& r) {
   std::string out =
       format("%s: %zu peers, %s, %.1f s, seed %llu, %s, %s, influence %g, %g updates/s\n",
              r.scenario.c_str(), r.run.peers.size(),
-             o.over_network() ? "TCP" : format("profile %d", o.profile).c_str(), r.run.seconds,
-             static_cast<unsigned long long>(o.seed), std::string(to_string(o.scheme)).c_str(),
+             o.over_network() ? (o.udp() ? "UDP" : "TCP") : format("profile %d", o.profile).c_str(),
+             r.run.seconds, static_cast<unsigned long long>(o.seed),
+             std::string(to_string(o.scheme)).c_str(),
              std::string(to_string(o.predictor_kind())).c_str(), o.influence, o.update_hz);
   out += format("  %-26s %9s %9s %9s %9s %9s %9s\n", "", "p50", "p75", "p95", "p99", "max", "n");
   out += row("divergence, mm", m.divergence_m, 1e3);
@@ -219,11 +231,7 @@ void write_csv(const Report& report, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error("cannot make " + folder + ": " + error.message());
-  consensus::SessionTime start = INT64_MAX;
-  for (const DivergenceSample& s : report.metrics.samples) start = std::min(start, s.time);
-  if (report.metrics.samples.empty()) {  // one peer, who disagrees with nobody
-    start = first_time(report.run.peers);
-  }
+  const consensus::SessionTime start = table_start(report);
 
   std::string samples = "time_s,body,class,divergence_m,divergence_deg\n";
   std::vector<std::vector<double>> of_body(report.body_names.size());
@@ -235,15 +243,16 @@ void write_csv(const Report& report, const std::string& folder) {
   }
   write_file(folder + "/divergence.csv", samples);
 
-  std::string tracks = "time_s,peer,body,x,y,z,qw,qx,qy,qz\n";
+  std::string tracks = "time_s,peer,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,users\n";
   for (const PeerRecord& peer : report.run.peers) {
     for (std::size_t i = 0; i < peer.tracks.size(); ++i) {
       for (const TrackSample& s : peer.tracks[i].samples()) {
-        tracks += format("%.6f,%llu,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n",
+        tracks += format("%.6f,%llu,%s,%.9f,%.9f,%.9f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%d\n",
                          static_cast<double>(s.time - start) * 1e-9,
                          static_cast<unsigned long long>(peer.id), report.body_names[i].c_str(),
                          s.position.x(), s.position.y(), s.position.z(), s.orientation.w(),
-                         s.orientation.x(), s.orientation.y(), s.orientation.z());
+                         s.orientation.x(), s.orientation.y(), s.orientation.z(), s.velocity.x(),
+                         s.velocity.y(), s.velocity.z(), s.users);
       }
     }
   }

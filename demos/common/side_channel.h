@@ -28,6 +28,9 @@ class SideChannel : public consensus::Transport {
             consensus::Delivery delivery) override {
     return inner_.post(to, bytes, delivery);
   }
+  std::size_t max_packet_bytes(consensus::Delivery delivery) const override {
+    return inner_.max_packet_bytes(delivery);
+  }
   void drain(std::vector<consensus::Packet>& out) override {
     const auto first = static_cast<std::ptrdiff_t>(out.size());
     inner_.drain(out);

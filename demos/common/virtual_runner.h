@@ -17,6 +17,8 @@ struct RunResult {
   double seconds = 0.0;           ///< s, session time that passed
   double wall_s = 0.0;            ///< s, that it took
   double cpu_s = 0.0;             ///< s, processor time of it; 0 = not measured
+  /// s: how far session time here was from the others' at most, when it ended; < 0 = not known.
+  double clock_error = -1.0;
 };
 
 /// All peers in this process, in virtual time over a virtual link. Events are ordered by time, then

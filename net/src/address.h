@@ -2,9 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstdint>
+
+#include "tandem/consensus/transport.h"
 
 namespace tandem::net {
 
@@ -15,5 +18,35 @@ struct Address {
 
   friend auto operator<=>(const Address&, const Address&) = default;
 };
+
+constexpr std::array<std::uint8_t, 12> kMappedPrefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+
+inline bool is_v4(const Address& address) {
+  return std::equal(kMappedPrefix.begin(), kMappedPrefix.end(), address.ip.begin());
+}
+
+/// Stands for a peer that is reached through another one: 100::/64, which is nobody's (RFC 6666),
+/// the id, and port 0, from which no datagram is taken.
+inline Address relayed_address(consensus::PeerId peer) {
+  Address out;
+  out.ip[0] = 1;
+  for (std::size_t i = 0; i < 8; ++i) {
+    out.ip[8 + i] = static_cast<std::uint8_t>(peer >> (8 * (7 - i)));
+  }
+  return out;
+}
+inline bool is_relayed(const Address& address) { return address.port == 0; }
+inline consensus::PeerId relayed_peer(const Address& address) {
+  consensus::PeerId out = 0;
+  for (std::size_t i = 8; i < 16; ++i) out = out << 8 | address.ip[i];
+  return out;
+}
+
+/// Of one host, as far as can be seen: no group, not "any", with a port.
+inline bool is_host(const Address& address) {
+  if (address.port == 0) return false;
+  if (is_v4(address)) return address.ip[12] != 0 && address.ip[12] < 224;
+  return address.ip[0] != 0xff && address.ip != std::array<std::uint8_t, 16>{};
+}
 
 }  // namespace tandem::net

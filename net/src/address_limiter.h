@@ -52,9 +52,8 @@ class AddressLimiter {
   }
 
   std::size_t index(const Address& from) const {
-    constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
-    const bool is_v4 = std::equal(kMapped.begin(), kMapped.end(), from.ip.begin());
-    const auto tag = crypto::mac16(key_, std::span(from.ip).first(is_v4 ? 16 : 8));
+    const bool whole = is_v4(from) || is_relayed(from);
+    const auto tag = crypto::mac16(key_, std::span(from.ip).first(whole ? 16 : 8));
     return (tag[0] | std::size_t{tag[1]} << 8) % buckets_.size();
   }
 

@@ -8,19 +8,35 @@
 #include <span>
 #include <vector>
 
+#include "address.h"
+#include "clock_sync.h"
+
 namespace tandem::net {
 
 // What a protected packet holds, little-endian:
 //   u32 ack, u64 ack bits, u16 ack delay, then sections
 //   u8 1, u16 length, bytes                                a state
 //   u8 2, u32 number, u8 flags, u16 length, bytes          a piece of a reliable message
+//                     flags: bit 0 the last of its message, the others the stream
 //   u8 3, u16 length, text                                 goodbye
+//   u8 4, i64 own time, u32 delay, i64 correction, i32 rate, u32 bound, u8 rank    clock
+//   u8 5, u64 peer, 16 address, u16 port                   where a third peer is
 
 constexpr std::size_t kChannelHeader = 4 + 8 + 2;
 constexpr std::size_t kStateHeader = 1 + 2;
 constexpr std::size_t kPieceHeader = 1 + 4 + 1 + 2;
+constexpr std::size_t kClockBytes = 1 + 8 + 4 + 8 + 4 + 4 + 1;
+constexpr std::size_t kKnownBytes = 1 + 8 + 16 + 2;
+constexpr std::uint32_t kNoClockDelay = UINT32_MAX;
+constexpr std::uint8_t kStreams = 128;
 constexpr std::size_t kMaxPieceBytes = 480;     // fits into a datagram of 548 bytes
 constexpr std::int64_t kAckDelayUnit = 64'000;  // ns
+
+/// A third peer, at the address at which whoever tells this has a connection to it.
+struct KnownPeer {
+  consensus::PeerId peer = 0;
+  Address address;
+};
 
 struct ChannelHeader {
   std::uint32_t ack = 0;        // low half of the highest sequence number had; 0: none yet
@@ -29,11 +45,17 @@ struct ChannelHeader {
 };
 
 struct ChannelSection {
-  enum class Kind : std::uint8_t { State = 1, Piece = 2, Goodbye = 3 };
+  enum class Kind : std::uint8_t { State = 1, Piece = 2, Goodbye = 3, Clock = 4, Known = 5 };
   Kind kind{};
   std::uint32_t number = 0;  // of a piece
   bool last = false;         // piece of its message
+  std::uint8_t stream = 0;   // of a piece, below kStreams
   std::span<const std::byte> bytes;
+  KnownPeer known;
+  ClockClaim clock;
+  /// From when the packet came that the header acknowledges to when this one left, ns, on the clock
+  /// of who says it; kNoClockDelay: nothing had, or too long ago.
+  std::uint32_t clock_delay = kNoClockDelay;
 };
 
 struct ChannelPacket {

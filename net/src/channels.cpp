@@ -19,13 +19,14 @@ constexpr std::int64_t kAckDelay = RttEstimate::kMaxAckDelay;  // a state carrie
 constexpr std::size_t kOnWire = kProtectedOverhead + kIpUdpBytes;
 constexpr int kAckEvery = 8;  // packets, whatever the time
 constexpr std::size_t kMaxGoodbye = 256;
+constexpr std::size_t kMaxToTell = 64;
 
 }  // namespace
 
 Channels::Channels(const ChannelOptions& options)
     : options_(options),
-      sender_(options.reliable_queue_bytes, options.max_message_bytes),
-      receiver_(options.max_message_bytes) {}
+      reliable_{.sender = {options.reliable_queue_bytes, options.max_message_bytes},
+                .receiver = ReliableReceiver(options.max_message_bytes)} {}
 
 bool Channels::post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now) {
   if (kChannelHeader + kStateHeader + state.size() > room) return false;
@@ -49,7 +50,22 @@ void Channels::drop_stale(std::int64_t now) {
 
 bool Channels::has_content(std::int64_t now) {
   drop_stale(now);
-  return !states_.empty() || sender_.due();
+  return !states_.empty() || reliable_.sender.due() || !to_tell_.empty();
+}
+
+void Channels::tell(const KnownPeer& known) {
+  if (to_tell_.size() < kMaxToTell) to_tell_.push_back(known);
+}
+
+Channels::Reliable Channels::take_reliable() {
+  return std::exchange(reliable_,
+                       {.sender = {options_.reliable_queue_bytes, options_.max_message_bytes},
+                        .receiver = ReliableReceiver(options_.max_message_bytes)});
+}
+
+void Channels::resume(Reliable reliable) {
+  reliable_ = std::move(reliable);
+  reliable_.sender.restart();
 }
 
 bool Channels::write_state(std::size_t end, std::vector<std::byte>& out) {
@@ -64,7 +80,7 @@ bool Channels::write_state(std::size_t end, std::vector<std::byte>& out) {
 
 bool Channels::write_piece(std::size_t end, std::vector<std::byte>& out) {
   if (pieces_.size() == SentPackets::kMaxPieces) return false;
-  const auto piece = sender_.take(end - out.size());
+  const auto piece = reliable_.sender.take(end - out.size());
   if (!piece) return false;
   encode(piece->section, out);
   pieces_.push_back(piece->number);
@@ -72,7 +88,7 @@ bool Channels::write_piece(std::size_t end, std::vector<std::byte>& out) {
 }
 
 void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
-                     std::vector<std::byte>& out) {
+                     const ClockClaim* clock, std::vector<std::byte>& out) {
   drop_stale(now);
   const std::size_t start = out.size();
   const std::size_t end = start + room;
@@ -86,6 +102,14 @@ void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
   encode(header, out);
   unacknowledged_ = 0;
   ack_due_ = INT64_MAX;
+  if (clock != nullptr) {
+    const std::int64_t delay = now - latest_at_;
+    const bool known = header.ack != 0 && delay >= 0 && delay < std::int64_t{kNoClockDelay};
+    encode({.kind = ChannelSection::Kind::Clock,
+            .clock = *clock,
+            .clock_delay = known ? static_cast<std::uint32_t>(delay) : kNoClockDelay},
+           out);
+  }
 
   // In turn, so that neither waits for ever where the rate is low; what is left over goes to both.
   pieces_.clear();
@@ -94,16 +118,21 @@ void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
   while (write_state(end, out)) continue;
   while (write_piece(end, out)) continue;
   reliable_first_ = !reliable_first_;
-  if (out.size() > empty) {
+  const bool has_content = out.size() > empty;
+  while (!to_tell_.empty() && out.size() + kKnownBytes <= end) {
+    encode({.kind = ChannelSection::Kind::Known, .known = to_tell_.front()}, out);
+    to_tell_.pop_front();
+  }
+  if (has_content) {
     sent_.sent(sequence, out.size() - start + kOnWire, pieces_, now);
   } else {
-    sent_.sent_empty(sequence);
+    sent_.sent_empty(sequence, now);
   }
 }
 
 void Channels::settle() {
-  for (const std::uint64_t number : outcome_.lost_pieces) sender_.on_lost(number);
-  for (const std::uint64_t number : outcome_.acked_pieces) sender_.on_acked(number);
+  for (const std::uint64_t number : outcome_.lost_pieces) reliable_.sender.on_lost(number);
+  for (const std::uint64_t number : outcome_.acked_pieces) reliable_.sender.on_acked(number);
   feedback_.acked += outcome_.acked_packets;
   feedback_.lost += outcome_.lost_packets;
   feedback_.acked_bytes += outcome_.acked_bytes;
@@ -111,9 +140,9 @@ void Channels::settle() {
   outcome_.clear();
 }
 
-void Channels::keep(Delivery delivery, std::vector<std::byte> bytes) {
+void Channels::keep(Delivery delivery, std::vector<std::byte> bytes, std::int64_t now) {
   const std::size_t cost = queue_cost(bytes.size());
-  inbox_.push_back({.delivery = delivery, .bytes = std::move(bytes)});
+  inbox_.push_back({.delivery = delivery, .bytes = std::move(bytes), .at = now});
   if (delivery == Delivery::Reliable) {
     inbox_reliable_ += cost;
     return;
@@ -125,6 +154,18 @@ void Channels::keep(Delivery delivery, std::vector<std::byte> bytes) {
     inbox_.erase(oldest);
     ++dropped_states_;
   }
+}
+
+void Channels::note_clock(const ChannelSection& section, std::int64_t now) {
+  const auto sent = sent_.sent_at(packet_.header);
+  if (!sent || section.clock_delay == kNoClockDelay) return;
+  // Not of an honest clock; the difference below could overflow.
+  if (section.clock.sent <= -ClockFilter::kFarthest) return;
+  exchange_ = {.sample = {.sent = *sent,
+                          .their_received = section.clock.sent - section.clock_delay,
+                          .their_sent = section.clock.sent,
+                          .received = now},
+               .claim = section.clock};
 }
 
 Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte> plain,
@@ -140,12 +181,18 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
   for (const ChannelSection& section : packet_.sections) {
     switch (section.kind) {
       case Kind::State:
-        keep(Delivery::Newest, {section.bytes.begin(), section.bytes.end()});
+        keep(Delivery::Newest, {section.bytes.begin(), section.bytes.end()}, now);
         break;
       case Kind::Piece:
         complete_.clear();
-        if (!receiver_.on_piece(section, complete_)) return Read::Malformed;
-        for (auto& message : complete_) keep(Delivery::Reliable, std::move(message));
+        if (!reliable_.receiver.on_piece(section, complete_)) return Read::Malformed;
+        for (auto& message : complete_) keep(Delivery::Reliable, std::move(message), now);
+        break;
+      case Kind::Known:
+        if (told_.size() < kMaxToTell) told_.push_back(section.known);
+        break;
+      case Kind::Clock:
+        note_clock(section, now);
         break;
       case Kind::Goodbye: {
         const auto text = section.bytes.first(std::min(section.bytes.size(), kMaxGoodbye));
@@ -156,7 +203,11 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
   }
   if (sequence > had_.latest()) latest_at_ = now;
   if (had_.fresh(sequence)) had_.note(sequence);
-  if (!packet_.sections.empty()) {
+  // The rest is said again anyway.
+  const auto wants_ack = [](const ChannelSection& s) {
+    return s.kind == Kind::State || s.kind == Kind::Piece;
+  };
+  if (std::ranges::any_of(packet_.sections, wants_ack)) {
     ++unacknowledged_;
     ack_due_ = unacknowledged_ >= kAckEvery ? now : std::min(ack_due_, now + kAckDelay);
   }

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "channel_wire.h"
@@ -33,15 +35,34 @@ class Channels {
 
   /// False where it does not fit into a packet of `room` plain bytes.
   bool post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now);
-  bool post_reliable(std::span<const std::byte> message) { return sender_.post(message); }
+  bool post_reliable(std::span<const std::byte> message) { return reliable_.sender.post(message); }
+  /// Tell the other end where a third peer is; may be lost.
+  void tell(const KnownPeer& known);
+  /// What it has told of third peers since the last call.
+  std::vector<KnownPeer> take_told() { return std::exchange(told_, {}); }
 
+  /// Both directions of reliable messages. The next connection to the same process goes on with
+  /// them: nothing is lost, nothing comes twice.
+  struct Reliable {
+    ReliableSender sender;
+    ReliableReceiver receiver;
+  };
+  Reliable take_reliable();
+  void resume(Reliable reliable);
+  /// A packet that carries none of this.
+  void note_other(std::uint64_t sequence, std::int64_t now) { sent_.sent_empty(sequence, now); }
+
+  /// The next state is small enough for `room` plain bytes, or there is none.
+  bool fits(std::size_t room) const {
+    return states_.empty() || kChannelHeader + kStateHeader + states_.front().bytes.size() <= room;
+  }
   /// Something waits to be sent; acknowledgements alone do not count.
   bool has_content(std::int64_t now);
   /// When an acknowledgement has to leave at the latest, INT64_MAX where none is due.
   std::int64_t ack_due() const { return ack_due_; }
-  /// Appends a packet of at most `room` bytes to `out`: the acknowledgements, and what waits and
-  /// fits.
-  void write(std::uint64_t sequence, std::size_t room, std::int64_t now,
+  /// Appends a packet of at most `room` bytes to `out`: the acknowledgements, `clock` where there
+  /// is one, and what waits and fits.
+  void write(std::uint64_t sequence, std::size_t room, std::int64_t now, const ClockClaim* clock,
              std::vector<std::byte>& out);
 
   enum class Read {
@@ -57,6 +78,7 @@ class Channels {
   struct Message {
     consensus::Delivery delivery{};
     std::vector<std::byte> bytes;
+    std::int64_t at = 0;  // when it came
   };
   /// Appends all that has come.
   void drain(std::vector<Message>& out);
@@ -70,8 +92,16 @@ class Channels {
   };
   Feedback take_feedback();
 
+  /// What the other end has said of its clock.
+  struct Exchange {
+    ClockSample sample;
+    ClockClaim claim;
+  };
+  /// The latest that has not been taken.
+  std::optional<Exchange> take_exchange() { return std::exchange(exchange_, {}); }
+
   const RttEstimate& rtt() const { return sent_.rtt(); }
-  const ReliableSender& reliable() const { return sender_; }
+  const ReliableSender& reliable() const { return reliable_.sender; }
   std::uint64_t dropped_states() const { return dropped_states_; }
   std::size_t waiting_states() const { return states_.size(); }
   const std::vector<std::byte>& goodbye() const { return goodbye_; }
@@ -86,14 +116,16 @@ class Channels {
   void settle();
   bool write_state(std::size_t end, std::vector<std::byte>& out);
   bool write_piece(std::size_t end, std::vector<std::byte>& out);
-  void keep(consensus::Delivery delivery, std::vector<std::byte> bytes);
+  void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
+  void note_clock(const ChannelSection& section, std::int64_t now);
 
   ChannelOptions options_;
   std::deque<State> states_;
   std::size_t states_cost_ = 0;
   bool reliable_first_ = true;
-  ReliableSender sender_;
-  ReliableReceiver receiver_;
+  Reliable reliable_;
+  std::deque<KnownPeer> to_tell_;
+  std::vector<KnownPeer> told_;
   SentPackets sent_;
   SentPackets::Outcome outcome_;
   Feedback feedback_;
@@ -111,6 +143,7 @@ class Channels {
   std::size_t inbox_reliable_ = 0;  // cost
   std::uint64_t dropped_states_ = 0;
   std::vector<std::byte> goodbye_;
+  std::optional<Exchange> exchange_;
 };
 
 }  // namespace tandem::net

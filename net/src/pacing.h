@@ -69,7 +69,8 @@ struct CongestionOptions {
 ///
 /// Loss that is not ours (radio, a bad line): where 0.6 of what was sent before is sent and what
 /// arrives has fallen with it, sending less did not help. The rate goes back to where it was, and
-/// that much loss is overlooked for 20 s. Where the loss was ours as much arrives as before.
+/// that much loss is overlooked for two minutes. Where the loss was ours as much arrives as
+/// before.
 /// The rules on loss are those of Google's congestion control (draft-ietf-rmcat-gcc-02, Sec. 6);
 /// the one on delay is simpler, the last one is our own.
 class Congestion {
@@ -88,7 +89,7 @@ class Congestion {
   static constexpr std::int64_t kPeriod = 200'000'000;
   static constexpr std::int64_t kLongest = 2'000'000'000;
   static constexpr std::int64_t kQueue = 50'000'000;
-  static constexpr std::int64_t kOverlook = 20'000'000'000;
+  static constexpr std::int64_t kOverlook = 120'000'000'000;
   static constexpr std::uint64_t kEnough = 20;  // packets
 
   void on_loss(double sent, double arrived, std::int64_t now);

@@ -8,12 +8,22 @@
 
 namespace tandem::net {
 
+namespace {
+
+std::size_t longest(bool relay) {
+  return kMaxDatagram + (relay ? kProtectedOverhead + kRelayHeader : 0);
+}
+
+}  // namespace
+
 std::optional<ProtectedHeader> decode_protected_header(std::span<const std::byte> datagram) {
-  if (datagram.size() < kProtectedOverhead || datagram.size() > kMaxDatagram) return {};
+  if (datagram.size() < kProtectedOverhead) return {};
   pbd::ByteReader reader(datagram);
   const std::uint8_t type = reader.u8();
-  if ((type & 0xf0) != kProtectedType) return {};
   ProtectedHeader header;
+  header.relay = (type & 0xf0) == kRelayType;
+  if (!header.relay && (type & 0xf0) != kProtectedType) return {};
+  if (datagram.size() > longest(header.relay)) return {};
   header.epoch = type & 0x0f;
   header.receiver = reader.u32();
   header.sequence = reader.u64();
@@ -30,8 +40,8 @@ PacketSealer::PacketSealer(const crypto::Secret& key, std::uint32_t receiver, st
 }
 
 bool PacketSealer::seal(std::span<const std::byte> plain, std::int64_t now,
-                        std::vector<std::byte>& datagram) {
-  if (next_ == 0 || plain.size() > kMaxDatagram - kProtectedOverhead) return false;
+                        std::vector<std::byte>& datagram, bool relay) {
+  if (next_ == 0 || plain.size() > longest(relay) - kProtectedOverhead) return false;
   if (packets_ >= policy_.packets || now - epoch_start_ >= policy_.period) {
     key_ = crypto::next_key(key_);
     ++epoch_;
@@ -40,7 +50,7 @@ bool PacketSealer::seal(std::span<const std::byte> plain, std::int64_t now,
   }
   datagram.clear();
   pbd::ByteWriter writer(datagram);
-  writer.u8(static_cast<std::uint8_t>(kProtectedType | (epoch_ & 0x0f)));
+  writer.u8(static_cast<std::uint8_t>((relay ? kRelayType : kProtectedType) | (epoch_ & 0x0f)));
   writer.u32(receiver_);
   writer.u64(next_);
   datagram.resize(kProtectedOverhead + plain.size());
@@ -71,7 +81,7 @@ std::optional<PacketOpener::Opened> PacketOpener::open(std::span<const std::byte
     ++counters_.replayed;
     return {};
   }
-  buffer.reserve(kMaxDatagram);
+  buffer.reserve(longest(true));
   buffer.resize(datagram.size() - kProtectedOverhead);
   const crypto::Secret& key = is_next ? next_ : is_previous ? previous_ : current_;
   if (!crypto::open(key, header->sequence, octets(datagram.first(kProtectedHeader)),
@@ -92,7 +102,7 @@ std::optional<PacketOpener::Opened> PacketOpener::open(std::span<const std::byte
     has_previous_ = false;
   }
   ++counters_.opened;
-  return Opened{header->sequence, buffer};
+  return Opened{.sequence = header->sequence, .relay = header->relay, .plain = buffer};
 }
 
 }  // namespace tandem::net

@@ -18,13 +18,16 @@ namespace tandem::net {
 //   u8 0x40 | epoch % 16,  u32 receiver,  u64 sequence,  sealed bytes,  16 bytes of tag.
 // The header is authenticated. Both directions have keys of their own.
 
-constexpr std::size_t kMaxDatagram = 1200;  // bytes of UDP payload
-constexpr std::size_t kIpUdpBytes = 28;     // of IPv4 and UDP, before every datagram
-constexpr std::uint8_t kProtectedType = 0x40;
+constexpr std::size_t kMaxDatagram = 1200;     // bytes of UDP payload
+constexpr std::size_t kIpUdpBytes = 28;        // of IPv4 and UDP, before every datagram
+constexpr std::uint8_t kProtectedType = 0x40;  // upper half of the first byte
+constexpr std::uint8_t kRelayType = 0x50;      // has a datagram of or for a third peer in it
 constexpr std::size_t kProtectedHeader = 1 + 4 + 8;
 constexpr std::size_t kProtectedOverhead = kProtectedHeader + crypto::kTagBytes;
+constexpr std::size_t kRelayHeader = 1 + 8;  // to or from, and whom
 
 struct ProtectedHeader {
+  bool relay = false;
   std::uint8_t epoch = 0;      // of 16
   std::uint32_t receiver = 0;  // which connection, in the receiver's numbers
   std::uint64_t sequence = 0;
@@ -53,7 +56,7 @@ class PacketSealer {
   /// Replaces `datagram`. False where `plain` does not fit into kMaxDatagram or the numbers have
   /// run out: this connection is over.
   [[nodiscard]] bool seal(std::span<const std::byte> plain, std::int64_t now,
-                          std::vector<std::byte>& datagram);
+                          std::vector<std::byte>& datagram, bool relay = false);
   std::uint64_t epoch() const { return epoch_; }
 
  private:
@@ -76,6 +79,7 @@ class PacketOpener {
 
   struct Opened {
     std::uint64_t sequence = 0;
+    bool relay = false;
     std::span<const std::byte> plain;  // in the caller's buffer
   };
   /// None: forged, damaged, seen before, too old, too long or too short. `buffer` is overwritten.

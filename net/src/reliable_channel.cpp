@@ -48,6 +48,7 @@ std::optional<ReliableSender::Piece> ReliableSender::take(std::size_t room) {
                .section = {.kind = ChannelSection::Kind::Piece,
                            .number = static_cast<std::uint32_t>(number),
                            .last = entry.last,
+                           .stream = stream_,
                            .bytes = entry.bytes}};
 }
 
@@ -78,8 +79,23 @@ void ReliableSender::restart() {
   }
 }
 
+void ReliableSender::begin_anew() {
+  pieces_.clear();
+  cost_ = 0;
+  first_ = 1;
+  stream_ = static_cast<std::uint8_t>((stream_ + 1) % kStreams);
+}
+
 bool ReliableReceiver::on_piece(const ChannelSection& piece,
                                 std::vector<std::vector<std::byte>>& messages) {
+  if (piece.stream != stream_) {
+    const auto later = static_cast<std::uint8_t>((piece.stream - stream_) & (kStreams - 1));
+    if (later >= kStreams / 2) return true;  // of one that is over
+    stream_ = piece.stream;
+    expected_ = 1;
+    early_.clear();
+    message_.clear();
+  }
   const auto ahead =
       static_cast<std::int32_t>(piece.number - static_cast<std::uint32_t>(expected_));
   if (ahead < 0) return true;  // had before

@@ -18,7 +18,7 @@ namespace tandem::net {
 constexpr std::uint64_t kPieceWindow = 256;
 
 /// Cuts messages into pieces and sends each until it has come. Knows no time: what is lost is said
-/// by SentPackets.
+/// by SentPackets. It may outlive the connection: the next one to the same process goes on with it.
 class ReliableSender {
  public:
   /// @param limit  bytes that may wait, each piece counted with 64 bytes more
@@ -39,6 +39,8 @@ class ReliableSender {
   void on_lost(std::uint64_t number);
   /// A new connection to the same process: whatever is not acknowledged goes again.
   void restart();
+  /// Forgets what waits. The other end notices by the number of the stream.
+  void begin_anew();
 
   bool empty() const { return pieces_.empty(); }
   std::size_t cost() const { return cost_; }
@@ -60,6 +62,7 @@ class ReliableSender {
   std::size_t max_message_;
   std::deque<Entry> pieces_;  // the first has number first_
   std::uint64_t first_ = 1;
+  std::uint8_t stream_ = 0;
   std::size_t cost_ = 0;
   std::uint64_t resent_ = 0;
 };
@@ -82,6 +85,7 @@ class ReliableReceiver {
   };
 
   std::size_t max_message_;
+  std::uint8_t stream_ = 0;
   std::uint64_t expected_ = 1;
   std::map<std::uint64_t, Entry> early_;
   std::vector<std::byte> message_;

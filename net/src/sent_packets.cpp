@@ -23,7 +23,22 @@ SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence) {
   return entry;
 }
 
-void SentPackets::sent_empty(std::uint64_t sequence) { (void)next_slot(sequence); }
+void SentPackets::sent_empty(std::uint64_t sequence, std::int64_t now) {
+  next_slot(sequence).at = now;
+}
+
+std::uint64_t SentPackets::widen(std::uint32_t ack) const {
+  // The number nearest below what was sent last; 0 where there is none.
+  const std::uint64_t behind =
+      static_cast<std::uint32_t>(static_cast<std::uint32_t>(latest_sent_) - ack);
+  return behind >= latest_sent_ ? 0 : latest_sent_ - behind;
+}
+
+std::optional<std::int64_t> SentPackets::sent_at(const ChannelHeader& header) const {
+  const std::uint64_t ack = header.ack == 0 && header.ack_bits == 0 ? 0 : widen(header.ack);
+  const Entry& entry = entries_[ack % kRing];
+  return ack != 0 && entry.sequence == ack ? std::optional(entry.at) : std::nullopt;
+}
 
 void SentPackets::sent(std::uint64_t sequence, std::size_t bytes,
                        std::span<const std::uint64_t> pieces, std::int64_t now) {
@@ -62,11 +77,8 @@ void SentPackets::lost(Entry& entry, Outcome& outcome) {
 
 bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome& outcome) {
   if (header.ack == 0 && header.ack_bits == 0) return true;  // nothing had yet
-  // Widen the number: the one nearest below what was sent last.
-  const std::uint64_t behind =
-      static_cast<std::uint32_t>(static_cast<std::uint32_t>(latest_sent_) - header.ack);
-  if (behind >= latest_sent_) return false;
-  const std::uint64_t ack = latest_sent_ - behind;
+  const std::uint64_t ack = widen(header.ack);
+  if (ack == 0) return false;
 
   // Also of those that counted as lost: where a queue grows faster than the estimate, all are late.
   if (const Entry& entry = slot(ack);

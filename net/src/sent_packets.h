@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,7 +28,9 @@ class SentPackets {
   void sent(std::uint64_t sequence, std::size_t bytes, std::span<const std::uint64_t> pieces,
             std::int64_t now);
   /// A packet with nothing in it, of which nothing is expected.
-  void sent_empty(std::uint64_t sequence);
+  void sent_empty(std::uint64_t sequence, std::int64_t now);
+  /// When the packet left that `header` acknowledges, where it is known.
+  std::optional<std::int64_t> sent_at(const ChannelHeader& header) const;
 
   struct Outcome {
     std::vector<std::uint64_t> acked_pieces;
@@ -59,6 +62,7 @@ class SentPackets {
   };
 
   Entry& slot(std::uint64_t sequence) { return entries_[sequence % kRing]; }
+  std::uint64_t widen(std::uint32_t ack) const;
   Entry& next_slot(std::uint64_t sequence);
   void acked(std::uint64_t sequence, Outcome& outcome);
   void lost(Entry& entry, Outcome& outcome);

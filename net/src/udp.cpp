@@ -47,6 +47,9 @@ UdpNodeOptions node_options(const UdpOptions& options) {
   link.max_datagram = options.max_datagram;
   link.idle_timeout = nanoseconds(options.idle_timeout);
   out.max_peers = options.max_peers;
+  out.clock = options.clock;
+  out.relay = options.relay;
+  out.relay_kbit = options.kbit_per_s;
   out.backoff_min = nanoseconds(options.backoff_min);
   out.backoff_max = nanoseconds(options.backoff_max);
   out.drop_hold = nanoseconds(options.drop_hold);
@@ -108,9 +111,14 @@ void UdpOptions::validate() const {
 class UdpTransport::Impl {
  public:
   explicit Impl(const UdpOptions& options)
-      : self(options.self), socket(options, node_options(options)) {}
+      : self(options.self),
+        max_state_bytes(options.max_datagram - kProtectedOverhead - kChannelHeader - kStateHeader),
+        max_message_bytes(options.max_message_bytes),
+        socket(options, node_options(options)) {}
 
   const consensus::PeerId self;
+  const std::size_t max_state_bytes;
+  const std::size_t max_message_bytes;
   UdpSocket socket;
 };
 
@@ -125,6 +133,11 @@ bool UdpTransport::post(consensus::PeerId to, std::span<const std::byte> bytes,
       true, [&](UdpNode& node, std::int64_t now) { return node.post(to, bytes, delivery, now); });
 }
 
+std::size_t UdpTransport::max_packet_bytes(consensus::Delivery delivery) const {
+  return delivery == consensus::Delivery::Newest ? impl_->max_state_bytes
+                                                 : impl_->max_message_bytes;
+}
+
 void UdpTransport::drain(std::vector<consensus::Packet>& out) {
   impl_->socket.with(false, [&](UdpNode& node, std::int64_t) { node.drain(out); });
 }
@@ -137,7 +150,27 @@ std::vector<consensus::PeerStatus> UdpTransport::peers() const {
   return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.peers(); });
 }
 
+SessionTime UdpTransport::session_now() const {
+  return impl_->socket.with(false,
+                            [](UdpNode& node, std::int64_t now) { return node.session_now(now); });
+}
+
+ClockStatus UdpTransport::clock() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t now) { return node.clock(now); });
+}
+
 std::uint16_t UdpTransport::local_port() const { return impl_->socket.local_port(); }
+
+UdpRelayed UdpTransport::relayed() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
+    return UdpRelayed{.forwarded = node.relayed().forwarded, .refused = node.relayed().refused};
+  });
+}
+
+consensus::PeerId UdpTransport::relay_of(consensus::PeerId peer) const {
+  return impl_->socket.with(false,
+                            [peer](UdpNode& node, std::int64_t) { return node.relay_of(peer); });
+}
 
 UdpStrangers UdpTransport::strangers() const {
   return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {

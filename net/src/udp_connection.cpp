@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "require.h"
+#include "tandem/pbd/bytes.h"
 #include "wire.h"
 
 namespace tandem::net {
@@ -15,6 +16,11 @@ constexpr int kGoodbyes = 3;                      // any of them may be lost
 constexpr std::int64_t kGoodbyeGap = 20'000'000;  // ns
 constexpr std::int64_t kLossCheck = 10'000'000;   // ns, how exactly a timeout is kept
 constexpr std::size_t kMinDatagram = 548;
+// How often the clock is told of: in a packet that leaves anyway; alone; alone at the beginning.
+constexpr std::int64_t kClockRides = 45'000'000;        // ns
+constexpr std::int64_t kClockAlone = 250'000'000;       // ns
+constexpr std::int64_t kClockFirst = 25'000'000;        // ns
+constexpr std::int64_t kClockFirstFor = 1'500'000'000;  // ns
 static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceBytes <= kMinDatagram);
 
 }  // namespace
@@ -33,7 +39,8 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       last_sent_(now - options.idle_timeout),  // the first packet tells the other end at once
       keep_alive_(std::min(options.idle_timeout,
                            std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
-                  4) {
+                  4),
+      opened_at_(now) {
   require(options.max_datagram >= kMinDatagram && options.max_datagram <= kMaxDatagram,
           "UdpConnectionOptions", "max_datagram", options.max_datagram, "in [548, 1200]");
   require(options.congestion.min_kbit > 0.0 &&
@@ -57,7 +64,11 @@ std::span<const std::byte> UdpConnection::seal(std::int64_t now) {
   return datagram_;
 }
 
-std::span<const std::byte> UdpConnection::poll(std::int64_t now) {
+std::int64_t UdpConnection::clock_period(std::int64_t now) const {
+  return now - opened_at_ < kClockFirstFor ? kClockFirst : kClockAlone;
+}
+
+std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClaim* clock) {
   if (state_ == State::Closed) return {};
   if (state_ == State::Leaving) {
     if (now < goodbye_due_) return {};
@@ -84,13 +95,21 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now) {
   if (congestion_.rate() != pacer_.rate()) pacer_.set_rate(congestion_.rate(), now);
 
   // Acknowledgements alone are small and do not wait: late ones would look like loss.
-  const bool must = now >= channels_.ack_due() || now - last_sent_ >= keep_alive_;
+  if (clock != nullptr && last_clock_ == INT64_MIN) last_clock_ = now - kClockAlone;
+  const bool tells_clock = clock != nullptr && now - last_clock_ >= clock_period(now);
+  const bool must = tells_clock || now >= channels_.ack_due() || now - last_sent_ >= keep_alive_;
   const bool content = channels_.has_content(now);
   const bool ready = pacer_.ready(now);
   held_back_ = content && !ready;
   if (!must && !(content && ready)) return {};
   plain_.clear();
-  channels_.write(sealer_.next_sequence(), ready ? room() : kChannelHeader, now, plain_);
+  // A long state does not wait for the next packet because of the clock, but once in a while.
+  const bool rides = clock != nullptr && now - last_clock_ >= kClockRides && ready &&
+                     channels_.fits(room() - kClockBytes);
+  if (!tells_clock && !rides) clock = nullptr;
+  if (clock != nullptr) last_clock_ = now;
+  const std::size_t least = kChannelHeader + (clock != nullptr ? kClockBytes : 0);
+  channels_.write(sealer_.next_sequence(), ready ? room() : least, now, clock, plain_);
   const auto out = seal(now);
   pacer_.spend(out.size());
   return out;
@@ -101,18 +120,56 @@ std::int64_t UdpConnection::next_due(std::int64_t now) {
   if (state_ == State::Leaving) return goodbye_due_;
   std::int64_t due = std::min(
       {channels_.ack_due(), last_sent_ + keep_alive_, last_heard_ + options_.idle_timeout + 1});
+  if (last_clock_ != INT64_MIN) due = std::min(due, last_clock_ + clock_period(now));
   if (channels_.has_content(now)) due = std::min(due, pacer_.next(now));
   if (!channels_.reliable().empty()) due = std::min(due, now + kLossCheck);
   return std::max(due, now);
 }
 
-bool UdpConnection::on_datagram(std::span<const std::byte> datagram, std::int64_t now) {
+bool UdpConnection::open(std::span<const std::byte> datagram, std::int64_t now) {
+  opened_.reset();
   if (state_ == State::Closed) return false;
-  const auto opened = opener_.open(datagram, buffer_);
-  if (!opened) return false;
+  opened_ = opener_.open(datagram, buffer_);
+  if (!opened_) return false;
   confirmed_ = true;
   last_heard_ = now;
-  if (state_ == State::Leaving) return true;
+  return true;
+}
+
+std::span<const std::byte> UdpConnection::seal(const Relayed& relayed, std::int64_t now) {
+  if (state_ != State::Open || relayed.datagram.size() > kMaxDatagram) return {};
+  plain_.clear();
+  pbd::ByteWriter writer(plain_);
+  writer.u8(relayed.forward ? 1 : 0);
+  writer.u64(relayed.peer);
+  writer.bytes(relayed.datagram);
+  const std::uint64_t sequence = sealer_.next_sequence();
+  if (!sealer_.seal(plain_, now, datagram_, true)) {
+    close("sequence numbers have run out");
+    return {};
+  }
+  channels_.note_other(sequence, now);
+  pacer_.spend(datagram_.size());
+  return datagram_;
+}
+
+void UdpConnection::read(std::int64_t now) {
+  const auto opened = std::exchange(opened_, {});
+  if (!opened || state_ != State::Open) return;
+  if (opened->relay) {
+    pbd::ByteReader reader(opened->plain);
+    const std::uint8_t direction = reader.u8();
+    const consensus::PeerId peer = reader.u64();
+    if (reader.failed() || direction > 1 || reader.remaining() == 0) {
+      ++rejected_;
+      leave("dropped: packet cannot be decoded", now);
+      return;
+    }
+    relayed_ = {.forward = direction == 1,
+                .peer = peer,
+                .datagram = opened->plain.last(reader.remaining())};
+    return;
+  }
   switch (channels_.read(opened->sequence, opened->plain, now)) {
     case Channels::Read::Ok:
     case Channels::Read::Full:
@@ -125,7 +182,6 @@ bool UdpConnection::on_datagram(std::span<const std::byte> datagram, std::int64_
       close("peer: " + decode_reason(channels_.goodbye()));
       break;
   }
-  return true;
 }
 
 void UdpConnection::leave(const std::string& reason, std::int64_t now) {

@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "channels.h"
@@ -38,12 +40,37 @@ class UdpConnection {
   void drain(std::vector<Channels::Message>& out) { channels_.drain(out); }
 
   /// The next datagram to send, empty where none is due yet. Valid until the next call. Call until
-  /// it is empty.
-  std::span<const std::byte> poll(std::int64_t now);
+  /// it is empty. @param clock  what to say of the own clock at `now`; null: nothing, ever
+  std::span<const std::byte> poll(std::int64_t now, const ClockClaim* clock = nullptr);
   /// When poll() will have something, if nothing comes or is posted before.
   std::int64_t next_due(std::int64_t now);
   /// A datagram with this connection's receiver number. False where it was not opened.
-  bool on_datagram(std::span<const std::byte> datagram, std::int64_t now);
+  bool on_datagram(std::span<const std::byte> datagram, std::int64_t now) {
+    if (!open(datagram, now)) return false;
+    read(now);
+    return true;
+  }
+  /// The same in two steps: who has sealed it is known after the first, what is in it counts with
+  /// the second.
+  bool open(std::span<const std::byte> datagram, std::int64_t now);
+  void read(std::int64_t now);
+
+  /// A datagram of or for a third peer, sealed and not looked into.
+  struct Relayed {
+    bool forward = false;  // it is for `peer`; else it is from there
+    consensus::PeerId peer = 0;
+    std::span<const std::byte> datagram;
+  };
+  /// To be sent at once; empty where this connection does not send any more. Valid until the next
+  /// call.
+  std::span<const std::byte> seal(const Relayed& relayed, std::int64_t now);
+  /// What the last read() has found. Valid until the next open().
+  std::optional<Relayed> take_relayed() { return std::exchange(relayed_, {}); }
+
+  void tell(const KnownPeer& known) { channels_.tell(known); }
+  std::vector<KnownPeer> take_told() { return channels_.take_told(); }
+  Channels::Reliable take_reliable() { return channels_.take_reliable(); }
+  void resume(Channels::Reliable reliable) { channels_.resume(std::move(reliable)); }
   /// Say goodbye, then be Closed.
   void leave(const std::string& reason, std::int64_t now);
 
@@ -57,10 +84,12 @@ class UdpConnection {
   const Congestion& congestion() const { return congestion_; }
   const PacketOpener::Counters& opened() const { return opener_.counters(); }
   std::uint64_t rejected() const { return rejected_; }
+  std::optional<Channels::Exchange> take_exchange() { return channels_.take_exchange(); }
 
  private:
   std::span<const std::byte> seal(std::int64_t now);
   void close(const std::string& reason);
+  std::int64_t clock_period(std::int64_t now) const;
   std::size_t room() const { return options_.max_datagram - kProtectedOverhead; }
 
   Session session_;
@@ -79,10 +108,14 @@ class UdpConnection {
   std::int64_t last_heard_;
   std::int64_t last_sent_;
   std::int64_t keep_alive_;
+  std::int64_t opened_at_;
+  std::int64_t last_clock_ = INT64_MIN;  // the least: the clock is not told of
   std::uint64_t rejected_ = 0;
   std::vector<std::byte> plain_;
   std::vector<std::byte> datagram_;
   std::vector<std::byte> buffer_;
+  std::optional<PacketOpener::Opened> opened_;
+  std::optional<Relayed> relayed_;
 };
 
 }  // namespace tandem::net

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "acquaintances.h"
 #include "address.h"
+#include "clock_sync.h"
 #include "handshake.h"
 #include "tandem/consensus/transport.h"
 #include "udp_connection.h"
@@ -25,13 +27,22 @@ struct UdpNodeOptions {
   std::int64_t backoff_min = 100'000'000;
   std::int64_t backoff_max = 3'000'000'000;
   std::int64_t drop_hold = 1'000'000'000;
+  bool relay = true;          ///< for others, and by others
+  double relay_kbit = 256.0;  ///< from each peer, for others
+  Clock clock = Clock::Session;
+  std::int64_t start = 0;       // the time at construction
+  std::int64_t correction = 0;  // session time minus that, to begin with
 };
 
 /// One process of a mesh without its socket: handshakes, connections, who is who. Datagrams come
 /// in, datagrams go out by `send`; nothing waits, nothing reads a clock. Times in ns.
 ///
-/// Two connections to one peer: a larger incarnation wins; of one process the one that the lower id
-/// began, then the newer one. Both ends decide alike.
+/// Two connections to one peer: a larger incarnation wins; of one process a direct one, then the
+/// one that the lower id began, then the newer one. Both ends decide alike.
+///
+/// Connected peers tell each other where the third ones are, so that one address is enough to meet
+/// all. Who cannot be reached for kRelayPatience is asked through one that can; a connection made
+/// that way has keys of its own, which the relay does not have.
 class UdpNode {
  public:
   using Send = std::function<void(std::span<const std::byte>, const Address&)>;
@@ -42,7 +53,8 @@ class UdpNode {
 
   /// Keep trying to have a connection to whoever is there.
   void dial(const Address& address, std::int64_t now);
-  void on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
+  /// False where it was of no use to anybody.
+  bool on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
   /// Sends what is due; call at next_due() and after anything else.
   void poll(std::int64_t now);
   std::int64_t next_due(std::int64_t now);
@@ -57,6 +69,35 @@ class UdpNode {
   void drain(std::vector<consensus::Packet>& out);
   void drop(consensus::PeerId peer, const std::string& reason, std::int64_t now);
   std::vector<consensus::PeerStatus> peers() const;
+
+  /// As if the connected peer `teller` had said so.
+  void told(consensus::PeerId teller, const KnownPeer& known, std::int64_t now) {
+    if (Connection* connection = attached(teller)) on_told(*connection, known, now);
+  }
+  /// As if the connected peer `relay` had passed this on as from `from`.
+  void passed_on(consensus::PeerId relay, consensus::PeerId from,
+                 std::span<const std::byte> datagram, std::int64_t now) {
+    Connection* connection = attached(relay);
+    if (connection == nullptr) return;
+    now_ = now;
+    on_relayed(*connection, {.forward = false, .peer = from, .datagram = datagram}, now);
+  }
+  struct Relayed {
+    std::uint64_t forwarded = 0;  // datagrams for others
+    std::uint64_t refused = 0;    // no way there, over the rate, or not wanted
+  };
+  const Relayed& relayed() const { return relayed_; }
+  /// Through whom packets to `peer` go; 0: straight there, or nowhere.
+  consensus::PeerId relay_of(consensus::PeerId peer) const;
+  /// The upper half of all receiver numbers that this node gives out.
+  std::uint16_t receiver_prefix() const { return receiver_prefix_; }
+
+  SessionTime session_now(std::int64_t now) { return clock_.now(now); }
+  ClockStatus clock(std::int64_t now);
+  /// With Clock::System: what that is ahead.
+  void set_correction(std::int64_t correction, std::int64_t now) {
+    clock_.set_correction(correction, now);
+  }
   const HandshakeResponder::Counters& strangers() const { return responder_.counters(); }
   /// Datagrams with a receiver number that nobody has, or from another address than its peer's.
   std::uint64_t unknown() const { return unknown_; }
@@ -68,12 +109,18 @@ class UdpNode {
     std::unique_ptr<HandshakeInitiator> attempt;
     std::int64_t due = 0;
     std::int64_t backoff = 0;
+    consensus::PeerId told_by = 0;  // 0: by the application
+    std::int64_t told_at = 0;
   };
   struct Connection {
     std::unique_ptr<UdpConnection> link;
     Address address;
     bool began_here = false;
     bool attached = false;
+    Pacer relay;                    // what it may have passed on
+    std::int64_t tell_due = 0;      // when it is told again who is there,
+    consensus::PeerId told_to = 0;  // from whom on
+    std::int64_t round_trip = -1;   // of the last exchange of clocks
   };
   struct Record {
     consensus::PeerStatus status;
@@ -81,9 +128,22 @@ class UdpNode {
     std::uint32_t receiver = 0;  // of the attached connection; 0: none
     bool dropped = false;        // until it makes a handshake itself
     std::int64_t hold_until = INT64_MIN;
-    std::vector<Channels::Message> inbox;  // of connections that are gone
+    std::vector<Channels::Message> inbox;        // of connections that are gone
+    std::optional<Channels::Reliable> reliable;  // likewise, of this incarnation
+    std::uint64_t departure = 0;                 // the later, the larger
   };
 
+  bool receive(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
+  bool on_packet(const ProtectedHeader& header, std::span<const std::byte> datagram,
+                 const Address& from, std::int64_t now);
+  void transmit(std::span<const std::byte> datagram, const Address& to);
+  void on_relayed(Connection& connection, const UdpConnection::Relayed& relayed, std::int64_t now);
+  void on_told(Connection& connection, const KnownPeer& known, std::int64_t now);
+  void introduce(Connection& connection, std::int64_t now);
+  void look_for_relays(std::int64_t now);
+  void forget_dials(std::int64_t now);
+  void shed_departed();
+  bool is_attached_directly(consensus::PeerId peer) const;
   std::size_t attached_count() const;
   Verdict decide(const Introduction& other, std::int64_t now) const;
   std::uint32_t free_receiver();
@@ -98,10 +158,17 @@ class UdpNode {
   crypto::Random random_;
   Send send_;
   std::int64_t now_ = 0;  // of the call that is running
+  ClockSync clock_;
+  std::int64_t clock_due_ = INT64_MIN;
   HandshakeResponder responder_;
   std::vector<Dial> dials_;
   std::map<std::uint32_t, Connection> connections_;
   std::map<consensus::PeerId, Record> records_;
+  Acquaintances acquaintances_;
+  std::int64_t mesh_due_ = INT64_MIN;
+  Relayed relayed_;
+  std::uint64_t departures_ = 0;
+  std::uint16_t receiver_prefix_ = 0;
   std::uint64_t unknown_ = 0;
   bool leaving_ = false;
 };

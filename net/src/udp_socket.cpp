@@ -14,10 +14,23 @@ namespace tandem::net {
 
 namespace {
 
-constexpr int kReadBatch = 64;                      // datagrams before something else gets its turn
-constexpr std::int64_t kGoodbyeTime = 100'000'000;  // ns, for the last packets
+constexpr int kReads = 4;  // batches before something else gets its turn
+// Where so many datagrams are of no use, more are let come together before they are looked at: one
+// call and one awakening for many.
+constexpr std::size_t kFlood = 100;                // in
+constexpr std::int64_t kFloodWindow = 10'000'000;  // ns
+constexpr std::chrono::milliseconds kFloodPause{2};
+constexpr std::int64_t kGoodbyeTime = 100'000'000;   // ns, for the last packets
 constexpr std::int64_t kLongestSleep = 100'000'000;  // ns
 constexpr int kSocketBuffer = 512 * 1024;            // bytes
+
+/// What the system clock is ahead of the steady one.
+std::int64_t system_correction(std::int64_t steady) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+             .count() -
+         steady;
+}
 
 Address address_of(const asio::ip::udp::endpoint& endpoint) {
   Address out;
@@ -33,7 +46,7 @@ Address address_of(const asio::ip::udp::endpoint& endpoint) {
 UdpSocket::UdpSocket(const UdpOptions& options, const UdpNodeOptions& node)
     : options_(options),
       node_(
-          node, crypto::system_random(),
+          started(node), crypto::system_random(),
           [this](std::span<const std::byte> datagram, const Address& to) { send(datagram, to); }) {
   bind();
   receive();
@@ -57,6 +70,16 @@ std::int64_t UdpSocket::now() {
       .count();
 }
 
+UdpNodeOptions UdpSocket::started(UdpNodeOptions node) {
+  node.start = now();
+  node.correction = system_correction(node.start);
+  return node;
+}
+
+void UdpSocket::follow_system_clock(std::int64_t time) {
+  if (options_.clock == Clock::System) node_.set_correction(system_correction(time), time);
+}
+
 void UdpSocket::bind() {
   std::error_code error;
   const auto address = asio::ip::make_address(options_.address, error);
@@ -75,6 +98,7 @@ void UdpSocket::bind() {
   // Refused sizes cost packets in bursts, nothing else.
   socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);
   socket_.set_option(asio::socket_base::send_buffer_size(kSocketBuffer), error);
+  if (options_.kernel_filter) (void)attach_filter(socket_.native_handle(), node_.receiver_prefix());
 }
 
 void UdpSocket::run() {
@@ -126,17 +150,26 @@ void UdpSocket::receive() {
 }
 
 void UdpSocket::on_readable() {
-  for (int i = 0; i < kReadBatch; ++i) {
-    Endpoint from;
-    std::error_code error;
-    const std::size_t count =
-        socket_.receive_from(asio::buffer(buffer_.data(), buffer_.size()), from, 0, error);
-    if (error == asio::error::would_block) break;
-    if (error) continue;  // an ICMP answer to something that was sent
+  std::int64_t time = now();
+  for (int i = 0; i < kReads; ++i) {
+    const auto read = batch_.read(socket_.native_handle());
+    if (read == DatagramBatch::Read::Nothing) break;
+    if (read == DatagramBatch::Read::Error) continue;  // an ICMP answer to something that was sent
     const std::scoped_lock lock(mutex_);
-    node_.on_datagram(std::span(buffer_).first(count), address_of(from), now());
+    time = now();
+    for (std::size_t k = 0; k < batch_.size(); ++k) {
+      useless_ += node_.on_datagram(batch_.bytes(k), batch_.from(k), time) ? 0 : 1;
+    }
+    if (batch_.size() < DatagramBatch::kCount) break;
   }
   step();
+  if (time - window_start_ > kFloodWindow) {
+    flooded_ = useless_ > kFlood;
+    useless_ = 0;
+    window_start_ = time;
+  }
+  // Not by a timer: the reactor would be woken by each datagram all the same.
+  if (flooded_ || useless_ > kFlood) std::this_thread::sleep_for(kFloodPause);
   receive();
 }
 
@@ -157,6 +190,7 @@ void UdpSocket::step() {
       return;
     }
   }
+  follow_system_clock(time);
   node_.poll(time);
   const bool ending = flush_until_ != INT64_MAX;
   const std::int64_t sleep = std::clamp<std::int64_t>(node_.next_due(time) - time, 200'000,
@@ -168,6 +202,8 @@ void UdpSocket::step() {
 }
 
 void UdpSocket::send(std::span<const std::byte> datagram, const Address& to) {
+  // Told of by somebody who has IPv6; a relay may have a way.
+  if (!is_v6_ && !is_v4(to)) return;
   // A full buffer, a route that is gone: the packet is lost, as packets are.
   std::error_code ignored;
   socket_.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint_of(to), 0, ignored);

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <array>
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/steady_timer.hpp>
@@ -11,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "datagram_batch.h"
 #include "tandem/net/udp.h"
 #include "udp_node.h"
 
@@ -32,13 +32,17 @@ class UdpSocket {
   auto with(bool wakes, Use&& use) {
     const std::scoped_lock lock(mutex_);
     if (wakes) wake();
-    return use(node_, now());
+    const std::int64_t time = now();
+    follow_system_clock(time);
+    return use(node_, time);
   }
 
  private:
   using Endpoint = asio::ip::udp::endpoint;
 
   static std::int64_t now();
+  static UdpNodeOptions started(UdpNodeOptions node);
+  void follow_system_clock(std::int64_t time);
   void bind();
   void run();
   void dial();
@@ -61,7 +65,10 @@ class UdpSocket {
   std::uint16_t local_port_ = 0;
   std::int64_t flush_until_ = INT64_MAX;  // set: shutting down
   bool left_ = false;
-  std::array<std::byte, 2048> buffer_{};
+  DatagramBatch batch_;
+  std::int64_t window_start_ = 0;
+  std::size_t useless_ = 0;  // datagrams since then
+  bool flooded_ = false;     // in the window before
   std::thread thread_;
 };
 

@@ -29,8 +29,9 @@ StateUpdate state(const SharedId& id, SessionTime age_ms, double x = 0.0) {
   return update;
 }
 
+/// Positions number the states here, and nothing moves like that.
 Inbox two_by_two() {
-  Inbox inbox;
+  Inbox inbox({.plausibility = {.jump = 1e9}});
   inbox.add_id(kBall);
   inbox.add_id(kCube);
   inbox.add_peer(20);
@@ -192,4 +193,39 @@ TEST_CASE("inbox: bad registrations and options are refused by name", "[consensu
   options = {};
   options.max_age = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(Inbox(options), Catch::Contains("max_age"));
+}
+
+TEST_CASE("inbox: what rests holds as long as its sender is there", "[consensus][unit]") {
+  Inbox inbox = two_by_two();
+  StateUpdate rests = state(kCube, 100);
+  rests.flags.resting = true;
+  inbox.offer(10, rests, kNow);
+  inbox.offer(10, state(kBall, 100), kNow);
+  inbox.offer(20, rests, kNow);
+  const auto holds_until = [&](std::size_t peer) {
+    return inbox.holds_until(inbox.newest(kCube)[peer]);
+  };
+  CHECK(holds_until(0) == rests.stamp);
+  CHECK_FALSE(inbox.note_alive(10, kNow, kNow + kMs));
+  CHECK_FALSE(inbox.note_alive(10, kNow - 50 * kMs, kNow + kMs));  // overtaken
+  CHECK(holds_until(0) == kNow);
+  CHECK(holds_until(1) == rests.stamp);                                  // another peer's
+  CHECK(inbox.holds_until(inbox.newest(kBall)[0]) == kNow - 100 * kMs);  // it moves
+  inbox.note_alive(10, kNow + 3000 * kMs, kNow);                         // nobody is so far ahead
+  CHECK(holds_until(0) == kNow);
+
+  // The default of max_age is one second.
+  CHECK_FALSE(inbox.note_alive(10, kNow + 800 * kMs, kNow + 850 * kMs));
+  CHECK(inbox.prune(kNow + 1500 * kMs) == 2);  // all that peer 20 said, and what moves
+  REQUIRE(inbox.newest(kCube).size() == 1);
+  CHECK(inbox.newest(kCube)[0].peer == 10);
+  CHECK(inbox.newest(kBall).empty());
+  CHECK(inbox.prune(kNow + 1900 * kMs) == 1);  // silent for longer than that
+  CHECK(inbox.note_alive(10, kNow + 1880 * kMs, kNow + 1900 * kMs));
+  CHECK_FALSE(inbox.note_alive(10, kNow + 1890 * kMs, kNow + 1900 * kMs));
+  // Said once and late: better than nothing.
+  rests.stamp = kNow;
+  CHECK(inbox.offer(10, rests, kNow + 2000 * kMs) == InboxVerdict::Accepted);
+  CHECK(holds_until(0) == kNow + 1890 * kMs);
+  CHECK(inbox.offer(10, state(kBall, 0), kNow + 2000 * kMs) == InboxVerdict::Expired);
 }

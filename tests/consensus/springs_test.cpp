@@ -278,7 +278,9 @@ TEST_CASE("springs: messages that come late change nothing", "[consensus][fault]
 
 TEST_CASE("springs: a peer holds 256 at most, the others are counted", "[consensus][fault]") {
   StubTransport transport(1);
-  Site site(transport, {}, kWeightless);
+  PeerOptions options;
+  options.robust.max_springs_per_body = 1000;
+  Site site(transport, options, kWeightless);
   site.share(ball(Vec3::Zero()));
   for (std::uint32_t i = 1; i <= 300; ++i) {
     transport.deliver(2, SpringUpdate{.spring = i,

@@ -65,6 +65,9 @@ class RecordingTransport final : public Transport {
   bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) override {
     return below_.post(to, bytes, delivery);
   }
+  std::size_t max_packet_bytes(Delivery delivery) const override {
+    return below_.max_packet_bytes(delivery);
+  }
   void drain(std::vector<Packet>& out) override {
     const std::size_t before = out.size();
     below_.drain(out);

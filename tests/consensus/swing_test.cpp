@@ -46,7 +46,7 @@ Errors run(const Where& x) {
     update.flags.in_contact = true;
     const double said =
         predictor
-            ->predict(update, own, {.now = kStart + i * kStep, .bound = true, .memory = &memory})
+            ->predict(update, own, {.now = kStart + i * kStep, .hangs = true, .memory = &memory})
             .translation.x();
     if (i < 200) continue;
     ++count;

@@ -115,14 +115,14 @@ TEST_CASE("codec: a bad header is refused by name", "[consensus][fault]") {
     bytes[1] ^= std::byte{1};
     CHECK(refused(bytes).fault == PacketFault::BadMagic);
   }
-  SECTION("version 0 and 2") {
-    for (const unsigned version : {0u, 2u, 255u}) {
+  SECTION("another version") {
+    for (const unsigned version : {0u, 1u, 3u, 255u}) {
       bytes[2] = static_cast<std::byte>(version);
       CHECK(refused(bytes).fault == PacketFault::BadVersion);
     }
   }
   SECTION("kind") {
-    for (const unsigned kind : {0u, 5u, 255u}) {
+    for (const unsigned kind : {0u, 10u, 255u}) {
       bytes[3] = static_cast<std::byte>(kind);
       CHECK(refused(bytes).fault == PacketFault::UnknownKind);
     }
@@ -200,7 +200,7 @@ TEST_CASE("codec: an orientation far from unit norm is refused", "[consensus][fa
 }
 
 TEST_CASE("codec: codes and ids that mean nothing are refused", "[consensus][fault]") {
-  CHECK(with_second(kStateFlags, std::uint8_t{0x20}).fault == PacketFault::BadCode);
+  CHECK(with_second(kStateFlags, std::uint8_t{0x40}).fault == PacketFault::BadCode);
   CHECK(with_second(kStateFlags, std::uint8_t{0x80}).fault == PacketFault::BadCode);
   CHECK(with_spring(kSpringEvent, std::uint8_t{0}).fault == PacketFault::BadCode);
   CHECK(with_spring(kSpringEvent, std::uint8_t{4}).fault == PacketFault::BadCode);

@@ -99,7 +99,7 @@ TEST_CASE("codec: a message has the documented bytes on every machine", "[consen
 
   // Written by hand from the IEEE 754 forms, least significant byte first.
   const std::array<unsigned, kHeaderBytes + kStateBytes> expected = {
-      0x54, 0x43, 1,    1,    1,    0,  // "TC", version, kind, count
+      0x54, 0x43, 2,    1,    1,    0,  // "TC", version, kind, count
       8,    7,    6,    5,    4,    3,    2,    1,    16, 15, 14,   13,
       12,   11,   10,   9,                                              // id, two 64-bit halves
       0,    0,    0,    0,    0,    0,    0xf0, 0x3f,                   // x = 1

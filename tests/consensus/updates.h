@@ -18,8 +18,8 @@ inline StateUpdate some_state(Dice& dice) {
   update.influence = static_cast<float>(dice.uniform(0.0, 1.0));
   update.stamp = static_cast<SessionTime>(dice.bits() >> 8);
   const std::uint64_t bits = dice.bits();
-  update.flags = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0,
-                  (bits & 16) != 0};
+  update.flags = {(bits & 1) != 0, (bits & 2) != 0,  (bits & 4) != 0,
+                  (bits & 8) != 0, (bits & 16) != 0, (bits & 32) != 0};
   return update;
 }
 

@@ -55,13 +55,41 @@ TEST_CASE("options: what a run does without reaches solver and peer", "[demos][u
 }
 
 TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {
-  const DemoOptions o =
-      parse({"--peers",     "3",           "--seconds=4.5", "--seed", "9",
-             "--influence", "0",           "--predictor",   "euler",  "--solver=two-step",
-             "--update-hz", "30",          "--profile",     "5",      "--uneven",
-             "--loss",      "0.1",         "--duplicate",   "0.2",    "--reorder",
-             "0.3",         "--bandwidth", "1e6",           "--json", "-",
-             "--csv",       "out",         "--quiet",       "--help"});
+  const DemoOptions o = parse({"--peers",
+                               "3",
+                               "--seconds=4.5",
+                               "--seed",
+                               "9",
+                               "--influence",
+                               "0",
+                               "--predictor",
+                               "euler",
+                               "--solver=two-step",
+                               "--update-hz",
+                               "30",
+                               "--profile",
+                               "5",
+                               "--uneven",
+                               "--loss",
+                               "0.1",
+                               "--duplicate",
+                               "0.2",
+                               "--reorder",
+                               "0.3",
+                               "--bandwidth",
+                               "1e6",
+                               "--json",
+                               "-",
+                               "--compact",
+                               "--budget",
+                               "256",
+                               "--tolerance=0.002",
+                               "--max-state",
+                               "502",
+                               "--csv",
+                               "out",
+                               "--quiet",
+                               "--help"});
   CHECK(o.peers == 3);
   CHECK(o.seconds == 4.5);
   CHECK(o.seed == 9);
@@ -82,6 +110,10 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.link_options().reorder == 0.3);
   CHECK(o.link_options().bandwidth == 1e6);
   CHECK(o.link_options().latency == 0.1235);  // profile 5
+  CHECK(o.link_options().max_state_bytes == 502);
+  CHECK(o.peer_options().sending.format == consensus::StateFormat::Compact);
+  CHECK(o.peer_options().sending.kbit_per_s == 256.0);
+  CHECK(o.peer_options().sending.tolerance == 0.002);
   CHECK(o.peer_options().update_hz == 30.0);
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
 }
@@ -174,6 +206,23 @@ TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[
   CHECK(o.peer_id == 7);
   CHECK(o.wait == 3.0);
   CHECK(o.connect == std::vector<std::string>{"a:1", "b:65535"});
+}
+
+TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
+  CHECK_FALSE(parse({"--listen", "1"}).udp());
+  const DemoOptions o = parse({"--listen", "1", "--key", "k", "--budget", "256"});
+  CHECK(o.udp());
+  CHECK(o.key == "k");
+  CHECK(o.budget == 256.0);
+  CHECK(o.timeline == Timeline::Session);
+  CHECK(parse({"--listen", "1", "--clock", "system"}).timeline == Timeline::System);
+  CHECK(refusal({"--listen", "1", "--clock", "gps"}) == "--clock = gps breaks: session or system");
+  CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
+  CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
+        "--insecure = given breaks: has no meaning with --key");
+  CHECK(refusal({"--insecure"}) == "--insecure = given breaks: needs --listen or --connect");
+  CHECK(refusal({"--listen", "1", "--budget", "7"}) ==
+        "--budget = 7 breaks: kbit/s, 0 or a number from 8 to 1e6");
 }
 
 TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {

@@ -134,5 +134,41 @@ TEST_CASE("remote view: tracks hold what was sent, at its stamp, with the hands"
   CHECK(samples[1].users == 0);
 }
 
+TEST_CASE("remote view: a hand that has let go is not brought back by what was under way",
+          "[demos][unit]") {
+  const Scene scene = small_scene();
+  RemoteView view(scene);
+  consensus::StateUpdate state;
+  state.id = scene.bodies[0].id;
+  consensus::SpringUpdate spring;
+  spring.body = state.id;
+  spring.stiffness = 10.0;
+  spring.max_force = 1.0;
+  SessionTime now = 0;
+  const auto say = [&](std::uint32_t number, std::uint32_t revision, consensus::SpringEvent event) {
+    spring.spring = number;
+    spring.revision = revision;
+    spring.event = event;
+    state.stamp = now += kMs;
+    std::vector<std::byte> packet;
+    consensus::encode({&spring, 1}, packet);
+    consensus::encode({&state, 1}, packet);
+    view.look(7, packet);
+    return view.records().at(0).tracks.at(0).samples().back().users;
+  };
+  using consensus::SpringEvent;
+  CHECK(say(1, 1, SpringEvent::Create) == 1);
+  CHECK(say(1, 9, SpringEvent::Remove) == 0);
+  // States of the spring that were sent before come later, by another way.
+  CHECK(say(1, 8, SpringEvent::Change) == 0);
+  CHECK(say(2, 1, SpringEvent::Create) == 1);
+  CHECK(say(2, 2, SpringEvent::Remove) == 0);
+  // However many there have been, the next one counts.
+  for (std::uint32_t number = 3; number < 600; ++number) {
+    CHECK(say(number, 1, SpringEvent::Create) == 1);
+    CHECK(say(number, 2, SpringEvent::Remove) == 0);
+  }
+}
+
 }  // namespace
 }  // namespace tandem::demos

@@ -203,5 +203,5 @@ TEST_CASE("protection: junk is counted and nothing else", "[net][fault]") {
   CHECK(counters.forged > 1000);
   CHECK(opener.window().latest() == 0);
   CHECK(opener.epoch() == 0);
-  CHECK(buffer.capacity() <= kMaxDatagram);
+  CHECK(buffer.capacity() <= kMaxDatagram + kProtectedOverhead + kRelayHeader);
 }

@@ -5,6 +5,7 @@
 #include "udp_node.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <memory>
@@ -38,6 +39,8 @@ class World {
     options.handshake.incarnation = incarnation;
     options.handshake.scene_hash = 42;
     options.max_peers = max_peers;
+    options.start = now;
+    options.correction = static_cast<std::int64_t>(peer) * kSecond;
     options.handshake.session_key = secret(1000);
     options.handshake.identity = crypto::make_key_pair(seeded(500 + ++starts_));
     nodes_[peer] =
@@ -249,4 +252,334 @@ TEST_CASE("udp node: no more peers than there is room for", "[net][fault]") {
   for (const PeerStatus& each : world.node(1).peers()) connected += each.connected ? 1 : 0;
   CHECK(connected == 3);
   CHECK(world.node(1).strangers().refused > 0);
+}
+
+namespace {
+
+/// Neither hears the other.
+void cut(World& world, PeerId a, PeerId b, bool whole = false) {
+  const PathOptions path = whole ? PathOptions{.delay = 20 * kMs} : PathOptions{.loss = 1.1};
+  world.path(address_of(a), address_of(b)).set(path);
+  world.path(address_of(b), address_of(a)).set(path);
+}
+
+}  // namespace
+
+TEST_CASE("udp node: reliable messages outlive connections, each once and in order",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs, .jitter = 10 * kMs, .loss = 0.1, .duplicate = 0.1});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(2 * kSecond);
+  REQUIRE(linked(world, 1, 2));
+  std::map<PeerId, std::uint64_t> posted;
+  std::map<PeerId, std::uint64_t> got;
+  int outages = 0;
+  world.each_step = [&] {
+    for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+      // Of several pieces, so that connections break in the middle of one.
+      if (world.now % (20 * kMs) == 0 && world.now < 60 * kSecond) {
+        Bytes message = number(posted[peer]);
+        message.resize(8 + posted[peer] % 3000);
+        const PeerId other = 3 - peer;
+        posted[peer] +=
+            world.node(peer).post(other, message, Delivery::Reliable, world.now) ? 1 : 0;
+      }
+      std::vector<Packet> packets;
+      world.node(peer).drain(packets);
+      for (const Packet& packet : packets) {
+        REQUIRE(packet.bytes.size() >= 8);
+        REQUIRE(tandem::pbd::ByteReader(packet.bytes).u64() == got[packet.from]);
+        REQUIRE(packet.bytes.size() == 8 + got[packet.from] % 3000);
+        ++got[packet.from];
+      }
+    }
+    // One end notices before the other, or both at once.
+    const std::int64_t phase = world.now < 60 * kSecond ? world.now % (12 * kSecond) : 0;
+    if (phase == 3 * kSecond) {
+      world.path(address_of(1), address_of(2)).set({.loss = 1.1});
+      if (outages++ % 2 == 0) world.path(address_of(2), address_of(1)).set({.loss = 1.1});
+    }
+    if (phase == 8 * kSecond + 500 * kMs) {
+      world.path(address_of(1), address_of(2)).set({.delay = 20 * kMs, .loss = 0.1});
+      world.path(address_of(2), address_of(1)).set({.delay = 20 * kMs, .loss = 0.1});
+    }
+  };
+  world.run(60 * kSecond);
+  world.path(address_of(1), address_of(2)).set({.delay = 20 * kMs});
+  world.path(address_of(2), address_of(1)).set({.delay = 20 * kMs});
+  world.run(60 * kSecond);
+  CHECK(outages == 5);
+  CHECK(posted[1] > 500);
+  CHECK(posted[2] > 500);
+  CHECK(got[1] == posted[1]);
+  CHECK(got[2] == posted[2]);
+}
+
+TEST_CASE("udp node: a dropped peer and a restarted one begin with an empty queue",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2, 10).dial(address_of(1), 0);
+  world.run(kSecond);
+  const auto first = [&](PeerId at) {
+    std::vector<Packet> packets;
+    world.node(at).drain(packets);
+    return packets.empty() ? std::uint64_t{0} : tandem::pbd::ByteReader(packets[0].bytes).u64();
+  };
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    REQUIRE(world.node(1).post(2, number(i), Delivery::Reliable, world.now));
+  }
+  world.run(200 * kMs);
+  CHECK(first(2) == 1);
+  REQUIRE(world.node(1).post(2, number(4), Delivery::Reliable, world.now));
+  world.node(1).drop(2, "test", world.now);
+  world.run(6 * kSecond);
+  REQUIRE(linked(world, 1, 2));
+  REQUIRE(world.node(1).post(2, number(5), Delivery::Reliable, world.now));
+  world.run(200 * kMs);
+  CHECK(first(2) == 5);  // 4 was discarded, the stream goes on all the same
+
+  cut(world, 1, 2);
+  REQUIRE(world.node(1).post(2, number(6), Delivery::Reliable, world.now));
+  world.run(100 * kMs);
+  world.stop(2);
+  cut(world, 1, 2, true);
+  world.start(2, 11).dial(address_of(1), world.now);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  CHECK(first(2) == 0);
+  REQUIRE(world.node(1).post(2, number(7), Delivery::Reliable, world.now));
+  world.run(200 * kMs);
+  CHECK(first(2) == 7);
+}
+
+TEST_CASE("udp node: a newcomer that knows one address meets all", "[net]") {
+  World world({.delay = 20 * kMs, .loss = 0.1});
+  world.start(1);
+  for (PeerId peer = 2; peer <= 8; ++peer) world.start(peer).dial(address_of(peer - 1), 0);
+  world.run(10 * kSecond);
+  for (PeerId a = 1; a <= 8; ++a) {
+    for (PeerId b = 1; b < a; ++b) CHECK(linked(world, a, b));
+    CHECK(world.node(a).relayed().forwarded == 0);
+  }
+  world.start(9).dial(address_of(4), world.now);
+  world.run(3 * kSecond);
+  for (PeerId a = 1; a <= 8; ++a) CHECK(linked(world, a, 9));
+}
+
+TEST_CASE("udp node: peers without a route go through one that has it, and straight where they can",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
+  world.node(1).dial(address_of(2), 0);
+  world.node(3).dial(address_of(2), 0);
+  cut(world, 1, 3);
+  world.run(6 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  CHECK(world.node(1).relay_of(3) == 2);
+  CHECK(world.node(3).relay_of(1) == 2);
+  CHECK(world.node(1).relay_of(2) == 0);
+
+  std::uint64_t next = 0;
+  const auto exchange = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      REQUIRE(world.node(1).post(3, Bytes(1154, std::byte{5}), Delivery::Newest, world.now));
+      REQUIRE(world.node(1).post(3, number(i), Delivery::Reliable, world.now));
+      world.run(100 * kMs);
+    }
+    std::vector<Packet> packets;
+    world.node(3).drain(packets);
+    std::size_t states = 0;
+    next = 0;
+    for (const Packet& packet : packets) {
+      if (packet.bytes.size() == 1154) ++states;
+      if (packet.bytes.size() == 8) CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == next++);
+    }
+    return states;
+  };
+  CHECK(exchange(20) >= 19);
+  CHECK(next >= 19);
+  CHECK(status(world.node(1), 3).round_trip > 79 * kMs);
+  const std::uint64_t forwarded = world.node(2).relayed().forwarded;
+  CHECK(forwarded > 40);
+
+  // A second relay, and the first one goes: the connection stays.
+  world.start(4).dial(address_of(2), world.now);
+  world.run(4 * kSecond);
+  world.stop(2);
+  world.run(6 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  CHECK(world.node(1).relay_of(3) == 4);
+  exchange(5);
+
+  // The way is open again: straight from then on, and no message is lost on the way over.
+  cut(world, 1, 3, true);
+  world.run(12 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  CHECK(world.node(1).relay_of(3) == 0);
+  const std::uint64_t at_the_end = world.node(4).relayed().forwarded;
+  exchange(5);
+  CHECK(next == 5);
+  CHECK(world.node(4).relayed().forwarded == at_the_end);
+}
+
+TEST_CASE("udp node: a relay that alters, repeats or invents is heard by nobody", "[net][fault]") {
+  World world({.delay = 10 * kMs});
+  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
+  world.node(1).dial(address_of(2), 0);
+  world.node(3).dial(address_of(2), 0);
+  cut(world, 1, 3);
+  world.run(5 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  // What peer 2 might do: hand over as "from 1" what it likes.
+  Dice dice(4);
+  std::uint64_t posted = 0;
+  std::uint64_t got = 0;
+  world.each_step = [&] {
+    if (world.now % (50 * kMs) == 0) {
+      posted += world.node(1).post(3, number(posted), Delivery::Newest, world.now) ? 1 : 0;
+    }
+    for (int i = 0; i < 5; ++i) {
+      Bytes junk = random_bytes(dice, 1 + dice.below(300));
+      if (dice.chance(0.5)) junk[0] = std::byte{0x40};
+      if (dice.chance(0.2)) junk[0] = std::byte{0x50};
+      world.node(3).passed_on(2, dice.chance(0.8) ? 1 : dice.below(50), junk, world.now);
+    }
+    std::vector<Packet> packets;
+    world.node(3).drain(packets);
+    for (const Packet& packet : packets) {
+      if (packet.from == 1) CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == got++);
+    }
+  };
+  world.run(2 * kSecond);
+  CHECK(got >= posted - 3);
+  CHECK(status(world.node(3), 1).rejected == 0);
+}
+
+TEST_CASE("udp node: a relay passes on within its budget only, and not at all where told not to",
+          "[net][fault]") {
+  World world({.delay = 10 * kMs});
+  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
+  world.node(1).dial(address_of(2), 0);
+  world.node(3).dial(address_of(2), 0);
+  cut(world, 1, 3);
+  world.run(5 * kSecond);
+  REQUIRE(linked(world, 1, 3));
+  const std::uint64_t before = world.path(address_of(2), address_of(3)).bytes();
+  for (int i = 0; i < 100; ++i) {  // 1.5 Mbit/s, where 256 kbit/s are allowed
+    for (int k = 0; k < 10; ++k) {
+      (void)world.node(1).post(3, Bytes(1000), Delivery::Newest, world.now);
+    }
+    world.run(50 * kMs);
+  }
+  const auto kbit =
+      8e-3 * static_cast<double>(world.path(address_of(2), address_of(3)).bytes() - before) / 5.0;
+  CHECK(kbit < 300.0);  // and 2's own
+  CHECK(kbit > 100.0);
+}
+
+TEST_CASE("udp node: a member that tells nonsense of third peers costs a few small datagrams",
+          "[net][fault]") {
+  World world({.delay = 10 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  // As if 2 said so: a hundred peers at a hundred addresses, and what no host has.
+  std::size_t sent = 0;
+  world.tap = [&](const Bytes& datagram) { sent += datagram.size() == kHelloBytes ? 1 : 0; };
+  for (int i = 0; i < 50; ++i) {
+    for (PeerId peer = 50; peer < 150; ++peer) {
+      world.node(1).told(2, {.peer = peer, .address = address_of(peer)}, world.now);
+    }
+    world.node(1).told(2, {.peer = 7, .address = {}}, world.now);
+    world.node(1).told(2, {.peer = 1, .address = address_of(9)}, world.now);
+    world.run(100 * kMs);
+  }
+  CHECK(sent > 10);
+  CHECK(sent < 200);  // 16 addresses at a time, 8 questions in 5 s each
+  CHECK(linked(world, 1, 2));
+}
+
+TEST_CASE("udp node: all have one time, also where one of them came late", "[net][clock]") {
+  World world({.delay = 20 * kMs, .jitter = 4 * kMs});
+  world.start(2);
+  world.start(3).dial(address_of(2), 0);
+  world.run(6 * kSecond);
+  world.start(1).dial(address_of(3), world.now);
+  world.run(10 * kSecond);
+  for (PeerId peer = 1; peer <= 3; ++peer) {
+    const auto clock = world.node(peer).clock(world.now);
+    CHECK(clock.synchronised);
+    CHECK(clock.faults == 0);
+    CHECK(clock.reference == 1);
+    CHECK(std::abs(clock.now - world.node(1).session_now(world.now)) < 3 * kMs);
+    CHECK(clock.error_bound < 30 * kMs);
+  }
+}
+
+TEST_CASE("udp node: nobody is sent more than he sends, and who stalls keeps nobody else out",
+          "[net][fault]") {
+  // Strangers at 200 addresses who ask, take a cookie and say no more; the attacker hears all.
+  World world({.delay = 10 * kMs});
+  world.start(1);
+  std::map<PeerId, std::size_t> asked;
+  Dice dice(8);
+  std::vector<Bytes> heard;
+  world.tap = [&](const Bytes& datagram) { heard.push_back(datagram); };
+  world.each_step = [&] {
+    for (int i = 0; i < 5; ++i) {
+      const PeerId stranger = 20 + dice.below(200);
+      Bytes question;
+      if (heard.empty() || dice.chance(0.8)) {
+        encode(HandshakePacket{.type = HandshakeType::Hello, .nonce = dice.next()}, question);
+      } else {  // also another's proof
+        question = heard[dice.below(heard.size())];
+      }
+      asked[stranger] += question.size();
+      world.node(1).on_datagram(question, address_of(stranger), world.now);
+    }
+  };
+  world.run(3 * kSecond);
+  world.start(2).dial(address_of(1), world.now);
+  world.run(2 * kSecond);
+  CHECK(linked(world, 1, 2));
+  CHECK(world.node(1).connections() == 1);
+  CHECK(world.node(1).strangers().challenged > 1000);
+  for (const auto& [stranger, bytes] : asked) {
+    const std::uint64_t answered = world.path(address_of(1), address_of(stranger)).bytes();
+    CHECK(answered <= bytes + bytes / 64 * tandem::net::kIpUdpBytes);
+  }
+}
+
+TEST_CASE("udp node: a member that begins connections and never goes on fills nothing for long",
+          "[net][fault]") {
+  World world({.delay = kMs});
+  world.start(1, 1, 8);
+  // It has the session key: many proofs, of which none is followed by a packet.
+  std::vector<Bytes> accepts;
+  for (PeerId id = 100; id < 140; ++id) {
+    HandshakeConfig config;
+    config.self = id;
+    config.incarnation = 1;
+    config.scene_hash = 42;
+    config.session_key = secret(1000);
+    config.identity = crypto::make_key_pair(seeded(id));
+    HandshakeInitiator initiator(config, seeded(id), 7, world.now);
+    const Address from = address_of(id % 3 + 30);
+    for (int i = 0; i < 200 && initiator.state() != HandshakeInitiator::State::Done; ++i) {
+      const Bytes question = copy(initiator.poll(world.now));
+      if (!question.empty()) world.node(1).on_datagram(question, from, world.now);
+      world.run(kMs);
+      for (const Bytes& answer : world.path(address_of(1), from).arrived(world.now)) {
+        initiator.on_datagram(answer, world.now);
+      }
+    }
+  }
+  CHECK(world.node(1).connections() <= 16);
+  world.run(6 * kSecond);  // idle_timeout
+  CHECK(world.node(1).connections() == 0);
+  world.start(2).dial(address_of(1), world.now);
+  world.run(kSecond);
+  CHECK(linked(world, 1, 2));
 }

@@ -4,6 +4,12 @@
 // Real sockets on loopback.
 #include "tandem/net/udp.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <stdexcept>
@@ -66,8 +72,9 @@ TEST_CASE("udp: two peers on loopback exchange states and long messages, and par
   REQUIRE(eventually([&] { return status(a, 2).connected && status(*b, 1).connected; }));
   for (std::uint8_t i = 0; i < 40; ++i) {
     REQUIRE(b->post(1, bytes(20'000, i), Delivery::Reliable));
-    REQUIRE(b->post(1, bytes(1154, i), Delivery::Newest));
+    REQUIRE(b->post(1, bytes(b->max_packet_bytes(Delivery::Newest), i), Delivery::Newest));
   }
+  CHECK(b->max_packet_bytes(Delivery::Newest) == 1154);
   CHECK_FALSE(b->post(1, bytes(1155, 0), Delivery::Newest));
   CHECK_FALSE(b->post(9, bytes(10, 0), Delivery::Newest));
   std::uint8_t next = 0;
@@ -154,6 +161,124 @@ TEST_CASE("udp: four peers with public keys make a full mesh, a fifth without a 
       CHECK(packet.bytes == bytes(100, static_cast<std::uint8_t>(packet.from)));
     }
   }
+}
+
+TEST_CASE("udp: a live session under junk, oversized datagrams, questions and recordings",
+          "[net][socket][fault]") {
+  const bool filtered = GENERATE(true, false);
+  auto own = options(1);
+  own.kernel_filter = filtered;
+  UdpTransport a(own);
+  auto other = options(2, {a.local_port()});
+  other.kernel_filter = filtered;
+  UdpTransport b(other);
+  REQUIRE(eventually([&] { return status(a, 2).connected && status(b, 1).connected; }));
+
+  const int attacker = ::socket(AF_INET, SOCK_DGRAM, 0);
+  REQUIRE(attacker >= 0);
+  sockaddr_in target{};
+  target.sin_family = AF_INET;
+  target.sin_port = htons(a.local_port());
+  target.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::uint64_t state = 1;
+  const auto random = [&state] {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<std::uint8_t>(state >> 56);
+  };
+  std::vector<std::uint8_t> junk(60'000);
+  std::uint8_t posted = 0;
+  std::uint8_t got = 0;
+  REQUIRE(eventually([&] {
+    for (int i = 0; i < 200; ++i) {
+      const std::size_t size = i % 40 == 0 ? 60'000 : std::size_t{random()} * 6;
+      for (std::size_t k = 0; k < std::min<std::size_t>(size, 64); ++k) junk[k] = random();
+      if (i % 3 == 0) junk[0] = 0x40;
+      if (i % 3 == 1) {  // a question, mostly of the wrong length
+        const std::array<std::uint8_t, 7> hello{1, 'T', 'N', 'D', 'U', 1, 0};
+        std::copy(hello.begin(), hello.end(), junk.begin());
+      }
+      (void)::sendto(attacker, junk.data(), i % 6 == 1 ? 64 : size, 0,
+                     reinterpret_cast<const sockaddr*>(&target), sizeof target);
+    }
+    if (posted < 100) REQUIRE(b.post(1, bytes(500, posted++), Delivery::Reliable));
+    std::vector<Packet> packets;
+    a.drain(packets);
+    for (const Packet& packet : packets) CHECK(packet.bytes == bytes(500, got++));
+    return got == 100;
+  }));
+  ::close(attacker);
+  CHECK(status(a, 2).connected);
+  CHECK(status(a, 2).rejected == 0);
+  CHECK(a.strangers().challenged + a.strangers().limited > 100);
+  CHECK(a.strangers().bad_proof == 0);
+  if (!filtered) CHECK(a.strangers().malformed > 1000);
+  // What begins like a packet came so far once in 65536 times only.
+  if (filtered) CHECK(a.strangers().unknown < 10);
+}
+
+TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net][socket][clock]") {
+  UdpTransport first(options(1));
+  std::vector<std::unique_ptr<UdpTransport>> peers;
+  std::uint16_t port = first.local_port();
+  for (PeerId self = 2; self <= 5; ++self) {
+    peers.push_back(std::make_unique<UdpTransport>(options(self, {port})));
+    port = peers.back()->local_port();  // a chain
+  }
+  REQUIRE(eventually([&] {
+    for (const auto& peer : peers) {
+      std::size_t connected = 0;
+      for (const PeerStatus& each : peer->peers()) connected += each.connected ? 1 : 0;
+      if (connected != 4 || !peer->clock().synchronised) return false;
+    }
+    return first.clock().synchronised;
+  }));
+  for (const auto& peer : peers) {
+    const ClockStatus clock = peer->clock();
+    CHECK(clock.reference == 1);
+    CHECK(peer->relay_of(1) == 0);
+    // Of what was certain when the clock was read; between two readings this thread may sleep.
+    const auto before = first.session_now();
+    const auto mine = peer->clock();
+    const auto after = first.session_now();
+    CHECK(mine.now >= before - mine.error_bound);
+    CHECK(mine.now <= after + mine.error_bound);
+  }
+}
+
+TEST_CASE("udp: a peer with IPv4 alone and one with IPv6 alone meet through one that has both",
+          "[net][socket]") {
+  auto both = options(2);
+  both.address = "::";
+  std::unique_ptr<UdpTransport> relay;
+  std::unique_ptr<UdpTransport> six;
+  try {
+    relay = std::make_unique<UdpTransport>(both);
+    auto own = options(3);
+    own.address = "::1";
+    own.connect = {{"::1", relay->local_port()}};
+    six = std::make_unique<UdpTransport>(own);
+  } catch (const std::system_error&) {
+    WARN("no IPv6 on this host: not tested");
+    return;
+  }
+  UdpTransport four(options(1, {relay->local_port()}));
+  REQUIRE(eventually([&] { return status(four, 3).connected && status(*six, 1).connected; }));
+  CHECK(four.relay_of(3) == 2);
+  CHECK(six->relay_of(1) == 2);
+  std::uint8_t next = 0;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    REQUIRE(four.post(3, bytes(3000, i), Delivery::Reliable));
+  }
+  REQUIRE(eventually([&] {
+    std::vector<Packet> got;
+    six->drain(got);
+    for (const Packet& packet : got) {
+      CHECK(packet.from == 1);
+      CHECK(packet.bytes == bytes(3000, next++));
+    }
+    return next == 20;
+  }));
+  CHECK(relay->relayed().forwarded > 50);  // 60 kB in datagrams of at most 1200
 }
 
 TEST_CASE("udp: options that are not valid are named, a port in use is an error", "[net][fault]") {

@@ -65,7 +65,7 @@ TEST_CASE("allocation: the counter sees an allocation", "[pbd][unit]") {
 }
 
 TEST_CASE("allocation: a step in the steady state makes none", "[pbd][regression]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     World world;
     ToyContacts contacts;
     FixedTargets source;

@@ -327,7 +327,7 @@ TEST_CASE("joint chain: a snapshot goes on bit for bit", "[pbd][joint][unit]") {
 
 TEST_CASE("joint chain: agreement moves it without motion and without parting it",
           "[pbd][joint][consensus]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     World world(weightless());
     FixedTargets source;
     auto& joints = world.add_block<JointBlock>();

@@ -116,7 +116,7 @@ TEST_CASE("locks: an overlap does not push a body along a locked axis", "[pbd][l
 }
 
 TEST_CASE("locks: agreement moves no locked axis", "[pbd][locks][consensus]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     World world(weightless());
     FixedTargets targets;
     world.set_target_source(&targets);

@@ -90,7 +90,7 @@ double run_beside(Scene& with, Scene& without, double share, const Vec3& offset,
 
 TEST_CASE("pose_target contact: a target 10 mm inside a wall leaves the body at rest outside it",
           "[pbd][consensus][regression]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     for (const double share : {0.05, 0.5, 0.9, 1.0}) {
       Wall scene(share);
       Solver solver({.total_parts = parts});
@@ -111,7 +111,7 @@ TEST_CASE("pose_target contact: a target 10 mm inside a wall leaves the body at 
 TEST_CASE("pose_target contact: overlap that agreement left behind does not become velocity",
           "[pbd][consensus][regression]") {
   // Without the clean-up an owner's target does press the body into the wall.
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     Wall scene(1.0);
     Solver solver({.total_parts = parts, .clean_up_iterations = 0});
     double fastest = 0.0;
@@ -129,7 +129,7 @@ TEST_CASE("pose_target contact: overlap that agreement left behind does not beco
 
 TEST_CASE("pose_target contact: when the targets stop, nothing remembers them",
           "[pbd][consensus][regression]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     // An owner may press a body into a wall; once it lets go, the body comes out and stays there.
     Scene scene(1, 0.0, 0.5);
     scene.source.targets.push_back(
@@ -197,7 +197,7 @@ TEST_CASE("pose_target contact: a target where the body is leaves friction alone
 
 TEST_CASE("pose_target contact: a stack that remote peers see 2 mm aside follows and stands",
           "[pbd][consensus][regression]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     Scene scene(5, 0.0, 0.5);
     scene.world.set_target_source(&scene.source);
     for (int i = 0; i < 5; ++i) {

@@ -49,7 +49,7 @@ struct Peer {
 
 TEST_CASE("pose_target energy: in a symmetric exchange without delay it never rises",
           "[pbd][consensus][analytic]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     for (const double share : {0.05, 0.3, 0.5}) {
       Peer one(1.0);
       Peer two(-1.0);
@@ -93,7 +93,7 @@ TEST_CASE("pose_target energy: the average of two velocities has what the textbo
 
 TEST_CASE("pose_target energy: the potential part is m g dz of the displacement",
           "[pbd][consensus][analytic]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     World world;
     FixedTargets source;
     BodyDef def = box_def(2.0, Vec3(0.2, 0.2, 0.2), Vec3(0.0, 0.0, 5.0));
@@ -113,7 +113,7 @@ TEST_CASE("pose_target energy: the potential part is m g dz of the displacement"
 
 TEST_CASE("pose_target energy: displacement carries none, whatever turns and spins",
           "[pbd][consensus][analytic]") {
-  for (const int parts : {1000, 1}) {
+  for (const int parts : {1000, 4, 1}) {
     World world(weightless());
     FixedTargets source;
     BodyDef def = box_def(2.0, Vec3(0.1, 0.2, 0.5), Vec3::Zero());

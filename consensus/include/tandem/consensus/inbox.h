@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "tandem/consensus/plausibility.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
@@ -15,6 +16,8 @@ namespace tandem::consensus {
 struct InboxOptions {
   double max_age = 1.0;     ///< s: updates that are older when they arrive are refused
   double max_future = 1.0;  ///< s: updates stamped further ahead of now are refused
+  /// Of two states of a peer in a row.
+  PlausibilityOptions plausibility = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -27,6 +30,7 @@ enum class InboxVerdict : std::uint8_t {
   Late,         ///< older than the one kept
   Expired,      ///< older than max_age
   Future,       ///< stamped more than max_future ahead
+  Implausible,  ///< nothing moves like that, see plausible()
   UnknownId,    ///< id not registered here
   UnknownPeer,  ///< peer not added here
 };
@@ -37,6 +41,7 @@ struct InboxCounters {
   std::uint64_t late = 0;
   std::uint64_t expired = 0;
   std::uint64_t future = 0;
+  std::uint64_t implausible = 0;
   std::uint64_t unknown_id = 0;
   std::uint64_t unknown_peer = 0;
 
@@ -47,8 +52,8 @@ struct InboxCounters {
 
 /// The newest update of each peer for each registered body; everything else is dropped by its
 /// timestamp and counted. Memory is bounded by registered ids times added peers, whatever arrives.
-/// Of updates with distinct stamps the same one is kept in whatever order they arrive; everything
-/// is iterated by ascending id and peer.
+/// Of plausible updates with distinct stamps the same one is kept in whatever order they arrive;
+/// everything is iterated by ascending id and peer.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Inbox {
  public:
@@ -56,6 +61,7 @@ class Inbox {
     PeerId peer = 0;
     StateUpdate update;
     SessionTime arrival = 0;  ///< ns, when it was offered
+    SessionTime jumped = 0;   ///< ns, arrival of the last jump that was believed; 0 = never
   };
 
   /// @throws std::invalid_argument where the options are not valid
@@ -85,7 +91,15 @@ class Inbox {
   /// The same of the `index`th of all registered ids, in their order.
   /// @pre index < id_count()
   std::span<const Received> newest_at(std::size_t index) const { return bodies_[index].newest; }
-  /// Drop what has become older than max_age; returns how many.
+  /// The peer has sent something at this session time, ns, however late that came: what it said of
+  /// resting bodies before still holds. Stamps more than max_future ahead are ignored.
+  /// @return whether it had fallen silent for longer than max_age: what it said was dropped
+  bool note_alive(PeerId from, SessionTime stamp, SessionTime now);
+  /// ns: until when a state of this inbox is known to hold: its stamp; of a resting body the newest
+  /// stamp of anything that its sender has sent.
+  SessionTime holds_until(const Received& received) const;
+  /// Drop what has not held for max_age, or after a clock was set back is further ahead than
+  /// max_future; returns how many.
   std::size_t prune(SessionTime now);
 
   /// All offers of all peers, unknown ones included.
@@ -101,17 +115,21 @@ class Inbox {
   struct Peer {
     PeerId id = 0;
     bool present = false;
+    SessionTime alive = 0;  ///< ns, newest stamp; 0 = none yet
     InboxCounters counters;
   };
 
   Body* find_body(const SharedId& id);
   const Body* find_body(const SharedId& id) const;
   Peer* find_peer(PeerId id);
+  const Peer* find_peer(PeerId id) const;
   InboxVerdict judge(PeerId from, const StateUpdate& update, SessionTime now);
   InboxVerdict store(Body& body, PeerId from, const StateUpdate& update, SessionTime now);
 
   SessionTime max_age_ns_;
   SessionTime max_future_ns_;
+  SessionTime teleport_interval_ns_;
+  PlausibilityOptions plausibility_;
   std::vector<Body> bodies_;  ///< by id
   std::vector<Peer> peers_;   ///< by id
   InboxCounters totals_;

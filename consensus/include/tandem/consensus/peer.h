@@ -14,6 +14,7 @@
 #include "tandem/consensus/influence.h"
 #include "tandem/consensus/policy.h"
 #include "tandem/consensus/predictor.h"
+#include "tandem/consensus/robust.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
@@ -32,8 +33,38 @@ enum class InputMode : std::uint8_t {
   Hard,
 };
 
+enum class StateFormat : std::uint8_t {
+  Full,     ///< as StateUpdate has it, 93 bytes
+  Compact,  ///< rounded, about 27 bytes where a body moves and 14 where it rests, see compact.h
+};
+
+/// Which states are sent, to each of the others, and in what form. docs/network.md has the rules.
+struct SendOptions {
+  StateFormat format = StateFormat::Full;
+  /// kbit/s to each of the others, and never more than the transport says that the way there bears
+  /// (UDP does); 0 = no other limit. What does not fit waits: what this peer's user holds or leads
+  /// comes first, then what the other side expects most wrongly, then what rests.
+  /// Where nothing but defaults is set here, all is sent and the transport sorts it out.
+  double kbit_per_s = 0.0;
+  /// Bytes that a packet costs beside what is in it; those of UdpTransport over IPv4.
+  double packet_overhead = 74.0;
+  /// m: a state is sent where the last one that was sent, carried on by its velocity (and gravity,
+  /// where nothing touches it), is off by more; 0 = every time.
+  double tolerance = 0.0;
+  double angle_tolerance = 0.02;  ///< rad, the same of orientations; only with `tolerance`
+  double refresh = 0.1;           ///< s: what moves is sent at least so often; likewise
+  /// s: what rests is said once, reliably, and repeated so often; likewise
+  double rest_refresh = 5.0;
+
+  /// Whether not everything is sent every time.
+  bool selects() const { return kbit_per_s > 0.0 || tolerance > 0.0; }
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
 struct PeerOptions {
   double update_hz = 60.0;  ///< states sent each second, > 0
+  SendOptions sending;
   InfluenceOptions influence;
   /// Rules of influence; empty = default_announcement() and default_hearing() of `influence`.
   PolicyChain announcement;
@@ -42,6 +73,9 @@ struct PeerOptions {
   PolicyChain acceptance;
   PredictorKind predictor = PredictorKind::Adaptive;
   PredictorOptions prediction;
+  /// How far others are believed.
+  RobustOptions robust;
+  PlausibilityOptions plausibility;
   Coupling coupling = Coupling::OnePass;
   TwoStepOptions two_step;
   VirtualCouplingOptions virtual_coupling;
@@ -56,6 +90,9 @@ struct PeerOptions {
   /// s: own influence grows from 0 to full over this time after the first step, against others and
   /// against remote states: a newcomer takes over what the others know before it is heard.
   double authority_ramp = 1.0;
+  /// s: states that are stamped further ahead of the own clock are refused: one of the two is
+  /// wrong, and what a hand will do cannot be told. Above the longest step of any peer.
+  double max_future = 0.25;
   /// s: springs of a peer that has fallen silent are let go after this.
   double spring_timeout = 1.0;
   /// s: an anchor is carried on by its velocity no longer than this; 0 = not at all.
@@ -82,6 +119,9 @@ struct ShareDef {
   /// Whose hand moves it, where it is nobody's but theirs: that peer's states count 100 % at the
   /// others and the others' count nothing there.
   std::optional<PeerId> owner;
+  /// Whether it matters how the body is turned: not of a uniform sphere that is drawn plain. Else
+  /// the compact format leaves it out, and nothing here is turned to agree.
+  bool orientation = true;
 };
 
 /// A user's spring on a shared body.
@@ -101,6 +141,15 @@ struct GrabId {
   friend bool operator==(const GrabId&, const GrabId&) = default;
 };
 
+/// What went to one of the others.
+struct LinkStats {
+  PeerId to = 0;
+  std::uint64_t bytes = 0;      ///< of packets with states and names
+  std::uint64_t states = 0;     ///< sent
+  std::uint64_t deferred = 0;   ///< for want of budget; a state that waits is counted each time
+  std::uint64_t unchanged = 0;  ///< not sent, since the other side knows them well enough
+};
+
 /// Seconds and counts since the start.
 struct PeerStats {
   double parse_s = 0.0;                 ///< CPU time in decoding packets
@@ -111,11 +160,14 @@ struct PeerStats {
   std::uint64_t packets_received = 0;
   std::uint64_t packets_rejected = 0;  ///< not decodable; their sender was dropped
   std::uint64_t unknown_ids = 0;
+  std::uint64_t unknown_indices = 0;  ///< compact states whose names have not come; dropped
   std::uint64_t springs_refused = 0;  ///< unknown body, or too many
   std::uint64_t bytes_sent = 0;
   InboxCounters inbox;
   /// Bodies put where the leading peer has them, since something solid kept the copies apart.
   std::uint64_t bodies_placed = 0;
+  /// By peer; empty where every state goes to everybody in full, see SendOptions.
+  std::vector<LinkStats> links;
 };
 
 /// A remote state that is about to be used, with all that predictors may go by.
@@ -219,6 +271,9 @@ class Peer final : public pbd::TargetSource {
   void note_contact(pbd::BodyId a, pbd::BodyId b = {});
 
   const PeerStats& stats() const;
+  /// What each of the others has sent that was not believed, by ascending id; who has left stays.
+  /// Valid until the next step.
+  std::span<const PeerReport> reports() const;
   void set_observer(PeerObserver* observer);
   /// Must outlive the peer or be set to null.
   void set_interest(const Interest* interest);

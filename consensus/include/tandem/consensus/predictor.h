@@ -217,8 +217,8 @@ struct PredictionContext {
   double mirrored_share = 1.0;
   int peers = 1;                          ///< remote peers that share the body
   pbd::Vec3 gravity = pbd::Vec3::Zero();  ///< m/s^2, on this body
-  bool bound = false;  ///< a joint or a spring acts on the own body, so that it may swing
-  bool held = false;   ///< a user holds it
+  bool held = false;                      ///< a user's spring holds the own body
+  bool hangs = false;                     ///< a joint or a spring does, and no user: it may swing
   /// Of this body and sender. Null: predictors that remember do without.
   PredictorMemory* memory = nullptr;
 };

@@ -16,6 +16,9 @@ using PeerId = std::uint64_t;
 /// Session time in ns, common to all peers.
 using SessionTime = std::int64_t;
 
+/// Longest packet of this library, below the default frame limit of tandem::net.
+inline constexpr std::size_t kMaxPacketBytes = 60 * 1024;
+
 enum class Delivery : std::uint8_t {
   Newest,    ///< states: may be lost, may be dropped when a queue is full, oldest first
   Reliable,  ///< constraints and membership: in order, resent by the transport where it can
@@ -25,6 +28,8 @@ enum class Delivery : std::uint8_t {
 struct Packet {
   PeerId from = 0;
   std::vector<std::byte> bytes;
+  /// When they came; the least value where the transport does not say.
+  SessionTime received = INT64_MIN;
 };
 
 /// A peer as the transport sees it.
@@ -36,8 +41,10 @@ struct PeerStatus {
   std::uint64_t packets_out = 0;
   std::uint64_t bytes_in = 0;
   std::uint64_t bytes_out = 0;
+  double kbit_per_s = 0.0;  ///< what the way there bears now, headers included; 0 = not known
   std::uint64_t dropped_queue_full = 0;  ///< states dropped because a queue was full
   std::uint64_t rejected = 0;            ///< frames refused: too long, wrong version, not decodable
+  std::int64_t round_trip = -1;          ///< to it and back, smoothed, ns; -1: not known
 };
 
 /// Carries bytes between peers. Faults are data (PeerStatus), never exceptions.
@@ -51,6 +58,8 @@ class Transport {
   /// Post bytes to one peer. Never waits. False where they were dropped at once (unknown peer,
   /// not connected, too long).
   virtual bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) = 0;
+  /// Bytes of the longest packet that post() takes to any peer.
+  virtual std::size_t max_packet_bytes(Delivery /*delivery*/) const { return kMaxPacketBytes; }
   /// Append everything that has come since the last call to `out`. Never waits.
   virtual void drain(std::vector<Packet>& out) = 0;
   /// Cut a peer off, with the reason for its status. It may come back only through a new handshake.

@@ -22,6 +22,8 @@ struct UpdateFlags {
   bool teleported = false;    ///< jumped since the last update: do not read the jump as motion
   /// The sender's user was the last to act on it, and the only one: the sender does not listen.
   bool leads = false;
+  /// It lies still, and stays where it is until the sender says otherwise: see SendOptions.
+  bool resting = false;
 
   friend bool operator==(const UpdateFlags&, const UpdateFlags&) = default;
 };
@@ -36,6 +38,10 @@ struct StateUpdate {
   float influence = 0.0f;  ///< share per 1/60 s of session time, 0 to 1; 1 = the sender owns it
   SessionTime stamp = 0;   ///< ns, session time of the state
   UpdateFlags flags;
+  /// It came in the compact format: within half a quantum of what the sender has. Not sent.
+  bool rounded = false;
+  /// The orientation is said, see ShareDef::orientation. The full format always says it.
+  bool oriented = true;
 };
 
 enum class SpringEvent : std::uint8_t { Create = 1, Change = 2, Remove = 3 };
@@ -71,12 +77,50 @@ struct Leave {
   SessionTime stamp = 0;  ///< ns
 };
 
+/// A state whose body the sender calls by an index, see compact.h; update.id is all zeros.
+struct CompactState {
+  std::uint32_t table = 0;  ///< the sender's list of indices
+  std::uint16_t index = 0;
+  StateUpdate update;
+};
+
+/// What the sender calls a body. Within one table an index never changes its meaning.
+struct NameUpdate {
+  std::uint32_t table = 0;
+  std::uint16_t index = 0;
+  SharedId id;
+};
+
+/// The sender does not know (any more) what was said: the names of indices, or of what rests. It
+/// asks for all of it again.
+struct NamesWanted {
+  std::uint32_t table = 0;  ///< of those states
+};
+
+/// Where the anchor of a spring is that was told of in full before, see SpringUpdate.
+struct AnchorUpdate {
+  std::uint32_t spring = 0;
+  pbd::Vec3 anchor_w = pbd::Vec3::Zero();         ///< m, world, at the stamp
+  pbd::Vec3 anchor_velocity = pbd::Vec3::Zero();  ///< m/s, world, at the stamp
+  SessionTime stamp = 0;                          ///< ns
+};
+
+/// The sender is there: what it said of resting bodies still holds.
+struct Alive {
+  SessionTime stamp = 0;  ///< ns
+};
+
 /// Everything that one packet said. Reuse it: decode() keeps the capacities.
 struct DecodedPacket {
   std::vector<StateUpdate> states;
   std::vector<SpringUpdate> springs;
   std::vector<Leave> leaves;
   std::vector<OwnershipUpdate> ownership;
+  std::vector<CompactState> compact;
+  std::vector<NameUpdate> names;
+  std::vector<NamesWanted> names_wanted;
+  std::vector<Alive> alive;
+  std::vector<AnchorUpdate> anchors;
 
   void clear();
 };
@@ -107,20 +151,21 @@ struct [[nodiscard]] CodecResult {
 };
 
 inline constexpr std::uint16_t kPacketMagic = 0x4354;  ///< "TC" on the wire
-inline constexpr std::uint8_t kPacketVersion = 1;
-/// Longest packet, below the default frame limit of tandem::net.
-inline constexpr std::size_t kMaxPacketBytes = 60 * 1024;
+inline constexpr std::uint8_t kPacketVersion = 2;
 inline constexpr std::size_t kMaxRecords = 1024;  ///< of one message
 inline constexpr std::size_t kHeaderBytes = 6;    ///< magic u16, version u8, kind u8, count u16
 inline constexpr std::size_t kStateBytes = 93;
 inline constexpr std::size_t kSpringBytes = 129;
 inline constexpr std::size_t kLeaveBytes = 8;
 inline constexpr std::size_t kOwnershipBytes = 33;
-/// States and springs that fit into a packet which holds nothing else.
-inline constexpr std::size_t kMaxStatesPerPacket = (kMaxPacketBytes - kHeaderBytes) / kStateBytes;
-inline constexpr std::size_t kMaxSpringsPerPacket = (kMaxPacketBytes - kHeaderBytes) / kSpringBytes;
-inline constexpr std::size_t kMaxOwnershipPerPacket =
-    (kMaxPacketBytes - kHeaderBytes) / kOwnershipBytes;
+/// Records of so many bytes each that fit into a message of a packet that holds nothing else; one
+/// at least, however short the packet.
+constexpr std::size_t records_in(std::size_t packet_bytes, std::size_t record_bytes) {
+  const std::size_t room = packet_bytes > kHeaderBytes ? packet_bytes - kHeaderBytes : 0;
+  return room < record_bytes ? 1 : room / record_bytes;
+}
+inline constexpr std::size_t kMaxStatesPerPacket = records_in(kMaxPacketBytes, kStateBytes);
+inline constexpr std::size_t kMaxSpringsPerPacket = records_in(kMaxPacketBytes, kSpringBytes);
 
 // Ranges outside of which a value is taken for a fault or an attack.
 inline constexpr double kMaxPosition = 1e7;          ///< m, norm, exclusive
@@ -135,6 +180,7 @@ CodecResult check(const StateUpdate& update);
 CodecResult check(const SpringUpdate& update);
 CodecResult check(const Leave& leave);
 CodecResult check(const OwnershipUpdate& update);
+CodecResult check(const Alive& alive);
 
 /// Append a message with these records to a packet (several messages above kMaxRecords records).
 /// Records that check() refuses are left out: one broken body must not make peers refuse the

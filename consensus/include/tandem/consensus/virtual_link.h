@@ -20,7 +20,12 @@ struct LinkOptions {
   double reorder = 0.0;    ///< chance that a state is held back, so that later ones overtake it
   double reorder_delay = 0.02;          ///< s, longest time it is held back; uniform from 0
   double bandwidth = 0.0;               ///< bit/s of payload; 0 = unlimited
+  double bursts = 0.0;                  ///< bursts of loss, 1/s: nothing gets through
+  double burst_length = 0.2;            ///< s, mean; from 0 to twice that
   std::size_t queue_limit = 64 * 1024;  ///< bytes that may wait for the bandwidth
+  /// Bytes of the longest state; longer ones are refused, as over UDP with a small MTU (502 at an
+  /// MTU of 576, see docs/network.md). Reliable packets are cut into pieces there.
+  std::size_t max_state_bytes = 64 * 1024;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -36,7 +41,7 @@ LinkOptions network_profile(int number);
 struct LinkCounters {
   std::uint64_t posted = 0;      ///< accepted from the sender
   std::uint64_t delivered = 0;   ///< copies that reached the receiver
-  std::uint64_t lost = 0;        ///< states lost on the way
+  std::uint64_t lost = 0;        ///< states lost on the way, in bursts as well
   std::uint64_t duplicated = 0;  ///< second copies
   std::uint64_t held_back = 0;   ///< states delayed to be overtaken
   std::uint64_t resent = 0;      ///< losses of reliable packets, made good
@@ -51,6 +56,8 @@ struct LinkCounters {
 /// - Delivery::Reliable is never lost: each loss costs a resend after twice the latency (1 ms at
 ///   least), and later reliable packets wait for it. post() refuses it where kMaxReliableBytes
 ///   wait.
+/// - In a burst all that leaves is lost; reliable packets are resent after its end.
+/// - Transport::max_packet_bytes() is the least of all links that go out.
 /// - While a link is cut, states are dropped and reliable packets wait for heal(). Both sides see a
 ///   link that is cut in either direction as not connected.
 /// - Transport::drop() closes both directions for good until heal(), the new handshake.

@@ -42,6 +42,32 @@ class SessionClock {
   std::int64_t held_ = 0;
 };
 
+/// Where session time comes from.
+enum class Clock : std::uint8_t {
+  /// A timeline of the session's own on steady clocks, agreed on in band: no host needs a
+  /// disciplined clock.
+  Session,
+  /// The system clock: hosts are disciplined by PTP or NTP. What peers say is measured, not
+  /// followed.
+  System,
+  /// No common time: each peer has its own, and updates are dated where they arrive
+  /// (consensus::Packet::received less half of consensus::PeerStatus::round_trip).
+  None,
+};
+
+/// How well session time is known. Times in ns.
+struct ClockStatus {
+  SessionTime now = 0;
+  /// How far `now` can be from the reference's session time, >= 0; with Clock::None -1, not known.
+  /// Certain for clocks that drift by less than 250 ppm: unequal delay there and back is in it.
+  std::int64_t error_bound = -1;
+  std::int64_t offset = 0;          ///< the reference's session time less ours, as estimated
+  consensus::PeerId reference = 0;  ///< whose time it is, perhaps this peer's; 0: nobody's yet
+  bool synchronised = false;        ///< from here on it is slewed, never stepped
+  std::uint64_t jumps = 0;          ///< steps so far, all before it was synchronised
+  std::uint64_t faults = 0;         ///< exchanges that no honest, steady clock explains
+};
+
 /// All times in ns.
 struct PhysicsClockOptions {
   std::int64_t min_step = 8'000'000;       ///< shortest step, > 0

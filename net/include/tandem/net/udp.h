@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/net/clock.h"
 #include "tandem/net/session.h"
 
 namespace tandem::net {
@@ -37,7 +38,7 @@ struct UdpOptions {
   std::uint64_t scene_hash = 0;     ///< peers with another one are refused
   std::uint16_t port = 0;           ///< one socket for all; 0 takes a free one (local_port())
   std::string address = "0.0.0.0";  ///< numeric; "::" for IPv6 and IPv4
-  std::vector<HostPort> connect;    ///< of all peers that listen; names are looked up once
+  std::vector<HostPort> connect;    ///< one is enough; names are looked up once
 
   UdpKey session_key{};             ///< the same for all members, not zero
   std::optional<UdpKey> identity;   ///< secret of this peer; none: a new one
@@ -51,6 +52,9 @@ struct UdpOptions {
   std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< per peer and kind, >= 2 * max_message_bytes
   std::size_t max_message_bytes = 64 * 1024;       ///< of a Reliable one, in [64, 1 MiB]
   std::size_t max_peers = 64;                      ///< in [1, 1024]
+  Clock clock = Clock::Session;                    ///< what session_now() goes by
+  bool kernel_filter = true;  ///< let the kernel drop junk by its first bytes, where it can
+  bool relay = true;  ///< pass on for peers that do not reach each other, and be passed on for
 
   std::chrono::milliseconds idle_timeout{5000};  ///< nothing heard for so long: cut; >= 40 ms
   std::chrono::milliseconds backoff_min{100};    ///< before the first redial; > 0
@@ -74,14 +78,23 @@ struct UdpStrangers {
   std::uint64_t unknown = 0;     ///< packets of no connection
 };
 
+/// What was passed on for peers that have no route to each other: whole datagrams, sealed with keys
+/// that this peer does not have.
+struct UdpRelayed {
+  std::uint64_t forwarded = 0;
+  std::uint64_t refused = 0;  ///< no way there, over the budget of a link, or not wanted
+};
+
 /// Mesh over UDP, encrypted and authenticated; docs/network.md says how. Only in builds that have
 /// found libsodium.
 ///
 /// - Newest: one packet each, at most max_datagram - 46 bytes; post() refuses longer ones. Sent
 ///   within the budget; what waits longer than 200 ms is dropped.
-/// - Reliable: in order, cut into pieces, sent again until acknowledged, as long as the connection
-///   lives. What a broken connection had not delivered is lost.
-/// - Addresses of third peers are not told: each pair needs one end that has the other's.
+/// - Reliable: in order, cut into pieces, sent again until acknowledged, each once. What a broken
+///   connection had not delivered goes on where the same process comes back; a restarted one starts
+///   empty.
+/// - Members tell each other the addresses of third ones: one that is reached is enough. Peers that
+///   do not reach each other go through one that reaches both.
 ///
 /// One thread of its own does all network work. post, drain, drop and the readers take a short lock
 /// and never wait for the network.
@@ -98,13 +111,24 @@ class UdpTransport final : public consensus::Transport {
   consensus::PeerId self() const override;
   bool post(consensus::PeerId to, std::span<const std::byte> bytes,
             consensus::Delivery delivery) override;
+  std::size_t max_packet_bytes(consensus::Delivery delivery) const override;
   /// Ordered by peer id, within one peer as they came.
   void drain(std::vector<consensus::Packet>& out) override;
   void drop(consensus::PeerId peer, const std::string& reason) override;
   std::vector<consensus::PeerStatus> peers() const override;
 
+  /// The time to give to consensus::Peer and PhysicsClock. It goes on alone where nobody is there,
+  /// starts as the system clock, and takes over the time of a session that it joins: a step then,
+  /// of which PhysicsClock makes a skip. Once clock().synchronised it never steps.
+  SessionTime session_now() const;
+  /// The same with how well it is known.
+  ClockStatus clock() const;
+
   std::uint16_t local_port() const;
   UdpStrangers strangers() const;
+  UdpRelayed relayed() const;
+  /// Through whom packets to `peer` go; 0: straight there, or nowhere.
+  consensus::PeerId relay_of(consensus::PeerId peer) const;
 
  private:
   class Impl;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tandem/consensus/update.h"
+
+namespace tandem::consensus {
+
+// States in few bits, docs/network.md: bodies by an index that the sender has named before,
+// numbers rounded. About 27 bytes for a body that moves, 14 for one that rests, headers included in
+// full packets, where a StateUpdate in full takes 93.
+
+/// m, of positions: exact in 64-bit floats wherever kMaxPosition lets a body be.
+inline constexpr double kPositionQuantum = 1.0 / 4096.0;
+/// m: positions are relative to the middle of a cube of this edge.
+inline constexpr double kCellEdge = 64.0;
+/// Of the three smallest components of a quaternion, 15 bits each; the largest follows from them.
+inline constexpr double kOrientationQuantum = 0.70710678118654752 / 16383.0;
+inline constexpr double kLinearSpeedQuantum = 1.0 / 1024.0;  ///< m/s, up to 64; above 32-bit floats
+inline constexpr double kAngularSpeedQuantum = 1.0 / 1024.0;  ///< rad/s, up to 32; likewise
+inline constexpr double kInfluenceQuantum = 1.0 / 65535.0;
+inline constexpr double kAnchorQuantum = 1.0 / 65536.0;     ///< m, up to 2^15
+inline constexpr double kAnchorSpeedQuantum = 1.0 / 256.0;  ///< m/s, up to 2^7
+
+/// The state as the receiver will have it: rounded to the quanta, StateUpdate::rounded set. Where
+/// flags.resting is set the velocities are 0. Unchanged where check() refuses it.
+StateUpdate rounded(const StateUpdate& update);
+
+/// A state and the index that the sender has given to its body.
+struct IndexedState {
+  std::uint16_t index = 0;
+  StateUpdate update;  ///< the id is not looked at
+};
+
+/// Append one message with as many of these states as bring the packet to `max_bytes`, and up to
+/// kMaxRecords; nothing where not even one fits. States that check() refuses are left out.
+/// @param states  by ascending index, no index twice; all of the stamp of the first one
+/// @return how many of `states` are dealt with
+std::size_t encode_compact(std::span<const IndexedState> states, std::uint32_t table,
+                           std::size_t max_bytes, std::vector<std::byte>& out);
+
+/// Append a message with the anchors that the format can hold, up to kMaxRecords. The places of the
+/// others are appended to `others`: they are to be told in full.
+/// @return how many it holds
+std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::vector<std::size_t>& others,
+                           std::vector<std::byte>& out);
+
+/// Append a message with the names of consecutive indices. @pre 1 to kMaxRecords ids, none zero;
+/// first + ids.size() <= 65536
+void encode_names(std::uint32_t table, std::uint16_t first, std::span<const SharedId> ids,
+                  std::vector<std::byte>& out);
+void encode(const NamesWanted& wanted, std::vector<std::byte>& out);
+void encode(const Alive& alive, std::vector<std::byte>& out);
+
+}  // namespace tandem::consensus

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+
+#include "tandem/consensus/inbox.h"
+#include "tandem/consensus/transport.h"
+
+namespace tandem::consensus {
+
+/// How far a member is believed that the transport has authenticated. What it may do all the same
+/// is in docs/network.md; of two peers neither can be shown to lie.
+struct RobustOptions {
+  /// With two or more others, what is said far from the rest counts less, this peer's own copy
+  /// being one of the votes, and nobody counts more than the next one: one of three or more who
+  /// says something else, whatever it is, moves a body no further than the others are apart. Where
+  /// somebody leads a body and has reason to, only those count, or nobody could move anything.
+  /// Needs a mesh: who hears two neighbours of a long chain cannot tell who is far from the rest.
+  bool outvote = true;
+  /// Believe that a body is moved by hand (UpdateFlags::owner_driven) though nobody else knows the
+  /// hand. Always so with InputMode::Asymmetric and Hard; only among three and more.
+  bool unseen_hands = false;
+  /// Most that agreement asks for in 1/60 s; not of the state of an owner. Infinity = no limit.
+  double max_correction = 0.25;           ///< m
+  double max_turn = 1.0;                  ///< rad
+  double max_velocity_correction = 50.0;  ///< m/s
+  double max_spin_correction = 200.0;     ///< rad/s
+
+  // Of users' springs, own ones as well: all peers must simulate the same.
+  double max_pull = 1000.0;       ///< m/s^2: force of one spring over the mass of its body
+  double max_stiffness = 1e5;     ///< 1/s^2: stiffness over the mass of the body
+  double max_damping = 2000.0;    ///< 1/s: damping over the mass of the body
+  double max_reach = 100.0;       ///< m, from a remote hand to where it holds; further is let go
+  double max_hand_speed = 100.0;  ///< m/s, of remote hands
+  int max_springs_per_body = 16;  ///< of one other peer
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
+/// What one other peer has sent and what was done about it, since it was first heard.
+struct PeerReport {
+  PeerId peer = 0;
+  InboxCounters inbox;                ///< of its states
+  std::uint64_t outliers = 0;         ///< steps times bodies: far from what the others say
+  std::uint64_t capped = 0;           ///< steps times bodies: it alone asked for too much
+  std::uint64_t influence_cut = 0;    ///< steps times bodies: claimed more than others may
+  std::uint64_t unfounded_leads = 0;  ///< steps times bodies: says it leads, and holds nothing
+  std::uint64_t springs_limited = 0;  ///< messages whose strength or speed was cut
+  std::uint64_t springs_refused = 0;  ///< messages: too many, too far, unknown body
+};
+
+}  // namespace tandem::consensus

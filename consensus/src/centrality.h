@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "tandem/pbd/types.h"
+
+namespace tandem::consensus {
+
+/// A state of a body as seen from the local one, in metres: its 12 components are the way, what the
+/// rotation moves at kLever, and what velocities do to both in kHorizon.
+using StateOffset = std::array<double, 12>;
+
+inline constexpr double kLever = 0.3;    ///< m
+inline constexpr double kHorizon = 0.1;  ///< s
+
+StateOffset offset_of(const pbd::Vec3& way, const pbd::Vec3& turn, const pbd::Twist& twist);
+
+/// What one peer says of a body.
+struct Vote {
+  StateOffset at = {};
+  double weight = 0.0;   ///< >= 0
+  double cost = 0.0;     ///< set: sum of weighted distances to all votes
+  double central = 0.0;  ///< set: 1 for the vote of the least cost, 0 from periphery() times that
+};
+
+/// A vote counts in full up to `full` times the cost of the best one, and nothing from `none` times
+/// that on.
+struct Periphery {
+  double full = 1.05;
+  double none = 1.18;
+};
+/// Of three votes in a row none is outside: they may be neighbours in a chain of many.
+constexpr Periphery periphery(std::size_t votes) {
+  return votes > 3 ? Periphery{} : Periphery{.full = 1.7, .none = 1.85};
+}
+
+/// How much each vote counts beside the others, by what it costs to reach them all from there; in
+/// between on a line. No vote is outside because the others are few or far apart: of two clusters
+/// of the same weight both count, of three votes far apart all.
+///
+/// What it is worth: say that votes in a ball of radius r have a part 1 - a of the weight, and one
+/// vote of weight a says whatever it likes. It counts nothing from the centre's distance
+///   r (1 - a + p (2 - a)) / (1 - a - p a),  p = periphery().none
+/// on: 6.2 r for one of four, 75 r for one of three; and with r = 0 nothing at all. With a larger p
+/// more votes count, but from 1.25 on one that says something else to each can drive three apart.
+///
+/// Votes that are moved or turned together count the same. Cost O(N^2), no allocation. Errors:
+/// none.
+void weigh_centrality(std::span<Vote> votes);
+
+}  // namespace tandem::consensus

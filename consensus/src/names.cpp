@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "names.h"
+
+#include <algorithm>
+
+namespace tandem::consensus {
+namespace {
+
+/// ns: names come reliably and may be late by some resends.
+constexpr SessionTime kPatience = 500'000'000;
+
+}  // namespace
+
+const NameTables::Table* NameTables::table_of(PeerId from) const {
+  const auto it = std::find_if(tables_.begin(), tables_.end(),
+                               [from](const Table& table) { return table.peer == from; });
+  return it != tables_.end() ? &*it : nullptr;
+}
+
+NameTables::Table* NameTables::table_of(PeerId from) {
+  return const_cast<Table*>(static_cast<const NameTables*>(this)->table_of(from));
+}
+
+void NameTables::learn(PeerId from, const NameUpdate& name) {
+  Table* table = table_of(from);
+  if (table == nullptr) {
+    tables_.push_back({.peer = from, .number = name.table, .ids = {}});
+    table = &tables_.back();
+  } else if (table->number != name.table) {
+    table->number = name.table;
+    table->ids.clear();
+  }
+  if (table->ids.size() <= name.index) table->ids.resize(name.index + std::size_t{1});
+  table->ids[name.index] = name.id;
+}
+
+const SharedId* NameTables::find(PeerId from, const CompactState& state) const {
+  const Table* const table = table_of(from);
+  if (table == nullptr || table->number != state.table || state.index >= table->ids.size()) {
+    return nullptr;
+  }
+  const SharedId& id = table->ids[state.index];
+  return id.valid() ? &id : nullptr;
+}
+
+void NameTables::forget(PeerId from) {
+  std::erase_if(tables_, [from](const Table& table) { return table.peer == from; });
+}
+
+bool NameTables::should_ask(PeerId from, bool missed, SessionTime now) {
+  Table* table = table_of(from);
+  if (table == nullptr) {
+    if (!missed) return false;
+    tables_.push_back({.peer = from, .ids = {}});
+    table = &tables_.back();
+  }
+  if (!missed) {
+    table->missing_since = 0;
+    return false;
+  }
+  if (table->missing_since == 0) table->missing_since = now;
+  if (now - table->missing_since < kPatience) return false;
+  table->missing_since = now;
+  return true;
+}
+
+}  // namespace tandem::consensus

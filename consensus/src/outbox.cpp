@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "outbox.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "session_time.h"
+#include "tandem/pbd/math.h"
+
+namespace tandem::consensus {
+namespace {
+
+using pbd::Vec3;
+
+/// s: an error in velocity counts as what it comes to by then.
+constexpr double kHorizon = 0.05;
+/// m, rad: what rests is said again where it has moved by so much since.
+constexpr double kRestDistance = 5e-4;
+constexpr double kRestAngle = 2e-3;
+/// m: the unit of errors where every state is sent and they only decide on the order.
+constexpr double kUnit = 1e-3;
+/// States that tell of a change, for some of them get lost.
+constexpr std::uint8_t kTold = 3;
+
+// Priority for each 1/60 s that a state waits.
+constexpr double kFirst = 1e6;
+constexpr double kWaits = 0.2;  // for its turn alone
+constexpr double kNews = 50.0;
+constexpr double kMostMissed = 100.0;  // tolerances: all that are further off are alike
+
+/// s: what has come to rest is said so often, many in one packet.
+constexpr double kCommitEvery = 0.1;
+/// s: a peer that hears nothing for longer does not know any more that what rests still does.
+constexpr double kAliveEvery = 0.1;
+/// s: at most so often all is told again.
+constexpr double kTellAgain = 1.0;
+
+/// Of what the transport says the link bears: it has other things to carry, too.
+constexpr double kOfBorne = 0.9;
+/// s of the budget that may be saved up: more would only wait on the line.
+constexpr double kBurst = 0.04;
+/// At small budgets more is saved up: so many headers.
+constexpr double kSaved = 10.0;
+/// A packet is worth its headers where it is so many times as long.
+constexpr double kWorthwhile = 6.0;
+/// Of the budget, for springs' anchors.
+constexpr double kAnchorPart = 0.25;
+/// s: so long they wait for a packet that is worth its headers.
+constexpr double kAnchorsWait = 0.1;
+
+// bytes, about
+constexpr double kMovingBytes = 27.0;
+constexpr double kRestingBytes = 14.0;
+constexpr double kOrientationBytes = 6.0;
+constexpr double kNameBytes = 20.0;
+constexpr double kMessageBytes = 22.0;
+
+/// Where the state differs in kind from what the other side knows.
+bool is_news(const UpdateFlags& a, const UpdateFlags& b) {
+  return a.resting != b.resting || a.held != b.held || a.owner_driven != b.owner_driven ||
+         a.leads != b.leads;
+}
+
+bool is_free(const UpdateFlags& flags) {
+  return !flags.in_contact && !flags.held && !flags.owner_driven && !flags.resting;
+}
+
+}  // namespace
+
+std::uint16_t Outbox::name(const SharedId& id) {
+  names_.push_back(id);
+  return static_cast<std::uint16_t>(names_.size() - 1);
+}
+
+bool Outbox::renew(std::size_t most) {
+  if (names_.size() <= most) return false;
+  names_.clear();
+  table_ = 0;
+  for (Link& link : links_) link.sent.clear();
+  return true;
+}
+
+void Outbox::tell_again(PeerId peer, SessionTime now) {
+  for (Link& link : links_) {
+    if (link.to != peer || kNs * static_cast<double>(now - link.told) < kTellAgain) continue;
+    link.told = now;
+    link.sent.clear();
+  }
+}
+
+Outbox::Link& Outbox::link_to(PeerId peer, PeerStats& stats) {
+  auto it = std::lower_bound(links_.begin(), links_.end(), peer,
+                             [](const Link& link, PeerId id) { return link.to < id; });
+  if (it == links_.end() || it->to != peer) {
+    stats.links.insert(stats.links.begin() + (it - links_.begin()), LinkStats{.to = peer});
+    it = links_.insert(it, Link{.to = peer, .sent = {}});
+  }
+  return *it;
+}
+
+std::size_t Outbox::max_bytes(Delivery delivery) const {
+  return std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
+}
+
+void Outbox::send(std::span<const OutgoingState> states, std::span<const std::byte> anchors,
+                  const Interest* interest, SessionTime now, PeerStats& stats) {
+  // Times of the session never come again: no table of a predecessor has this number.
+  if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
+  for (const PeerStatus& status : transport_.peers()) {
+    Link& link = link_to(status.id, stats);
+    LinkStats& counters = stats.links[static_cast<std::size_t>(&link - links_.data())];
+    if (!status.connected) {
+      link.up = false;
+      continue;
+    }
+    if (!link.up)
+      link = Link{.to = link.to, .up = true, .last = now, .told = link.told, .sent = {}};
+    link.kbit_per_s = options_.kbit_per_s;
+    if (status.kbit_per_s > 0.0) {
+      const double borne = kOfBorne * status.kbit_per_s;
+      link.kbit_per_s = link.kbit_per_s > 0.0 ? std::min(link.kbit_per_s, borne) : borne;
+    }
+    refill(link, now);
+    link.sent.resize(names_.size());
+    look(link, states, interest, now, counters);
+    const std::uint64_t before = counters.bytes;
+    const bool takes_anchors = !anchors.empty() && has_room(link, anchors.size(), now);
+    if (takes_anchors) {
+      link.anchor_room -= static_cast<double>(anchors.size());
+      link.anchored = now;
+    }
+    choose(link, states, takes_anchors ? anchors.size() : 0, counters);
+    if (options_.format == StateFormat::Compact) post_names(link, states, stats, counters);
+    post_states(link, states, {}, true, now, stats, counters);
+    post_states(link, states, takes_anchors ? anchors : std::span<const std::byte>(), false, now,
+                stats, counters);
+    withdraw(link, stats, counters);
+    if (counters.bytes > before) link.posted = now;
+    if (options_.tolerance > 0.0 && kNs * static_cast<double>(now - link.posted) >= kAliveEvery) {
+      packet_.clear();
+      encode(Alive{now}, packet_);
+      post(link, Delivery::Newest, stats, counters);
+      link.posted = now;
+    }
+  }
+}
+
+bool Outbox::has_room(const Link& link, std::size_t anchors, SessionTime now) const {
+  if (link.kbit_per_s == 0.0) return true;
+  if (link.anchor_room < static_cast<double>(anchors)) return false;
+  return link.room >= kWorthwhile * options_.packet_overhead ||
+         kNs * static_cast<double>(now - link.anchored) >= kAnchorsWait;
+}
+
+void Outbox::refill(Link& link, SessionTime now) const {
+  const double dt = std::max(0.0, kNs * static_cast<double>(now - link.last));
+  link.last = now;
+  const double rate = 125.0 * link.kbit_per_s;  // bytes per second
+  const double most = std::max({kBurst * rate, kSaved * options_.packet_overhead, 300.0});
+  link.room = std::min(link.room + dt * rate, most);
+  link.anchor_room = std::min(link.anchor_room + kAnchorPart * dt * rate, most);
+}
+
+double Outbox::missed(const Sent& sent, const OutgoingState& state, SessionTime now) const {
+  const StateUpdate& update = state.update;
+  const double dt = kNs * static_cast<double>(now - sent.stamp);
+  const Vec3 gravity = is_free(sent.flags) ? state.gravity : Vec3(Vec3::Zero());
+  const Vec3 position = sent.pose.position + dt * sent.twist.linear + 0.5 * dt * dt * gravity;
+  const Vec3 velocity = sent.twist.linear + dt * gravity;
+  const double apart =
+      (update.pose.position - position).norm() + kHorizon * (update.twist.linear - velocity).norm();
+  double angle = kHorizon * (update.twist.angular - sent.twist.angular).norm();
+  if (update.oriented) {
+    const pbd::Quat expected = pbd::rotated(sent.pose.orientation, dt * sent.twist.angular);
+    angle += 2.0 * (expected.conjugate() * update.pose.orientation).vec().norm();
+  }
+  if (update.flags.resting) return std::max(apart / kRestDistance, angle / kRestAngle);
+  const double unit = options_.tolerance > 0.0 ? options_.tolerance : kUnit;
+  return std::max(apart / unit, angle / options_.angle_tolerance);
+}
+
+bool Outbox::influence_differs(Sent& sent, float influence) {
+  const float off = std::abs(influence - sent.influence);
+  const float larger = std::max(influence, sent.influence);
+  const bool settled = influence == sent.announced;
+  sent.announced = influence;
+  return off > (settled ? 0.01F : 0.5F) * larger;
+}
+
+bool Outbox::is_due(Sent& sent, const OutgoingState& state, bool limited, SessionTime now,
+                    Due& due) const {
+  const StateUpdate& update = state.update;
+  const bool known = sent.stamp != 0;
+  const bool selective = options_.tolerance > 0.0;
+  const double since = kNs * static_cast<double>(now - sent.stamp);
+  const bool weighs = selective || limited;
+  const double missed_by = !weighs ? 0.0 : known ? missed(sent, state, now) : kMostMissed;
+  const bool other_influence = influence_differs(sent, update.influence);
+  if (known && is_news(update.flags, sent.flags)) sent.news = kTold;
+  const bool resting = update.flags.resting && !state.first;
+  if (resting) sent.news = 0;
+  due.reliable = selective && resting && (!sent.committed || missed_by > 1.0 || other_influence);
+  const bool is_told = sent.news > 0 || sent.jumped > 0;
+  const double refresh = resting ? options_.rest_refresh : options_.refresh;
+  if (selective && !due.reliable && !is_told && known && since >= 0.0 && since < refresh &&
+      (resting || missed_by <= 1.0)) {
+    sent.priority = 0.0;
+    return false;
+  }
+  const double error = std::min(missed_by, kMostMissed);
+  sent.priority += state.first ? kFirst : kWaits + error * error;
+  if (is_told) sent.priority += kNews;
+  due.priority = sent.priority;
+  return true;
+}
+
+void Outbox::look(Link& link, std::span<const OutgoingState> states, const Interest* interest,
+                  SessionTime now, LinkStats& stats) {
+  due_.clear();
+  withdrawn_.clear();
+  for (Sent& sent : link.sent) sent.here = false;
+  const bool commits = kNs * static_cast<double>(now - link.committed) >= kCommitEvery;
+  for (std::uint32_t i = 0; i < states.size(); ++i) {
+    const OutgoingState& state = states[i];
+    Sent& sent = link.sent[state.name];
+    if (interest != nullptr && !interest->concerns(link.to, state.update.id, state.update.pose)) {
+      continue;
+    }
+    sent.here = true;
+    if (state.update.flags.teleported && !sent.jumping) sent.jumped = kTold;
+    sent.jumping = state.update.flags.teleported;
+    Due due{.at = i};
+    if (is_due(sent, state, link.kbit_per_s > 0.0, now, due)) {
+      if (commits || !due.reliable) due_.push_back(due);
+    } else {
+      ++stats.unchanged;
+    }
+  }
+  for (std::size_t name = 0; name < link.sent.size(); ++name) {
+    Sent& sent = link.sent[name];
+    if (sent.here || sent.stamp == 0) continue;
+    if (sent.flags.resting) {
+      StateUpdate last{.id = names_[name],
+                       .pose = sent.pose,
+                       .influence = sent.influence,
+                       .stamp = now,
+                       .flags = sent.flags};
+      last.flags.resting = false;
+      withdrawn_.push_back({static_cast<std::uint16_t>(name), last});
+    }
+    sent = Sent{.named = sent.named};
+  }
+}
+
+void Outbox::withdraw(Link& link, PeerStats& stats, LinkStats& counters) {
+  std::span<const IndexedState> left(withdrawn_);
+  while (!left.empty()) {
+    packet_.clear();
+    std::size_t count = 1;
+    if (options_.format == StateFormat::Compact) {
+      count = encode_compact(left, table_, max_bytes(Delivery::Reliable), packet_);
+    } else {
+      encode(std::span<const StateUpdate>(&left.front().update, 1), packet_);
+    }
+    if (count == 0) return;
+    if (!packet_.empty()) post(link, Delivery::Reliable, stats, counters);
+    left = left.subspan(count);
+  }
+}
+
+void Outbox::charge(double bytes) {
+  for (Link& link : links_) link.room -= bytes;
+}
+
+double Outbox::size_of(const StateUpdate& update) const {
+  if (options_.format == StateFormat::Full) return static_cast<double>(kStateBytes);
+  const double whole = update.flags.resting ? kRestingBytes : kMovingBytes;
+  return update.oriented ? whole : whole - kOrientationBytes;
+}
+
+void Outbox::choose(Link& link, std::span<const OutgoingState> states, std::size_t along,
+                    LinkStats& stats) {
+  if (link.kbit_per_s == 0.0 || due_.empty()) return;
+  const double room = link.room - static_cast<double>(along);
+  const double headers = options_.packet_overhead + kMessageBytes;
+  const double packet = static_cast<double>(max_bytes(Delivery::Newest));
+  const auto unnamed = [&](const Due& due) {
+    return options_.format == StateFormat::Compact && !link.sent[states[due.at].name].named;
+  };
+  const auto cost = [&](const Due& due) {
+    return size_of(states[due.at].update) + (unnamed(due) ? kNameBytes : 0.0);
+  };
+  const auto with_headers = [&](double bytes, bool reliable) {
+    return bytes + headers * (std::ceil(bytes / packet) + (reliable ? 1.0 : 0.0));
+  };
+  double total = 0.0;
+  bool reliable = false;
+  for (const Due& due : due_) {
+    total += cost(due);
+    reliable = reliable || due.reliable || unnamed(due);
+  }
+  if (with_headers(total, reliable) <= room) return;
+  // What goes along with something else need not be worth the headers.
+  if (along == 0 && room < kWorthwhile * options_.packet_overhead) {
+    stats.deferred += due_.size();
+    due_.clear();
+    return;
+  }
+  std::sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) {
+    return a.priority != b.priority ? a.priority > b.priority : a.at < b.at;
+  });
+  double bytes = 0.0;
+  reliable = false;
+  std::size_t kept = 0;
+  for (const Due& due : due_) {
+    const bool asks_reliable = reliable || due.reliable || unnamed(due);
+    const double with_it = bytes + cost(due);
+    if (with_headers(with_it, asks_reliable) > room) continue;
+    bytes = with_it;
+    reliable = asks_reliable;
+    due_[kept++] = due;
+  }
+  stats.deferred += due_.size() - kept;
+  due_.resize(kept);
+  std::sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.at < b.at; });
+}
+
+bool Outbox::post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters) {
+  if (!transport_.post(link.to, packet_, delivery)) return false;
+  stats.bytes_sent += packet_.size();
+  counters.bytes += packet_.size();
+  if (link.kbit_per_s > 0.0) {
+    link.room -= static_cast<double>(packet_.size()) + options_.packet_overhead;
+  }
+  return true;
+}
+
+void Outbox::post_names(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
+                        LinkStats& counters) {
+  constexpr std::size_t kRun = 256;  // ids of one message
+  packet_.clear();
+  places_.clear();
+  const auto flush = [&] {
+    const bool told = packet_.empty() || post(link, Delivery::Reliable, stats, counters);
+    for (const std::uint32_t name : places_) link.sent[name].named = told;
+    packet_.clear();
+    places_.clear();
+  };
+  std::size_t i = 0;
+  while (i < due_.size()) {
+    ids_.clear();
+    const std::uint32_t first = states[due_[i].at].name;
+    for (; i < due_.size() && ids_.size() < kRun; ++i) {
+      const std::uint32_t name = states[due_[i].at].name;
+      if (link.sent[name].named) {
+        if (ids_.empty()) ++i;
+        break;
+      }
+      if (name != first + ids_.size()) break;
+      ids_.push_back(names_[name]);
+      places_.push_back(name);
+    }
+    if (ids_.empty()) continue;
+    encode_names(table_, static_cast<std::uint16_t>(first), ids_, packet_);
+    constexpr std::size_t kLongest = 16 * (kRun + 1);
+    if (packet_.size() + kLongest > max_bytes(Delivery::Reliable)) flush();
+  }
+  flush();
+  // A state without a name belongs to nobody.
+  std::erase_if(due_, [&](const Due& due) { return !link.sent[states[due.at].name].named; });
+}
+
+void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
+                         std::span<const std::byte> anchors, bool reliable, SessionTime now,
+                         PeerStats& stats, LinkStats& counters) {
+  const bool compact = options_.format == StateFormat::Compact;
+  places_.clear();
+  compact_.clear();
+  full_.clear();
+  for (const Due& due : due_) {
+    if (due.reliable != reliable) continue;
+    const OutgoingState& state = states[due.at];
+    StateUpdate update = state.update;
+    update.flags.teleported = link.sent[state.name].jumped > 0;
+    places_.push_back(due.at);
+    if (compact) compact_.push_back({state.name, update});
+    if (!compact) full_.push_back(update);
+  }
+  if (reliable && !places_.empty()) link.committed = now;
+  const Delivery delivery = reliable ? Delivery::Reliable : Delivery::Newest;
+  const std::size_t most = max_bytes(delivery);
+  packet_.assign(anchors.begin(), anchors.end());
+  std::size_t next = 0;
+  while (next < places_.size()) {
+    std::size_t count = 0;
+    if (compact) {
+      count = encode_compact(std::span(compact_).subspan(next), table_, most, packet_);
+    } else {
+      const std::size_t room = most > packet_.size() ? most - packet_.size() : 0;
+      // Beside anchors there may be room for none; a packet of its own takes what there is.
+      const bool fits = packet_.empty() || room >= kHeaderBytes + kStateBytes;
+      count = std::min({kMaxRecords, records_in(room, kStateBytes), places_.size() - next});
+      if (!fits) count = 0;
+      encode(std::span<const StateUpdate>(full_).subspan(next, count), packet_);
+    }
+    if (packet_.empty() && count == 0) return;  // packets too short for any state
+    const bool gone = packet_.empty() || post(link, delivery, stats, counters);
+    packet_.clear();
+    for (std::size_t k = next; k < next + count && gone; ++k) {
+      const OutgoingState& state = states[places_[k]];
+      Sent& sent = link.sent[state.name];
+      const StateUpdate there = compact ? rounded(compact_[k].update) : full_[k];
+      sent.stamp = now;
+      sent.pose = there.pose;
+      sent.twist = there.twist;
+      sent.flags = state.update.flags;
+      sent.influence = state.update.influence;
+      sent.committed = state.update.flags.resting && (reliable || sent.committed);
+      sent.news = sent.news > 0 ? static_cast<std::uint8_t>(sent.news - 1) : std::uint8_t{0};
+      sent.jumped = sent.jumped > 0 ? static_cast<std::uint8_t>(sent.jumped - 1) : std::uint8_t{0};
+      sent.priority = 0.0;
+    }
+    counters.states += gone ? count : 0;
+    next += count;
+  }
+  if (!packet_.empty()) post(link, delivery, stats, counters);  // anchors alone
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tandem/consensus/compact.h"
+#include "tandem/consensus/peer.h"
+
+namespace tandem::consensus {
+
+/// A state that may be sent.
+struct OutgoingState {
+  std::uint16_t name = 0;                 ///< what Outbox::name() called its body
+  bool first = false;                     ///< this peer's user holds or leads the body
+  pbd::Vec3 gravity = pbd::Vec3::Zero();  ///< m/s^2, on this body
+  StateUpdate update;
+};
+
+/// Chooses which states go to whom, within a budget, and puts them into packets: see SendOptions.
+///
+/// For each of the others it keeps what was last sent of each body, and with it what the other side
+/// expects of the body now. Bodies that are due gather priority until they are sent.
+class Outbox {
+ public:
+  Outbox(const SendOptions& options, Transport& transport)
+      : options_(options), transport_(transport) {}
+
+  /// A number for a body that is new here, until renew().
+  /// @pre fewer than kMaxNames bodies are shared
+  std::uint16_t name(const SharedId& id);
+  static constexpr std::size_t kMaxNames = 0x10000;
+  /// Names are given once. Where more than `most` are, because bodies have come and gone, all are
+  /// forgotten. @return whether they are: all bodies must be name()d again
+  bool renew(std::size_t most);
+
+  /// @param states    by ascending name, stamped `now`
+  /// @param anchors   a message that goes along where the budget allows; may be empty
+  /// @param interest  may be null
+  void send(std::span<const OutgoingState> states, std::span<const std::byte> anchors,
+            const Interest* interest, SessionTime now, PeerStats& stats);
+  /// Peers that were connected at the last send().
+  std::size_t company() const {
+    return static_cast<std::size_t>(std::ranges::count(links_, true, &Link::up));
+  }
+  /// Something else was sent to everybody, bytes with headers.
+  void charge(double bytes);
+  /// A peer lacks names or states: it is told everything again.
+  void tell_again(PeerId peer, SessionTime now);
+
+ private:
+  /// What was last sent of one body to one peer.
+  struct Sent {
+    SessionTime stamp = 0;  ///< ns; 0 = nothing yet
+    pbd::Pose pose;
+    pbd::Twist twist;
+    UpdateFlags flags;
+    bool named = false;
+    bool here = false;        ///< it is shared and concerns the peer
+    bool jumping = false;     ///< the body has just jumped
+    bool committed = false;   ///< reliably, and it rests since
+    std::uint8_t news = 0;    ///< times that the state is still to be sent since something changed
+    std::uint8_t jumped = 0;  ///< times that it still is to tell of a jump
+    float influence = 0.0F;   ///< as it was sent
+    float announced = 0.0F;   ///< as it was at the last look
+    double priority = 0.0;
+  };
+  struct Link {
+    PeerId to = 0;
+    bool up = false;
+    double kbit_per_s = 0.0;    ///< budget; 0 = none
+    double room = 0.0;          ///< bytes that may be sent now
+    double anchor_room = 0.0;   ///< of these, for anchors
+    SessionTime last = 0;       ///< ns, of the last send()
+    SessionTime posted = 0;     ///< ns, when something was last sent
+    SessionTime committed = 0;  ///< ns, when what rests was last said
+    SessionTime anchored = 0;   ///< ns, when anchors were last sent
+    SessionTime told = 0;       ///< ns, when all was told again
+    std::vector<Sent> sent;     ///< by name
+  };
+  struct Due {
+    double priority = 0.0;
+    std::uint32_t at = 0;  ///< index into the states
+    bool reliable = false;
+  };
+
+  Link& link_to(PeerId peer, PeerStats& stats);
+  void refill(Link& link, SessionTime now) const;
+  /// Whether anchors of so many bytes may go now.
+  bool has_room(const Link& link, std::size_t anchors, SessionTime now) const;
+  /// Which states are due, into due_.
+  void look(Link& link, std::span<const OutgoingState> states, const Interest* interest,
+            SessionTime now, LinkStats& stats);
+  /// Whether the other side has a wrong influence. One that grows steadily is said now and then.
+  static bool influence_differs(Sent& sent, float influence);
+  /// Whether one state is due.
+  /// @param limited  the link has a budget
+  bool is_due(Sent& sent, const OutgoingState& state, bool limited, SessionTime now,
+              Due& due) const;
+  /// How far off the other side is, in tolerances.
+  double missed(const Sent& sent, const OutgoingState& state, SessionTime now) const;
+  /// Leave in due_ what the budget has room for, by ascending name.
+  /// @param along  bytes that go in any case
+  void choose(Link& link, std::span<const OutgoingState> states, std::size_t along,
+              LinkStats& stats);
+  /// Of bodies that are shared no longer, or do not concern the peer: that they rest is not
+  /// promised any more.
+  void withdraw(Link& link, PeerStats& stats, LinkStats& counters);
+  void post_names(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
+                  LinkStats& counters);
+  void post_states(Link& link, std::span<const OutgoingState> states,
+                   std::span<const std::byte> anchors, bool reliable, SessionTime now,
+                   PeerStats& stats, LinkStats& counters);
+  bool post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters);
+  double size_of(const StateUpdate& update) const;
+  std::size_t max_bytes(Delivery delivery) const;
+
+  SendOptions options_;
+  Transport& transport_;
+  std::uint32_t table_ = 0;
+  std::vector<SharedId> names_;
+  std::vector<Link> links_;  ///< by peer
+
+  // Scratch, kept for its capacity.
+  std::vector<Due> due_;
+  std::vector<IndexedState> withdrawn_;
+  std::vector<SharedId> ids_;
+  std::vector<IndexedState> compact_;
+  std::vector<StateUpdate> full_;
+  std::vector<std::uint32_t> places_;
+  std::vector<std::byte> packet_;
+};
+
+}  // namespace tandem::consensus

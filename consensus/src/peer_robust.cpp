@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// How far others are believed: votes in place of a mean, limits of what is asked for, who gives
+// way, and what is noted about whom.
+#include <algorithm>
+#include <cmath>
+
+#include "centrality.h"
+#include "peer_impl.h"
+#include "tandem/consensus/robust.h"
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// Further than this (m, see StateOffset) from the others on average, and costing this much more
+/// than the best: noted as an outlier.
+constexpr double kOutlier = 0.05;
+constexpr double kFar = 1.5;
+
+/// No honest peer has so much more weight than the next one where nobody leads.
+constexpr double kMoreThanOthers = 4.0;
+
+/// Part of the ramp of authority in which a newcomer is put elsewhere where others correct what it
+/// was told first, and how far (m) that has to be.
+constexpr double kLearning = 0.3;
+constexpr double kWrongPlace = 0.03;
+
+/// m: nobody sees that a body moved so far in 1/60 s of itself.
+constexpr double kUnseen = 0.003;
+
+/// `v` cut to a length.
+pbd::Vec3 cut(const pbd::Vec3& v, double longest, bool& was_longer) {
+  const double square = v.squaredNorm();
+  if (square <= longest * longest) return v;
+  was_longer = true;
+  return v * (longest / std::sqrt(square));
+}
+
+}  // namespace
+
+using pbd::detail::require;
+
+void RobustOptions::validate() const {
+  const auto positive = [](double value, const char* field) {
+    require(value > 0.0, "RobustOptions", field, value, "> 0");
+  };
+  positive(max_correction, "max_correction");
+  positive(max_turn, "max_turn");
+  positive(max_velocity_correction, "max_velocity_correction");
+  positive(max_spin_correction, "max_spin_correction");
+  positive(max_pull, "max_pull");
+  positive(max_stiffness, "max_stiffness");
+  positive(max_damping, "max_damping");
+  positive(max_reach, "max_reach");
+  positive(max_hand_speed, "max_hand_speed");
+  require(max_springs_per_body >= 1, "RobustOptions", "max_springs_per_body", max_springs_per_body,
+          "at least 1");
+}
+
+PeerReport& Peer::Impl::report_of(PeerId peer) {
+  auto it = std::lower_bound(reports_.begin(), reports_.end(), peer,
+                             [](const PeerReport& r, PeerId id) { return r.peer < id; });
+  if (it == reports_.end() || it->peer != peer) it = reports_.insert(it, PeerReport{.peer = peer});
+  return *it;
+}
+
+std::span<const PeerReport> Peer::Impl::reports() {
+  for (PeerReport& report : reports_) report.inbox = inbox_.counters(report.peer);
+  return reports_;
+}
+
+void Peer::Impl::receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body,
+                                SessionTime now) {
+  const Springs::Verdict verdict = springs_.receive(from, update, body, now);
+  if (verdict == Springs::Verdict::Taken) return;
+  PeerReport& report = report_of(from);
+  if (verdict == Springs::Verdict::Limited) {
+    ++report.springs_limited;
+  } else {
+    ++report.springs_refused;
+    ++stats_.springs_refused;
+  }
+}
+
+bool Peer::Impl::believes_lead(Shared& shared, PeerId from, SessionTime now) {
+  const bool holds = springs_.held_by(from, shared.def.body) || owns_any(from);
+  if (!options_.robust.outvote || shared.lead_claims.founded(from, holds, now)) return true;
+  ++report_of(from).unfounded_leads;
+  return false;
+}
+
+bool Peer::Impl::believes_hands(std::size_t others) const {
+  return !options_.robust.outvote || others < 2 || options_.robust.unseen_hands ||
+         options_.mode != InputMode::Soft;
+}
+
+bool Peer::Impl::owns_any(PeerId peer) const {
+  return owned_ > 0 && std::any_of(shared_.begin(), shared_.end(),
+                                   [peer](const Shared& s) { return s.def.owner == peer; });
+}
+
+bool Peer::Impl::outvoted_at_stamp(const Shared& shared, std::span<const Inbox::Received> newest,
+                                   std::size_t i) {
+  turns_.clear();
+  std::size_t place = 0;
+  for (std::size_t k = 0; k < newest.size(); ++k) {
+    const StateUpdate& update = newest[k].update;
+    if (k == i) place = turns_.size();
+    if (k != i && !(update.influence > 0.0F)) continue;  // a newcomer's
+    const pbd::Quat then = shared.history.at_time(update.stamp).pose.orientation;
+    turns_.push_back(
+        {.peer = newest[k].peer, .turn = pbd::rotation_between(then, update.pose.orientation)});
+  }
+  return outvoted(turns_, place, transport_.self());
+}
+
+void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newest,
+                          SessionTime now) {
+  const Claim* to = nullptr;
+  for (std::size_t i = 0; i < claims_.size() && to == nullptr; ++i) {
+    const bool other = leaders_.empty() ? outvoted(claims_, i, transport_.self())
+                                        : claims_[i].peer == leaders_.front();
+    if (other) to = &claims_[i];
+  }
+  if (to == nullptr) return;
+  const auto estimate = std::find_if(estimates_.begin(), estimates_.end(),
+                                     [to](const auto& e) { return e.peer == to->peer; });
+  if (estimate == estimates_.end()) return;
+  // A newcomer took over what it heard first, which may have been a lie.
+  const bool newcomer =
+      confidence() < kLearning && leaders_.empty() && to->way.norm() > kWrongPlace;
+  if (newcomer && shared.joined) {
+    place(shared, estimate->pose, estimate->twist, now);
+    return;
+  }
+  const auto sent = std::find_if(newest.begin(), newest.end(),
+                                 [to](const auto& r) { return r.peer == to->peer; });
+  if (shared.held || sent->update.flags.held) return;
+  if (!shared.lead.parted(to->way, to->turn, shared.blocked, now)) return;
+  place_apart(shared, estimate->pose, estimate->twist, to->peer, now);
+}
+
+bool Peer::Impl::fuse_votes(const pbd::BodyState& own, pbd::PoseTarget& target) {
+  double first = 0.0;
+  double second = 0.0;
+  for (PeerEstimate& estimate : estimates_) {
+    estimate.weight = weight_of_share(estimate.share);
+    if (estimate.weight > first) {
+      second = first;
+      first = estimate.weight;
+    } else {
+      second = std::max(second, estimate.weight);
+    }
+  }
+  if (!(second > 0.0) || std::isinf(first)) return fuse(own.pose, estimates_, target);
+  // Nobody has more to say than the next one.
+  votes_.clear();
+  votes_.push_back({.at = {}, .weight = confidence()});
+  for (PeerEstimate& estimate : estimates_) {
+    if (estimate.weight > kMoreThanOthers * second) ++report_of(estimate.peer).influence_cut;
+    estimate.weight = std::min(estimate.weight, second);
+    const pbd::Twist twist{estimate.twist.linear - own.twist.linear,
+                           estimate.twist.angular - own.twist.angular};
+    votes_.push_back(
+        {.at = offset_of(estimate.pose.position - own.pose.position,
+                         pbd::rotation_between(own.pose.orientation, estimate.pose.orientation),
+                         twist),
+         .weight = estimate.weight / second});
+  }
+  weigh_centrality(votes_);
+  note_outliers();
+  for (std::size_t i = 0; i < estimates_.size(); ++i) {
+    estimates_[i].share = share_of_weight(estimates_[i].weight * votes_[i + 1].central);
+  }
+  return fuse(own.pose, estimates_, target);
+}
+
+void Peer::Impl::note_outliers() {
+  double least = votes_[0].cost;
+  for (const Vote& vote : votes_) {
+    if (vote.weight > 0.0) least = std::min(least, vote.cost);
+  }
+  for (std::size_t i = 0; i < estimates_.size(); ++i) {
+    const Vote& vote = votes_[i + 1];
+    const bool far = vote.cost > kOutlier * static_cast<double>(estimates_.size());
+    if (far && vote.cost > kFar * least) ++report_of(estimates_[i].peer).outliers;
+  }
+}
+
+void Peer::Impl::limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool joined) {
+  // A virtual coupling's force has a limit of its own.
+  if (target.share >= 1.0 || options_.coupling == Coupling::VirtualCoupling) return;
+  const RobustOptions& most = options_.robust;
+  bool capped = false;
+  const double inverse = 1.0 / target.share;
+  const auto within = [&](const pbd::Vec3& there, const pbd::Vec3& here, double longest) {
+    bool longer = false;
+    const pbd::Vec3 way = cut(there - here, longest * inverse, longer);
+    capped = capped || longer;
+    return longer ? pbd::Vec3(here + way) : there;
+  };
+  // Who has put its copies where the others have them shows them, and gives itself time.
+  const double step =
+      joined && confidence() < 1.0 ? std::min(kUnseen, most.max_correction) : most.max_correction;
+  target.pose.position = within(target.pose.position, own.pose.position, step);
+  target.twist.linear = within(target.twist.linear, own.twist.linear, most.max_velocity_correction);
+  target.twist.angular = within(target.twist.angular, own.twist.angular, most.max_spin_correction);
+  if (target.use_rotation_error) {
+    target.rotation_error = cut(target.rotation_error, most.max_turn * inverse, capped);
+  }
+  if (!capped) return;
+  const auto heaviest = std::max_element(
+      estimates_.begin(), estimates_.end(),
+      [](const PeerEstimate& a, const PeerEstimate& b) { return a.weight < b.weight; });
+  ++report_of(heaviest->peer).capped;
+}
+
+}  // namespace tandem::consensus

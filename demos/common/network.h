@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/options.h"
+#include "tandem/consensus/transport.h"
+
+namespace tandem::demos {
+
+/// A process's place on a real network, and the time that it shares with the others there.
+class Network {
+ public:
+  virtual ~Network() = default;
+  virtual consensus::Transport& transport() = 0;
+  /// Session time, ns.
+  virtual consensus::SessionTime now() = 0;
+  /// ns: how far now() can be from the others'; -1 = not known.
+  virtual std::int64_t clock_error() const = 0;
+  virtual std::uint16_t local_port() const = 0;
+  /// Why nobody has come, for who waits; "" where nothing is known.
+  virtual std::string trouble() const = 0;
+};
+
+/// As the options say.
+/// @throws std::invalid_argument, std::system_error where it cannot be had, with the reason
+std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t scene_hash);
+
+// The kinds that there are.
+std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint64_t scene_hash);
+std::unique_ptr<Network> make_udp_network(const DemoOptions& options, std::uint64_t scene_hash);
+
+}  // namespace tandem::demos

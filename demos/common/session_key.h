@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tandem::demos {
+
+using Key = std::array<std::uint8_t, 32>;
+
+/// 64 hex digits; nothing where they are something else, or zero.
+std::optional<Key> key_from_hex(std::string_view digits);
+
+/// The key in a file: 64 hex digits, white space between them is passed over.
+/// @throws std::invalid_argument with the rule that the file breaks, without its name
+Key read_session_key(const std::string& path);
+
+/// Whether a host's name can only be this machine.
+bool is_loopback(const std::string& host);
+
+}  // namespace tandem::demos

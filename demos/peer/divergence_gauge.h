@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <map>
+
+#include "peer/recent_quantiles.h"
+#include "tandem/consensus/peer.h"
+
+namespace tandem::demos {
+
+/// How far the bodies' instances at other peers are from ours: each state that the peer uses,
+/// against where our instance was at the state's stamp. States of bodies on which our user leads
+/// are not used, so those are measured at the others alone.
+/// @par Thread safety  One object: the thread of its peer.
+class DivergenceGauge final : public consensus::PeerObserver {
+ public:
+  static constexpr std::size_t kMostPeers = 64;
+
+  void on_prediction(consensus::PeerId /*from*/, const consensus::SharedId& /*body*/,
+                     consensus::SessionTime /*now*/, const pbd::Vec3& /*predicted_position*/,
+                     double /*age*/) override {}
+  void on_estimate(const consensus::EstimateEvent& event) override;
+
+  void turn();
+  void forget(consensus::PeerId peer) { of_peer_.erase(peer); }
+  /// m, of all peers.
+  const RecentQuantiles& all() const { return all_; }
+  /// m; null where nothing was heard.
+  const RecentQuantiles* of(consensus::PeerId peer) const;
+
+ private:
+  RecentQuantiles all_;
+  std::map<consensus::PeerId, RecentQuantiles> of_peer_;
+};
+
+}  // namespace tandem::demos

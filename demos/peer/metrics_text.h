@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "peer/recent_quantiles.h"
+#include "tandem/consensus/transport.h"
+
+namespace tandem::demos {
+
+/// What a peer knows of itself and its session, to be told.
+struct PeerFigures {
+  struct Remote {
+    consensus::PeerStatus status;
+    double loss = 0.0;                            ///< share of states lost on the way from there
+    double round_trip = -1.0;                     ///< s; < 0 = not known
+    const RecentQuantiles* divergence = nullptr;  ///< m; null = nothing was heard
+  };
+
+  std::string scene;
+  std::vector<Remote> remotes;
+  const RecentQuantiles* step = nullptr;        ///< s, never null
+  const RecentQuantiles* divergence = nullptr;  ///< m, of all peers; never null
+  double uptime = 0.0;                          ///< s
+  double skipped = 0.0;                         ///< s of session time that were not simulated
+  double clock_error = -1.0;                    ///< s, bound; < 0 = not known
+  std::uint64_t faults = 0;                     ///< steps after which the world was broken
+  std::uint64_t packets_rejected = 0;           ///< that did not decode
+  std::uint64_t bodies_placed = 0;
+
+  std::size_t connected() const;
+};
+
+/// In the text format of Prometheus, version 0.0.4.
+std::string metrics_text(const PeerFigures& figures);
+/// In one line, for people.
+std::string status_text(const PeerFigures& figures, std::size_t columns);
+
+}  // namespace tandem::demos

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "peer/node.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/network.h"
+#include "common/participant.h"
+#include "common/physics.h"
+#include "common/signals.h"
+#include "peer/divergence_gauge.h"
+#include "peer/fidget.h"
+#include "peer/link_words.h"
+#include "peer/metrics_server.h"
+#include "peer/metrics_text.h"
+#include "scenes/cliff.h"
+#include "scenes/cubes.h"
+#include "scenes/piano.h"
+#include "scenes/random.h"
+#include "scenes/room.h"
+#include "scenes/tennis.h"
+#include "tandem/net/clock.h"
+#include "tandem/net/session.h"
+
+namespace tandem::demos {
+
+namespace {
+
+using consensus::PeerId;
+using consensus::SessionTime;
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kTellEvery{500};   // metrics and the status line
+constexpr std::chrono::seconds kTurnEvery{30};         // quantiles are of the last one to two
+constexpr std::chrono::seconds kTroubleEvery{10};      // at most, of what strangers cause
+constexpr std::uint64_t kStepsPerLook = 60;            // between two looks for faults
+constexpr std::uint64_t kWordsOfPeers = 0x7065657273;  // no demo's session and no peer's are one
+
+template <class Kind>
+std::unique_ptr<Scenario> make() {
+  return std::make_unique<Kind>();
+}
+
+struct Known {
+  const char* name;
+  std::unique_ptr<Scenario> (*make)();
+};
+constexpr std::array<Known, 5> kScenarios = {{{"cliff", make<CliffScenario>},
+                                              {"cubes", make<CubesScenario>},
+                                              {"piano", make<PianoScenario>},
+                                              {"room", make<RoomScenario>},
+                                              {"tennis", make<TennisScenario>}}};
+
+/// ns, of a clock that never steps.
+std::int64_t steady_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(SteadyClock::now().time_since_epoch())
+      .count();
+}
+
+std::size_t terminal_columns() {
+  winsize size{};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
+  return size.ws_col;
+}
+
+class Node {
+ public:
+  Node(const Scenario& scenario, const PeerConfig& config, Log& log)
+      : scenario_(scenario),
+        config_(config),
+        log_(log),
+        scene_(scenario.build(scene_options(config.session, number(), scenario.user_count()))),
+        physics_(
+            make_physics(Engine::Tandem, scene_, std::nullopt, config.session.solver_options())),
+        network_(make_network(config.session,
+                              scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
+        words_(network_->transport()),
+        signals_(words_),
+        peer_(*scene_.world, signals_, config.session.peer_options()),
+        clock_(clock_options(), network_->now()) {
+    peer_.set_observer(&divergence_);
+    for (const SceneBody& body : scene_.bodies) {
+      std::optional<PeerId> owner;
+      if (body.owner) owner = seat_of(config.session, *body.owner) + 1;
+      peer_.share({.id = body.id, .body = body.body, .owner = owner});
+    }
+    if (config.fidget) {
+      const std::uint64_t seed = config.user_seed != 0
+                                     ? config.user_seed
+                                     : derived_seed(config.session.seed, 6000 + number());
+      fidget_.emplace(scene_, peer_, seed);
+    }
+    if (config.metrics_port) {
+      metrics_ = std::make_unique<MetricsServer>(config.metrics_address, *config.metrics_port);
+    }
+  }
+
+  void run() {
+    log_.line(Level::Info, "started",
+              {{"scene", scenario_.name()},
+               {"peer", config_.session.peer_id},
+               {"transport", config_.session.udp() ? "udp" : "tcp"},
+               {"port", std::uint64_t{network_->local_port()}},
+               {"metrics_port", std::uint64_t{metrics_ ? metrics_->port() : 0U}},
+               {"bodies", std::uint64_t{scene_.bodies.size()}},
+               {"fidget", fidget_ ? "true" : "false"}});
+    while (!stop_.requested()) {
+      begin(clock_.physics_time());
+      stop_.wait(std::chrono::nanoseconds(clock_.next_due() - network_->now()));
+      advance();
+      const SteadyClock::time_point now = SteadyClock::now();
+      if (now >= next_tell_) {
+        next_tell_ = now + kTellEvery;
+        tell(now);
+      }
+    }
+    // One state more from where we stand would be heard after the farewell.
+    peer_.leave(clock_.physics_time());
+    log_.line(Level::Info, "stopped",
+              {{"uptime_s", uptime(SteadyClock::now())},
+               {"steps", steps_.count()},
+               {"faults", faults_},
+               {"grabs", fidget_ ? fidget_->done() : std::uint64_t{0}}});
+  }
+
+ private:
+  /// Order and noise go by peer id, as in the demos.
+  std::size_t number() const { return static_cast<std::size_t>(config_.session.peer_id - 1); }
+
+  net::PhysicsClockOptions clock_options() const {
+    net::PhysicsClockOptions result;
+    result.nominal_step = std::llround(1e9 / config_.session.step_hz(0));
+    result.min_step = std::min(result.min_step, result.nominal_step / 2);
+    result.max_step = std::max(result.max_step, 2 * result.nominal_step);
+    result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
+    return result;
+  }
+
+  double uptime(SteadyClock::time_point now) const {
+    return std::chrono::duration<double>(now - start_).count();
+  }
+
+  void begin(SessionTime now) {
+    const SteadyClock::time_point before = SteadyClock::now();
+    words_.update(steady_now());
+    signals_.update(now);
+    if (fidget_) fidget_->update(now);
+    for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
+    peer_.before_step(now);
+    begin_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
+  }
+
+  /// All steps that are due. The first one has begun already, unless time was jumped over.
+  void advance() {
+    const net::ClockTick tick = clock_.advance(network_->now());
+    if (tick.skipped != 0) {
+      skipped_ += std::abs(net::seconds(tick.skipped));
+      log_.line(Level::Warn, "time_skipped", {{"seconds", net::seconds(tick.skipped)}});
+    }
+    SessionTime time = clock_.physics_time();
+    for (const SessionTime step : tick.steps) time -= step;
+    bool begun = tick.skipped == 0;
+    for (const SessionTime step : tick.steps) {
+      if (!begun) begin(time);
+      begun = false;
+      const SteadyClock::time_point before = SteadyClock::now();
+      const pbd::StepReport& report = physics_->step(scene_, peer_, net::seconds(step));
+      time += step;
+      peer_.after_step(time);
+      steps_.add(begin_s_ + std::chrono::duration<double>(SteadyClock::now() - before).count());
+      look(report);
+    }
+  }
+
+  void look(const pbd::StepReport& report) {
+    std::string fault;
+    if (report.status != pbd::StepStatus::Ok) fault = "a body left the finite numbers";
+    if (++since_look_ >= kStepsPerLook) {
+      since_look_ = 0;
+      const Bounds bounds = scenario_.bounds();
+      for (const SceneBody& body : scene_.bodies) {
+        const pbd::Vec3& at = scene_.pose(body).position;
+        if (!(at.norm() < bounds.max_distance)) fault = body.name + " is too far away";
+        if (at.z() < bounds.lowest) fault = body.name + " fell through the ground";
+      }
+    }
+    if (fault.empty()) return;
+    ++faults_;
+    // The first of them, and then each tenfold of them: no log fills a disk.
+    if (faults_ < next_fault_) return;
+    next_fault_ *= 10;
+    log_.line(Level::Error, "fault", {{"what", fault}, {"count", faults_}});
+  }
+
+  void tell(SteadyClock::time_point now) {
+    if (now >= next_turn_) {
+      next_turn_ = now + kTurnEvery;
+      steps_.turn();
+      divergence_.turn();
+    }
+    const std::vector<consensus::PeerStatus> peers = network_->transport().peers();
+    watch(peers);
+    if (!metrics_ && !log_.shows_status()) return;
+    PeerFigures figures;
+    figures.scene = scenario_.name();
+    figures.step = &steps_;
+    figures.divergence = &divergence_.all();
+    figures.uptime = uptime(now);
+    figures.skipped = skipped_;
+    figures.clock_error = 1e-9 * static_cast<double>(network_->clock_error());
+    figures.faults = faults_;
+    figures.packets_rejected = peer_.stats().packets_rejected;
+    figures.bodies_placed = peer_.stats().bodies_placed;
+    for (const consensus::PeerStatus& status : peers) {
+      const LinkFigures link = words_.figures(status.id);
+      const double round_trip =
+          status.round_trip < 0 ? link.round_trip : 1e-9 * static_cast<double>(status.round_trip);
+      figures.remotes.push_back({status, link.loss, round_trip, divergence_.of(status.id)});
+    }
+    if (metrics_) metrics_->publish(metrics_text(figures));
+    if (log_.shows_status()) log_.status(status_text(figures, terminal_columns()));
+  }
+
+  /// Who has come and who is gone.
+  void watch(const std::vector<consensus::PeerStatus>& peers) {
+    for (const consensus::PeerStatus& status : peers) {
+      Company& known = company_[status.id];
+      if (status.connected != known.connected) {
+        known.connected = status.connected;
+        if (status.connected) {
+          log_.line(Level::Info, "peer_connected", {{"peer", status.id}});
+        } else {
+          log_.line(Level::Warn, "peer_lost", {{"peer", status.id}, {"reason", status.reason}});
+          divergence_.forget(status.id);
+        }
+      }
+      if (status.rejected > known.rejected) {
+        log_.line(Level::Warn, "packets_rejected",
+                  {{"peer", status.id}, {"count", status.rejected - known.rejected}});
+        known.rejected = status.rejected;
+      }
+    }
+    // Strangers do not fill a disk either.
+    const std::string trouble = network_->trouble();
+    if (trouble != trouble_ && SteadyClock::now() >= next_trouble_) {
+      next_trouble_ = SteadyClock::now() + kTroubleEvery;
+      trouble_ = trouble;
+      if (!trouble.empty()) log_.line(Level::Warn, "network", {{"what", trouble.substr(2)}});
+    }
+  }
+
+  struct Company {
+    bool connected = false;
+    std::uint64_t rejected = 0;
+  };
+
+  const Scenario& scenario_;
+  const PeerConfig& config_;
+  Log& log_;
+  net::StopSignal stop_;
+  Scene scene_;
+  std::unique_ptr<Physics> physics_;
+  std::unique_ptr<Network> network_;
+  LinkWords words_;
+  Signals signals_;
+  DivergenceGauge divergence_;
+  consensus::Peer peer_;
+  net::PhysicsClock clock_;
+  std::optional<Fidget> fidget_;
+  std::unique_ptr<MetricsServer> metrics_;
+  RecentQuantiles steps_;
+  double begin_s_ = 0.0;
+  double skipped_ = 0.0;
+  std::uint64_t faults_ = 0;
+  std::uint64_t next_fault_ = 1;
+  std::uint64_t since_look_ = 0;
+  std::map<PeerId, Company> company_;
+  std::string trouble_;
+  SteadyClock::time_point next_trouble_;
+  SteadyClock::time_point start_ = SteadyClock::now();
+  SteadyClock::time_point next_tell_ = start_;
+  SteadyClock::time_point next_turn_ = start_ + kTurnEvery;
+};
+
+}  // namespace
+
+std::unique_ptr<Scenario> scenario_named(const std::string& name) {
+  for (const Known& known : kScenarios) {
+    if (name == known.name) return known.make();
+  }
+  return nullptr;
+}
+
+std::string scenario_names() {
+  std::string all;
+  for (const Known& known : kScenarios) all += (all.empty() ? "" : ", ") + std::string(known.name);
+  return all;
+}
+
+void run_node(const Scenario& scenario, const PeerConfig& config, Log& log) {
+  Node node(scenario, config, log);
+  node.run();
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace tandem::demos {
+
+/// Quantiles of positive numbers of late, to 4 %, in memory that does not grow. "Of late" are the
+/// last one to two periods; turn() begins a new one.
+/// @par Thread safety  Distinct objects: safe.
+class RecentQuantiles {
+ public:
+  static constexpr double kLeast = 1e-7;  ///< what is below counts as this
+  static constexpr double kRatio = 1.08;  ///< between bins; the last one is at 33
+
+  /// NaN is passed over.
+  void add(double value);
+  void turn();
+  /// @param q  0 to 1. 0 where there was nothing
+  double quantile(double q) const;
+
+  // Since the beginning.
+  std::uint64_t count() const { return count_; }
+  double sum() const { return sum_; }
+
+ private:
+  static constexpr std::size_t kBins = 256;
+  using Bins = std::array<std::uint32_t, kBins>;
+
+  Bins now_{};
+  Bins before_{};
+  std::uint64_t count_ = 0;
+  double sum_ = 0.0;
+};
+
+}  // namespace tandem::demos

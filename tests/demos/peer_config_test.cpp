@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "peer/config.h"
+#include "support/catch.h"
+
+namespace tandem::demos {
+namespace {
+
+const std::string kNetwork = "[network]\nlisten = 7777\ninsecure = true\n";
+
+/// What is wrong with a file of this text; empty where nothing is.
+std::string refusal(const std::string& text) {
+  try {
+    parse_config(text, "peers.toml");
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST_CASE("peer config: the least that is needed is an id and a way to others", "[demos][unit]") {
+  const PeerConfig c = parse_config("id = 3\n" + kNetwork, "peers.toml");
+  CHECK(c.session.peer_id == 3);
+  CHECK(c.session.listen == std::uint16_t{7777});
+  CHECK(c.session.udp());
+  CHECK_FALSE(c.fidget);
+  CHECK_FALSE(c.metrics_port.has_value());
+  CHECK(c.metrics_address == "127.0.0.1");
+}
+
+TEST_CASE("peer config: every key reaches its field", "[demos][unit]") {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  std::ofstream(folder / "tandem_config_key") << std::string(64, 'a');
+  const PeerConfig c = parse_config(R"(
+id = 2
+seed = 9
+step_hz = 72
+update_hz = 30.5
+[network]
+transport = "udp"
+listen = 0
+connect = ["localhost:1", "[::1]:2"]
+key = "tandem_config_key"
+kbit_per_s = 256
+identity = "tandem_config_key"
+[network.trusted]
+7 = "0101010101010101010101010101010101010101010101010101010101010102"
+[user]
+fidget = true
+seed = 5
+[log]
+file = "peer.log"
+level = "warn"
+[status]
+line = false
+[metrics]
+port = 0
+address = "::1"
+)",
+                                    (folder / "peers.toml").string());
+  std::filesystem::remove(folder / "tandem_config_key");
+  CHECK(c.session.seed == 9);
+  CHECK(c.session.step_hz(0) == 72.0);
+  CHECK(c.session.update_hz == 30.5);
+  CHECK(c.session.listen == std::uint16_t{0});
+  CHECK(c.session.connect == std::vector<std::string>{"localhost:1", "[::1]:2"});
+  CHECK(c.session.key == (folder / "tandem_config_key").string());
+  CHECK(c.session.budget == 256.0);
+  CHECK(c.session.identity == c.session.key);
+  REQUIRE(c.session.trusted.size() == 1);
+  CHECK(c.session.trusted[0].first == 7);
+  CHECK(c.session.trusted[0].second[0] == 1);
+  CHECK(c.session.trusted[0].second[31] == 2);
+  CHECK(c.fidget);
+  CHECK(c.user_seed == 5);
+  CHECK(c.log_file == (folder / "peer.log").string());
+  CHECK(c.log_level == Level::Warn);
+  CHECK_FALSE(c.status_line);
+  CHECK(c.metrics_port == std::uint16_t{0});
+  CHECK(c.metrics_address == "::1");
+}
+
+TEST_CASE("peer config: a refusal names file, line, key, value and rule", "[demos][fault]") {
+  CHECK(refusal("").find("peers.toml: id = nothing breaks: must be given") == 0);
+  CHECK(refusal("id = 0\n" + kNetwork) ==
+        "peers.toml:1: id = 0 breaks: an integer >= 1, unique in the session");
+  CHECK(refusal("id = 1.5\n" + kNetwork).find("peers.toml:1: id = 1.5 breaks: ") == 0);
+  CHECK(refusal("id = 1\nstep_hz = nan\n" + kNetwork) ==
+        "peers.toml:2: step_hz = nan breaks: a number from 10 to 1000");
+  CHECK(refusal("id = 1\n" + kNetwork + "kbit_per_s = 5\n") ==
+        "peers.toml:5: network.kbit_per_s = 5 breaks: kbit/s, a number from 32 to 1e6");
+  CHECK(refusal("id = 1\n[network]\nlisten = 70000\ninsecure = true\n") ==
+        "peers.toml:3: network.listen = 70000 breaks: a port from 0 (any) to 65535");
+  CHECK(refusal("id = 1\n" + kNetwork + "connect = [\"nowhere\"]\n").find("peers.toml:5: ") == 0);
+  CHECK(refusal("id = 1\n" + kNetwork + "connect = [\"10.0.0.1:80\"]\n")
+            .find("breaks: addresses of this machine, with insecure = true") != std::string::npos);
+  CHECK(refusal("id = 1\n[network]\nlisten = 1\n").find("network.key = nothing breaks: a file") !=
+        std::string::npos);
+  CHECK(refusal("id = 1\n[network]\nlisten = 1\nkey = \"/nowhere\"\n")
+            .find("breaks: a file that can be read") != std::string::npos);
+  CHECK(refusal("id = 1\n[network]\ninsecure = true\n")
+            .find("network.listen = nothing breaks: must be given where connect is not") !=
+        std::string::npos);
+  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\nkey = \"k\"\n")
+            .find("network.key = ") != std::string::npos);
+  CHECK(refusal("id = 1\n" + kNetwork + "[log]\nlevel = \"loud\"\n").find("log.level = ") !=
+        std::string::npos);
+}
+
+TEST_CASE("peer config: whom to trust is an id and a whole key", "[demos][fault]") {
+  const std::string network = "[network]\nlisten = 1\ninsecure = true\n[network.trusted]\n";
+  for (const std::string& bad :
+       {std::string("2 = \"12\""), std::string("2 = 12"), "0 = \"" + std::string(64, '1') + '"',
+        "1 = \"" + std::string(64, '1') + '"', "bob = \"" + std::string(64, '1') + '"'}) {
+    CAPTURE(bad);
+    CHECK(refusal("id = 1\n" + network + bad + "\n").find("peers.toml:6: network.trusted.") == 0);
+  }
+}
+
+TEST_CASE("peer config: a misspelt key is refused, not ignored", "[demos][fault]") {
+  CHECK(refusal("id = 1\nfidget = true\n" + kNetwork)
+            .find("peers.toml:2: fidget = true breaks: "
+                  "keys here are id, ") == 0);
+  CHECK(refusal("id = 1\n" + kNetwork + "[user]\nfiget = true\n")
+            .find("peers.toml:6: user.figet = true breaks: keys here are fidget, seed") == 0);
+  CHECK(refusal("id = 1\nuser = 3\n" + kNetwork).find("user = 3 breaks: a table") !=
+        std::string::npos);
+}
+
+TEST_CASE("peer config: what is no TOML is refused with its line", "[demos][fault]") {
+  CHECK(refusal("id = 1\nid = = 2\n").find("peers.toml:2: no TOML: ") == 0);
+  CHECK_THROWS_AS(read_config("/nowhere/peers.toml"), ConfigError);
+}
+
+}  // namespace
+}  // namespace tandem::demos

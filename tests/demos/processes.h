@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/catch.h"
+
+extern char** environ;
+
+namespace tandem::demos {
+
+/// A port that was free a moment ago. @param kind  SOCK_STREAM or SOCK_DGRAM
+inline int free_port(int kind = SOCK_STREAM) {
+  const int fd = socket(AF_INET, kind, 0);
+  REQUIRE(fd >= 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0);
+  REQUIRE(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+/// A running program of the build. It ends with the object.
+class Process {
+ public:
+  /// @param out  file for what it prints; "" = ours
+  Process(const std::string& program, const std::vector<std::string>& arguments,
+          const std::string& out = "") {
+    std::vector<std::string> words{std::string(TANDEM_DEMO_FOLDER) + program};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    REQUIRE(posix_spawn_file_actions_init(&actions) == 0);
+    if (!out.empty()) {
+      posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(),
+                                       O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    }
+    const int error = posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    REQUIRE(error == 0);
+  }
+  ~Process() {
+    if (pid_ > 0) kill();
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void kill() {
+    send(SIGKILL);
+    wait();
+  }
+  void send(int signal) { ::kill(pid_, signal); }
+  /// As waitpid has it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return status;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// A folder that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  std::string text(const std::string& name) const {
+    std::ifstream in(path_ / name);
+    std::stringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text;
+    return file(name);
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Whether it holds within 20 s; looks each 10 ms.
+inline bool eventually(const std::function<bool()>& holds) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+/// The number of `key` within the object `object` of a result.
+inline double number(const Folder& folder, const std::string& file, const std::string& object,
+                     const std::string& key) {
+  const std::string json = folder.text(file);
+  const std::size_t begin = json.find('"' + object + "\":");
+  REQUIRE(begin != std::string::npos);
+  const std::size_t at = json.find('"' + key + "\":", begin);
+  REQUIRE(at != std::string::npos);
+  return std::strtod(json.c_str() + at + key.size() + 3, nullptr);
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "common/session_key.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "support/catch.h"
+
+namespace tandem::demos {
+namespace {
+
+/// The rule that a file with this text breaks; empty where it holds a key.
+std::string refusal(const std::string& text) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "tandem_session_key_test").string();
+  std::ofstream(path) << text;
+  std::string result;
+  try {
+    read_session_key(path);
+  } catch (const std::invalid_argument& error) {
+    result = error.what();
+  }
+  std::filesystem::remove(path);
+  return result;
+}
+
+TEST_CASE("session key: 64 hex digits of either case, with white space", "[demos][unit]") {
+  std::string digits;
+  for (int i = 0; i < 32; ++i) digits += i % 2 == 0 ? "0a " : "F1\n";
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "tandem_session_key_good").string();
+  std::ofstream(path) << digits;
+  const auto key = read_session_key(path);
+  std::filesystem::remove(path);
+  CHECK(key[0] == 0x0a);
+  CHECK(key[31] == 0xf1);
+}
+
+TEST_CASE("session key: anything else is refused with the rule", "[demos][fault]") {
+  CHECK(refusal(std::string(64, '7')).empty());
+  for (const std::string& bad :
+       {std::string(), std::string(63, '7'), std::string(65, '7'), std::string(63, '7') + "g",
+        "0x" + std::string(62, '7'), std::string(62, '7') + "-1", std::string(64, '0')}) {
+    CAPTURE(bad);
+    CHECK(refusal(bad) == "a file with 64 hex digits, not all 0, see tandem-key");
+  }
+  CHECK_THROWS_AS(read_session_key("/nowhere/at/all"), std::invalid_argument);
+}
+
+TEST_CASE("session key: a name that begins like a loopback address is none", "[demos][unit]") {
+  for (const char* host : {"localhost", "::1", "127.0.0.1", "127.1.2.3"}) CHECK(is_loopback(host));
+  for (const char* host : {"127.evil.org", "10.0.0.1", "localhost.org", "0.0.0.0", ""}) {
+    CHECK_FALSE(is_loopback(host));
+  }
+}
+
+}  // namespace
+}  // namespace tandem::demos
