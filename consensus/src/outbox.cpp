@@ -14,7 +14,7 @@ namespace {
 using pbd::Vec3;
 
 /// s: an error in velocity counts as what it comes to by then.
-constexpr double kHorizon = 0.05;
+constexpr double kExpectedFor = 0.05;
 /// m, rad: what rests is said again where it has moved by so much since.
 constexpr double kRestDistance = 5e-4;
 constexpr double kRestAngle = 2e-3;
@@ -168,9 +168,9 @@ double Outbox::missed(const Sent& sent, const OutgoingState& state, SessionTime 
   const Vec3 gravity = is_free(sent.flags) ? state.gravity : Vec3(Vec3::Zero());
   const Vec3 position = sent.pose.position + dt * sent.twist.linear + 0.5 * dt * dt * gravity;
   const Vec3 velocity = sent.twist.linear + dt * gravity;
-  const double apart =
-      (update.pose.position - position).norm() + kHorizon * (update.twist.linear - velocity).norm();
-  double angle = kHorizon * (update.twist.angular - sent.twist.angular).norm();
+  const double apart = (update.pose.position - position).norm() +
+                       kExpectedFor * (update.twist.linear - velocity).norm();
+  double angle = kExpectedFor * (update.twist.angular - sent.twist.angular).norm();
   if (update.oriented) {
     const pbd::Quat expected = pbd::rotated(sent.pose.orientation, dt * sent.twist.angular);
     angle += 2.0 * (expected.conjugate() * update.pose.orientation).vec().norm();
