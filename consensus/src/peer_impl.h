@@ -181,6 +181,8 @@ class Peer::Impl {
   /// Whether a peer that says so leads a body, as far as can be known here.
   bool believes_lead(Shared& shared, PeerId from, SessionTime now);
   bool owns_any(PeerId peer) const;
+  /// A body comes to an owner, or goes from one; nullopt is nobody.
+  void count_owner(std::optional<PeerId> owner, bool comes);
   /// Whether a hand is believed in that nobody else knows.
   bool believes_hands(std::size_t others) const;
   /// Whether more say what newest[i] says of the orientation than what is so here.
@@ -215,7 +217,9 @@ class Peer::Impl {
   void mark_joints();
   void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
   void send(SessionTime now);
-  /// Tell those who have connected since the last time all that is to be known, reliably.
+  /// Ask the transport who is there, into company_ and newcomers_.
+  void look_around();
+  /// Tell newcomers_ all that is to be known, reliably.
   void greet_newcomers();
   StateUpdate state_of(Shared& shared, SessionTime now);
   /// Whether a body has been lying still for a while.
@@ -241,6 +245,8 @@ class Peer::Impl {
   void post_to(PeerId to, Delivery delivery);
   /// The states that concern each of the others.
   void post_states();
+  /// Those of states_ that concern a peer, into concerning_.
+  void collect_concerning(PeerId peer);
 
   PeerOptions options_;
   CachedChain announcement_;
@@ -260,13 +266,14 @@ class Peer::Impl {
   std::unique_ptr<Outbox> outbox_;                ///< null: all in full to everybody
   NameTables names_;                              ///< of the others
   SessionTime springs_told_ = 0;                  ///< ns, when springs were last sent in full
-  std::size_t springs_told_to_ = 0;               ///< peers that were there then
   std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
   std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
   std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
   std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
-  std::vector<PeerId> greeted_;  ///< ascending, those connected now
+  std::vector<PeerStatus> company_;  ///< all that the transport knows, by id, at the last look
+  std::vector<PeerId> connected_;    ///< of these, ascending
+  std::vector<PeerId> newcomers_;    ///< of these, who have not been greeted
   bool has_sent_ = false;
   std::vector<std::uint8_t> jointed_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  ///< slots of bodies that move
@@ -275,7 +282,7 @@ class Peer::Impl {
   std::vector<std::uint8_t> touching_;
   /// Slots of a body and of what pushed it in the last step of another engine.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> noted_contacts_;
-  std::size_t owned_ = 0;  ///< bodies that have an owner
+  std::vector<std::pair<PeerId, std::size_t>> owners_;  ///< by id, with the number of their bodies
   SessionTime now_ = 0;
   SessionTime started_ = 0;
   SessionTime last_before_ = 0;
@@ -292,7 +299,6 @@ class Peer::Impl {
   std::vector<Claim> claims_;  ///< of the body that estimate() was asked about
   std::vector<Claim> turns_;
   std::vector<PeerId> leaders_;
-  std::vector<PeerId> newcomers_;
   std::vector<std::uint32_t> assembly_;  ///< slots of bodies that are placed together
   std::vector<std::uint32_t> island_;    ///< and of those that touch them
   std::vector<Vote> votes_;

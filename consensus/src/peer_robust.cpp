@@ -98,8 +98,8 @@ bool Peer::Impl::believes_hands(std::size_t others) const {
 }
 
 bool Peer::Impl::owns_any(PeerId peer) const {
-  return owned_ > 0 && std::any_of(shared_.begin(), shared_.end(),
-                                   [peer](const Shared& s) { return s.def.owner == peer; });
+  return std::binary_search(owners_.begin(), owners_.end(), std::pair(peer, std::size_t{0}),
+                            [](const auto& a, const auto& b) { return a.first < b.first; });
 }
 
 bool Peer::Impl::outvoted_at_stamp(const Shared& shared, std::span<const Inbox::Received> newest,

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "common/network.h"
-#include "common/session_key.h"
 #include "tandem/net/session.h"
 #include "tandem/net/udp.h"
 
@@ -14,17 +13,9 @@ namespace tandem::demos {
 
 namespace {
 
-net::UdpKey read_key(const std::string& path) {
-  try {
-    return read_session_key(path);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("--key = " + path + " breaks: " + error.what());
-  }
-}
-
 /// No secret: it tells sessions of demos from other datagrams.
-net::UdpKey known_key() {
-  net::UdpKey key{};
+net::Key known_key() {
+  net::Key key{};
   const std::string_view text = "tandem demo, not a secret";
   std::copy(text.begin(), text.end(), key.begin());
   return key;

@@ -37,6 +37,12 @@ enum class Timeline : std::uint8_t {
   System,   ///< the system clock of hosts that PTP or NTP disciplines
 };
 
+enum class Wire : std::uint8_t {
+  Auto,  ///< UDP with a key or `insecure`, TCP else
+  Tcp,
+  Udp,
+};
+
 /// What all demos understand on their command line.
 struct DemoOptions {
   int peers = 2;
@@ -74,10 +80,11 @@ struct DemoOptions {
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
   std::uint64_t peer_id = 0;            ///< of this process
   double wait = 0.0;     ///< s, how long to wait for the first other process; 0 = for ever
-  std::string key;       ///< file with the session's key, 64 hex digits: UDP, encrypted
-  std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
+  std::string key;       ///< file with the session's key, 64 hex digits; "" = this machine alone
+  std::string identity;  ///< file with this peer's secret key, beside `key`; "" = a new one
   std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
-  bool insecure = false;  ///< UDP on this machine alone, with a key that everybody knows
+  bool insecure = false;  ///< on this machine alone; UDP with a key that everybody knows
+  Wire wire = Wire::Auto;
   Timeline timeline = Timeline::Session;
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
@@ -90,7 +97,7 @@ struct DemoOptions {
   bool help = false;
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
-  bool udp() const { return !key.empty() || insecure; }
+  bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }

@@ -17,12 +17,13 @@ All peers in one process, in virtual time (the default):
   --loss P --duplicate P --reorder P   chances for each state on the link (0)
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
   --max-state N      bytes of the longest packet of states; 502 is an MTU of 576 (65536)
-One peer for each process, in wall time over TCP, or with a key over UDP:
+One peer for each process, in wall time; on this machine alone where there is no --key:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
   --peer-id N        unique in the session (1 with --listen alone, else 2)
-  --key FILE         over UDP, encrypted; 64 hex digits, the same for all (tandem-key makes one)
-  --insecure         over UDP, with a key that everybody knows; loopback addresses only
+  --key FILE         encrypted; 64 hex digits, the same for all (tandem-key makes one)
+  --insecure         UDP without a secret; loopback addresses only
+  --transport tcp|udp  (udp with --key or --insecure, else tcp)
   --clock session|system   over UDP: time agreed on in the session, or the system clock, where PTP
                      or NTP disciplines it (session)
   --wait S           give up where nobody has come after S seconds (0 = never)

@@ -31,15 +31,6 @@ std::size_t number_of(const DemoOptions& options) {
   return static_cast<std::size_t>(options.peer_id - 1);
 }
 
-net::PhysicsClockOptions clock_options(double step_hz) {
-  net::PhysicsClockOptions result;
-  result.nominal_step = std::llround(1e9 / step_hz);
-  result.min_step = std::min(result.min_step, result.nominal_step / 2);
-  result.max_step = std::max(result.max_step, 2 * result.nominal_step);
-  result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
-  return result;
-}
-
 /// A run over a network, from joining to leaving.
 class Session {
  public:
@@ -52,7 +43,7 @@ class Session {
         rendezvous_(network_->transport(), view_),
         participant_(scenario, options, options.peer_id, number_of(options), rendezvous_),
         start_(network_->now()),
-        physics_(clock_options(participant_.step_hz()), start_),
+        physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),
         progress_(options.quiet) {
     participant_.record_from_exchange();
     if (!options.quiet && options.listen) {

@@ -257,6 +257,15 @@ void PeerTable::count(Stranger what, const std::string& reason) {
     case Stranger::TimedOut:
       ++strangers_.timed_out;
       break;
+    case Stranger::Limited:
+      ++strangers_.limited;
+      break;
+    case Stranger::BadProof:
+      ++strangers_.bad_proof;
+      break;
+    case Stranger::Forged:
+      ++strangers_.forged;
+      break;
   }
   strangers_.last_reason = reason;
 }

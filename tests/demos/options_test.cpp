@@ -220,6 +220,13 @@ TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
   CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
   CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
         "--insecure = given breaks: has no meaning with --key");
+  CHECK_FALSE(parse({"--listen", "1", "--key", "k", "--transport", "tcp"}).udp());
+  CHECK_FALSE(parse({"--listen", "1", "--insecure", "--transport", "tcp"}).udp());
+  CHECK(parse({"--listen", "1", "--key", "k", "--transport", "udp"}).udp());
+  CHECK(refusal({"--listen", "1", "--transport", "udp"}) ==
+        "--transport = udp breaks: needs --key or --insecure");
+  CHECK(refusal({"--listen", "1", "--transport", "quic"}) ==
+        "--transport = quic breaks: tcp or udp");
   CHECK(refusal({"--insecure"}) == "--insecure = given breaks: needs --listen or --connect");
   CHECK(refusal({"--listen", "1", "--budget", "7"}) ==
         "--budget = 7 breaks: kbit/s, 0 or a number from 8 to 1e6");

@@ -105,8 +105,10 @@ TEST_CASE("peer config: a refusal names file, line, key, value and rule", "[demo
   CHECK(refusal("id = 1\n[network]\ninsecure = true\n")
             .find("network.listen = nothing breaks: must be given where connect is not") !=
         std::string::npos);
-  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\nkey = \"k\"\n")
-            .find("network.key = ") != std::string::npos);
+  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\n")
+            .find("network.key = nothing breaks: a file") != std::string::npos);
+  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\nclock = \"system\"\n")
+            .find("network.clock = ") != std::string::npos);
   CHECK(refusal("id = 1\n" + kNetwork + "[log]\nlevel = \"loud\"\n").find("log.level = ") !=
         std::string::npos);
 }
