@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
@@ -114,8 +115,10 @@ class Writer {
       animation_.name = "run";
       model_.animations.push_back(std::move(animation_));
     }
-    tinygltf::TinyGLTF out;
-    if (!out.WriteGltfSceneToFile(&model_, file, true, true, false, true)) {
+    // To a stream of ours: of a file it does not tell whether it could be written.
+    std::ofstream out(file, std::ios::binary);
+    if (!out || !tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, out, false, true) ||
+        !out.flush()) {
       throw std::runtime_error("cannot write " + file);
     }
   }
