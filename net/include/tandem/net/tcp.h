@@ -84,6 +84,7 @@ struct StrangerStatus {
 ///   half-dead connection never stands in the way of its successor.
 /// - A peer restarted with the same id (a larger incarnation) takes over at once; from then on the
 ///   older process is refused.
+/// - Packet::received is of the system clock; round trips are not measured.
 /// - Bytes are neither encrypted nor authenticated: trusted networks or a tunnel only. A peer may
 ///   make this process dial addresses of its choice.
 ///
