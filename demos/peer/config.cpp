@@ -176,6 +176,8 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
                : clock == "system" ? Timeline::System
                                    : Timeline::Session;
   in.read("kbit_per_s", o.budget, 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
+  in.read("compact", o.compact);
+  in.read("tolerance", o.tolerance, 0.0, 10.0, "m, a number from 0 to 10");
   o.wire = udp ? Wire::Udp : Wire::Tcp;
   if (!udp) {
     for (const char* key : {"clock", "kbit_per_s"}) {
