@@ -229,7 +229,11 @@ constexpr Option kOptions[] = {
     {"--sleeping-threshold", Where::Everywhere, read_flag<&DemoOptions::sleeping_threshold>},
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
-    {"--record", Where::Everywhere, read_text<&DemoOptions::record>},
+    {"--record", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view file = in.value(name);
+       (file.ends_with(".glb") ? o.glb : o.record) = file;
+     }},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
     {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},

@@ -93,6 +93,7 @@ struct DemoOptions {
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none
   std::string record;      ///< file for what the users did, "" = none
+  std::string glb;         ///< file for the run as glTF, "" = none
   std::string replay;      ///< file with what the users do, "" = they follow their script
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;

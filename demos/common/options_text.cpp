@@ -65,7 +65,7 @@ Session:
 Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies
-  --record FILE      write what the users did in each step
+  --record FILE      write what the users did in each step; FILE.glb: all motion, as glTF 2.0
   --reference        run what the users did at one peer as well, and compare
   --quiet            no table and no progress bar
   --help             this text
