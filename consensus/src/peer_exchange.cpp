@@ -49,6 +49,7 @@ void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   unknown_.clear();
   transport_.drain(packets_);
+  if (options_.dating == Dating::Receipt && !packets_.empty()) senders_ = transport_.peers();
   for (const Packet& packet : packets_) {
     if (packet.from == 0) continue;  // no peer has this id
     ++stats_.packets_received;
@@ -60,10 +61,28 @@ void Peer::Impl::receive(SessionTime now) {
     }
     stats_.updates_received += incoming_.states.size();
     const CpuTimer process(stats_.process_s);
+    if (options_.dating == Dating::Receipt) date(packet, now);
     take_in(packet.from, now);
   }
   // States that have expired since count for nothing, nor does who sent them.
   inbox_.prune(now);
+}
+
+void Peer::Impl::date(const Packet& packet, SessionTime now) {
+  const bool said = packet.received != std::numeric_limits<SessionTime>::min();
+  const SessionTime received = said ? packet.received : now;
+  const auto sender = std::ranges::find(senders_, packet.from, &PeerStatus::id);
+  const SessionTime round_trip = sender != senders_.end() ? sender->round_trip : -1;
+  if (const auto newest = newest_stamp(incoming_)) {
+    shift_stamps(incoming_, sender_clocks_.hear(packet.from, *newest, received, round_trip));
+    return;
+  }
+  // Anchors are stamped when they are moved, and farewells and events may have waited for a link:
+  // they say little about the clock.
+  const auto known = sender_clocks_.shift(packet.from);
+  shift_stamps(incoming_, known ? *known
+                                : SenderClocks::guess(newest_stamp_of_others(incoming_), received,
+                                                      round_trip));
 }
 
 void Peer::Impl::take_in(PeerId from, SessionTime now) {

@@ -23,6 +23,7 @@
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
 
 namespace tandem::consensus {
@@ -120,6 +121,8 @@ class Peer::Impl {
   // Receive.
   void receive(SessionTime now);
   CodecResult parse(const Packet& packet);
+  /// Shift the stamps of incoming_ to the own clock.
+  void date(const Packet& packet, SessionTime now);
   void take_in(PeerId from, SessionTime now);
   void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell, SessionTime now);
   void take_in_compact(PeerId from, SessionTime farewell, SessionTime now);
@@ -256,6 +259,7 @@ class Peer::Impl {
   Transport& transport_;
   Springs springs_;
   Inbox inbox_;
+  SenderClocks sender_clocks_;
   std::unique_ptr<Predictor> predictor_;
   bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
@@ -294,6 +298,7 @@ class Peer::Impl {
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;
+  std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on receipt
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
   std::vector<Claim> claims_;  ///< of the body that estimate() was asked about

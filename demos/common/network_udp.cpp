@@ -29,7 +29,9 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   constexpr double kLink = 2000.0;  // kbit/s, where nothing is said
   result.kbit_per_s = options.budget > 0.0 ? options.budget : kLink;
   result.min_kbit_per_s = std::min(result.min_kbit_per_s, result.kbit_per_s);
-  result.clock = options.timeline == Timeline::System ? net::Clock::System : net::Clock::Session;
+  result.clock = options.timeline == Timeline::None     ? net::Clock::None
+                 : options.timeline == Timeline::System ? net::Clock::System
+                                                        : net::Clock::Session;
   for (const std::string& text : options.connect) {
     const net::HostPort address = net::parse_host_port(text);
     if (options.insecure && !is_loopback(address.host)) {

@@ -151,11 +151,19 @@ constexpr Option kOptions[] = {
        if (text != "tcp" && text != "udp") refuse(name, text, "tcp or udp");
        o.wire = text == "udp" ? Wire::Udp : Wire::Tcp;
      }},
-    {"--clock", Where::Network,
+    {"--clock", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        const std::string_view text = in.value(name);
-       if (text != "session" && text != "system") refuse(name, text, "session or system");
-       o.timeline = text == "system" ? Timeline::System : Timeline::Session;
+       if (text != "session" && text != "system" && text != "none") {
+         refuse(name, text, "session, system or none");
+       }
+       o.timeline = text == "none"     ? Timeline::None
+                    : text == "system" ? Timeline::System
+                                       : Timeline::Session;
+     }},
+    {"--clock-spread", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.clock_spread = number(name, in.value(name), 0.0, 1e6, "s, a number from 0 to 1e6");
      }},
     {"--seconds", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -235,7 +243,11 @@ constexpr Option kOptions[] = {
     {"--sleeping-threshold", Where::Everywhere, read_flag<&DemoOptions::sleeping_threshold>},
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
-    {"--record", Where::Everywhere, read_text<&DemoOptions::record>},
+    {"--record", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view file = in.value(name);
+       (file.ends_with(".glb") ? o.glb : o.record) = file;
+     }},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
     {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},
@@ -278,6 +290,7 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
 consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
+  if (timeline == Timeline::None) result.dating = consensus::Dating::Receipt;
   if (compact) result.sending.format = consensus::StateFormat::Compact;
   result.sending.kbit_per_s = budget;
   result.sending.tolerance = tolerance;
@@ -338,13 +351,17 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
     option->read(name, in, options);
     timed = timed || name == "--seconds";
     if (option->where == Where::Virtual) virtual_only = name;
-    if (option->where == Where::Network) network_only = name;
+    const bool needs_network = name == "--clock" && options.timeline != Timeline::None;
+    if (option->where == Where::Network || needs_network) network_only = name;
   }
   if (options.over_network() && !virtual_only.empty()) {
     refuse(virtual_only, "given", "has no meaning with --listen or --connect");
   }
   if (!options.over_network() && !network_only.empty()) {
     refuse(network_only, "given", "needs --listen or --connect");
+  }
+  if (options.over_network() && !options.udp() && options.timeline == Timeline::None) {
+    refuse("--clock", "none", "over a network needs --key or --insecure");
   }
   if (!options.key.empty() && options.insecure) {
     refuse("--insecure", "given", "has no meaning with --key");
@@ -353,6 +370,12 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
     refuse("--transport", "udp", "needs --key or --insecure");
   }
   options.endless = options.view.has_value() && !timed;
+  for (const auto& [name, file] : {std::pair{"--json", &options.json},
+                                   {"--csv", &options.csv},
+                                   {"--record", &options.record},
+                                   {"--record", &options.glb}}) {
+    if (options.endless && !file->empty()) refuse(name, *file, "with --view needs --seconds");
+  }
   // Users' scripts are made for a length.
   if (options.endless) options.seconds = kEndless;
   // Who waits is user A, who calls is user B.

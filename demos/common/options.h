@@ -31,10 +31,12 @@ enum class Scheme : std::uint8_t {
   Pd,            ///< virtual coupling, with the prediction and rules of TwoStepPaper
 };
 
-/// Where session time comes from over UDP; over TCP it is the system clock's.
+/// Where session time comes from over UDP; over TCP it is the system clock's. In virtual time it is
+/// nobody's trouble, but None reads stamps as it does over UDP.
 enum class Timeline : std::uint8_t {
   Session,  ///< the session's own, agreed on in band
   System,   ///< the system clock of hosts that PTP or NTP disciplines
+  None,     ///< each peer has its own, and what comes is dated on receipt
 };
 
 enum class Wire : std::uint8_t {
@@ -72,6 +74,7 @@ struct DemoOptions {
   double reorder = 0.0;                     ///< chance that it is overtaken
   double bandwidth = 0.0;                   ///< bit/s in each direction; 0 = unlimited
   std::size_t max_state_bytes = 64 * 1024;  ///< bytes of the longest state
+  double clock_spread = 0.0;                ///< s, from one virtual peer's clock to the next one's
   bool compact = false;                     ///< states are rounded to few bits
   double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = no limit
   double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
@@ -90,6 +93,7 @@ struct DemoOptions {
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none
   std::string record;      ///< file for what the users did, "" = none
+  std::string glb;         ///< file for the run as glTF, "" = none
   std::string replay;      ///< file with what the users do, "" = they follow their script
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;

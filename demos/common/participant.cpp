@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -36,6 +37,11 @@ std::optional<consensus::PeerId> owner_of(const DemoOptions& options, const Scen
 double seconds_of(consensus::SessionTime ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
+
+consensus::SessionTime clock_ahead(const DemoOptions& options, std::size_t number) {
+  if (options.over_network()) return 0;
+  return std::llround(1e9 * options.clock_spread * static_cast<double>(number));
+}
 
 std::size_t seat_of(const DemoOptions& options, std::size_t user) {
   // Over a network nobody knows how many will come.
@@ -80,8 +86,11 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
       physics_(options.ablation.around(make_physics(
           options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
-      signals_(transport),
-      referee_(scenario.make_referee(scene_)) {
+      // In virtual time all but the peers' own times are true ones.
+      signals_(transport,
+               options.over_network() ? options.peer_options().dating : consensus::Dating::Stamp),
+      referee_(scenario.make_referee(scene_)),
+      clock_ahead_(clock_ahead(options, number)) {
   record_.id = id;
   make_peer(options);
   record_.step_hz = options.step_hz(number);
@@ -125,6 +134,7 @@ void Participant::add_user(std::size_t user, const UserOptions& options,
   Seat seat;
   seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
   seat.controls = std::make_unique<Controls>(user, scene_, *peer_, options.epoch, &signals_);
+  seat.controls->set_clock(clock_ahead_);
   if (replay != nullptr) {
     seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
   } else {
@@ -139,6 +149,7 @@ void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
   Seat seat;
   seat.prefix = "guest_";
   seat.controls = std::make_unique<Controls>(user, scene_, *peer_, epoch, &signals_);
+  seat.controls->set_clock(clock_ahead_);
   seat.user = make(*seat.controls);
   if (!recording_) seat.controls->keep_no_log();
   seats_.push_back(std::move(seat));
@@ -160,7 +171,7 @@ void Participant::begin(consensus::SessionTime now) {
   moved_.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
-  peer_->before_step(now);
+  peer_->before_step(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_->stats().updates_received > 0) record_.first_exchange = now;
@@ -187,7 +198,7 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 
 void Participant::finish(consensus::SessionTime now) {
   const double cpu_before = thread_cpu_s();
-  peer_->after_step(now);
+  peer_->after_step(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
 }
 
@@ -227,8 +238,8 @@ void Participant::on_prediction(consensus::PeerId from, const consensus::SharedI
       [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
   if (found == index_.end() || found->first != body) return;
   if (observer_ != nullptr) observer_->on_prediction(from, body, now, predicted_position, age);
-  if (recording_)
-    record_.predictions.push_back({from, found->second, now, age, predicted_position});
+  if (!recording_) return;
+  record_.predictions.push_back({from, found->second, now - clock_ahead_, age, predicted_position});
 }
 
 void Participant::record_bodies(consensus::SessionTime now) {

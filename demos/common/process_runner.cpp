@@ -41,7 +41,7 @@ class Session {
         replay_(replayed_inputs(options)),
         network_(make_network(options, scene_hash(scenario.build({})))),
         view_(scenario.build({})),
-        rendezvous_(network_->transport(), view_),
+        rendezvous_(network_->transport(), view_, options.peer_options().dating),
         participant_(scenario, options, options.peer_id, number_of(options), rendezvous_),
         start_(network_->now()),
         physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),

@@ -37,7 +37,10 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
                                     kVirtualStart);
   const auto count = static_cast<std::size_t>(options.peers);
   // All join before the first of them looks around.
-  for (std::size_t i = 0; i < count; ++i) network.transport(i + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    network.transport(i + 1);
+    network.set_clock(i + 1, clock_ahead(options, i));
+  }
   std::vector<Actor> actors;
   actors.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {

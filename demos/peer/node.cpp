@@ -88,7 +88,7 @@ class Node {
         network_(make_network(config.session,
                               scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
         words_(network_->transport()),
-        signals_(words_),
+        signals_(words_, config.session.peer_options().dating),
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
     peer_.set_observer(&divergence_);

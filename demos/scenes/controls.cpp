@@ -69,7 +69,7 @@ void Controls::move(std::uint32_t spring, const pbd::Vec3& anchor_w) {
   Spring& held = springs_.at(spring);
   held.def.anchor_w = anchor_w;
   append(note(Input::Kind::Move, spring, held.body).values, anchor_w);
-  peer_.move(held.id, anchor_w, now_);
+  peer_.move(held.id, anchor_w, now_ + clock_ahead_);
 }
 
 void Controls::release(std::uint32_t spring) {

@@ -50,7 +50,10 @@ void LiveSession::start() {
       options_.link_options(), derived_seed(options_.seed, 5000), kVirtualStart);
   const auto count = static_cast<std::size_t>(options_.peers);
   // All join before the first of them looks around.
-  for (std::size_t i = 0; i < count; ++i) network_->transport(i + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    network_->transport(i + 1);
+    network_->set_clock(i + 1, clock_ahead(options_, i));
+  }
   actors_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     actors_.emplace_back(scenario_, options_, i, network_->transport(i + 1));

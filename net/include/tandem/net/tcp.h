@@ -97,6 +97,7 @@ struct StrangerStatus {
 ///   half-dead connection never stands in the way of its successor.
 /// - A peer restarted with the same id (a larger incarnation) takes over at once; from then on the
 ///   older process is refused.
+/// - Packet::received is of the system clock; round trips are not measured.
 /// - With a session key each connection begins with a key exchange, and each frame is encrypted and
 ///   authenticated; docs/network.md says how. Without one, bytes are in the clear: this machine, or
 ///   a trusted network or tunnel with `insecure`.
