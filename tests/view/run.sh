@@ -17,8 +17,8 @@ skip() {
   echo "tests/view: skipped: $1" >&2
   exit 77
 }
-command -v node > /dev/null || skip 'no Node.js (Debian: nodejs, at least 20)'
-[[ $(node -p 'process.versions.node.split(".")[0]') -ge 20 ]] || skip 'Node.js is older than 20'
+command -v node > /dev/null || skip 'no Node.js (Debian: nodejs, at least 18)'
+[[ $(node -p 'process.versions.node.split(".")[0]') -ge 18 ]] || skip 'Node.js is older than 18'
 command -v npm > /dev/null || skip 'no npm (Debian: npm)'
 if [[ -z ${CHROMIUM:-} ]]; then
   command -v chromium chromium-browser google-chrome > /dev/null || skip 'no Chromium (Debian: chromium)'
