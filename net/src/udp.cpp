@@ -88,7 +88,7 @@ void UdpOptions::validate() const {
   require_times(*this, "UdpOptions");
 }
 
-class UdpTransport::Impl {
+class [[gnu::visibility("hidden")]] UdpTransport::Impl {
  public:
   explicit Impl(const UdpOptions& options)
       : self(options.self),
