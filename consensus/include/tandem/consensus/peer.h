@@ -84,6 +84,9 @@ struct TANDEM_API PeerOptions {
   PolicyChain acceptance;
   PredictorKind predictor = PredictorKind::Adaptive;
   PredictorOptions prediction;
+  /// Of the application's own making, in place of `predictor`; null = that one. Where what it says
+  /// is not finite the state counts as it was stamped. Peers of one session need not have the same.
+  std::shared_ptr<const Predictor> own_predictor = nullptr;
   /// How far others are believed.
   RobustOptions robust;
   PlausibilityOptions plausibility;

@@ -225,13 +225,16 @@ struct TANDEM_API PredictionContext {
 };
 
 /// Carries a remote state to now. Stateless but for the context's memory; one object serves all
-/// bodies.
+/// bodies. An application may bring its own, see PeerOptions::own_predictor.
 class TANDEM_API Predictor {
  public:
   virtual ~Predictor() = default;
+  /// @param own  not empty: the newest sample is of now, and a Prediction is told against it
+  /// Called from before_step; must not throw.
   virtual Prediction predict(const StateUpdate& update, const MotionHistory& own,
                              const PredictionContext& context) const = 0;
-  /// c of the gain rule, see effective_share(): what the predictor bears.
+  /// c of the gain rule, see effective_share(): what the predictor bears; finite, > 0. 1 for one
+  /// that extrapolates.
   virtual double gain() const = 0;
   /// The same for one state: less where another way is taken for it.
   virtual double gain_for(const StateUpdate& /*update*/) const { return gain(); }
