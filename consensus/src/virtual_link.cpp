@@ -16,7 +16,7 @@
 
 namespace tandem::consensus {
 
-struct [[gnu::visibility("hidden")]] VirtualNetwork::State {
+struct __attribute__((visibility("hidden"))) VirtualNetwork::State {
   LinkOptions defaults;
   std::uint64_t seed = 0;
   SessionTime now = 0;
@@ -40,9 +40,9 @@ struct [[gnu::visibility("hidden")]] VirtualNetwork::State {
   }
 };
 
-class [[gnu::visibility("hidden")]] VirtualNetwork::Endpoint : public Transport {
+class __attribute__((visibility("hidden"))) VirtualNetwork::Endpoint : public Transport {
  public:
-  Endpoint(State & network, PeerId self) : network_(network), self_(self) {}
+  Endpoint(State& network, PeerId self) : network_(network), self_(self) {}
 
   PeerId self() const override { return self_; }
 
@@ -60,7 +60,7 @@ class [[gnu::visibility("hidden")]] VirtualNetwork::Endpoint : public Transport 
     return most;
   }
 
-  void drain(std::vector<Packet> & out) override {
+  void drain(std::vector<Packet>& out) override {
     std::move(arrived_.begin(), arrived_.end(), std::back_inserter(out));
     arrived_.clear();
   }
