@@ -18,7 +18,7 @@ packages=(
 )
 for argument in "$@"; do
   case "$argument" in
-    --with-checks) packages+=(clang clang-format clang-tidy libclang-rt-14-dev python3 git) ;;
+    --with-checks) packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git) ;;
     --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2
