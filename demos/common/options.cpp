@@ -323,6 +323,7 @@ constexpr Option kOptions[] = {
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
     {"--record", Where::Everywhere, read_text<&DemoOptions::record>},
+    {"--trace", Where::Everywhere, read_text<&DemoOptions::trace>},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
     {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},

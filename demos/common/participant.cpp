@@ -98,16 +98,26 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
 
 void Participant::add_user(std::size_t user, const UserOptions& options,
                            const std::vector<Input>* replay) {
-  record_.epoch = options.epoch;
+  add_user(user, options.epoch, [&](Controls& controls) -> std::unique_ptr<User> {
+    if (replay != nullptr) return std::make_unique<ReplayUser>(user, *replay, controls);
+    return scenario_.make_user(user, controls, options);
+  });
+}
+
+void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
+                           const std::function<std::unique_ptr<User>(Controls&)>& make) {
+  record_.epoch = epoch;
   Seat seat;
   seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
-  seat.controls = std::make_unique<Controls>(user, scene_, peer_, options.epoch, &signals_);
-  if (replay != nullptr) {
-    seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
-  } else {
-    seat.user = scenario_.make_user(user, *seat.controls, options);
-  }
+  seat.controls = std::make_unique<Controls>(user, scene_, peer_, epoch, &signals_);
+  seat.user = make(*seat.controls);
   seats_.push_back(std::move(seat));
+  if (watch_ != nullptr) watch_->user(user, epoch);
+}
+
+void Participant::watch_steps_with(StepWatch* watch) {
+  watch_ = watch;
+  if (watch != nullptr) watch->attach(scene_, peer_);
 }
 
 void Participant::begin(consensus::SessionTime now) {
@@ -116,10 +126,14 @@ void Participant::begin(consensus::SessionTime now) {
     epoch_ = now;
     record_bodies(now);
   }
+  if (watch_ != nullptr) watch_->begin(now);
   signals_.update(now);
   for (Seat& seat : seats_) {
     seat.controls->begin(now, 1.0 / record_.step_hz);
     seat.user->update(now);
+    if (watch_ == nullptr) continue;
+    watch_->inputs(std::span(seat.controls->log()).subspan(seat.told));
+    seat.told = seat.controls->log().size();
   }
   for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
   // Two-step coupling moves bodies before the step.
@@ -127,6 +141,7 @@ void Participant::begin(consensus::SessionTime now) {
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
   peer_.before_step(now);
+  if (watch_ != nullptr) watch_->told();
   record_.cpu_s += thread_cpu_s() - cpu_before;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_.stats().updates_received > 0) record_.first_exchange = now;
@@ -134,12 +149,14 @@ void Participant::begin(consensus::SessionTime now) {
 
 void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   using Clock = std::chrono::steady_clock;
+  if (watch_ != nullptr) watch_->step(end);
   const Clock::time_point before = Clock::now();
   const double cpu_before = thread_cpu_s();
   const pbd::StepReport& report = physics_->step(scene_, peer_, seconds_of(end - now));
   record_.cpu_s += thread_cpu_s() - cpu_before;
   const std::chrono::duration<double> elapsed = Clock::now() - before;
-  record_.step_s.push_back(elapsed.count());
+  if (watch_ != nullptr) watch_->solved();
+  if (!record_nothing_) record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
   record_.energy.displacement += report.energy.displacement;
   record_.energy.velocity_agreement += report.energy.velocity_agreement;
@@ -151,9 +168,17 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 }
 
 void Participant::finish(consensus::SessionTime now) {
+  if (watch_ != nullptr) watch_->finish(now);
   const double cpu_before = thread_cpu_s();
   peer_.after_step(now);
   record_.cpu_s += thread_cpu_s() - cpu_before;
+  if (watch_ != nullptr) watch_->sent();
+}
+
+void Participant::leave(consensus::SessionTime now) {
+  if (watch_ != nullptr) watch_->leave(now);
+  peer_.leave(now);
+  if (watch_ != nullptr) watch_->sent();
 }
 
 const PeerRecord& Participant::record() {
@@ -190,12 +215,12 @@ void Participant::on_prediction(consensus::PeerId from, const consensus::SharedI
   const auto found = std::lower_bound(
       index_.begin(), index_.end(), body,
       [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
-  if (found == index_.end() || found->first != body) return;
+  if (record_nothing_ || found == index_.end() || found->first != body) return;
   record_.predictions.push_back({from, found->second, now, age, predicted_position});
 }
 
 void Participant::record_bodies(consensus::SessionTime now) {
-  if (wait_for_exchange_ && !has_exchanged()) return;
+  if (!records()) return;
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const pbd::BodyState& state = scene_.world->state(scene_.bodies[i].body);
     TrackSample sample;
@@ -228,12 +253,13 @@ void Participant::watch(consensus::SessionTime now, const pbd::StepReport& repor
   if (referee_) referee_->watch(scene_, seconds_of(now - epoch_));
   if (steps_ % kLookEvery != 0) return;
   if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);
+  if (record_nothing_) return;
   append_penetrations(scene_, record_.penetration_m);
   record_contacts(now);
 }
 
 void Participant::record_contacts(consensus::SessionTime now) {
-  if (wait_for_exchange_ && !has_exchanged()) return;
+  if (!records()) return;
   ContactFrame& frame = record_.contacts.emplace_back();
   frame.time = now;
   if (const auto* pairs = physics_->touching()) {

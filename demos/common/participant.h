@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "common/options.h"
 #include "common/physics.h"
 #include "common/signals.h"
+#include "common/step_watch.h"
 #include "common/track.h"
 #include "scenes/scenario.h"
 #include "tandem/collision/contact_events.h"
@@ -35,10 +37,17 @@ class Participant final : private consensus::PeerObserver {
   void add_user(std::size_t user, const UserOptions& options,
                 const std::vector<Input>* replay = nullptr);
 
+  /// The same with a user of another kind. @param epoch  ns, of what they do
+  void add_user(std::size_t user, consensus::SessionTime epoch,
+                const std::function<std::unique_ptr<User>(Controls&)>& make);
+
   void begin(consensus::SessionTime now);
   void step(consensus::SessionTime now, consensus::SessionTime end);
   void finish(consensus::SessionTime now);
-  void leave(consensus::SessionTime now) { peer_.leave(now); }
+  void leave(consensus::SessionTime now);
+
+  /// Tell of all that happens from now on; null = nobody. Must outlive it, or be set to null.
+  void watch_steps_with(StepWatch* watch);
 
   /// Another observer of the peer's estimates; null = none.
   void watch_with(consensus::PeerObserver* observer) { observer_ = observer; }
@@ -50,6 +59,8 @@ class Participant final : private consensus::PeerObserver {
   bool has_exchanged() const { return record_.first_exchange != INT64_MAX; }
   /// Keep no tracks until an update has come.
   void record_from_exchange() { wait_for_exchange_ = true; }
+  /// Keep no record of what happens: memory does not grow.
+  void record_nothing() { record_nothing_ = true; }
   /// The record so far, with sums and hash brought up to date.
   const PeerRecord& record();
 
@@ -70,7 +81,9 @@ class Participant final : private consensus::PeerObserver {
     std::string prefix;  ///< of what they tell, "a_" for user 0
     std::unique_ptr<Controls> controls;
     std::unique_ptr<User> user;
+    std::size_t told = 0;  ///< of the log, to the watch
   };
+  bool records() const { return !record_nothing_ && (!wait_for_exchange_ || has_exchanged()); }
 
   const Scenario& scenario_;
   Bounds bounds_;
@@ -91,6 +104,8 @@ class Participant final : private consensus::PeerObserver {
   std::uint64_t steps_ = 0;
   bool started_ = false;
   bool wait_for_exchange_ = false;
+  bool record_nothing_ = false;
+  StepWatch* watch_ = nullptr;
 };
 
 /// The number (from 0) of the peer at which a user sits.
