@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "bit_stream.h"
 #include "compact_wire.h"
@@ -31,12 +30,6 @@ constexpr unsigned kAngularBits = 16;
 constexpr unsigned kFloatBits = 32;
 constexpr unsigned kInfluenceBits = 16;
 constexpr unsigned kRareBits = 4;  // flags that few bodies have
-
-constexpr std::size_t kAnchorBytes = 4 + 2 + 3 * 4 + 3 * 2;
-constexpr SessionTime kStampUnit = 1 << 14;  // ns
-constexpr SessionTime kMostDelay = 0xffff;   // units
-constexpr double kMostAnchor = 32767.0;      // m
-constexpr double kMostAnchorSpeed = 127.0;   // m/s
 
 constexpr std::int32_t kNearGaps = 1 << kNearGapBits;
 constexpr std::int32_t kHalfCell = 1 << (kPositionBits - 1);  // in quanta
@@ -133,14 +126,19 @@ bool orientation_of(unsigned largest, const Int3& components, Quat& out) {
 
 float influence_of(std::uint16_t value) { return static_cast<float>(value * kInfluenceQuantum); }
 
+/// Out of line: where g++ 12 vectorises several of these conversions at -O3, it leaves some out.
+[[gnu::noinline]] double as_float(double value) { return static_cast<float>(value); }
+
 void round_with(const Lattice& lattice, StateUpdate& update) {
   update.pose.position = position_of(lattice.cell, lattice.offset);
   orientation_of(lattice.largest, lattice.components, update.pose.orientation);
   if (update.flags.resting) {
     update.twist = {};
   } else if (lattice.fast) {
-    update.twist.linear = update.twist.linear.cast<float>().cast<double>();
-    update.twist.angular = update.twist.angular.cast<float>().cast<double>();
+    for (int i = 0; i < 3; ++i) {
+      update.twist.linear[i] = as_float(update.twist.linear[i]);
+      update.twist.angular[i] = as_float(update.twist.angular[i]);
+    }
   } else {
     update.twist.linear = scaled(lattice.linear, kLinearSpeedQuantum);
     update.twist.angular = scaled(lattice.angular, kAngularSpeedQuantum);
@@ -242,8 +240,6 @@ Vec3 get_floats(BitReader& in) {
   return out;
 }
 
-CodecResult fault(PacketFault kind, const char* detail) { return {kind, detail, 0}; }
-
 CodecResult read_record(BitReader& in, Before& before, CompactState& out) {
   std::int32_t gap = 1;
   if (in.flag()) gap = 2 + static_cast<std::int32_t>(in.get(in.flag() ? kIndexBits : kNearGapBits));
@@ -292,13 +288,7 @@ CodecResult read_record(BitReader& in, Before& before, CompactState& out) {
 
 }  // namespace
 
-StateUpdate rounded(const StateUpdate& update) {
-  StateUpdate out = update;
-  if (check_state(update).ok()) round_with(to_lattice(update, {}), out);
-  return out;
-}
-
-std::size_t encode_compact(std::span<const IndexedState> states, std::uint32_t table,
+std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
                            std::size_t max_bytes, std::vector<std::byte>& out) {
   if (states.empty()) return 0;
   const std::size_t start = out.size();
@@ -320,15 +310,14 @@ std::size_t encode_compact(std::span<const IndexedState> states, std::uint32_t t
   std::size_t done = 0;
   BitWriter bits(out);
   for (; done < states.size() && count < kMaxRecords; ++done) {
-    const IndexedState& state = states[done];
+    IndexedState& state = states[done];
     if (!check_state(state.update).ok()) continue;
     const Lattice lattice = to_lattice(state.update, before.cell);
-    // Rounding may lead out of the range at its edge.
-    StateUpdate sent = state.update;
-    round_with(lattice, sent);
-    if (!check_state(sent).ok()) continue;
     const std::size_t needs = used + record_bits(state, lattice, before);
     if (start + (needs + 7) / 8 > max_bytes) break;
+    // Rounding may lead out of the range at its edge.
+    round_with(lattice, state.update);
+    if (!check_state(state.update).ok()) continue;
     write_record(bits, state, lattice, before);
     used = needs;
     before.index = state.index;
@@ -343,88 +332,6 @@ std::size_t encode_compact(std::span<const IndexedState> states, std::uint32_t t
   put_u16(out, start + kHeaderBytes - 2, count);
   put_u16(out, length_at, (used - first_bit + 7) / 8);
   return done;
-}
-
-std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::vector<std::size_t>& others,
-                           std::vector<std::byte>& out) {
-  const std::size_t start = out.size();
-  SessionTime newest = std::numeric_limits<SessionTime>::min();
-  for (const SpringUpdate& spring : springs) {
-    if (check(spring).ok()) newest = std::max(newest, spring.stamp);
-  }
-  write_header(out, MessageKind::Anchors, 0);
-  ByteWriter bytes(out);
-  bytes.i64(newest);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < springs.size(); ++i) {
-    const SpringUpdate& spring = springs[i];
-    const bool fits = count < kMaxRecords && check(spring).ok() &&
-                      spring.anchor_w.cwiseAbs().maxCoeff() < kMostAnchor &&
-                      spring.anchor_velocity.cwiseAbs().maxCoeff() < kMostAnchorSpeed &&
-                      newest - spring.stamp < kStampUnit * kMostDelay;
-    if (!fits) {
-      others.push_back(i);
-      continue;
-    }
-    bytes.u32(spring.spring);
-    bytes.u16(static_cast<std::uint16_t>((newest - spring.stamp + kStampUnit / 2) / kStampUnit));
-    for (int k = 0; k < 3; ++k) {
-      const auto whole = std::lround(spring.anchor_w[k] / kAnchorQuantum);
-      bytes.u32(static_cast<std::uint32_t>(whole));
-    }
-    for (int k = 0; k < 3; ++k) {
-      const auto whole = std::lround(spring.anchor_velocity[k] / kAnchorSpeedQuantum);
-      bytes.u16(static_cast<std::uint16_t>(whole));
-    }
-    ++count;
-  }
-  if (count == 0) out.resize(start);
-  if (count > 0) put_u16(out, start + kHeaderBytes - 2, count);
-  return count;
-}
-
-CodecResult decode_anchors(ByteReader& in, std::size_t count, std::vector<AnchorUpdate>& out) {
-  const SessionTime newest = in.i64();
-  if (in.failed() || in.remaining() < count * kAnchorBytes) {
-    return fault(PacketFault::BadLength, "message: ends before its last record");
-  }
-  if (CodecResult result = check(Alive{newest}); !result.ok()) return result;
-  for (std::size_t i = 0; i < count; ++i) {
-    AnchorUpdate& anchor = out.emplace_back();
-    anchor.spring = in.u32();
-    anchor.stamp = newest - kStampUnit * in.u16();
-    for (int k = 0; k < 3; ++k) {
-      anchor.anchor_w[k] = kAnchorQuantum * static_cast<std::int32_t>(in.u32());
-    }
-    for (int k = 0; k < 3; ++k) {
-      anchor.anchor_velocity[k] = kAnchorSpeedQuantum * static_cast<std::int16_t>(in.u16());
-    }
-    if (CodecResult result = check_anchor(anchor); !result.ok()) return result;
-  }
-  return {};
-}
-
-void encode_names(std::uint32_t table, std::uint16_t first, std::span<const SharedId> ids,
-                  std::vector<std::byte>& out) {
-  write_header(out, MessageKind::Names, ids.size());
-  ByteWriter bytes(out);
-  bytes.u32(table);
-  bytes.u16(first);
-  for (const SharedId& id : ids) {
-    bytes.u64(id.high);
-    bytes.u64(id.low);
-  }
-}
-
-void encode(const NamesWanted& wanted, std::vector<std::byte>& out) {
-  write_header(out, MessageKind::NamesWanted, 1);
-  ByteWriter(out).u32(wanted.table);
-}
-
-void encode(const Alive& alive, std::vector<std::byte>& out) {
-  if (!check(alive).ok()) return;
-  write_header(out, MessageKind::Alive, 1);
-  ByteWriter(out).i64(alive.stamp);
 }
 
 CodecResult decode_compact(ByteReader& in, std::size_t count, std::vector<CompactState>& out) {
@@ -445,25 +352,6 @@ CodecResult decode_compact(ByteReader& in, std::size_t count, std::vector<Compac
   }
   if (!bits.at_end())
     return fault(PacketFault::BadLength, "message: goes on after its last record");
-  return {};
-}
-
-CodecResult decode_names(ByteReader& in, std::size_t count, std::vector<NameUpdate>& out) {
-  constexpr std::size_t kIdBytes = 16;
-  const std::uint32_t table = in.u32();
-  const std::size_t first = in.u16();
-  if (in.failed() || in.remaining() < count * kIdBytes) {
-    return fault(PacketFault::BadLength, "message: ends before its last record");
-  }
-  if (first + count > 0x10000) return fault(PacketFault::BadId, "index: must be below 65536");
-  for (std::size_t i = 0; i < count; ++i) {
-    NameUpdate& name = out.emplace_back();
-    name.table = table;
-    name.index = static_cast<std::uint16_t>(first + i);
-    name.id.high = in.u64();
-    name.id.low = in.u64();
-    if (!name.id.valid()) return fault(PacketFault::BadId, "id: must not be all zeros");
-  }
   return {};
 }
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,7 +10,7 @@
 #include "tandem/consensus/compact.h"
 #include "tandem/pbd/bytes.h"
 
-// What the two parts of the codec, update.cpp and compact.cpp, share.
+// What the parts of the codec share: update*.cpp and compact*.cpp.
 namespace tandem::consensus {
 
 enum class MessageKind : std::uint8_t {
@@ -26,6 +27,16 @@ enum class MessageKind : std::uint8_t {
 
 inline constexpr std::size_t kNamesWantedBytes = 4;
 inline constexpr std::size_t kAliveBytes = 8;
+
+/// Of the components of an orientation in full: fixed-point numbers of 32 bits.
+inline constexpr double kQuatScale = 1073741824.0;  // 2^30
+/// @pre |component| < 2
+inline std::int32_t to_fixed(double component) {
+  return static_cast<std::int32_t>(std::lround(component * kQuatScale));
+}
+inline double from_fixed(std::int32_t value) { return value / kQuatScale; }
+
+inline CodecResult fault(PacketFault kind, const char* detail) { return {kind, detail, 0}; }
 
 /// Magic, version, kind, count.
 void write_header(std::vector<std::byte>& out, MessageKind kind, std::size_t count);

@@ -195,7 +195,7 @@ void Link::launch(Waiting packet, SessionTime departure, Air& air) {
       ++counters_.resent;
     }
     last_reliable_ = std::max(last_reliable_, due);
-    fly(last_reliable_, packet.delivery, std::move(packet.bytes), air);
+    fly(last_reliable_, packet.posted, packet.delivery, std::move(packet.bytes), air);
     return;
   }
   if (through > departure) {
@@ -204,24 +204,29 @@ void Link::launch(Waiting packet, SessionTime departure, Air& air) {
   }
   if (doubled) {
     ++counters_.duplicated;
-    fly(departure + to_ns(second), packet.delivery, packet.bytes, air);
+    fly(departure + to_ns(second), packet.posted, packet.delivery, packet.bytes, air);
   }
   if (lost) {
     ++counters_.lost;
     return;
   }
   if (held_back) ++counters_.held_back;
-  fly(departure + to_ns(held_back ? first + hold : first), packet.delivery, std::move(packet.bytes),
-      air);
+  fly(departure + to_ns(held_back ? first + hold : first), packet.posted, packet.delivery,
+      std::move(packet.bytes), air);
 }
 
-void Link::fly(SessionTime due, Delivery delivery, std::vector<std::byte> bytes, Air& air) {
-  air.push({due, from_, to_, sent_++, delivery, std::move(bytes)});
+void Link::fly(SessionTime due, SessionTime posted, Delivery delivery, std::vector<std::byte> bytes,
+               Air& air) {
+  air.push({due, from_, to_, sent_++, posted, delivery, std::move(bytes)});
 }
 
-void Link::count_delivered(std::size_t bytes) {
+void Link::count_delivered(const Flight& flight) {
   ++counters_.delivered;
-  bytes_delivered_ += bytes;
+  bytes_delivered_ += flight.bytes.size();
+  if (flight.delivery != Delivery::Newest) return;
+  const auto delay = static_cast<double>(flight.due - flight.posted);
+  // As transports smooth their round trips.
+  delay_ = delay_ < 0.0 ? delay : delay_ + 0.125 * (delay - delay_);
 }
 
 void Link::set_options(SessionTime now, const LinkOptions& options, Air& air) {

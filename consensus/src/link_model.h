@@ -39,6 +39,7 @@ struct Flight {
   PeerId from = 0;
   PeerId to = 0;
   std::uint64_t number = 0;  ///< within its link
+  SessionTime posted = 0;
   Delivery delivery = Delivery::Newest;
   std::vector<std::byte> bytes;
 };
@@ -77,7 +78,9 @@ class Link {
   bool post(SessionTime now, std::span<const std::byte> bytes, Delivery delivery, Air& air);
   /// Start all transmissions that begin up to `time`.
   void send_waiting(SessionTime time, Air& air);
-  void count_delivered(std::size_t bytes);
+  void count_delivered(const Flight& flight);
+  /// ns, from post() to arrival, of states, smoothed; -1: none has come.
+  double delay() const { return delay_; }
 
   void set_options(SessionTime now, const LinkOptions& options, Air& air);
   void cut(SessionTime now, Air& air);
@@ -95,7 +98,8 @@ class Link {
   std::size_t waiting_bytes(Delivery delivery) const;
   bool make_room(std::size_t size);
   void launch(Waiting packet, SessionTime departure, Air& air);
-  void fly(SessionTime due, Delivery delivery, std::vector<std::byte> bytes, Air& air);
+  void fly(SessionTime due, SessionTime posted, Delivery delivery, std::vector<std::byte> bytes,
+           Air& air);
   void recall(SessionTime now, Air& air);
   /// End of the burst of loss that a packet leaves in; no later than `departure` outside.
   SessionTime burst_end(SessionTime departure);
@@ -114,6 +118,7 @@ class Link {
   SessionTime last_reliable_;  ///< when the last reliable packet arrives
   std::uint64_t sent_ = 0;
   LinkCounters counters_;
+  double delay_ = -1.0;
   std::uint64_t bytes_posted_ = 0;
   std::uint64_t bytes_delivered_ = 0;
 };

@@ -103,11 +103,12 @@ std::size_t Outbox::max_bytes(Delivery delivery) const {
   return std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
 }
 
-void Outbox::send(std::span<const OutgoingState> states, std::span<const std::byte> anchors,
-                  const Interest* interest, SessionTime now, PeerStats& stats) {
+void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
+                  std::span<const std::byte> anchors, const Interest* interest, SessionTime now,
+                  PeerStats& stats) {
   // Times of the session never come again: no table of a predecessor has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
-  for (const PeerStatus& status : transport_.peers()) {
+  for (const PeerStatus& status : company) {
     Link& link = link_to(status.id, stats);
     LinkStats& counters = stats.links[static_cast<std::size_t>(&link - links_.data())];
     if (!status.connected) {
@@ -254,7 +255,7 @@ void Outbox::look(Link& link, std::span<const OutgoingState> states, const Inter
 }
 
 void Outbox::withdraw(Link& link, PeerStats& stats, LinkStats& counters) {
-  std::span<const IndexedState> left(withdrawn_);
+  std::span<IndexedState> left(withdrawn_);
   while (!left.empty()) {
     packet_.clear();
     std::size_t count = 1;
@@ -410,7 +411,7 @@ void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
     for (std::size_t k = next; k < next + count && gone; ++k) {
       const OutgoingState& state = states[places_[k]];
       Sent& sent = link.sent[state.name];
-      const StateUpdate there = compact ? rounded(compact_[k].update) : full_[k];
+      const StateUpdate& there = compact ? compact_[k].update : full_[k];
       sent.stamp = now;
       sent.pose = there.pose;
       sent.twist = there.twist;

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -38,15 +37,13 @@ class Outbox {
   /// forgotten. @return whether they are: all bodies must be name()d again
   bool renew(std::size_t most);
 
+  /// @param company   all that the transport knows
   /// @param states    by ascending name, stamped `now`
   /// @param anchors   a message that goes along where the budget allows; may be empty
   /// @param interest  may be null
-  void send(std::span<const OutgoingState> states, std::span<const std::byte> anchors,
-            const Interest* interest, SessionTime now, PeerStats& stats);
-  /// Peers that were connected at the last send().
-  std::size_t company() const {
-    return static_cast<std::size_t>(std::ranges::count(links_, true, &Link::up));
-  }
+  void send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
+            std::span<const std::byte> anchors, const Interest* interest, SessionTime now,
+            PeerStats& stats);
   /// Something else was sent to everybody, bytes with headers.
   void charge(double bytes);
   /// A peer lacks names or states: it is told everything again.

@@ -161,10 +161,8 @@ void Peer::Impl::send_selected(SessionTime now) {
   spring_events_.clear();
   springs_.announce(now, spring_states_, spring_events_);
   anchors_.clear();
-  const std::size_t company = outbox_->company();
-  const bool in_full = options_.sending.format == StateFormat::Full || company > springs_told_to_ ||
+  const bool in_full = options_.sending.format == StateFormat::Full || !newcomers_.empty() ||
                        kNs * static_cast<double>(now - springs_told_) >= kSpringsEvery;
-  springs_told_to_ = company;
   if (in_full) springs_told_ = now;
   if (!in_full && !spring_states_.empty()) {
     told_in_full_.clear();
@@ -184,7 +182,7 @@ void Peer::Impl::send_selected(SessionTime now) {
   post_records(std::span<const SpringUpdate>(spring_states_), kSpringBytes, Delivery::Newest,
                [&] { post(Delivery::Newest); });
   outbox_->charge(beside);
-  outbox_->send(selectable_, anchors_, interest_, now, stats_);
+  outbox_->send(company_, selectable_, anchors_, interest_, now, stats_);
   // Afterwards: bodies that have gone are then withdrawn.
   constexpr std::size_t kSpareNames = 1024;
   renew(2 * shared_.size() + kSpareNames);

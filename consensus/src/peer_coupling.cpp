@@ -100,13 +100,13 @@ void Peer::Impl::update_ownership(SessionTime now) {
     ownership_->update(i, shared.def.id, inbox_.newest_at(i), acting, now);
     if (!ownership_->abandoned(i, now)) continue;
     if (lowest == 0) {
+      look_around();
       lowest = transport_.self();
-      for (const PeerStatus& peer : transport_.peers()) {
-        if (peer.connected) lowest = std::min(lowest, peer.id);
-      }
+      if (!connected_.empty()) lowest = std::min(lowest, connected_.front());
     }
     if (lowest == transport_.self()) ownership_->claim(i, now);
   }
+  if (!ownership_->outgoing().empty()) look_around();
   for (const OwnershipUpdate& update : ownership_->outgoing()) {
     outgoing_.clear();
     encode(std::span<const OwnershipUpdate>(&update, 1), outgoing_);

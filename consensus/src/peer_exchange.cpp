@@ -49,6 +49,7 @@ void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   unknown_.clear();
   transport_.drain(packets_);
+  if (options_.dating == Dating::Receipt && !packets_.empty()) senders_ = transport_.peers();
   for (const Packet& packet : packets_) {
     if (packet.from == 0) continue;  // no peer has this id
     ++stats_.packets_received;
@@ -60,10 +61,28 @@ void Peer::Impl::receive(SessionTime now) {
     }
     stats_.updates_received += incoming_.states.size();
     const CpuTimer process(stats_.process_s);
+    if (options_.dating == Dating::Receipt) date(packet, now);
     take_in(packet.from, now);
   }
   // States that have expired since count for nothing, nor does who sent them.
   inbox_.prune(now);
+}
+
+void Peer::Impl::date(const Packet& packet, SessionTime now) {
+  const bool said = packet.received != std::numeric_limits<SessionTime>::min();
+  const SessionTime received = said ? packet.received : now;
+  const auto sender = std::ranges::find(senders_, packet.from, &PeerStatus::id);
+  const SessionTime round_trip = sender != senders_.end() ? sender->round_trip : -1;
+  if (const auto newest = newest_stamp(incoming_)) {
+    shift_stamps(incoming_, sender_clocks_.hear(packet.from, *newest, received, round_trip));
+    return;
+  }
+  // Anchors are stamped when they are moved, and farewells and events may have waited for a link:
+  // they say little about the clock.
+  const auto known = sender_clocks_.shift(packet.from);
+  shift_stamps(incoming_, known ? *known
+                                : SenderClocks::guess(newest_stamp_of_others(incoming_), received,
+                                                      round_trip));
 }
 
 void Peer::Impl::take_in(PeerId from, SessionTime now) {
@@ -71,7 +90,7 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
   report_of(from);
   const SessionTime farewell = farewell_of(from);
   // Nothing asks for states where nothing is agreed upon and nobody drives a body.
-  const bool unheard = options_.coupling == Coupling::None && owned_ == 0;
+  const bool unheard = options_.coupling == Coupling::None && owners_.empty();
   for (const StateUpdate& update : incoming_.states) {
     if (!unheard) take_in_state(from, update, farewell, now);
   }
@@ -163,11 +182,13 @@ StateUpdate Peer::Impl::state_of(Shared& shared, SessionTime now) {
 }
 
 void Peer::Impl::send(SessionTime now) {
+  look_around();
+  states_.clear();
   if (outbox_ != nullptr) {
     send_selected(now);
+    greet_newcomers();  // of bodies the outbox tells them by itself
     return;
   }
-  states_.clear();
   for (Shared& shared : shared_) {
     if (world_.contains(shared.def.body)) states_.push_back(state_of(shared, now));
   }
@@ -188,18 +209,23 @@ void Peer::Impl::post_states() {
                  [this] { post_all(Delivery::Newest); });
     return;
   }
-  for (const PeerStatus& peer : transport_.peers()) {
-    if (!peer.connected) continue;
-    concerning_.clear();
-    for (const StateUpdate& state : states_) {
-      if (interest_->concerns(peer.id, state.id, state.pose)) concerning_.push_back(state);
-    }
+  for (const PeerId peer : connected_) {
+    collect_concerning(peer);
     post_records(std::span<const StateUpdate>(concerning_), kStateBytes, Delivery::Newest,
-                 [&] { post_to(peer.id, Delivery::Newest); });
+                 [&] { post_to(peer, Delivery::Newest); });
+  }
+}
+
+void Peer::Impl::collect_concerning(PeerId peer) {
+  concerning_.clear();
+  for (const StateUpdate& state : states_) {
+    const bool concerns = interest_ == nullptr || interest_->concerns(peer, state.id, state.pose);
+    if (concerns) concerning_.push_back(state);
   }
 }
 
 void Peer::Impl::leave(SessionTime now) {
+  look_around();
   outgoing_.clear();
   encode(Leave{.stamp = now}, outgoing_);
   post_all(Delivery::Reliable);
@@ -207,9 +233,7 @@ void Peer::Impl::leave(SessionTime now) {
 
 void Peer::Impl::post_all(Delivery delivery) {
   if (outgoing_.empty()) return;
-  for (const PeerStatus& peer : transport_.peers()) {
-    if (peer.connected) post_to(peer.id, delivery);
-  }
+  for (const PeerId peer : connected_) post_to(peer, delivery);
 }
 
 void Peer::Impl::post_to(PeerId to, Delivery delivery) {

@@ -23,6 +23,7 @@
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
 
 namespace tandem::consensus {
@@ -120,6 +121,8 @@ class Peer::Impl {
   // Receive.
   void receive(SessionTime now);
   CodecResult parse(const Packet& packet);
+  /// Shift the stamps of incoming_ to the own clock.
+  void date(const Packet& packet, SessionTime now);
   void take_in(PeerId from, SessionTime now);
   void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell, SessionTime now);
   void take_in_compact(PeerId from, SessionTime farewell, SessionTime now);
@@ -181,6 +184,8 @@ class Peer::Impl {
   /// Whether a peer that says so leads a body, as far as can be known here.
   bool believes_lead(Shared& shared, PeerId from, SessionTime now);
   bool owns_any(PeerId peer) const;
+  /// A body comes to an owner, or goes from one; nullopt is nobody.
+  void count_owner(std::optional<PeerId> owner, bool comes);
   /// Whether a hand is believed in that nobody else knows.
   bool believes_hands(std::size_t others) const;
   /// Whether more say what newest[i] says of the orientation than what is so here.
@@ -215,7 +220,9 @@ class Peer::Impl {
   void mark_joints();
   void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
   void send(SessionTime now);
-  /// Tell those who have connected since the last time all that is to be known, reliably.
+  /// Ask the transport who is there, into company_ and newcomers_.
+  void look_around();
+  /// Tell newcomers_ all that is to be known, reliably.
   void greet_newcomers();
   StateUpdate state_of(Shared& shared, SessionTime now);
   /// Whether a body has been lying still for a while.
@@ -241,6 +248,8 @@ class Peer::Impl {
   void post_to(PeerId to, Delivery delivery);
   /// The states that concern each of the others.
   void post_states();
+  /// Those of states_ that concern a peer, into concerning_.
+  void collect_concerning(PeerId peer);
 
   PeerOptions options_;
   CachedChain announcement_;
@@ -250,6 +259,7 @@ class Peer::Impl {
   Transport& transport_;
   Springs springs_;
   Inbox inbox_;
+  SenderClocks sender_clocks_;
   std::unique_ptr<Predictor> predictor_;
   bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
@@ -260,13 +270,14 @@ class Peer::Impl {
   std::unique_ptr<Outbox> outbox_;                ///< null: all in full to everybody
   NameTables names_;                              ///< of the others
   SessionTime springs_told_ = 0;                  ///< ns, when springs were last sent in full
-  std::size_t springs_told_to_ = 0;               ///< peers that were there then
   std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
   std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
   std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
   std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
-  std::vector<PeerId> greeted_;  ///< ascending, those connected now
+  std::vector<PeerStatus> company_;  ///< all that the transport knows, by id, at the last look
+  std::vector<PeerId> connected_;    ///< of these, ascending
+  std::vector<PeerId> newcomers_;    ///< of these, who have not been greeted
   bool has_sent_ = false;
   std::vector<std::uint8_t> jointed_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  ///< slots of bodies that move
@@ -275,7 +286,7 @@ class Peer::Impl {
   std::vector<std::uint8_t> touching_;
   /// Slots of a body and of what pushed it in the last step of another engine.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> noted_contacts_;
-  std::size_t owned_ = 0;  ///< bodies that have an owner
+  std::vector<std::pair<PeerId, std::size_t>> owners_;  ///< by id, with the number of their bodies
   SessionTime now_ = 0;
   SessionTime started_ = 0;
   SessionTime last_before_ = 0;
@@ -287,12 +298,12 @@ class Peer::Impl {
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;
+  std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on receipt
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
   std::vector<Claim> claims_;  ///< of the body that estimate() was asked about
   std::vector<Claim> turns_;
   std::vector<PeerId> leaders_;
-  std::vector<PeerId> newcomers_;
   std::vector<std::uint32_t> assembly_;  ///< slots of bodies that are placed together
   std::vector<std::uint32_t> island_;    ///< and of those that touch them
   std::vector<Vote> votes_;

@@ -18,7 +18,7 @@ void Peer::Impl::mark_acting() {
   if (world_.contacts() == nullptr && noted_contacts_.empty()) return;
   touching_.assign(world_.slot_count(), 0);
   for (const Shared& shared : shared_) {
-    if (owned_ == 0) break;
+    if (owners_.empty()) break;
     if (!shared.def.owner.has_value() || !world_.contains(shared.def.body)) continue;
     touching_[shared.def.body.index] =
         shared.def.owner == transport_.self() ? kTouchedByOwn : kTouchedByOther;

@@ -49,13 +49,26 @@ void Peer::Impl::share(const ShareDef& def) {
   if (keeps_heard_) shared->heard.reserve(kUsualPeers);
   if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
   inbox_.add_id(def.id);
-  if (def.owner.has_value()) ++owned_;
+  count_owner(def.owner, true);
+}
+
+void Peer::Impl::count_owner(std::optional<PeerId> owner, bool comes) {
+  if (!owner.has_value()) return;
+  auto it = std::lower_bound(owners_.begin(), owners_.end(), *owner,
+                             [](const auto& entry, PeerId id) { return entry.first < id; });
+  const bool known = it != owners_.end() && it->first == *owner;
+  if (comes) {
+    if (!known) it = owners_.insert(it, {*owner, 0});
+    ++it->second;
+  } else if (--it->second == 0) {
+    owners_.erase(it);
+  }
 }
 
 void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
   ShareDef& def = at(id).def;
-  if (def.owner.has_value()) --owned_;
-  if (owner.has_value()) ++owned_;
+  count_owner(def.owner, false);
+  count_owner(owner, true);
   def.owner = owner;
 }
 
@@ -68,7 +81,7 @@ void Peer::Impl::unshare(const SharedId& id) {
     --without_memory_;
   }
   springs_.forget_body(shared.def.body, now_);
-  if (shared.def.owner.has_value()) --owned_;
+  count_owner(shared.def.owner, false);
   inbox_.remove_id(id);
   if (ownership_ != nullptr) ownership_->remove(index_of(shared));
   shared_.erase(shared_.begin() + (&shared - shared_.data()));

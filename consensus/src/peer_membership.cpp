@@ -21,31 +21,35 @@ void add_once(std::vector<std::uint32_t>& slots, std::uint32_t slot) {
 
 }  // namespace
 
-void Peer::Impl::greet_newcomers() {
-  newcomers_.clear();
-  for (const PeerStatus& peer : transport_.peers()) {
-    const auto at = std::lower_bound(greeted_.begin(), greeted_.end(), peer.id);
-    const bool known = at != greeted_.end() && *at == peer.id;
+void Peer::Impl::look_around() {
+  company_ = transport_.peers();
+  std::erase_if(newcomers_, [this](PeerId id) {
+    return std::ranges::none_of(
+        company_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });
+  });
+  for (const PeerStatus& peer : company_) {
+    const auto at = std::lower_bound(connected_.begin(), connected_.end(), peer.id);
+    const bool known = at != connected_.end() && *at == peer.id;
     if (peer.connected && !known) {
       // Who was there before the first states were sent hears those.
       if (has_sent_) newcomers_.push_back(peer.id);
-      greeted_.insert(at, peer.id);
+      connected_.insert(at, peer.id);
     } else if (!peer.connected && known) {
-      greeted_.erase(at);
+      connected_.erase(at);
     }
   }
+}
+
+void Peer::Impl::greet_newcomers() {
   has_sent_ = true;
   for (const PeerId to : newcomers_) {
     const auto tell = [&] { post_to(to, Delivery::Reliable); };
-    concerning_.clear();
-    for (const StateUpdate& state : states_) {
-      const bool concerns = interest_ == nullptr || interest_->concerns(to, state.id, state.pose);
-      if (concerns) concerning_.push_back(state);
-    }
+    collect_concerning(to);
     post_records(std::span<const StateUpdate>(concerning_), kStateBytes, Delivery::Reliable, tell);
     post_records(std::span<const SpringUpdate>(spring_states_), kSpringBytes, Delivery::Reliable,
                  tell);
   }
+  newcomers_.clear();
 }
 
 void Peer::Impl::place_apart(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist,

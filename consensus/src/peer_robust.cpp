@@ -28,8 +28,11 @@ constexpr double kMoreThanOthers = 4.0;
 constexpr double kLearning = 0.3;
 constexpr double kWrongPlace = 0.03;
 
-/// m: nobody sees that a body moved so far in 1/60 s of itself.
+/// Nobody sees that a body moved so far (m) in 1/60 s of itself, nor this part of its way, nor that
+/// it went so much faster (m/s).
 constexpr double kUnseen = 0.003;
+constexpr double kUnseenPart = 0.1;
+constexpr double kUnseenKick = 0.05;
 
 /// `v` cut to a length.
 pbd::Vec3 cut(const pbd::Vec3& v, double longest, bool& was_longer) {
@@ -98,8 +101,8 @@ bool Peer::Impl::believes_hands(std::size_t others) const {
 }
 
 bool Peer::Impl::owns_any(PeerId peer) const {
-  return owned_ > 0 && std::any_of(shared_.begin(), shared_.end(),
-                                   [peer](const Shared& s) { return s.def.owner == peer; });
+  return std::binary_search(owners_.begin(), owners_.end(), std::pair(peer, std::size_t{0}),
+                            [](const auto& a, const auto& b) { return a.first < b.first; });
 }
 
 bool Peer::Impl::outvoted_at_stamp(const Shared& shared, std::span<const Inbox::Received> newest,
@@ -203,10 +206,14 @@ void Peer::Impl::limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool 
     return longer ? pbd::Vec3(here + way) : there;
   };
   // Who has put its copies where the others have them shows them, and gives itself time.
-  const double step =
-      joined && confidence() < 1.0 ? std::min(kUnseen, most.max_correction) : most.max_correction;
+  double step = most.max_correction;
+  double kick = most.max_velocity_correction;
+  if (joined && confidence() < 1.0) {
+    kick = std::min(kick, kUnseenKick);
+    step = std::min(step, kUnseen + kUnseenPart * step_dt_ * own.twist.linear.norm());
+  }
   target.pose.position = within(target.pose.position, own.pose.position, step);
-  target.twist.linear = within(target.twist.linear, own.twist.linear, most.max_velocity_correction);
+  target.twist.linear = within(target.twist.linear, own.twist.linear, kick);
   target.twist.angular = within(target.twist.angular, own.twist.angular, most.max_spin_correction);
   if (target.use_rotation_error) {
     target.rotation_error = cut(target.rotation_error, most.max_turn * inverse, capped);

@@ -3,6 +3,7 @@
 #include "tandem/consensus/virtual_link.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "link_model.h"
+#include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus {
 
@@ -18,6 +20,7 @@ struct VirtualNetwork::State {
   LinkOptions defaults;
   std::uint64_t seed = 0;
   SessionTime now = 0;
+  SessionTime start = 0;
   std::map<PeerId, std::unique_ptr<Endpoint>> endpoints;
   std::map<std::pair<PeerId, PeerId>, Link> links;
   Air air;
@@ -80,9 +83,20 @@ class VirtualNetwork::Endpoint : public Transport {
     return result;
   }
 
-  void arrive(Packet packet) { arrived_.push_back(std::move(packet)); }
+  void arrive(Flight flight) {
+    arrived_.push_back({flight.from, std::move(flight.bytes), shown_at(flight.due)});
+  }
+  void set_clock(SessionTime ahead, double drift_ppm) {
+    ahead_ = ahead;
+    drift_ppm_ = drift_ppm;
+  }
 
  private:
+  /// By this peer's clock.
+  SessionTime shown_at(SessionTime time) const {
+    const auto passed = static_cast<double>(time - network_.start);
+    return time + ahead_ + static_cast<SessionTime>(std::floor(1e-6 * drift_ppm_ * passed + 0.5));
+  }
   PeerStatus status_of(PeerId id) const {
     const Link& out = *network_.find(self_, id);
     const Link& in = *network_.find(id, self_);
@@ -95,11 +109,16 @@ class VirtualNetwork::Endpoint : public Transport {
     status.bytes_in = in.bytes_delivered();
     status.bytes_out = out.bytes_posted();
     status.dropped_queue_full = out.counters().queue_full;
+    if (in.delay() >= 0.0 && out.delay() >= 0.0) {
+      status.round_trip = static_cast<std::int64_t>(std::floor(in.delay() + out.delay() + 0.5));
+    }
     return status;
   }
 
   State& network_;
   PeerId self_;
+  SessionTime ahead_ = 0;
+  double drift_ppm_ = 0.0;
   std::vector<Packet> arrived_;
 };
 
@@ -108,7 +127,7 @@ VirtualNetwork::VirtualNetwork(const LinkOptions& options, std::uint64_t seed, S
   options.validate();
   state_->defaults = options;
   state_->seed = seed;
-  state_->now = start;
+  state_->now = state_->start = start;
 }
 
 VirtualNetwork::~VirtualNetwork() = default;
@@ -151,8 +170,9 @@ void VirtualNetwork::advance_to(SessionTime time) {
   for (auto& [ends, link] : state_->links) link.send_waiting(time, state_->air);
   while (!state_->air.empty() && state_->air.next_due() <= time) {
     Flight flight = state_->air.pop();
-    state_->find(flight.from, flight.to)->count_delivered(flight.bytes.size());
-    state_->endpoints[flight.to]->arrive({flight.from, std::move(flight.bytes)});
+    state_->find(flight.from, flight.to)->count_delivered(flight);
+    Endpoint& to = *state_->endpoints[flight.to];
+    to.arrive(std::move(flight));
   }
   state_->now = time;
 }
@@ -164,6 +184,22 @@ std::optional<SessionTime> VirtualNetwork::next_event() const {
     if (link.waits() && (!earliest || link.free_at() < *earliest)) earliest = link.free_at();
   }
   return earliest;
+}
+
+void VirtualNetwork::set_clock(PeerId peer, SessionTime ahead, double drift_ppm) {
+  constexpr SessionTime kMost = 1'000'000'000'000'000'000;
+  const auto at = state_->endpoints.find(peer);
+  if (at == state_->endpoints.end()) {
+    throw std::invalid_argument("VirtualNetwork::set_clock: peer = " + std::to_string(peer) +
+                                ": must have joined");
+  }
+  if (ahead < -kMost || ahead > kMost) {
+    throw std::invalid_argument("VirtualNetwork::set_clock: ahead = " + std::to_string(ahead) +
+                                ": must be within 1e18 ns of 0");
+  }
+  pbd::detail::require(std::abs(drift_ppm) <= 1000.0, "VirtualNetwork::set_clock", "drift_ppm",
+                       drift_ppm, "within 1000 of 0");
+  at->second->set_clock(ahead, drift_ppm);
 }
 
 LinkCounters VirtualNetwork::counters(PeerId from, PeerId to) const {

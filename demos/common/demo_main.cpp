@@ -14,6 +14,7 @@
 #include "common/process_runner.h"
 #include "common/report.h"
 #include "common/virtual_runner.h"
+#include "recording/gltf.h"
 
 namespace tandem::demos {
 
@@ -32,6 +33,7 @@ int run(const Scenario& scenario, const DemoOptions& options) {
   if (options.reference && !options.over_network()) {
     reference = run_reference(scenario, options, result);
   }
+  if (!options.glb.empty()) write_glb(options.glb, scenario.build({}), result.peers);
   return publish(make_report(scenario.name(), options, std::move(result), body_names(scenario),
                              reference ? &*reference : nullptr));
 }

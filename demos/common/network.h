@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/options.h"
+#include "common/session_key.h"
 #include "tandem/consensus/transport.h"
 
 namespace tandem::demos {
@@ -28,6 +29,10 @@ class Network {
 /// As the options say.
 /// @throws std::invalid_argument, std::system_error where it cannot be had, with the reason
 std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t scene_hash);
+
+/// The key in a file that the options name.
+/// @throws std::invalid_argument naming the file and the rule it breaks
+Key read_key(const std::string& path);
 
 // The kinds that there are.
 std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint64_t scene_hash);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include <stdexcept>
+#include <string>
+
 #include "common/network.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
@@ -23,6 +26,7 @@ class TcpNetwork final : public Network {
       if (!dial.reason.empty()) text += "; " + net::to_string(dial.address) + ": " + dial.reason;
     }
     const net::StrangerStatus strangers = transport_.strangers();
+    if (strangers.bad_proof > 0) text += "; somebody has another key";
     if (!strangers.last_reason.empty()) text += "; refused: " + strangers.last_reason;
     return text;
   }
@@ -39,13 +43,34 @@ std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t 
                        : make_tcp_network(options, scene_hash);
 }
 
+Key read_key(const std::string& path) {
+  try {
+    return read_session_key(path);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--key = " + path + " breaks: " + error.what());
+  }
+}
+
 std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint64_t scene_hash) {
   net::TcpOptions result;
   result.self = options.peer_id;
   result.scene_hash = scene_hash;
   result.listen_port = options.listen;
-  for (const std::string& address : options.connect) {
-    result.connect.push_back(net::parse_host_port(address));
+  const bool here_alone = options.key.empty();
+  for (const std::string& text : options.connect) {
+    const net::HostPort address = net::parse_host_port(text);
+    if (here_alone && !is_loopback(address.host)) {
+      throw std::invalid_argument("--connect = " + text +
+                                  " breaks: of this machine, without --key");
+    }
+    result.connect.push_back(address);
+  }
+  if (here_alone) {
+    result.listen_address = "127.0.0.1";
+  } else {
+    result.session_key = read_key(options.key);
+    if (!options.identity.empty()) result.identity = read_key(options.identity);
+    for (const auto& [peer, key] : options.trusted) result.trusted.push_back({peer, key});
   }
   return std::make_unique<TcpNetwork>(result);
 }

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "common/network.h"
-#include "common/session_key.h"
 #include "tandem/net/session.h"
 #include "tandem/net/udp.h"
 
@@ -14,17 +13,9 @@ namespace tandem::demos {
 
 namespace {
 
-net::UdpKey read_key(const std::string& path) {
-  try {
-    return read_session_key(path);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("--key = " + path + " breaks: " + error.what());
-  }
-}
-
 /// No secret: it tells sessions of demos from other datagrams.
-net::UdpKey known_key() {
-  net::UdpKey key{};
+net::Key known_key() {
+  net::Key key{};
   const std::string_view text = "tandem demo, not a secret";
   std::copy(text.begin(), text.end(), key.begin());
   return key;
@@ -38,7 +29,9 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   constexpr double kLink = 2000.0;  // kbit/s, where nothing is said
   result.kbit_per_s = options.budget > 0.0 ? options.budget : kLink;
   result.min_kbit_per_s = std::min(result.min_kbit_per_s, result.kbit_per_s);
-  result.clock = options.timeline == Timeline::System ? net::Clock::System : net::Clock::Session;
+  result.clock = options.timeline == Timeline::None     ? net::Clock::None
+                 : options.timeline == Timeline::System ? net::Clock::System
+                                                        : net::Clock::Session;
   for (const std::string& text : options.connect) {
     const net::HostPort address = net::parse_host_port(text);
     if (options.insecure && !is_loopback(address.host)) {

@@ -3,32 +3,16 @@
 #include "common/options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
 
+#include "common/option_values.h"
+
 namespace tandem::demos {
 
 namespace {
-
-[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view rule) {
-  throw UsageError(std::string(option) + " = " + std::string(value) +
-                   " breaks: " + std::string(rule));
-}
-
-template <class Number>
-Number number(std::string_view option, std::string_view text, Number low, Number high,
-              std::string_view rule) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  // Written so that NaN is refused as well.
-  const bool good =
-      error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
-  if (!good) refuse(option, text, rule);
-  return value;
-}
 
 /// Goes through the arguments; knows which of them were named.
 class Reader {
@@ -62,91 +46,6 @@ class Reader {
   std::size_t at_ = 0;
   std::optional<std::string_view> inline_value_;
 };
-
-consensus::PredictorKind predictor(std::string_view text) {
-  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Adaptive); ++i) {
-    const auto kind = static_cast<consensus::PredictorKind>(i);
-    if (text == to_string(kind)) return kind;
-  }
-  refuse("--predictor", text, "none, euler, second-order, kalman, local-motion, blend or adaptive");
-}
-
-consensus::InputMode mode(std::string_view text) {
-  for (int i = 0; i <= static_cast<int>(consensus::InputMode::Hard); ++i) {
-    const auto value = static_cast<consensus::InputMode>(i);
-    if (text == to_string(value)) return value;
-  }
-  refuse("--mode", text, "soft, asymmetric or hard");
-}
-
-Scheme scheme(std::string_view option, std::string_view text) {
-  for (int i = 0; i <= static_cast<int>(Scheme::Pd); ++i) {
-    const auto value = static_cast<Scheme>(i);
-    if (text == to_string(value)) return value;
-  }
-  refuse(
-      option, text,
-      "one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, none, single-owner or "
-      "pd");
-}
-
-std::string address(std::string_view text) {
-  constexpr std::string_view kRule = "HOST:PORT, port 1 to 65535";
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) refuse("--connect", text, kRule);
-  const std::string_view port = text.substr(colon + 1);
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), value);
-  if (error != std::errc{} || end != port.data() + port.size() || value < 1 || value > 65535) {
-    refuse("--connect", text, kRule);
-  }
-  return std::string(text);
-}
-
-/// "60,72": steps each second of the peers, in turn.
-std::vector<double> rates(std::string_view text) {
-  std::vector<double> result;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    result.push_back(number("--rates", text.substr(0, comma), 10.0, 1000.0,
-                            "numbers from 10 to 1000, with commas between them"));
-    if (comma == std::string_view::npos) return result;
-    text.remove_prefix(comma + 1);
-  }
-}
-
-/// "tandem,bullet": what the peers run on, in turn.
-std::vector<Engine> engines(std::string_view text) {
-  std::vector<Engine> result;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view name = text.substr(0, comma);
-    if (name != "tandem" && name != "bullet") {
-      refuse("--engines", name, "tandem and bullet, with commas between them");
-    }
-    if (name == "bullet" && !has_bullet()) {
-      refuse("--engines", name, "built with Bullet (TANDEM_BULLET_PEER)");
-    }
-    result.push_back(name == "bullet" ? Engine::Bullet : Engine::Tandem);
-    if (comma == std::string_view::npos) return result;
-    text.remove_prefix(comma + 1);
-  }
-}
-
-/// "masses,clean-up": parts to do without.
-Ablation ablation(std::string_view text) {
-  Ablation result;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view name = text.substr(0, comma);
-    std::size_t part = 0;
-    while (part < kParts && name != to_string(static_cast<Part>(part))) ++part;
-    if (part == kParts) refuse("--ablate", name, "parts that --help lists, with commas between");
-    result.leave_out(static_cast<Part>(part));
-    if (comma == std::string_view::npos) return result;
-    text.remove_prefix(comma + 1);
-  }
-}
 
 /// Where an option has a meaning.
 enum class Where : std::uint8_t { Everywhere, Virtual, Network };
@@ -203,10 +102,7 @@ constexpr Option kOptions[] = {
     {"--reorder", Where::Virtual, read_chance<&DemoOptions::reorder>},
     {"--bandwidth", Where::Virtual,
      [](std::string_view name, Reader& in, DemoOptions& o) {
-       constexpr std::string_view kRule = "bit/s, 0 or a number from 1 to 1e12";
-       const std::string_view text = in.value(name);
-       o.bandwidth = number(name, text, 0.0, 1e12, kRule);
-       if (o.bandwidth > 0.0 && o.bandwidth < 1.0) refuse(name, text, kRule);
+       o.bandwidth = limit(name, in.value(name), 1.0, 1e12, "bit/s, 0 or a number from 1 to 1e12");
      }},
     {"--max-state", Where::Virtual,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -216,10 +112,7 @@ constexpr Option kOptions[] = {
     {"--compact", Where::Everywhere, read_flag<&DemoOptions::compact>},
     {"--budget", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
-       constexpr std::string_view kRule = "kbit/s, 0 or a number from 8 to 1e6";
-       const std::string_view text = in.value(name);
-       o.budget = number(name, text, 0.0, 1e6, kRule);
-       if (o.budget > 0.0 && o.budget < 8.0) refuse(name, text, kRule);
+       o.budget = limit(name, in.value(name), 8.0, 1e6, "kbit/s, 0 or a number from 8 to 1e6");
      }},
     {"--tolerance", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -245,11 +138,25 @@ constexpr Option kOptions[] = {
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
     {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
-    {"--clock", Where::Network,
+    {"--transport", Where::Network,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        const std::string_view text = in.value(name);
-       if (text != "session" && text != "system") refuse(name, text, "session or system");
-       o.timeline = text == "system" ? Timeline::System : Timeline::Session;
+       if (text != "tcp" && text != "udp") refuse(name, text, "tcp or udp");
+       o.wire = text == "udp" ? Wire::Udp : Wire::Tcp;
+     }},
+    {"--clock", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view text = in.value(name);
+       if (text != "session" && text != "system" && text != "none") {
+         refuse(name, text, "session, system or none");
+       }
+       o.timeline = text == "none"     ? Timeline::None
+                    : text == "system" ? Timeline::System
+                                       : Timeline::Session;
+     }},
+    {"--clock-spread", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.clock_spread = number(name, in.value(name), 0.0, 1e6, "s, a number from 0 to 1e6");
      }},
     {"--seconds", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
@@ -322,7 +229,11 @@ constexpr Option kOptions[] = {
     {"--sleeping-threshold", Where::Everywhere, read_flag<&DemoOptions::sleeping_threshold>},
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
-    {"--record", Where::Everywhere, read_text<&DemoOptions::record>},
+    {"--record", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view file = in.value(name);
+       (file.ends_with(".glb") ? o.glb : o.record) = file;
+     }},
     {"--trace", Where::Everywhere, read_text<&DemoOptions::trace>},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
@@ -366,6 +277,7 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
 consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
+  if (timeline == Timeline::None) result.dating = consensus::Dating::Receipt;
   if (compact) result.sending.format = consensus::StateFormat::Compact;
   result.sending.kbit_per_s = budget;
   result.sending.tolerance = tolerance;
@@ -424,7 +336,8 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
     }
     option->read(name, in, options);
     if (option->where == Where::Virtual) virtual_only = name;
-    if (option->where == Where::Network) network_only = name;
+    const bool needs_network = name == "--clock" && options.timeline != Timeline::None;
+    if (option->where == Where::Network || needs_network) network_only = name;
   }
   if (options.over_network() && !virtual_only.empty()) {
     refuse(virtual_only, "given", "has no meaning with --listen or --connect");
@@ -432,8 +345,14 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   if (!options.over_network() && !network_only.empty()) {
     refuse(network_only, "given", "needs --listen or --connect");
   }
+  if (options.over_network() && !options.udp() && options.timeline == Timeline::None) {
+    refuse("--clock", "none", "over a network needs --key or --insecure");
+  }
   if (!options.key.empty() && options.insecure) {
     refuse("--insecure", "given", "has no meaning with --key");
+  }
+  if (options.wire == Wire::Udp && options.key.empty() && !options.insecure) {
+    refuse("--transport", "udp", "needs --key or --insecure");
   }
   // Who waits is user A, who calls is user B.
   if (options.over_network() && options.peer_id == 0) {

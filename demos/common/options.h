@@ -31,10 +31,18 @@ enum class Scheme : std::uint8_t {
   Pd,            ///< virtual coupling, with the prediction and rules of TwoStepPaper
 };
 
-/// Where session time comes from over UDP; over TCP it is the system clock's.
+/// Where session time comes from over UDP; over TCP it is the system clock's. In virtual time it is
+/// nobody's trouble, but None reads stamps as it does over UDP.
 enum class Timeline : std::uint8_t {
   Session,  ///< the session's own, agreed on in band
   System,   ///< the system clock of hosts that PTP or NTP disciplines
+  None,     ///< each peer has its own, and what comes is dated on receipt
+};
+
+enum class Wire : std::uint8_t {
+  Auto,  ///< UDP with a key or `insecure`, TCP else
+  Tcp,
+  Udp,
 };
 
 /// What all demos understand on their command line.
@@ -66,6 +74,7 @@ struct DemoOptions {
   double reorder = 0.0;                     ///< chance that it is overtaken
   double bandwidth = 0.0;                   ///< bit/s in each direction; 0 = unlimited
   std::size_t max_state_bytes = 64 * 1024;  ///< bytes of the longest state
+  double clock_spread = 0.0;                ///< s, from one virtual peer's clock to the next one's
   bool compact = false;                     ///< states are rounded to few bits
   double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = no limit
   double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
@@ -74,15 +83,17 @@ struct DemoOptions {
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
   std::uint64_t peer_id = 0;            ///< of this process
   double wait = 0.0;     ///< s, how long to wait for the first other process; 0 = for ever
-  std::string key;       ///< file with the session's key, 64 hex digits: UDP, encrypted
-  std::string identity;  ///< file with this peer's secret key over UDP; "" = a new one
+  std::string key;       ///< file with the session's key, 64 hex digits; "" = this machine alone
+  std::string identity;  ///< file with this peer's secret key, beside `key`; "" = a new one
   std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
-  bool insecure = false;  ///< UDP on this machine alone, with a key that everybody knows
+  bool insecure = false;  ///< on this machine alone; UDP with a key that everybody knows
+  Wire wire = Wire::Auto;
   Timeline timeline = Timeline::Session;
 
   std::string json;        ///< file for the result, "-" = standard output, "" = none
   std::string csv;         ///< folder for tables, "" = none
   std::string record;      ///< file for what the users did, "" = none
+  std::string glb;         ///< file for the run as glTF, "" = none
   std::string replay;      ///< file with what the users do, "" = they follow their script
   std::string trace;       ///< file for what enters a peer, see docs/trace.md, "" = none
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
@@ -90,7 +101,7 @@ struct DemoOptions {
   bool help = false;
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
-  bool udp() const { return !key.empty() || insecure; }
+  bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }

@@ -16,15 +16,19 @@ All peers in one process, in virtual time (the default):
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
   --loss P --duplicate P --reorder P   chances for each state on the link (0)
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
+  --clock-spread S   from one peer's clock to the next one's; with --clock none it does not matter
+                     (0)
   --max-state N      bytes of the longest packet of states; 502 is an MTU of 576 (65536)
-One peer for each process, in wall time over TCP, or with a key over UDP:
+One peer for each process, in wall time; on this machine alone where there is no --key:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
   --peer-id N        unique in the session (1 with --listen alone, else 2)
-  --key FILE         over UDP, encrypted; 64 hex digits, the same for all (tandem-key makes one)
-  --insecure         over UDP, with a key that everybody knows; loopback addresses only
-  --clock session|system   over UDP: time agreed on in the session, or the system clock, where PTP
-                     or NTP disciplines it (session)
+  --key FILE         encrypted; 64 hex digits, the same for all (tandem-key makes one)
+  --insecure         UDP without a secret; loopback addresses only
+  --transport tcp|udp  (udp with --key or --insecure, else tcp)
+  --clock session|system|none   over UDP: time agreed on in the session, the system clock, where
+                     PTP or NTP disciplines it, or each its own: what comes is dated on receipt
+                     (session); in virtual time none alone
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)
@@ -61,7 +65,7 @@ Session:
 Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies
-  --record FILE      write what the users did in each step
+  --record FILE      write what the users did in each step; FILE.glb: all motion, as glTF 2.0
   --trace FILE       write all that enters a peer, for tandem-replay; FILE.1, FILE.2, .. where all
                      peers are in one process
   --reference        run what the users did at one peer as well, and compare

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -30,6 +31,11 @@ double thread_cpu_s() {
 double seconds_of(consensus::SessionTime ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
+
+consensus::SessionTime clock_ahead(const DemoOptions& options, std::size_t number) {
+  if (options.over_network()) return 0;
+  return std::llround(1e9 * options.clock_spread * static_cast<double>(number));
+}
 
 std::size_t seat_of(const DemoOptions& options, std::size_t user) {
   // Over a network nobody knows how many will come.
@@ -73,9 +79,12 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
       physics_(options.ablation.around(make_physics(
           options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
-      signals_(transport),
+      // In virtual time all but the peers' own times are true ones.
+      signals_(transport,
+               options.over_network() ? options.peer_options().dating : consensus::Dating::Stamp),
       peer_(*scene_.world, signals_, options.peer_options(options.scheme_of(number))),
-      referee_(scenario.make_referee(scene_)) {
+      referee_(scenario.make_referee(scene_)),
+      clock_ahead_(clock_ahead(options, number)) {
   peer_.set_observer(this);
   targets_ = options.ablation.around(peer_);
   if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
@@ -110,6 +119,7 @@ void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
   Seat seat;
   seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
   seat.controls = std::make_unique<Controls>(user, scene_, peer_, epoch, &signals_);
+  seat.controls->set_clock(clock_ahead_);
   seat.user = make(*seat.controls);
   seats_.push_back(std::move(seat));
   if (watch_ != nullptr) watch_->user(user, epoch);
@@ -140,7 +150,7 @@ void Participant::begin(consensus::SessionTime now) {
   moved_.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
-  peer_.before_step(now);
+  peer_.before_step(now + clock_ahead_);
   if (watch_ != nullptr) watch_->told();
   record_.cpu_s += thread_cpu_s() - cpu_before;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
@@ -170,14 +180,14 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 void Participant::finish(consensus::SessionTime now) {
   if (watch_ != nullptr) watch_->finish(now);
   const double cpu_before = thread_cpu_s();
-  peer_.after_step(now);
+  peer_.after_step(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
   if (watch_ != nullptr) watch_->sent();
 }
 
 void Participant::leave(consensus::SessionTime now) {
   if (watch_ != nullptr) watch_->leave(now);
-  peer_.leave(now);
+  peer_.leave(now + clock_ahead_);
   if (watch_ != nullptr) watch_->sent();
 }
 
@@ -216,7 +226,7 @@ void Participant::on_prediction(consensus::PeerId from, const consensus::SharedI
       index_.begin(), index_.end(), body,
       [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
   if (record_nothing_ || found == index_.end() || found->first != body) return;
-  record_.predictions.push_back({from, found->second, now, age, predicted_position});
+  record_.predictions.push_back({from, found->second, now - clock_ahead_, age, predicted_position});
 }
 
 void Participant::record_bodies(consensus::SessionTime now) {

@@ -101,12 +101,16 @@ class Participant final : private consensus::PeerObserver {
   std::vector<pbd::Vec3> moved_;  ///< m, by body: what two-step coupling did before the step
   PeerRecord record_;
   consensus::SessionTime epoch_ = 0;
+  consensus::SessionTime clock_ahead_ = 0;  ///< ns, of the peer's clock; all else is in true time
   std::uint64_t steps_ = 0;
   bool started_ = false;
   bool wait_for_exchange_ = false;
   bool record_nothing_ = false;
   StepWatch* watch_ = nullptr;
 };
+
+/// ns, by how much the clock of the peer of that number is ahead in virtual time.
+consensus::SessionTime clock_ahead(const DemoOptions& options, std::size_t number);
 
 /// The number (from 0) of the peer at which a user sits.
 std::size_t seat_of(const DemoOptions& options, std::size_t user);

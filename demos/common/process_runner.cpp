@@ -32,15 +32,6 @@ std::size_t number_of(const DemoOptions& options) {
   return static_cast<std::size_t>(options.peer_id - 1);
 }
 
-net::PhysicsClockOptions clock_options(double step_hz) {
-  net::PhysicsClockOptions result;
-  result.nominal_step = std::llround(1e9 / step_hz);
-  result.min_step = std::min(result.min_step, result.nominal_step / 2);
-  result.max_step = std::max(result.max_step, 2 * result.nominal_step);
-  result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
-  return result;
-}
-
 /// A run over a network, from joining to leaving.
 class Session {
  public:
@@ -50,12 +41,12 @@ class Session {
         replay_(replayed_inputs(options)),
         network_(make_network(options, scene_hash(scenario.build({})))),
         view_(scenario.build({})),
-        rendezvous_(network_->transport(), view_),
+        rendezvous_(network_->transport(), view_, options.peer_options().dating),
         trace_(open_trace(scenario, options, options.peer_id, number_of(options), rendezvous_)),
         participant_(scenario, options, options.peer_id, number_of(options),
                      trace_ ? trace_->transport() : rendezvous_),
         start_(network_->now()),
-        physics_(clock_options(participant_.step_hz()), start_),
+        physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),
         progress_(options.quiet) {
     participant_.record_from_exchange();
     participant_.watch_steps_with(trace_.get());

@@ -17,8 +17,14 @@ bool RemoteView::body_index(const consensus::SharedId& id, std::size_t& index) c
   return true;
 }
 
-void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet) {
+void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet,
+                      const std::optional<Arrival>& arrival) {
   if (!consensus::decode(packet, decoded_).ok()) return;
+  const auto newest = consensus::newest_stamp(decoded_);
+  if (arrival && newest) {
+    consensus::shift_stamps(decoded_,
+                            clocks_.hear(from, *newest, arrival->received, arrival->round_trip));
+  }
   Remote& remote = remotes_[from];
   remote.tracks.resize(index_.size());
   std::size_t body = 0;

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/track.h"
 #include "scenes/scene.h"
+#include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
 
 namespace tandem::demos {
@@ -19,8 +21,15 @@ class RemoteView {
  public:
   explicit RemoteView(const Scene& scene);
 
+  /// When a packet came and how long to its sender and back takes, ns; -1: not known.
+  struct Arrival {
+    consensus::SessionTime received = 0;
+    consensus::SessionTime round_trip = -1;
+  };
   /// Look at a packet. What does not decode is passed over: refusing it is the session's business.
-  void look(consensus::PeerId from, std::span<const std::byte> packet);
+  /// @param arrival  given: stamps are read by it, as with consensus::Dating::Receipt
+  void look(consensus::PeerId from, std::span<const std::byte> packet,
+            const std::optional<Arrival>& arrival = {});
   /// The peer's process is gone: its users hold nothing more.
   void forget_hands(consensus::PeerId peer);
   /// By ascending id.
@@ -44,6 +53,7 @@ class RemoteView {
   std::map<consensus::SharedId, std::size_t> index_;
   std::map<consensus::PeerId, Remote> remotes_;
   consensus::DecodedPacket decoded_;
+  consensus::SenderClocks clocks_;
 };
 
 }  // namespace tandem::demos

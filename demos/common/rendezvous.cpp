@@ -11,19 +11,19 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4f4d4454;  // "TDMO" on the wire; no packet of a session
-constexpr std::size_t kBytes = 12;            // magic u32, epoch i64
+constexpr std::size_t kBytes = 20;            // magic u32, epoch i64, when it is said i64
 
 }  // namespace
 
 void Rendezvous::update(consensus::SessionTime now) {
   now_ = now;
-  const std::vector<consensus::PeerStatus> company = peers();
+  company_ = peers();
   const bool speak = now >= next_word_;
   if (speak) next_word_ = now + kInterval;
   connected_ = false;
   bool all_heard = true;
   bool lowest = true;
-  for (const consensus::PeerStatus& peer : company) {
+  for (const consensus::PeerStatus& peer : company_) {
     if (!peer.connected) {
       heard_.erase(peer.id);
       view_.forget_hands(peer.id);
@@ -47,14 +47,30 @@ void Rendezvous::update(consensus::SessionTime now) {
 void Rendezvous::drain(std::vector<consensus::Packet>& out) {
   const std::size_t first = out.size();
   SideChannel::drain(out);
-  for (std::size_t i = first; i < out.size(); ++i) view_.look(out[i].from, out[i].bytes);
+  for (std::size_t i = first; i < out.size(); ++i) {
+    std::optional<RemoteView::Arrival> arrival;
+    if (dating_ == consensus::Dating::Receipt) arrival = arrival_of(out[i]);
+    view_.look(out[i].from, out[i].bytes, arrival);
+  }
+}
+
+RemoteView::Arrival Rendezvous::arrival_of(const consensus::Packet& packet) const {
+  const auto sender = std::ranges::find(company_, packet.from, &consensus::PeerStatus::id);
+  return {.received = packet.received == INT64_MIN ? now_ : packet.received,
+          .round_trip = sender != company_.end() ? sender->round_trip : -1};
 }
 
 bool Rendezvous::hear(const consensus::Packet& packet) {
   if (packet.bytes.size() != kBytes) return false;
   pbd::ByteReader in(packet.bytes);
   if (in.u32() != kMagic) return false;
-  const consensus::SessionTime epoch = in.i64();
+  consensus::SessionTime epoch = in.i64();
+  const consensus::SessionTime said = in.i64();
+  if (epoch != 0 && dating_ == consensus::Dating::Receipt) {
+    const RemoteView::Arrival at = arrival_of(packet);
+    epoch =
+        consensus::shifted(epoch, consensus::SenderClocks::guess(said, at.received, at.round_trip));
+  }
   // An epoch of another day is nobody's script.
   if (epoch == 0 || plausible(epoch, now_)) heard_[packet.from] = epoch;
   return true;
@@ -65,6 +81,7 @@ void Rendezvous::say(consensus::PeerId to) {
   pbd::ByteWriter out(bytes);
   out.u32(kMagic);
   out.i64(epoch_.value_or(0));
+  out.i64(now_);
   post(to, bytes, consensus::Delivery::Newest);
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/remote_view.h"
 #include "common/side_channel.h"
+#include "tandem/consensus/peer.h"
 
 namespace tandem::demos {
 
@@ -22,7 +23,10 @@ namespace tandem::demos {
 class Rendezvous final : public SideChannel {
  public:
   /// Both must outlive it.
-  Rendezvous(consensus::Transport& inner, RemoteView& view) : SideChannel(inner), view_(view) {}
+  /// @param dating  by what the times of others are read
+  Rendezvous(consensus::Transport& inner, RemoteView& view,
+             consensus::Dating dating = consensus::Dating::Stamp)
+      : SideChannel(inner), view_(view), dating_(dating) {}
 
   /// Speak where it is time, and decide. @param now  session time, ns
   void update(consensus::SessionTime now);
@@ -39,8 +43,11 @@ class Rendezvous final : public SideChannel {
 
   bool hear(const consensus::Packet& packet) override;
   void say(consensus::PeerId to);
+  RemoteView::Arrival arrival_of(const consensus::Packet& packet) const;
 
   RemoteView& view_;
+  consensus::Dating dating_;
+  std::vector<consensus::PeerStatus> company_;  ///< at the last update()
   std::optional<consensus::SessionTime> epoch_;
   std::map<consensus::PeerId, consensus::SessionTime> heard_;  ///< epoch of each peer; 0 = none
   consensus::SessionTime now_ = 0;

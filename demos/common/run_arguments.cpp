@@ -57,6 +57,7 @@ void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   if (o.over_network()) {
     words.add("--listen", "0");
     words.add("--peer-id", Words::text(o.peer_id));
+    words.flag("--insecure", o.udp());
     return;
   }
   words.number("--peers", o.peers, usual.peers);
@@ -66,6 +67,7 @@ void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   words.number("--reorder", o.reorder, usual.reorder);
   words.number("--bandwidth", o.bandwidth, usual.bandwidth);
   words.number("--max-state", o.max_state_bytes, usual.max_state_bytes);
+  words.number("--clock-spread", o.clock_spread, usual.clock_spread);
 }
 
 }  // namespace
@@ -74,6 +76,8 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   const DemoOptions usual;
   Words words;
   write_place(o, usual, words);
+  // Where else time comes from changes nothing but the times.
+  if (o.timeline == Timeline::None) words.add("--clock", "none");
   words.number("--seconds", o.seconds, usual.seconds);
   words.number("--seed", o.seed, usual.seed);
   words.word("--variant", o.variant, usual.variant);

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 
+#include "tandem/consensus/sender_clocks.h"
 #include "tandem/pbd/bytes.h"
 
 namespace tandem::demos {
 
 namespace {
 constexpr std::uint32_t kMagic = 0x47495354;  // "TSIG" on the wire
-constexpr std::size_t kBytes = 16;            // magic u32, code u32, time i64
+constexpr std::size_t kBytes = 24;            // magic u32, code u32, time i64, when it is told i64
 }  // namespace
 
 void Signals::update(consensus::SessionTime now) {
@@ -48,12 +49,33 @@ bool Signals::hear(const consensus::Packet& packet) {
   Signal signal;
   signal.code = in.u32();
   signal.time = in.i64();
+  signal.time = dated(packet, signal.time, in.i64());
   std::size_t& told = told_[packet.from];
-  if (!plausible(signal.time, now_) || known_.size() >= kMaxSignals || told >= kMaxFromOne) {
+  if (!plausible(signal.time, now_) || knows(signal) || known_.size() >= kMaxSignals ||
+      told >= kMaxFromOne) {
     return true;
   }
   if (known_.insert(signal).second) ++told;
   return true;
+}
+
+consensus::SessionTime Signals::dated(const consensus::Packet& packet, consensus::SessionTime time,
+                                      consensus::SessionTime said) const {
+  if (dating_ == consensus::Dating::Stamp) return time;
+  consensus::SessionTime round_trip = -1;
+  for (const consensus::PeerStatus& peer : peers()) {
+    if (peer.id == packet.from) round_trip = peer.round_trip;
+  }
+  const consensus::SessionTime received = packet.received == INT64_MIN ? now_ : packet.received;
+  return consensus::shifted(time, consensus::SenderClocks::guess(said, received, round_trip));
+}
+
+bool Signals::knows(const Signal& signal) const {
+  if (dating_ == consensus::Dating::Stamp) return false;  // the same time then
+  return std::any_of(known_.begin(), known_.end(), [&](const Signal& known) {
+    return known.code == signal.code && known.time - signal.time < kSameSignal &&
+           signal.time - known.time < kSameSignal;
+  });
 }
 
 void Signals::say(consensus::PeerId to, const Signal& signal) {
@@ -62,6 +84,7 @@ void Signals::say(consensus::PeerId to, const Signal& signal) {
   out.u32(kMagic);
   out.u32(signal.code);
   out.i64(signal.time);
+  out.i64(now_);
   post(to, bytes, consensus::Delivery::Reliable);
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/side_channel.h"
 #include "scenes/controls.h"
+#include "tandem/consensus/peer.h"
 
 namespace tandem::demos {
 
@@ -20,9 +21,13 @@ class Signals final : public SideChannel, public SignalSink {
   /// Beyond these nothing more is taken from others, and nothing more from one of them.
   static constexpr std::size_t kMaxSignals = 1024;
   static constexpr std::size_t kMaxFromOne = 64;
+  static constexpr consensus::SessionTime kSameSignal = 2'000'000'000;  ///< ns
 
   /// Must outlive it.
-  explicit Signals(consensus::Transport& inner) : SideChannel(inner) {}
+  /// @param dating  by what the times of others are read: on receipt, what waited for its link is
+  ///   as late, and what two peers tell within kSameSignal is one signal
+  explicit Signals(consensus::Transport& inner, consensus::Dating dating = consensus::Dating::Stamp)
+      : SideChannel(inner), dating_(dating) {}
 
   /// Tell newcomers. @param now  ns, session time
   void update(consensus::SessionTime now);
@@ -33,12 +38,17 @@ class Signals final : public SideChannel, public SignalSink {
  private:
   bool hear(const consensus::Packet& packet) override;
   void say(consensus::PeerId to, const Signal& signal);
+  /// By the own clock. @param said  ns, by the sender's, when it was told
+  consensus::SessionTime dated(const consensus::Packet& packet, consensus::SessionTime time,
+                               consensus::SessionTime said) const;
+  bool knows(const Signal& signal) const;
 
   struct InTime {
     bool operator()(const Signal& a, const Signal& b) const {
       return a.time != b.time ? a.time < b.time : a.code < b.code;
     }
   };
+  consensus::Dating dating_;
   std::set<Signal, InTime> known_;
   std::set<Signal, InTime> taken_;
   std::map<consensus::PeerId, std::size_t> told_;  ///< new ones, by who told them first

@@ -85,7 +85,10 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
                                     kStart);
   const auto count = static_cast<std::size_t>(options.peers);
   // All join before the first of them looks around.
-  for (std::size_t i = 0; i < count; ++i) network.transport(i + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    network.transport(i + 1);
+    network.set_clock(i + 1, clock_ahead(options, i));
+  }
   // They outlive the actors, who use them.
   std::vector<std::unique_ptr<PeerTrace>> traces(count);
   std::vector<Actor> actors;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Keys for sessions over UDP, 64 hex digits each:
+// Keys for protected sessions, 64 hex digits each:
 //
 //   (umask 077 && tandem-key > session.key)   a new one: a session's key, or a peer's identity
 //   tandem-key --public identity.key          the public key of an identity, for the others
@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "common/session_key.h"
-#include "tandem/net/udp.h"
+#include "tandem/net/keys.h"
 
 int main(int argc, char** argv) {
   using namespace tandem;
@@ -24,8 +24,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const net::UdpKey key =
-        of_identity ? net::udp_public_key(demos::read_session_key(argv[2])) : net::make_udp_key();
+    const net::Key key =
+        of_identity ? net::public_key(demos::read_session_key(argv[2])) : net::make_key();
     for (const std::uint8_t byte : key) std::printf("%02x", byte);
     std::printf("\n");
   } catch (const std::exception& error) {

@@ -169,14 +169,22 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
   in.read("insecure", o.insecure);
   std::string clock = "session";
   in.read("clock", clock);
-  if (clock != "session" && clock != "system") in.refuse("clock", "\"session\" or \"system\"");
-  o.timeline = clock == "system" ? Timeline::System : Timeline::Session;
+  if (clock != "session" && clock != "system" && clock != "none") {
+    in.refuse("clock", "\"session\", \"system\" or \"none\"");
+  }
+  o.timeline = clock == "none"     ? Timeline::None
+               : clock == "system" ? Timeline::System
+                                   : Timeline::Session;
   in.read("kbit_per_s", o.budget, 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
+  in.read("compact", o.compact);
+  in.read("tolerance", o.tolerance, 0.0, 10.0, "m, a number from 0 to 10");
+  o.wire = udp ? Wire::Udp : Wire::Tcp;
   if (!udp) {
-    for (const char* key : {"key", "identity", "trusted", "insecure", "clock", "kbit_per_s"}) {
+    for (const char* key : {"clock", "kbit_per_s"}) {
       if (in.has(key)) in.refuse(key, "has no meaning with transport = \"tcp\"");
     }
-  } else if (o.key.empty() == !o.insecure) {
+  }
+  if (o.key.empty() == !o.insecure) {
     in.refuse("key", "a file with the session's key, or insecure = true on one machine");
   }
   read_key_file(in, "key", folder, o.key);

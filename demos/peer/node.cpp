@@ -26,6 +26,7 @@
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"
 #include "scenes/piano.h"
+#include "scenes/pile.h"
 #include "scenes/random.h"
 #include "scenes/room.h"
 #include "scenes/tennis.h"
@@ -55,9 +56,10 @@ struct Known {
   const char* name;
   std::unique_ptr<Scenario> (*make)();
 };
-constexpr std::array<Known, 5> kScenarios = {{{"cliff", make<CliffScenario>},
+constexpr std::array<Known, 6> kScenarios = {{{"cliff", make<CliffScenario>},
                                               {"cubes", make<CubesScenario>},
                                               {"piano", make<PianoScenario>},
+                                              {"pile", make<PileScenario>},
                                               {"room", make<RoomScenario>},
                                               {"tennis", make<TennisScenario>}}};
 
@@ -85,9 +87,9 @@ class Node {
         network_(make_network(config.session,
                               scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
         words_(network_->transport()),
-        signals_(words_),
+        signals_(words_, config.session.peer_options().dating),
         peer_(*scene_.world, signals_, config.session.peer_options()),
-        clock_(clock_options(), network_->now()) {
+        clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
     peer_.set_observer(&divergence_);
     for (const SceneBody& body : scene_.bodies) {
       std::optional<PeerId> owner;
@@ -136,15 +138,6 @@ class Node {
  private:
   /// Order and noise go by peer id, as in the demos.
   std::size_t number() const { return static_cast<std::size_t>(config_.session.peer_id - 1); }
-
-  net::PhysicsClockOptions clock_options() const {
-    net::PhysicsClockOptions result;
-    result.nominal_step = std::llround(1e9 / config_.session.step_hz(0));
-    result.min_step = std::min(result.min_step, result.nominal_step / 2);
-    result.max_step = std::max(result.max_step, 2 * result.nominal_step);
-    result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
-    return result;
-  }
 
   double uptime(SteadyClock::time_point now) const {
     return std::chrono::duration<double>(now - start_).count();

@@ -67,7 +67,7 @@ std::uint32_t Controls::hold(std::size_t body, const consensus::GrabDef& def) {
 void Controls::move(std::uint32_t spring, const pbd::Vec3& anchor_w) {
   const Spring& held = springs_.at(spring);
   append(note(Input::Kind::Move, spring, held.body).values, anchor_w);
-  peer_.move(held.id, anchor_w, now_);
+  peer_.move(held.id, anchor_w, now_ + clock_ahead_);
 }
 
 void Controls::release(std::uint32_t spring) {

@@ -36,6 +36,8 @@ class Controls {
   Controls(std::size_t user, Scene& scene, consensus::Peer& peer, consensus::SessionTime epoch,
            SignalSink* signals = nullptr);
 
+  /// The peer's clock is `ahead` ns of ours.
+  void set_clock(consensus::SessionTime ahead) { clock_ahead_ = ahead; }
   /// What follows happens at `now`, before a step of `dt` s.
   void begin(consensus::SessionTime now, double dt);
   double time() const { return 1e-9 * static_cast<double>(now_ - epoch_); }  ///< s since the epoch
@@ -79,6 +81,7 @@ class Controls {
   consensus::SessionTime epoch_;
   SignalSink* signals_;
   consensus::SessionTime now_ = 0;
+  consensus::SessionTime clock_ahead_ = 0;
   double dt_ = 1.0 / 60.0;
   std::map<std::uint32_t, Spring> springs_;
   std::uint32_t next_ = 1;

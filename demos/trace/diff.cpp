@@ -21,6 +21,10 @@ bool same(const Input& a, const Input& b) {
          std::equal(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(), bits);
 }
 
+bool same(const consensus::Packet& a, const consensus::Packet& b) {
+  return a.from == b.from && a.received == b.received && a.bytes == b.bytes;
+}
+
 Departure packets_differ(const TraceRecord& a, const TraceRecord& b) {
   Departure result;
   result.stage = "packets";
@@ -28,11 +32,15 @@ Departure packets_differ(const TraceRecord& a, const TraceRecord& b) {
   for (std::size_t i = 0; i < both; ++i) {
     const consensus::Packet& x = a.packets[i];
     const consensus::Packet& y = b.packets[i];
-    if (x.from == y.from && x.bytes == y.bytes) continue;
+    if (same(x, y)) continue;
+    result.note = "packet " + std::to_string(i) + " from peer " + std::to_string(x.from) + ", ";
+    if (x.bytes == y.bytes) {
+      result.note += "its sender or when it came";
+      return result;
+    }
     const auto at = std::mismatch(x.bytes.begin(), x.bytes.end(), y.bytes.begin(), y.bytes.end());
-    result.note = "packet " + std::to_string(i) + " from peer " + std::to_string(x.from) +
-                  ", byte " + std::to_string(at.first - x.bytes.begin()) + " of " +
-                  std::to_string(x.bytes.size());
+    result.note += "byte " + std::to_string(at.first - x.bytes.begin()) + " of " +
+                   std::to_string(x.bytes.size());
     return result;
   }
   result.note =
@@ -56,11 +64,9 @@ std::optional<Departure> inputs_differ(const TraceRecord& a, const TraceRecord& 
 }
 
 bool same_packets(const TraceRecord& a, const TraceRecord& b) {
-  // When a packet came, to the nanosecond, is no part of what a peer does with it.
-  return a.call == b.call && std::equal(a.packets.begin(), a.packets.end(), b.packets.begin(),
-                                        b.packets.end(), [](const auto& x, const auto& y) {
-                                          return x.from == y.from && x.bytes == y.bytes;
-                                        });
+  return a.call == b.call &&
+         std::equal(a.packets.begin(), a.packets.end(), b.packets.begin(), b.packets.end(),
+                    [](const auto& x, const auto& y) { return same(x, y); });
 }
 
 std::optional<Departure> differ_if(bool differs, const char* stage, const char* note = "") {

@@ -70,6 +70,11 @@ Replayer::Replayer(const Scenario& scenario, std::span<const std::byte> trace)
     throw std::invalid_argument("scene = " + header().scene +
                                 " breaks: the same bodies as when it was traced");
   }
+  const auto peers = static_cast<std::uint64_t>(options_.peers);
+  if (!options_.over_network() && header().number >= peers) {
+    throw std::invalid_argument("number = " + std::to_string(header().number) +
+                                " breaks: below --peers");
+  }
   load_phase();
   transport_.begin_phase(answers());
   participant_ = std::make_unique<Participant>(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -29,6 +30,15 @@ SessionTime SessionClock::now() {
   held_ = reading < last_ ? last_ - reading : 0;
   last_ = std::max(last_, reading);
   return last_;
+}
+
+PhysicsClockOptions PhysicsClockOptions::at_rate(double hz) {
+  PhysicsClockOptions result;
+  result.nominal_step = std::llround(1e9 / hz);
+  result.min_step = std::min(result.min_step, result.nominal_step / 2);
+  result.max_step = std::max(result.max_step, 2 * result.nominal_step);
+  result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
+  return result;
 }
 
 void PhysicsClockOptions::validate() const {

@@ -17,6 +17,7 @@ struct QueuedFrame {
   consensus::Delivery delivery{};
   std::uint64_t sequence = 0;  // of Reliable; 0 for Newest
   std::vector<std::byte> bytes;
+  consensus::SessionTime received = INT64_MIN;  // system clock, ns
 };
 
 /// What a frame counts in a queue's limit: the payload and about what keeping it takes.

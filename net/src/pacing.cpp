@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "pacing.h"
 
+#include <cmath>
+
 namespace tandem::net {
 
 void Congestion::update(const Channels::Feedback& feedback, const RttEstimate& rtt, bool held_back,
@@ -31,25 +33,47 @@ void Congestion::update(const Channels::Feedback& feedback, const RttEstimate& r
     rate_ *= 0.85;
     if (limited) rate_ = std::min(rate_, 0.9 * arrived);
     series_rate_ = 0.0;
-  } else if (loss_ > std::max(0.10, overlooked_)) {
-    on_loss(sent, arrived, now);
+  } else if (const double count = static_cast<double>(packets); is_high(loss_, count)) {
+    on_loss(sent, arrived, count, now);
   } else {
-    series_rate_ = 0.0;
-    if (loss_ < std::max(0.02, overlooked_) && limited) rate_ *= 1.08;
+    const bool clean = loss_ < std::max(0.02, overlooked_);
+    if (clean || now - series_start_ > kSeries) series_rate_ = 0.0;
+    if (clean && limited) rate_ *= 1.08;
   }
   rate_ = std::clamp(rate_, options_.min_kbit, options_.max_kbit);
 }
 
-void Congestion::on_loss(double sent, double arrived, std::int64_t now) {
+bool Congestion::is_high(double loss, double packets) const {
+  // Of twenty packets that are lost at 5 % each, three are in every thirteenth period.
+  const bool first = series_rate_ == 0.0;
+  const double chance = first ? 1.5 * std::sqrt(kHigh * (1.0 - kHigh) / packets) : 0.0;
+  return loss > std::max(kHigh + chance, overlooked_);
+}
+
+void Congestion::on_loss(double sent, double arrived, double packets, std::int64_t now) {
   if (series_rate_ == 0.0) {
     series_rate_ = rate_;
+    series_start_ = now;
     series_loss_ = loss_;
     series_sent_ = sent;
     series_arrived_ = arrived;
+    probes_ = false;
+    return;  // for once it may be chance
   }
-  if (sent <= 0.6 * series_sent_ && arrived <= 0.8 * series_arrived_) {
+  if (!probes_) {
+    series_loss_ = std::max(series_loss_, loss_);
+    series_sent_ = std::max(series_sent_, sent);
+    series_arrived_ = std::max(series_arrived_, arrived);
+    probes_ = true;
+    rate_ = std::min(rate_, kProbe * series_sent_);
+    return;
+  }
+  // What was on its way when the probe began counts as well: a little above it.
+  if (sent <= 1.1 * kProbe * series_sent_ && arrived <= 0.8 * series_arrived_) {
     rate_ = series_rate_;
-    overlooked_ = 1.3 * std::max(loss_, series_loss_) + 0.05;
+    const double loss = std::max(loss_, series_loss_);
+    const double chance = 2.0 * std::sqrt(loss * (1.0 - loss) / packets);
+    overlooked_ = 1.3 * loss + 0.05 + chance;
     overlook_until_ = now + kOverlook;
     series_rate_ = 0.0;
     return;

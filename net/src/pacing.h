@@ -64,13 +64,15 @@ struct CongestionOptions {
 ///
 /// - The least of the last round trips is longer than the least of the last 10 s by more than
 ///   50 ms: a queue has built up. x0.85, and not above 0.9 of what has arrived.
-/// - More than 10 % lost: x (1 - loss / 2).
+/// - More than 10 % lost, twice and not by chance: 0.6 of what was sent, then x (1 - loss / 2).
 /// - Less than 2 % lost, and the rate was what held back: x1.08.
 ///
 /// Loss that is not ours (radio, a bad line): where 0.6 of what was sent before is sent and what
 /// arrives has fallen with it, sending less did not help. The rate goes back to where it was, and
 /// that much loss is overlooked for two minutes. Where the loss was ours as much arrives as
-/// before.
+/// before. What was sent before is the most of the first two periods: in one of them the
+/// application may just have begun, and of what is allowed and not asked for nothing is to be
+/// learned. A period in which by chance less is lost ends no series.
 /// The rules on loss are those of Google's congestion control (draft-ietf-rmcat-gcc-02, Sec. 6);
 /// the one on delay is simpler, the last one is our own.
 class Congestion {
@@ -90,9 +92,13 @@ class Congestion {
   static constexpr std::int64_t kLongest = 2'000'000'000;
   static constexpr std::int64_t kQueue = 50'000'000;
   static constexpr std::int64_t kOverlook = 120'000'000'000;
+  static constexpr std::int64_t kSeries = 5'000'000'000;
+  static constexpr double kHigh = 0.10;         // of what was sent, lost
+  static constexpr double kProbe = 0.6;         // of what was sent
   static constexpr std::uint64_t kEnough = 20;  // packets
 
-  void on_loss(double sent, double arrived, std::int64_t now);
+  bool is_high(double loss, double packets) const;
+  void on_loss(double sent, double arrived, double packets, std::int64_t now);
 
   CongestionOptions options_;
   double rate_;
@@ -101,6 +107,8 @@ class Congestion {
   Channels::Feedback sum_;
   bool held_back_ = false;
   double series_rate_ = 0.0;  // before the first decrease for loss; 0: none yet
+  std::int64_t series_start_ = 0;
+  bool probes_ = false;
   double series_loss_ = 0.0;
   double series_sent_ = 0.0;     // kbit/s
   double series_arrived_ = 0.0;  // kbit/s

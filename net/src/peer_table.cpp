@@ -3,11 +3,22 @@
 #include "peer_table.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace tandem::net {
 
 using consensus::Delivery;
+
+namespace {
+
+/// ns since 1970, as SessionClock reads it.
+consensus::SessionTime system_now() {
+  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
+  return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
 
 // ---- application's thread ----
 
@@ -37,7 +48,10 @@ PeerTable::PostResult PeerTable::post(PeerId to, std::span<const std::byte> byte
 void PeerTable::drain(std::vector<consensus::Packet>& out) {
   const std::lock_guard lock(mutex_);
   for (auto& [id, record] : records_) {
-    while (!record.inbox.empty()) out.push_back({.from = id, .bytes = record.inbox.pop().bytes});
+    while (!record.inbox.empty()) {
+      QueuedFrame frame = record.inbox.pop();
+      out.push_back({.from = id, .bytes = std::move(frame.bytes), .received = frame.received});
+    }
   }
 }
 
@@ -182,8 +196,10 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
     ++record->status.dropped_queue_full;
     return delivery == Delivery::Newest ? Delivered::Ok : Delivered::Full;
   }
-  record->inbox.push(
-      {.delivery = delivery, .sequence = sequence, .bytes = {bytes.begin(), bytes.end()}});
+  record->inbox.push({.delivery = delivery,
+                      .sequence = sequence,
+                      .bytes = {bytes.begin(), bytes.end()},
+                      .received = system_now()});
   if (delivery == Delivery::Reliable) record->last_received = sequence;
   ++record->status.packets_in;
   record->status.bytes_in += bytes.size();
@@ -256,6 +272,15 @@ void PeerTable::count(Stranger what, const std::string& reason) {
       break;
     case Stranger::TimedOut:
       ++strangers_.timed_out;
+      break;
+    case Stranger::Limited:
+      ++strangers_.limited;
+      break;
+    case Stranger::BadProof:
+      ++strangers_.bad_proof;
+      break;
+    case Stranger::Forged:
+      ++strangers_.forged;
       break;
   }
   strangers_.last_reason = reason;

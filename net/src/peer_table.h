@@ -20,6 +20,10 @@ namespace tandem::net {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
+inline std::int64_t nanoseconds(SteadyTime time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
 /// Everything the application's thread and the network thread share: the peers, their queues and
 /// counters. One mutex, held for memory operations only. Knows nothing of sockets: a connection is
 /// a serial number ("link", never 0), and only the link attached to a peer may act for it.
@@ -79,7 +83,7 @@ class PeerTable {
   void begin_shutdown();
 
   void set_dials(std::vector<DialStatus> dials);
-  enum class Stranger { Accepted, Refused, Malformed, TimedOut };
+  enum class Stranger { Accepted, Refused, Malformed, TimedOut, Limited, BadProof, Forged };
   void count(Stranger what, const std::string& reason = {});
 
  private:

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <chrono>
 #include <stdexcept>
 #include <string>
 
@@ -19,6 +20,22 @@ inline void require(bool ok, const char* owner, const char* field, const std::st
 template <class Integer>
 void require(bool ok, const char* owner, const char* field, Integer value, const char* rule) {
   if (!ok) require(false, owner, field, std::to_string(value), rule);
+}
+
+/// The times that the options of both transports have.
+template <class Options>
+void require_times(const Options& options, const char* owner) {
+  using std::chrono::milliseconds;
+  const auto period = [owner](milliseconds value, milliseconds least, const char* field,
+                              const char* rule) {
+    require(value >= least && value <= std::chrono::hours(1), owner, field, value.count(), rule);
+  };
+  period(options.idle_timeout, milliseconds(40), "idle_timeout", "in [40 ms, 1 h]");
+  period(options.backoff_min, milliseconds(1), "backoff_min", "in [1 ms, 1 h]");
+  period(options.backoff_max, options.backoff_min, "backoff_max", "in [backoff_min, 1 h]");
+  period(options.drop_hold, milliseconds(0), "drop_hold", "in [0, 1 h]");
+  require(options.flush_timeout >= milliseconds(0) && options.flush_timeout <= milliseconds(10000),
+          owner, "flush_timeout", options.flush_timeout.count(), "in [0, 10 s]");
 }
 
 }  // namespace tandem::net

@@ -5,9 +5,11 @@
 #include <chrono>
 #include <utility>
 
+#include "loopback.h"
 #include "peer_table.h"
 #include "require.h"
 #include "tcp_mesh.h"
+#include "tcp_security.h"
 
 namespace tandem::net {
 
@@ -17,14 +19,30 @@ void TcpOptions::validate() const {
     require(ok, "TcpOptions", field, value, rule);
   };
   constexpr std::uint32_t kMebi = 1024 * 1024;
-  const auto period = [&](milliseconds value, milliseconds least, const char* field,
-                          const char* rule) {
-    check(value >= least && value <= std::chrono::hours(1), field, value.count(), rule);
-  };
   check(self != 0, "self", self, "not 0");
   check(!listen_port || !listen_address.empty(), "listen_address", listen_address, "an address");
   for (const HostPort& address : connect) {
     check(!address.host.empty() && address.port != 0, "connect", to_string(address), "HOST:PORT");
+  }
+  // A key is not for error messages.
+  const std::string given = "given";
+  if (session_key) {
+    check(has_protection(), "session_key", given, "none in a build without libsodium");
+    check(*session_key != Key{}, "session_key", std::string("zero"), "secret");
+    check(!insecure, "insecure", std::string("true"), "false with a session_key");
+  } else {
+    check(!identity, "identity", given, "none without a session_key");
+    check(trusted.empty(), "trusted", given, "empty without a session_key");
+  }
+  for (const TrustedPeer& each : trusted) {
+    check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
+  }
+  if (!session_key && !insecure) {
+    constexpr const char* kRule = "of this machine where there is neither session_key nor insecure";
+    check(!listen_port || is_loopback(listen_address), "listen_address", listen_address, kRule);
+    for (const HostPort& address : connect) {
+      check(is_loopback(address.host), "connect", to_string(address), kRule);
+    }
   }
   check(max_frame_bytes >= 64 && max_frame_bytes <= 16 * kMebi, "max_frame_bytes", max_frame_bytes,
         "in [64, 16 MiB]");
@@ -36,19 +54,17 @@ void TcpOptions::validate() const {
   check(max_peers >= 1 && max_peers <= 1024, "max_peers", max_peers, "in [1, 1024]");
   check(socket_buffer_bytes >= 4096 && socket_buffer_bytes <= 64 * kMebi, "socket_buffer_bytes",
         socket_buffer_bytes, "in [4096, 64 MiB]");
-  period(handshake_timeout, milliseconds(1), "handshake_timeout", "in [1 ms, 1 h]");
-  period(idle_timeout, milliseconds(40), "idle_timeout", "in [40 ms, 1 h]");
-  period(backoff_min, milliseconds(1), "backoff_min", "in [1 ms, 1 h]");
-  period(backoff_max, backoff_min, "backoff_max", "in [backoff_min, 1 h]");
-  period(drop_hold, milliseconds(0), "drop_hold", "in [0, 1 h]");
-  check(flush_timeout >= milliseconds(0) && flush_timeout <= milliseconds(10000), "flush_timeout",
-        flush_timeout.count(), "in [0, 10 s]");
+  check(handshake_timeout >= milliseconds(1) && handshake_timeout <= std::chrono::hours(1),
+        "handshake_timeout", handshake_timeout.count(), "in [1 ms, 1 h]");
+  require_times(*this, "TcpOptions");
 }
 
 namespace {
 
 TcpOptions complete(TcpOptions options) {
   options.validate();
+  options.session_key.reset();  // TcpSecurity has them
+  options.identity.reset();
   if (options.incarnation == 0) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     options.incarnation = static_cast<std::uint64_t>(
@@ -62,7 +78,7 @@ TcpOptions complete(TcpOptions options) {
 class TcpTransport::Impl {
  public:
   explicit Impl(const TcpOptions& given)
-      : options(complete(given)), table(options), mesh(options, table) {}
+      : options(complete(given)), table(options), mesh(options, table, make_tcp_security(given)) {}
 
   const TcpOptions options;
   PeerTable table;

@@ -6,6 +6,7 @@
 #include <asio/connect.hpp>
 #include <utility>
 
+#include "loopback.h"
 #include "tcp_mesh.h"
 
 namespace tandem::net {
@@ -20,14 +21,6 @@ asio::ip::address from_bytes(const std::array<std::uint8_t, 16>& ip) {
       ip[13], ip[14], ip[15]});
   if (v6.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, v6);
   return v6;
-}
-
-/// IPv4 addresses seen through an IPv6 socket become plain ones, so that one peer has one spelling.
-asio::ip::address plain(const asio::ip::address& address) {
-  if (address.is_v6() && address.to_v6().is_v4_mapped()) {
-    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
-  }
-  return address;
 }
 
 PeerAddress address_of(const TcpLink& link) {
@@ -83,6 +76,10 @@ bool TcpMesh::may_dial(const Dial& dial) const {
       dials_, [&](const Dial& other) { return other.busy && other.peer == dial.peer; });
 }
 
+bool TcpMesh::may_reach(const asio::ip::address& address) const {
+  return security_ || options_.insecure || is_loopback(address);
+}
+
 void TcpMesh::start_dial(Dial& dial) {
   dial.busy = true;
   ++dial.attempts;
@@ -106,8 +103,14 @@ void TcpMesh::look_up(std::uint64_t serial) {
                               return dial_failed(serial,
                                                  "cannot look up the host: " + error.message());
                             std::vector<Endpoint> endpoints;
-                            for (const auto& result : results)
-                              endpoints.push_back(result.endpoint());
+                            for (const auto& result : results) {
+                              if (may_reach(result.endpoint().address()))
+                                endpoints.push_back(result.endpoint());
+                            }
+                            if (endpoints.empty())
+                              return dial_failed(serial,
+                                                 "host is not this machine, and there is neither "
+                                                 "session_key nor insecure");
                             connect(*found, endpoints);
                           });
 }
@@ -121,10 +124,12 @@ void TcpMesh::connect(Dial& dial, const std::vector<Endpoint>& endpoints) {
                       [this, link](const std::error_code& error, const Endpoint&) {
                         if (link->phase == TcpLink::Phase::Closed) return;
                         if (error) return link->close("cannot connect: " + error.message());
-                        link->phase = TcpLink::Phase::Greeting;
+                        link->phase = security_ ? TcpLink::Phase::Keying : TcpLink::Phase::Greeting;
                         link->deadline = Clock::now() + options_.handshake_timeout;
                         link->start(options_.socket_buffer_bytes);
-                        if (link->phase != TcpLink::Phase::Closed) greet(*link);
+                        if (link->phase == TcpLink::Phase::Closed) return;
+                        if (security_) return ask_for_keys(*link);
+                        greet(*link);
                       });
 }
 
@@ -179,7 +184,7 @@ void TcpMesh::on_addresses(const TcpLink& link, const std::vector<PeerAddress>& 
     asio::ip::address ip = from_bytes(entry.ip);
     // On the teller's own host, which is this one only if the teller is here as well.
     if (ip.is_loopback()) ip = plain(link.remote);
-    if (ip.is_unspecified() || ip.is_multicast()) continue;
+    if (ip.is_unspecified() || ip.is_multicast() || !may_reach(ip)) continue;
     // One of the two dials at once, the other one only if that does not work out.
     const bool first = options_.self > entry.peer;
     const auto wait = first ? SteadyTime::duration(0) : 2 * options_.backoff_min;

@@ -5,6 +5,7 @@
 #include <asio/buffer.hpp>
 #include <asio/error.hpp>
 #include <asio/write.hpp>
+#include <chrono>
 
 namespace tandem::net {
 
@@ -39,18 +40,39 @@ void TcpLink::on_read(const std::error_code& error, std::size_t count) {
   }
   last_heard = std::chrono::steady_clock::now();
   input_.filled(count);
-  while (phase != Phase::Leaving) {
-    const auto frame = input_.next();
-    if (!frame) break;
-    owner_.on_frame(*this, *frame);
-    if (phase == Phase::Closed) return;
-  }
-  if (input_.bad() && phase != Phase::Leaving) owner_.on_malformed(*this, input_.error());
+  take_frames();
   if (phase == Phase::Closed) return;
   // Bytes left unread would reset the connection, and the other end would lose the Goodbye.
   if (phase == Phase::Leaving) input_.discard();
   kick();  // an acknowledgement may be due
   read();
+}
+
+void TcpLink::take_frames() {
+  while (phase != Phase::Leaving && phase != Phase::Closed) {
+    if (!cipher_) {
+      const auto frame = input_.next();
+      if (!frame) break;
+      owner_.on_frame(*this, *frame);
+      continue;
+    }
+    const auto whole = input_.next_whole(1 + kSealBytes);
+    if (!whole) break;
+    const auto body = cipher_->open(*whole);
+    if (!body) return owner_.on_forged(*this, "frame not sealed by the other end");
+    if (body->empty()) continue;
+    owner_.on_frame(*this, {static_cast<FrameType>(body->front()), body->subspan(1)});
+  }
+  if (!input_.bad() || phase == Phase::Leaving || phase == Phase::Closed) return;
+  // A length that is sealed can be checked with its frame only; until then it is anybody's.
+  if (cipher_) return owner_.on_forged(*this, input_.error());
+  owner_.on_malformed(*this, input_.error());
+}
+
+void TcpLink::protect(std::unique_ptr<LinkCipher> cipher) {
+  if (!control_.empty()) return close("internal: frames in the clear are waiting");
+  cipher_ = std::move(cipher);
+  raise_limit(kMaxControlFrame);
 }
 
 void TcpLink::kick() {
@@ -69,6 +91,13 @@ void TcpLink::kick() {
       writer.bytes(std::as_bytes(std::span(*goodbye_)));
     });
     goodbye_->clear();
+  }
+  if (cipher_) {
+    sealed_.clear();
+    if (!cipher_->seal(output_, nanoseconds(std::chrono::steady_clock::now()), sealed_)) {
+      return close("connection lost: no sequence numbers left");
+    }
+    output_.swap(sealed_);
   }
   writing_ = true;
   asio::async_write(socket_, asio::buffer(output_.data(), output_.size()),

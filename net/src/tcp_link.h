@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "peer_table.h"
+#include "tcp_security.h"
 #include "wire.h"
 
 namespace tandem::net {
@@ -24,6 +25,8 @@ class TcpLinkOwner {
   virtual void on_frame(TcpLink& link, const FrameBuffer::Frame& frame) = 0;
   /// The stream is no sequence of frames.
   virtual void on_malformed(TcpLink& link, const std::string& reason) = 0;
+  /// A frame that the other end has not sealed.
+  virtual void on_forged(TcpLink& link, const std::string& reason) = 0;
   /// Append what is to be sent next to `out`, which may stay empty.
   virtual void on_writable(TcpLink& link, std::vector<std::byte>& out) = 0;
   /// Last call for this link.
@@ -39,6 +42,7 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
  public:
   enum class Phase {
     Connecting,  // outbound, no connection yet
+    Keying,      // with a session key: the other's half of the key exchange is awaited
     Greeting,    // the other's Hello is awaited
     Welcoming,   // Hellos are exchanged and good, Welcome is awaited
     Attached,    // carries a peer's frames
@@ -46,15 +50,21 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
     Closed,
   };
 
-  TcpLink(asio::io_context& context, TcpLinkOwner& owner, std::uint64_t serial)
-      : socket_(context), owner_(owner), serial_(serial), input_(kMaxControlFrame) {}
+  /// @param max_payload  of a frame, until raise_limit()
+  TcpLink(asio::io_context& context, TcpLinkOwner& owner, std::uint64_t serial,
+          std::size_t max_payload)
+      : socket_(context), owner_(owner), serial_(serial), input_(max_payload) {}
 
   asio::ip::tcp::socket& socket() { return socket_; }
   std::uint64_t serial() const { return serial_; }
 
   /// The socket is connected: set its options and read. `send_buffer` in bytes.
   void start(std::size_t send_buffer);
-  void raise_limit(std::size_t max_payload) { input_.raise_limit(max_payload); }
+  void raise_limit(std::size_t max_payload) {
+    input_.raise_limit(max_payload + (cipher_ ? kSealBytes : 0));
+  }
+  /// Whatever is read and written from here on is sealed.
+  void protect(std::unique_ptr<LinkCipher> cipher);
 
   /// Queues a control frame and sends it as soon as the frames before it are out.
   template <class Fill>
@@ -73,8 +83,10 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
 
   // State of the owner's protocol, per link.
   Phase phase = Phase::Connecting;
-  std::uint64_t dial = 0;  // 0: inbound
-  Hello hello;             // the other's; peer 0 until it has come
+  std::uint64_t dial = 0;                 // 0: inbound
+  std::unique_ptr<KeyExchange> exchange;  // of the dialler, until it has ended
+  Key remote_key{};                       // after it
+  Hello hello;                            // the other's; peer 0 until it has come
   std::uint64_t ticket = 0;
   std::string failure;  // why it is leaving, for whoever dialled it
   asio::ip::address remote;
@@ -88,6 +100,7 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
  private:
   void read();
   void on_read(const std::error_code& error, std::size_t count);
+  void take_frames();
 
   asio::ip::tcp::socket socket_;
   TcpLinkOwner& owner_;
@@ -95,6 +108,8 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   FrameBuffer input_;
   std::vector<std::byte> control_;  // frames that are due before all others
   std::vector<std::byte> output_;   // being written
+  std::vector<std::byte> sealed_;   // output_ is swapped with it
+  std::unique_ptr<LinkCipher> cipher_;
   bool writing_ = false;
   std::optional<std::string> goodbye_;
 };

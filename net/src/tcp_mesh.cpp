@@ -3,11 +3,14 @@
 #include "tcp_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <asio/ip/v6_only.hpp>
 #include <asio/post.hpp>
 #include <exception>
 #include <system_error>
 #include <utility>
+
+#include "loopback.h"
 
 namespace tandem::net {
 
@@ -22,8 +25,11 @@ constexpr std::size_t kMaxExtraLinks = 64;  // above max_peers, in any phase
 
 }  // namespace
 
-TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table)
-    : options_(options), table_(table), jitter_state_(options.jitter_seed ^ options.self) {
+TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table, std::unique_ptr<TcpSecurity> security)
+    : options_(options),
+      table_(table),
+      security_(std::move(security)),
+      jitter_state_(options.jitter_seed ^ options.self) {
   if (options_.listen_port) listen();
   for (const HostPort& address : options_.connect) add_dial(address, 0, true, Clock::now());
   publish_dials();
@@ -124,13 +130,30 @@ void TcpMesh::on_accept(const std::shared_ptr<TcpLink>& link, const std::error_c
     accept_again_ = Clock::now() + kAcceptPause;
     return;
   }
-  make_room();
   table_.count(PeerTable::Stranger::Accepted);
+  if (over_rate(*link)) {
+    table_.count(PeerTable::Stranger::Limited, "too many connections from one address");
+    return accept();  // which lets go of this one
+  }
+  make_room();
   links_.emplace(link->serial(), link);
-  link->phase = TcpLink::Phase::Greeting;
+  link->phase = security_ ? TcpLink::Phase::Keying : TcpLink::Phase::Greeting;
   link->deadline = Clock::now() + options_.handshake_timeout;
   link->start(options_.socket_buffer_bytes);
   accept();
+}
+
+/// Nothing is known of whoever has just connected but his address.
+bool TcpMesh::over_rate(TcpLink& link) const {
+  if (!security_) return false;
+  std::error_code error;
+  const asio::ip::address from = plain(link.socket().remote_endpoint(error).address());
+  if (error) return false;  // he has gone again, which link.start() will find
+  const asio::ip::address_v6 v6 =
+      from.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, from.to_v4()) : from.to_v6();
+  std::array<std::uint8_t, 16> ip{};
+  std::ranges::copy(v6.to_bytes(), ip.begin());
+  return !security_->allow(ip, nanoseconds(Clock::now()));
 }
 
 /// Closes the oldest of those that are no peers yet where there are too many: whoever opens
@@ -142,7 +165,11 @@ void TcpMesh::make_room() {
   };
   const auto strangers = static_cast<std::size_t>(std::ranges::count_if(links_, is_stranger));
   if (strangers < kMaxGreeting && links_.size() < options_.max_peers + kMaxExtraLinks) return;
-  const auto oldest = std::ranges::find_if(links_, is_stranger);
+  // Whoever has the session key does not give way to those who may not have it.
+  auto oldest = std::ranges::find_if(links_, [](const auto& entry) {
+    return entry.second->dial == 0 && entry.second->phase == TcpLink::Phase::Keying;
+  });
+  if (oldest == links_.end()) oldest = std::ranges::find_if(links_, is_stranger);
   if (oldest == links_.end()) return;
   const auto link = oldest->second;
   if (link->phase != TcpLink::Phase::Leaving) {
@@ -220,7 +247,8 @@ void TcpMesh::begin_shutdown() {
 }
 
 std::shared_ptr<TcpLink> TcpMesh::new_link() {
-  return std::make_shared<TcpLink>(context_, static_cast<TcpLinkOwner&>(*this), next_serial_++);
+  return std::make_shared<TcpLink>(context_, static_cast<TcpLinkOwner&>(*this), next_serial_++,
+                                   security_ ? kMaxKeyFrame : kMaxControlFrame);
 }
 
 std::vector<std::shared_ptr<TcpLink>> TcpMesh::snapshot() const {

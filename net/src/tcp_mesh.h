@@ -16,6 +16,7 @@
 #include "peer_table.h"
 #include "tandem/net/tcp.h"
 #include "tcp_link.h"
+#include "tcp_security.h"
 #include "wire.h"
 
 namespace tandem::net {
@@ -27,8 +28,8 @@ constexpr std::chrono::milliseconds kLinger{500};
 /// periodic sweep. All state but the table belongs to that thread.
 class TcpMesh final : private TcpLinkOwner {
  public:
-  /// Throws std::system_error where it cannot listen.
-  TcpMesh(const TcpOptions& options, PeerTable& table);
+  /// `security` may be null: frames in the clear. Throws std::system_error where it cannot listen.
+  TcpMesh(const TcpOptions& options, PeerTable& table, std::unique_ptr<TcpSecurity> security);
   ~TcpMesh();
 
   std::uint16_t local_port() const { return local_port_; }
@@ -59,6 +60,7 @@ class TcpMesh final : private TcpLinkOwner {
   void run();
   void accept();
   void on_accept(const std::shared_ptr<TcpLink>& link, const std::error_code& error);
+  bool over_rate(TcpLink& link) const;
   void make_room();
   void arm_sweep();
   void sweep();
@@ -73,6 +75,8 @@ class TcpMesh final : private TcpLinkOwner {
   void add_dial(const HostPort& address, PeerId peer, bool lasting, SteadyTime due);
   void sweep_dials(SteadyTime now);
   bool may_dial(const Dial& dial) const;
+  /// Without keys only this machine, unless the application has said otherwise.
+  bool may_reach(const asio::ip::address& address) const;
   void start_dial(Dial& dial);
   void look_up(std::uint64_t serial);
   void connect(Dial& dial, const std::vector<Endpoint>& endpoints);
@@ -88,12 +92,15 @@ class TcpMesh final : private TcpLinkOwner {
   // tcp_protocol.cpp: frames
   void on_frame(TcpLink& link, const FrameBuffer::Frame& frame) override;
   void on_malformed(TcpLink& link, const std::string& reason) override;
+  void on_forged(TcpLink& link, const std::string& reason) override;
   void on_writable(TcpLink& link, std::vector<std::byte>& out) override;
   void on_closed(TcpLink& link, const std::string& reason) override;
+  void on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame);
   void on_hello(TcpLink& link, const Hello& hello);
   void on_welcome(TcpLink& link, const Welcome& welcome);
   void on_goodbye(TcpLink& link, const std::string& text);
   void on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame);
+  void ask_for_keys(TcpLink& link);
   void greet(TcpLink& link);
   void send_welcome(TcpLink& link);
   void refuse(TcpLink& link, const std::string& reason, bool rejected);
@@ -101,6 +108,7 @@ class TcpMesh final : private TcpLinkOwner {
 
   const TcpOptions options_;
   PeerTable& table_;
+  const std::unique_ptr<TcpSecurity> security_;
   asio::io_context context_{1};
   asio::ip::tcp::acceptor acceptor_{context_};
   asio::ip::tcp::resolver resolver_{context_};

@@ -31,11 +31,15 @@ std::string from_peer(const std::string& text) { return "peer: " + text; }
 void TcpMesh::on_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   if (frame.type == FrameType::Goodbye) return on_goodbye(link, decode_reason(frame.payload));
   switch (link.phase) {
+    case TcpLink::Phase::Keying:
+      return on_key_frame(link, frame);
     case TcpLink::Phase::Greeting:
       if (frame.type == FrameType::Hello) {
         if (const auto hello = decode_hello(frame.payload)) return on_hello(link, *hello);
       }
-      return on_malformed(link, "not a handshake of this protocol");
+      return on_malformed(link, frame.type == FrameType::KeyRequest
+                                    ? "this end has no session key"
+                                    : "not a handshake of this protocol");
     case TcpLink::Phase::Welcoming:
       if (frame.type == FrameType::Welcome) {
         if (const auto welcome = decode_welcome(frame.payload)) return on_welcome(link, *welcome);
@@ -46,6 +50,50 @@ void TcpMesh::on_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
     default:
       return;
   }
+}
+
+void TcpMesh::ask_for_keys(TcpLink& link) {
+  link.exchange = security_->ask();
+  link.send(FrameType::KeyRequest, [&](pbd::ByteWriter& writer) {
+    encode(writer, KeyFrame{.message = link.exchange->message()});
+  });
+}
+
+/// What is refused here is closed at once: a goodbye would keep something for a stranger. Two
+/// mistakes get one all the same.
+void TcpMesh::on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
+  const bool inbound = link.dial == 0;
+  const auto say = [&](const std::string& reason) {
+    if (inbound) table_.count(PeerTable::Stranger::Refused, reason);
+    link.leave(reason, Clock::now() + kLinger);
+  };
+  if (frame.type == FrameType::Hello && decode_hello(frame.payload)) {
+    return say("a session key is needed");
+  }
+  const bool expected = frame.type == (inbound ? FrameType::KeyRequest : FrameType::KeyReply);
+  const auto theirs = expected ? decode_key_frame(frame.payload) : std::nullopt;
+  if (!theirs) return on_malformed(link, "not a key exchange of this protocol");
+  if (theirs->version != kKeyVersion) {
+    return say("key exchange version " + std::to_string(theirs->version) + " differs from " +
+               std::to_string(kKeyVersion));
+  }
+  const std::int64_t now = nanoseconds(Clock::now());
+  auto keys = inbound ? security_->answer(theirs->message, now)
+                      : link.exchange->finish(theirs->message, now);
+  if (!keys) {
+    if (inbound) table_.count(PeerTable::Stranger::BadProof, "session key differs");
+    return link.close("session key differs");
+  }
+  if (inbound) {
+    link.send(FrameType::KeyReply,
+              [&](pbd::ByteWriter& writer) { encode(writer, KeyFrame{.message = keys->message}); });
+  }
+  link.exchange.reset();
+  link.remote_key = keys->remote;
+  link.phase = TcpLink::Phase::Greeting;
+  link.protect(std::move(keys->cipher));
+  // Sealed, so that it is the dialler's proof that it is no recording.
+  if (!inbound && link.phase == TcpLink::Phase::Greeting) greet(link);
 }
 
 void TcpMesh::greet(TcpLink& link) {
@@ -76,6 +124,12 @@ std::optional<std::string> TcpMesh::mismatch(const Hello& hello) const {
 }
 
 void TcpMesh::on_hello(TcpLink& link, const Hello& hello) {
+  // Before anything is noted under an id that may be another's.
+  if (security_ && !security_->trusts(hello.peer, link.remote_key)) {
+    const std::string reason = "public key is not that of peer " + std::to_string(hello.peer);
+    if (link.dial == 0) table_.count(PeerTable::Stranger::Refused, reason);
+    return link.leave(reason, Clock::now() + kLinger);
+  }
   link.hello = hello;
   // The listener names itself even where it refuses, so that both ends know whom they disagree
   // with.
@@ -140,6 +194,10 @@ void TcpMesh::on_goodbye(TcpLink& link, const std::string& text) {
 
 void TcpMesh::on_malformed(TcpLink& link, const std::string& reason) {
   const SteadyTime now = Clock::now();
+  if (link.phase == TcpLink::Phase::Keying) {
+    if (link.dial == 0) table_.count(PeerTable::Stranger::Malformed, reason);
+    return link.close(reason);
+  }
   if (link.phase == TcpLink::Phase::Attached) {
     table_.reject(link.serial(), link.hello.peer, reason, now);
     return link.leave("dropped: " + reason, now + kLinger);
@@ -147,6 +205,14 @@ void TcpMesh::on_malformed(TcpLink& link, const std::string& reason) {
   if (link.hello.peer != 0) table_.note_failure(link.hello.peer, reason, true);
   if (link.dial == 0) table_.count(PeerTable::Stranger::Malformed, reason);
   link.leave(reason, now + kLinger);
+}
+
+/// Not the peer's doing: it is not held against it, and both set up a new connection.
+void TcpMesh::on_forged(TcpLink& link, const std::string& reason) {
+  table_.count(PeerTable::Stranger::Forged, reason);
+  if (link.phase != TcpLink::Phase::Attached) return link.close(reason);
+  table_.detach(link.serial(), link.hello.peer, "connection lost: " + reason);
+  link.leave("connection lost: " + reason, Clock::now() + kLinger);
 }
 
 void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
@@ -222,7 +288,10 @@ void TcpMesh::on_closed(TcpLink& link, const std::string& reason) {
   if (link.attached_at != SteadyTime{}) {
     redial_peer(peer, Clock::now() - link.attached_at > options_.backoff_max);
   }
-  if (link.dial != 0) dial_failed(link.dial, reason);
+  // A listener that has another key says nothing.
+  const bool silent = link.exchange && !reason.starts_with("peer: ");
+  const char* const hint = silent ? " (has it the same session key?)" : "";
+  if (link.dial != 0) dial_failed(link.dial, reason + hint);
   if (shutdown_deadline_ && links_.empty()) context_.stop();
 }
 

@@ -150,6 +150,7 @@ class UdpNode {
   void open(const Session& session, const Address& address, bool began_here, std::int64_t now);
   void attach(std::uint32_t receiver, std::int64_t now);
   void detach(Connection& connection);
+  bool is_wanted(const Dial& dial) const;
   void poll_dial(Dial& dial, std::int64_t now);
   void finish(Dial& dial, std::int64_t now);
   Connection* attached(consensus::PeerId peer);

@@ -69,6 +69,22 @@ std::optional<std::vector<PeerAddress>> decode_addresses(std::span<const std::by
   return addresses;
 }
 
+void encode(pbd::ByteWriter& writer, const KeyFrame& frame) {
+  writer.u32(kKeyMagic);
+  writer.u16(frame.version);
+  writer.bytes(frame.message);
+}
+
+std::optional<KeyFrame> decode_key_frame(std::span<const std::byte> payload) {
+  pbd::ByteReader reader(payload);
+  if (reader.u32() != kKeyMagic) return {};
+  KeyFrame frame;
+  frame.version = reader.u16();
+  if (reader.failed()) return {};
+  frame.message = payload.last(reader.remaining());
+  return frame;
+}
+
 std::string decode_reason(std::span<const std::byte> payload) {
   std::string text;
   for (const std::byte byte : payload.first(std::min(payload.size(), kMaxReason))) {
@@ -84,6 +100,12 @@ void FrameBuffer::raise_limit(std::size_t max_payload) {
 }
 
 std::optional<FrameBuffer::Frame> FrameBuffer::next() {
+  const auto frame = next_whole(1);
+  if (!frame) return {};
+  return Frame{static_cast<FrameType>((*frame)[4]), frame->subspan(kFrameHeader)};
+}
+
+std::optional<std::span<const std::byte>> FrameBuffer::next_whole(std::size_t least) {
   if (bad()) return {};
   const std::size_t had = end_ - begin_;
   if (had >= 4) {
@@ -91,15 +113,15 @@ std::optional<FrameBuffer::Frame> FrameBuffer::next() {
     for (std::size_t i = 0; i < 4; ++i) {
       length |= std::to_integer<std::size_t>(bytes_[begin_ + i]) << (8 * i);
     }
-    if (length == 0 || length > max_length_) {
-      error_ = "frame of length " + std::to_string(length) + ", must be 1 to " +
-               std::to_string(max_length_);
+    if (length < least || length > max_length_) {
+      error_ = "frame of length " + std::to_string(length) + ", must be " + std::to_string(least) +
+               " to " + std::to_string(max_length_);
       return {};
     }
     if (had >= 4 + length) {
-      const std::span<const std::byte> frame(bytes_.data() + begin_ + 4, length);
+      const std::span<const std::byte> frame(bytes_.data() + begin_, 4 + length);
       begin_ += 4 + length;
-      return Frame{static_cast<FrameType>(frame.front()), frame.subspan(1)};
+      return frame;
     }
   }
   // A whole frame fits from the start of the buffer, so after this there is room to read into.

@@ -25,11 +25,21 @@ using consensus::PeerId;
 //   each side checks the other's Hello; the peer with the lower id then sends Welcome, the other
 //   one answers with Welcome, and both are connected. Addresses of third peers follow.
 //
+// With a session key there is a key exchange before that, and all that follows is sealed:
+//   u32 length | sealed type and payload | 16 bytes of tag,  length = 1 + payload + 16 bytes,
+//
+//   KeyRequest       ------>
+//                    <------       KeyReply
+//
 // magic, version and peer id keep their place in every version, so that a refusal can be explained.
 
 constexpr std::uint32_t kMagic = 0x4d444e54;  // "TNDM"
 constexpr std::uint16_t kProtocolVersion = 1;
+constexpr std::uint32_t kKeyMagic = 0x4b444e54;  // "TNDK"
+constexpr std::uint16_t kKeyVersion = 1;
 constexpr std::size_t kFrameHeader = 5;         // length and type
+constexpr std::size_t kSealBytes = 16;          // of tag
+constexpr std::size_t kMaxKeyFrame = 256;       // payload until there are keys
 constexpr std::size_t kReliableHeader = 8;      // sequence number
 constexpr std::size_t kMaxControlFrame = 4096;  // payload of all but Newest and Reliable
 constexpr std::size_t kMaxAddresses = 128;      // in one frame
@@ -44,6 +54,9 @@ enum class FrameType : std::uint8_t {
   Ack = 6,
   Newest = 7,
   Reliable = 8,
+  KeyRequest = 9,
+  KeyReply = 10,
+  Rekey = 11,  // sealed: the last one under its key
 };
 
 struct Hello {
@@ -67,6 +80,12 @@ struct PeerAddress {
   std::uint16_t port = 0;
 };
 
+/// Of KeyRequest and KeyReply. Magic and version keep their place in every version.
+struct KeyFrame {
+  std::uint16_t version = kKeyVersion;
+  std::span<const std::byte> message;  // of Noise; a view into the payload
+};
+
 /// Appends one frame; `fill` writes the payload through a pbd::ByteWriter.
 template <class Fill>
 void append_frame(std::vector<std::byte>& out, FrameType type, Fill&& fill) {
@@ -82,11 +101,13 @@ void append_frame(std::vector<std::byte>& out, FrameType type, Fill&& fill) {
 void encode(pbd::ByteWriter& writer, const Hello& hello);
 void encode(pbd::ByteWriter& writer, const Welcome& welcome);
 void encode(pbd::ByteWriter& writer, std::span<const PeerAddress> addresses);
+void encode(pbd::ByteWriter& writer, const KeyFrame& frame);
 
 /// Of a Hello in another version only version and peer are set. None where it is no Hello.
 std::optional<Hello> decode_hello(std::span<const std::byte> payload);
 std::optional<Welcome> decode_welcome(std::span<const std::byte> payload);
 std::optional<std::vector<PeerAddress>> decode_addresses(std::span<const std::byte> payload);
+std::optional<KeyFrame> decode_key_frame(std::span<const std::byte> payload);
 /// Printable ASCII, at most kMaxReason bytes: it ends in logs and on terminals.
 std::string decode_reason(std::span<const std::byte> payload);
 
@@ -107,6 +128,8 @@ class FrameBuffer {
   void filled(std::size_t count) { end_ += count; }
   /// The next whole frame. None: read more, or the stream is bad(), for good.
   std::optional<Frame> next();
+  /// The same with the length before it, at least `least` bytes after it; valid as Frame::payload.
+  std::optional<std::span<const std::byte>> next_whole(std::size_t least);
   /// Forgets what was read and not taken, and that it was bad.
   void discard() {
     begin_ = end_ = 0;

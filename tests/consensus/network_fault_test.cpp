@@ -73,7 +73,7 @@ void check_sane(const Outcome& outcome, double apart) {
   CHECK(outcome.high < 0.9);
 }
 
-TEST_CASE("network: 1 s of latency, 100 ms of jitter, a quarter lost and a quarter twice",
+TEST_CASE("network: small shares bear 1 s of latency, 100 ms of jitter, a quarter lost and twice",
           "[consensus][fault]") {
   LinkOptions link;
   link.latency = 1.0;

@@ -28,6 +28,12 @@ PeerOptions compact(double tolerance = 0.0, double kbit_per_s = 0.0) {
 
 SharedId id_of(int i) { return SharedId::from_name("ball/" + std::to_string(i)); }
 
+/// Peers 1 and 2, whose steps are not of one time, without gravity.
+void add_pair(Session& session, const PeerOptions& options) {
+  session.add(1, 0.0, options, kWeightless);
+  session.add(2, 0.004, options, kWeightless);
+}
+
 /// `count` balls in a row, at rest or flying apart from each other; without gravity.
 std::vector<BodyId> add_balls(Site& site, int count, double off, const Vec3& velocity = {0, 0, 0}) {
   std::vector<BodyId> bodies;
@@ -102,8 +108,7 @@ TEST_CASE("sending: copies at one place off the lattice are not drawn to it", "[
 TEST_CASE("sending: rounded states agree as well as full ones", "[consensus]") {
   const auto gap_after = [](const PeerOptions& options) {
     Session session({.latency = 0.05, .jitter = 0.002});
-    session.add(1, 0.0, options, kWeightless);
-    session.add(2, 0.004, options, kWeightless);
+    add_pair(session, options);
     const auto a = add_balls(session[0], 8, 0.0, {0.0, 0.0, 0.7});
     const auto b = add_balls(session[1], 8, 0.05, {0.0, 0.0, 0.7});
     session.run(6.0);
@@ -120,8 +125,7 @@ TEST_CASE("sending: what is as expected is not sent, and a change comes at once"
   PeerOptions options = compact(1e-3);
   options.sending.refresh = 0.5;
   Session session({.latency = 0.02});
-  session.add(1, 0.0, options, kWeightless);
-  session.add(2, 0.004, options, kWeightless);
+  add_pair(session, options);
   const auto a = add_balls(session[0], 20, 0.0, {0.0, 0.0, 1.0});
   const auto b = add_balls(session[1], 20, 0.0, {0.0, 0.0, 1.0});
   session.run(2.0);
@@ -146,8 +150,7 @@ TEST_CASE("sending: what rests is said once and still counts as news", "[consens
   PeerOptions options = compact(1e-3);
   options.sending.rest_refresh = 60.0;
   Session session({.latency = 0.02});
-  session.add(1, 0.0, options, kWeightless);
-  session.add(2, 0.004, options, kWeightless);
+  add_pair(session, options);
   const auto a = add_balls(session[0], 30, 0.0);
   const auto b = add_balls(session[1], 30, 0.0);
   session.run(2.0);
@@ -172,8 +175,7 @@ TEST_CASE("sending: a peer that was cut off for long learns again what rests", "
   PeerOptions options = compact(1e-3);
   options.sending.rest_refresh = 600.0;
   Session session({.latency = 0.02});
-  session.add(1, 0.0, options, kWeightless);
-  session.add(2, 0.004, options, kWeightless);
+  add_pair(session, options);
   add_balls(session[0], 5, 0.0);
   const auto b = add_balls(session[1], 5, 0.0);
   session.run(2.0);
@@ -191,8 +193,7 @@ TEST_CASE("sending: the budget is kept, and what the user holds comes first", "[
   constexpr double kBudget = 64.0;  // kbit/s
   PeerOptions options = compact(0.0, kBudget);
   Session session({.latency = 0.02});
-  session.add(1, 0.0, options, kWeightless);
-  session.add(2, 0.004, options, kWeightless);
+  add_pair(session, options);
   const auto a = add_balls(session[0], kBalls, 0.0, {0.0, 0.0, 0.5});
   const auto b = add_balls(session[1], kBalls, 0.02, {0.0, 0.0, 0.5});
   session.run(1.0);

@@ -216,10 +216,25 @@ TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
   CHECK(o.budget == 256.0);
   CHECK(o.timeline == Timeline::Session);
   CHECK(parse({"--listen", "1", "--clock", "system"}).timeline == Timeline::System);
-  CHECK(refusal({"--listen", "1", "--clock", "gps"}) == "--clock = gps breaks: session or system");
+  CHECK(refusal({"--listen", "1", "--clock", "gps"}) ==
+        "--clock = gps breaks: session, system or none");
+  CHECK(refusal({"--clock", "system"}) == "--clock = given breaks: needs --listen or --connect");
+  CHECK(refusal({"--listen", "1", "--clock", "none"}) ==
+        "--clock = none breaks: over a network needs --key or --insecure");
+  CHECK(parse({"--listen", "1", "--key", "k", "--clock", "none"}).peer_options().dating ==
+        consensus::Dating::Receipt);
+  CHECK(parse({"--clock", "none"}).peer_options().dating == consensus::Dating::Receipt);
+  CHECK(parse({"--clock-spread", "3"}).peer_options().dating == consensus::Dating::Stamp);
   CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
   CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
         "--insecure = given breaks: has no meaning with --key");
+  CHECK_FALSE(parse({"--listen", "1", "--key", "k", "--transport", "tcp"}).udp());
+  CHECK_FALSE(parse({"--listen", "1", "--insecure", "--transport", "tcp"}).udp());
+  CHECK(parse({"--listen", "1", "--key", "k", "--transport", "udp"}).udp());
+  CHECK(refusal({"--listen", "1", "--transport", "udp"}) ==
+        "--transport = udp breaks: needs --key or --insecure");
+  CHECK(refusal({"--listen", "1", "--transport", "quic"}) ==
+        "--transport = quic breaks: tcp or udp");
   CHECK(refusal({"--insecure"}) == "--insecure = given breaks: needs --listen or --connect");
   CHECK(refusal({"--listen", "1", "--budget", "7"}) ==
         "--budget = 7 breaks: kbit/s, 0 or a number from 8 to 1e6");

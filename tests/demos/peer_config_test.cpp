@@ -46,6 +46,8 @@ listen = 0
 connect = ["localhost:1", "[::1]:2"]
 key = "tandem_config_key"
 kbit_per_s = 256
+compact = true
+tolerance = 0.002
 identity = "tandem_config_key"
 [network.trusted]
 7 = "0101010101010101010101010101010101010101010101010101010101010102"
@@ -70,6 +72,8 @@ address = "::1"
   CHECK(c.session.connect == std::vector<std::string>{"localhost:1", "[::1]:2"});
   CHECK(c.session.key == (folder / "tandem_config_key").string());
   CHECK(c.session.budget == 256.0);
+  CHECK(c.session.compact);
+  CHECK(c.session.tolerance == 0.002);
   CHECK(c.session.identity == c.session.key);
   REQUIRE(c.session.trusted.size() == 1);
   CHECK(c.session.trusted[0].first == 7);
@@ -105,8 +109,10 @@ TEST_CASE("peer config: a refusal names file, line, key, value and rule", "[demo
   CHECK(refusal("id = 1\n[network]\ninsecure = true\n")
             .find("network.listen = nothing breaks: must be given where connect is not") !=
         std::string::npos);
-  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\nkey = \"k\"\n")
-            .find("network.key = ") != std::string::npos);
+  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\n")
+            .find("network.key = nothing breaks: a file") != std::string::npos);
+  CHECK(refusal("id = 1\n[network]\ntransport = \"tcp\"\nlisten = 1\nclock = \"system\"\n")
+            .find("network.clock = ") != std::string::npos);
   CHECK(refusal("id = 1\n" + kNetwork + "[log]\nlevel = \"loud\"\n").find("log.level = ") !=
         std::string::npos);
 }

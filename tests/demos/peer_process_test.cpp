@@ -86,12 +86,24 @@ void hold_session(const Folder& folder, const std::string& first, const std::str
   CHECK(folder.text("1.log").find("level=error") == std::string::npos);
 }
 
+TEST_CASE("tandem-peer: two of them hold a session over TCP with a key", "[demos][socket]") {
+#ifndef TANDEM_HAS_UDP
+  WARN("skipped: built without libsodium");
+#else
+  const Folder folder;
+  folder.write("key", std::string(64, 'b'));
+  const std::string port = std::to_string(free_port());
+  hold_session(folder, "transport = \"tcp\"\nlisten = " + port + "\nkey = \"key\"\n",
+               "transport = \"tcp\"\nconnect = [\"127.0.0.1:" + port + "\"]\nkey = \"key\"\n");
+#endif
+}
+
 TEST_CASE("tandem-peer: two of them hold a session over TCP, tell of it and leave in order",
           "[demos][socket]") {
   const Folder folder;
   const std::string port = std::to_string(free_port());
-  hold_session(folder, "transport = \"tcp\"\nlisten = " + port + '\n',
-               "transport = \"tcp\"\nconnect = [\"127.0.0.1:" + port + "\"]\n");
+  hold_session(folder, "transport = \"tcp\"\ninsecure = true\nlisten = " + port + '\n',
+               "transport = \"tcp\"\ninsecure = true\nconnect = [\"127.0.0.1:" + port + "\"]\n");
 }
 
 TEST_CASE("tandem-peer: two of them hold a session over UDP, encrypted", "[demos][socket]") {
@@ -114,7 +126,7 @@ TEST_CASE("tandem-peer: a file that is not good ends it at once, with 2", "[demo
   CHECK(WEXITSTATUS(unknown.wait()) == 2);
   const std::string good = folder.write("good.toml",
                                         "id = 1\n[network]\nlisten = 0\n"
-                                        "transport = \"tcp\"\n");
+                                        "transport = \"tcp\"\ninsecure = true\n");
   Process check("tandem-peer", {"room", "--config", good, "--check"});
   CHECK(check.wait() == 0);
 }

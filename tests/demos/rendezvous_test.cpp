@@ -24,8 +24,9 @@ Scene small_scene() {
 }
 
 struct Node {
-  Node(consensus::VirtualNetwork& network, consensus::PeerId id, const Scene& scene)
-      : view(scene), rendezvous(network.transport(id), view) {}
+  Node(consensus::VirtualNetwork& network, consensus::PeerId id, const Scene& scene,
+       consensus::Dating dating = consensus::Dating::Stamp)
+      : view(scene), rendezvous(network.transport(id), view, dating) {}
   void poll(SessionTime now) {
     rendezvous.drain(packets);
     rendezvous.update(now);
@@ -64,6 +65,29 @@ TEST_CASE("rendezvous: all agree on one epoch, and no word of it gets through", 
   }
 }
 
+TEST_CASE("rendezvous: without a common time the epoch is one moment all the same",
+          "[demos][unit]") {
+  const Scene scene = small_scene();
+  consensus::VirtualNetwork network({.latency = 0.1}, 1);
+  constexpr SessionTime kAhead = 7'200'000 * kMs;
+  for (consensus::PeerId id = 1; id <= 2; ++id) network.transport(id);
+  network.set_clock(2, kAhead);
+  Node a(network, 1, scene, consensus::Dating::Receipt);
+  Node b(network, 2, scene, consensus::Dating::Receipt);
+  for (SessionTime now = 0; now < 3000 * kMs; now += 16 * kMs) {
+    network.advance_to(now);
+    // Round trips are those of states.
+    for (consensus::PeerId id = 1; id <= 2; ++id) {
+      network.transport(id).post(3 - id, std::vector<std::byte>(9), consensus::Delivery::Newest);
+    }
+    a.poll(now);
+    b.poll(now + kAhead);
+  }
+  REQUIRE(a.rendezvous.epoch().has_value());
+  REQUIRE(b.rendezvous.epoch().has_value());
+  CHECK(*b.rendezvous.epoch() - kAhead == *a.rendezvous.epoch());
+}
+
 TEST_CASE("rendezvous: alone there is no epoch", "[demos][unit]") {
   const Scene scene = small_scene();
   consensus::VirtualNetwork network({}, 1);
@@ -85,6 +109,7 @@ TEST_CASE("rendezvous: an epoch of another day is not taken over", "[demos][faul
   pbd::ByteWriter out(word);
   out.u32(0x4f4d4454);
   out.i64(INT64_MAX - 1);
+  out.i64(0);
   network.transport(2).post(3, word, consensus::Delivery::Newest);
   for (SessionTime now = kMs; now < 100 * kMs; now += 16 * kMs) {
     network.advance_to(now);

@@ -92,6 +92,9 @@ TEST_CASE("trace: a replay is bit-exact with what else a transport may say", "[d
   options.bandwidth = 30e3;
   options.tolerance = 1e-3;
   check_replays(scenario, options);
+  options.timeline = Timeline::None;
+  options.clock_spread = 0.25;
+  check_replays(scenario, options);
   options = quiet(2, 2.0);
   options.mode = consensus::InputMode::Hard;
   options.ablation.leave_out(Part::Velocities);
@@ -408,7 +411,9 @@ constexpr Sample kVirtual[] = {{"--peers", "3"},
                                {"--duplicate", "0.2"},
                                {"--reorder", "0.30000000000000004"},
                                {"--bandwidth", "1500"},
-                               {"--max-state", "502"}};
+                               {"--max-state", "502"},
+                               {"--clock-spread", "0.25"},
+                               {"--clock", "none"}};
 constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--seed", "77"},
                                   {"--influence", "0.123456789012345"},
@@ -434,10 +439,10 @@ constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--ablate", "masses,refine"},
                                   {"--variant", "soft"}};
 /// What says where results go, who is met and how, or what another option says.
-constexpr std::string_view kOthers[] = {"--listen",   "--connect", "--peer-id", "--key",
-                                        "--insecure", "--clock",   "--wait",    "--uneven",
-                                        "--replay",   "--json",    "--csv",     "--record",
-                                        "--trace",    "--quiet",   "--help",    "--reference"};
+constexpr std::string_view kOthers[] = {
+    "--transport", "--listen", "--connect", "--peer-id", "--key",      "--insecure",
+    "--clock",     "--wait",   "--uneven",  "--replay",  "--json",     "--csv",
+    "--record",    "--trace",  "--quiet",   "--help",    "--reference"};
 
 TEST_CASE("trace: the words of a run's options are read back as the same options",
           "[demos][unit]") {
@@ -460,8 +465,9 @@ TEST_CASE("trace: the words of a run's options are read back as the same options
 
   const std::vector<std::string_view> network{"--connect", "localhost:7", "--peer-id", "4",
                                               "--key",     "secret",      "--budget",  "64"};
-  CHECK(run_arguments(parse_options(network)) ==
-        std::vector<std::string>{"--listen", "0", "--peer-id", "4", "--budget", "64"});
+  CHECK(
+      run_arguments(parse_options(network)) ==
+      std::vector<std::string>{"--listen", "0", "--peer-id", "4", "--insecure", "--budget", "64"});
 
   // Who adds an option says whether a run depends on it.
   const std::string help = usage("cubes");

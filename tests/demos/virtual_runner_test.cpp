@@ -47,6 +47,20 @@ TEST_CASE("virtual run: without a coupling is with no influence, bit for bit", "
   CHECK(a.peers[0].bodies_aggregated == 0);
 }
 
+TEST_CASE("virtual run: dated on receipt, it does not matter what clocks show", "[demos][golden]") {
+  DemoOptions options = quiet(5, 6.0);
+  options.timeline = Timeline::None;
+  const Report together = run(options);
+  options.clock_spread = 86400.0;
+  const Report apart = run(options);
+  CHECK(apart.metrics.hash == together.metrics.hash);
+  CHECK(apart.metrics.divergence_m.max == together.metrics.divergence_m.max);
+  CHECK(run_virtual(CubesScenario(kSmall), options).peers[0].bodies_aggregated > 0);
+  // Read as they are such stamps are refused, and nothing is agreed upon.
+  options.timeline = Timeline::Session;
+  CHECK(run_virtual(CubesScenario(kSmall), options).peers[0].bodies_aggregated == 0);
+}
+
 TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][golden]") {
   const CubesScenario scenario(kSmall);
   DemoOptions options = quiet(5, 3.0);

@@ -19,12 +19,6 @@ using tandem::consensus::PeerId;
 
 namespace {
 
-Address address_of(PeerId peer) {
-  return {
-      .ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, static_cast<std::uint8_t>(peer)},
-      .port = 4000};
-}
-
 struct Flying {
   PeerId from = 0;
   PeerId to = 0;
@@ -54,7 +48,7 @@ class Network {
           if (flying.size() < 200) flying.push_back({peer, target, protocol::copy(datagram)});
         });
     // 3 is told of 2 by 1.
-    if (peer != 1) node->dial(address_of(1), now);
+    if (peer != 1) node->dial(protocol::address_of(1), now);
   }
   UdpNode& node(PeerId peer) { return *nodes_[peer % 3]; }
   void poll() {
@@ -62,7 +56,7 @@ class Network {
   }
   void deliver(const Flying& packet) {
     if (packet.to < 1 || packet.to > 3) return;
-    (void)node(packet.to).on_datagram(packet.datagram, address_of(packet.from), now);
+    (void)node(packet.to).on_datagram(packet.datagram, protocol::address_of(packet.from), now);
   }
 
   std::int64_t now = 0;
@@ -146,7 +140,8 @@ void run(std::span<const std::byte> input) {
         const PeerId other = choices.byte() % 5;
         if (choices.byte() % 2 == 0) {
           network.node(peer).told(
-              other, {.peer = choices.byte() % 6u, .address = address_of(other)}, network.now);
+              other, {.peer = choices.byte() % 6u, .address = protocol::address_of(other)},
+              network.now);
         } else {
           network.node(peer).passed_on(other, choices.byte() % 6u, choices.bytes(choices.byte()),
                                        network.now);

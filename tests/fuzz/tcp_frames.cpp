@@ -25,6 +25,9 @@ void run(std::span<const std::byte> input) {
       if (const auto addresses = decode_addresses(frame->payload)) {
         require(addresses->size() <= kMaxAddresses);
       }
+      if (const auto key = decode_key_frame(frame->payload)) {
+        require(key->message.size() <= frame->payload.size());
+      }
       require(decode_reason(frame->payload).size() <= kMaxReason);
     }
   }
@@ -40,6 +43,7 @@ std::vector<Bytes> seeds() {
                                    {.peer = 5, .ip = {2}, .port = 7}};
   append_frame(stream, FrameType::Addresses, [&](auto& writer) { encode(writer, addresses); });
   append_frame(stream, FrameType::Newest, [](auto& writer) { writer.u64(8); });
+  append_frame(stream, FrameType::KeyRequest, [](auto& writer) { encode(writer, KeyFrame{}); });
   append_frame(stream, FrameType::Goodbye, [](auto& writer) { writer.u32(0x41424344); });
   Bytes whole;
   for (std::size_t at = 0; at < stream.size();) {

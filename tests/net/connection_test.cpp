@@ -168,6 +168,30 @@ TEST_CASE("connection: loss that does not depend on the rate does not take the r
   CHECK(sum / static_cast<double>(rates) > 0.7 * 256.0);
 }
 
+TEST_CASE("connection: random loss on a long way costs a second of less, once", "[net]") {
+  const double loss = GENERATE(0.15, 0.25, 0.4);
+  const std::uint64_t seed = GENERATE(1u, 2u, 3u);
+  UdpConnectionOptions options;
+  options.congestion.max_kbit = 2000.0;
+  Pair pair({.delay = 118 * kMs, .jitter = 10 * kMs, .loss = loss}, options, seed);
+  // Half of the budget, from some time after the connection on: its first period has nothing in it.
+  std::uint64_t posted = 0;
+  std::uint64_t got = 0;
+  std::vector<Channels::Message> messages;
+  pair.each_step = [&] {
+    if (pair.now > kSecond && pair.now % (16 * kMs) == 0) {
+      for (int i = 0; i < 2; ++i) pair.a.post(numbered(1, 1000), Delivery::Newest, pair.now);
+      posted += 2;
+    }
+    messages.clear();
+    pair.b.drain(messages);
+    got += messages.size();
+  };
+  pair.run(21 * kSecond);
+  INFO(loss << ": " << got << " of " << posted);
+  CHECK(static_cast<double>(got) > 0.92 * (1.0 - loss) * static_cast<double>(posted));
+}
+
 TEST_CASE("connection: memory is bounded whatever the application or the other end does",
           "[net][fault]") {
   const ChannelOptions small{.state_queue_bytes = 8 * 1024,

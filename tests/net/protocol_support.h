@@ -8,7 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "address.h"
 #include "crypto.h"
+#include "tandem/consensus/transport.h"
 
 namespace protocol {
 
@@ -69,6 +71,13 @@ inline std::vector<std::uint8_t> unhex(const char* digits) {
     out.push_back(static_cast<std::uint8_t>(16 * value(digits[0]) + value(digits[1])));
   }
   return out;
+}
+
+/// Where a peer is in tests.
+inline tandem::net::Address address_of(tandem::consensus::PeerId peer) {
+  return {
+      .ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, static_cast<std::uint8_t>(peer)},
+      .port = 4000};
 }
 
 }  // namespace protocol

@@ -276,15 +276,18 @@ TEST_CASE("tcp: addresses told by a peer are tried, and forgotten if they are no
   const std::uint16_t closed_port = TcpTransport(options(5)).local_port();
   const raw::Bytes v4_loopback =
       raw::le(0, 8) + raw::le(0, 2) + raw::le(0xffff, 2) + raw::le(0x0100007f, 4);
+  // In the clear only this machine is dialled, whatever a peer says.
+  const raw::Bytes elsewhere =
+      raw::le(0, 8) + raw::le(0, 2) + raw::le(0xffff, 2) + raw::le(0x010200c0, 4);
   const auto entry = [&](PeerId id, const raw::Bytes& ip, std::uint16_t port) {
     return raw::le(id, 8) + ip + raw::le(port, 2);
   };
   raw::Bytes list = entry(7, v4_loopback, closed_port) + entry(1, v4_loopback, closed_port) +
                     entry(0, v4_loopback, closed_port) + entry(8, v4_loopback, 0) +
-                    entry(8, raw::Bytes(16), closed_port);
+                    entry(8, raw::Bytes(16), closed_port) + entry(9, elsewhere, closed_port);
   REQUIRE(peer.send(raw::frame(raw::kAddresses, list)));
   REQUIRE(eventually([&] { return !a.dials().empty(); }));
-  REQUIRE(a.dials().size() == 1);  // of the five only the first is an address of another peer
+  REQUIRE(a.dials().size() == 1);  // of the six only the first is an address of another peer here
   CHECK(a.dials()[0].address == HostPort{"127.0.0.1", closed_port});
   CHECK(eventually([&] { return a.dials().empty(); }));
 

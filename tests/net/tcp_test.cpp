@@ -140,6 +140,7 @@ TEST_CASE("tcp: IPv4 and IPv6 peers form one mesh", "[net][socket]") {
   const raw::LeakCheck leaks;
   auto both = options(1);
   both.listen_address = "::";
+  both.insecure = true;
   std::error_code error;
   const auto a = TcpTransport::open(both, error);
   if (a == nullptr) {
@@ -148,6 +149,7 @@ TEST_CASE("tcp: IPv4 and IPv6 peers form one mesh", "[net][socket]") {
   }
   auto by_v6 = options(2);
   by_v6.listen_address = "::";
+  by_v6.insecure = true;
   by_v6.connect = {{"::1", a->local_port()}};
   TcpTransport b(by_v6);
   REQUIRE(eventually([&] { return linked(*a, b); }));

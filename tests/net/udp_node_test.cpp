@@ -10,7 +10,7 @@
 #include <map>
 #include <memory>
 
-#include "sim_link.h"
+#include "sim_world.h"
 #include "support/catch.h"
 #include "tandem/pbd/bytes.h"
 
@@ -20,88 +20,6 @@ using tandem::consensus::Delivery;
 using tandem::consensus::Packet;
 using tandem::consensus::PeerId;
 using tandem::consensus::PeerStatus;
-
-namespace {
-
-Address address_of(PeerId peer) {
-  return {
-      .ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, static_cast<std::uint8_t>(peer)},
-      .port = 4000};
-}
-
-class World {
- public:
-  explicit World(const PathOptions& path = {}) : path_(path) {}
-
-  UdpNode& start(PeerId peer, std::uint64_t incarnation = 1, std::size_t max_peers = 64) {
-    UdpNodeOptions options;
-    options.handshake.self = peer;
-    options.handshake.incarnation = incarnation;
-    options.handshake.scene_hash = 42;
-    options.max_peers = max_peers;
-    options.start = now;
-    options.correction = static_cast<std::int64_t>(peer) * kSecond;
-    options.handshake.session_key = secret(1000);
-    options.handshake.identity = crypto::make_key_pair(seeded(500 + ++starts_));
-    nodes_[peer] =
-        std::make_unique<UdpNode>(options, seeded(7000 + starts_),
-                                  [this, peer](std::span<const std::byte> out, const Address& to) {
-                                    tap(copy(out));
-                                    path(address_of(peer), to).send(copy(out), now);
-                                  });
-    return *nodes_[peer];
-  }
-  /// Hears all that is sent, whoever it is for.
-  std::function<void(const Bytes&)> tap = [](const Bytes&) {};
-  void stop(PeerId peer) { nodes_.erase(peer); }
-  UdpNode& node(PeerId peer) { return *nodes_.at(peer); }
-  Path& path(const Address& from, const Address& to) {
-    return paths_.try_emplace({from, to}, path_, paths_.size() + 1).first->second;
-  }
-
-  void run(std::int64_t duration) {
-    for (const std::int64_t end = now + duration; now < end; now += kMs) {
-      each_step();
-      for (auto& [peer, node] : nodes_) node->poll(now);
-      for (auto& [ends, path] : paths_) {
-        const Address target = ends.second;
-        const auto to = std::ranges::find_if(
-            nodes_, [&target](const auto& entry) { return address_of(entry.first) == target; });
-        for (const Bytes& datagram : path.arrived(now)) {
-          if (to != nodes_.end()) to->second->on_datagram(datagram, ends.first, now);
-        }
-      }
-    }
-  }
-
-  std::function<void()> each_step = [] {};
-  std::int64_t now = 0;
-
- private:
-  PathOptions path_;
-  std::map<std::pair<Address, Address>, Path> paths_;
-  std::map<PeerId, std::unique_ptr<UdpNode>> nodes_;
-  std::uint64_t starts_ = 0;
-};
-
-PeerStatus status(const UdpNode& node, PeerId peer) {
-  for (const PeerStatus& each : node.peers()) {
-    if (each.id == peer) return each;
-  }
-  return {};
-}
-
-bool linked(World& world, PeerId a, PeerId b) {
-  return status(world.node(a), b).connected && status(world.node(b), a).connected;
-}
-
-Bytes number(std::uint64_t value) {
-  Bytes out;
-  tandem::pbd::ByteWriter(out).u64(value);
-  return out;
-}
-
-}  // namespace
 
 TEST_CASE("udp node: four peers that all dial each other have one connection each", "[net]") {
   World world({.delay = 30 * kMs, .jitter = 10 * kMs, .loss = 0.05});
@@ -254,17 +172,6 @@ TEST_CASE("udp node: no more peers than there is room for", "[net][fault]") {
   CHECK(world.node(1).strangers().refused > 0);
 }
 
-namespace {
-
-/// Neither hears the other.
-void cut(World& world, PeerId a, PeerId b, bool whole = false) {
-  const PathOptions path = whole ? PathOptions{.delay = 20 * kMs} : PathOptions{.loss = 1.1};
-  world.path(address_of(a), address_of(b)).set(path);
-  world.path(address_of(b), address_of(a)).set(path);
-}
-
-}  // namespace
-
 TEST_CASE("udp node: reliable messages outlive connections, each once and in order",
           "[net][fault]") {
   World world({.delay = 20 * kMs, .jitter = 10 * kMs, .loss = 0.1, .duplicate = 0.1});
@@ -352,153 +259,6 @@ TEST_CASE("udp node: a dropped peer and a restarted one begin with an empty queu
   REQUIRE(world.node(1).post(2, number(7), Delivery::Reliable, world.now));
   world.run(200 * kMs);
   CHECK(first(2) == 7);
-}
-
-TEST_CASE("udp node: a newcomer that knows one address meets all", "[net]") {
-  World world({.delay = 20 * kMs, .loss = 0.1});
-  world.start(1);
-  for (PeerId peer = 2; peer <= 8; ++peer) world.start(peer).dial(address_of(peer - 1), 0);
-  world.run(10 * kSecond);
-  for (PeerId a = 1; a <= 8; ++a) {
-    for (PeerId b = 1; b < a; ++b) CHECK(linked(world, a, b));
-    CHECK(world.node(a).relayed().forwarded == 0);
-  }
-  world.start(9).dial(address_of(4), world.now);
-  world.run(3 * kSecond);
-  for (PeerId a = 1; a <= 8; ++a) CHECK(linked(world, a, 9));
-}
-
-TEST_CASE("udp node: peers without a route go through one that has it, and straight where they can",
-          "[net][fault]") {
-  World world({.delay = 20 * kMs});
-  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
-  world.node(1).dial(address_of(2), 0);
-  world.node(3).dial(address_of(2), 0);
-  cut(world, 1, 3);
-  world.run(6 * kSecond);
-  REQUIRE(linked(world, 1, 3));
-  CHECK(world.node(1).relay_of(3) == 2);
-  CHECK(world.node(3).relay_of(1) == 2);
-  CHECK(world.node(1).relay_of(2) == 0);
-
-  std::uint64_t next = 0;
-  const auto exchange = [&](int count) {
-    for (int i = 0; i < count; ++i) {
-      REQUIRE(world.node(1).post(3, Bytes(1154, std::byte{5}), Delivery::Newest, world.now));
-      REQUIRE(world.node(1).post(3, number(i), Delivery::Reliable, world.now));
-      world.run(100 * kMs);
-    }
-    std::vector<Packet> packets;
-    world.node(3).drain(packets);
-    std::size_t states = 0;
-    next = 0;
-    for (const Packet& packet : packets) {
-      if (packet.bytes.size() == 1154) ++states;
-      if (packet.bytes.size() == 8) CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == next++);
-    }
-    return states;
-  };
-  CHECK(exchange(20) >= 19);
-  CHECK(next >= 19);
-  CHECK(status(world.node(1), 3).round_trip > 79 * kMs);
-  const std::uint64_t forwarded = world.node(2).relayed().forwarded;
-  CHECK(forwarded > 40);
-
-  // A second relay, and the first one goes: the connection stays.
-  world.start(4).dial(address_of(2), world.now);
-  world.run(4 * kSecond);
-  world.stop(2);
-  world.run(6 * kSecond);
-  REQUIRE(linked(world, 1, 3));
-  CHECK(world.node(1).relay_of(3) == 4);
-  exchange(5);
-
-  // The way is open again: straight from then on, and no message is lost on the way over.
-  cut(world, 1, 3, true);
-  world.run(12 * kSecond);
-  REQUIRE(linked(world, 1, 3));
-  CHECK(world.node(1).relay_of(3) == 0);
-  const std::uint64_t at_the_end = world.node(4).relayed().forwarded;
-  exchange(5);
-  CHECK(next == 5);
-  CHECK(world.node(4).relayed().forwarded == at_the_end);
-}
-
-TEST_CASE("udp node: a relay that alters, repeats or invents is heard by nobody", "[net][fault]") {
-  World world({.delay = 10 * kMs});
-  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
-  world.node(1).dial(address_of(2), 0);
-  world.node(3).dial(address_of(2), 0);
-  cut(world, 1, 3);
-  world.run(5 * kSecond);
-  REQUIRE(linked(world, 1, 3));
-  // What peer 2 might do: hand over as "from 1" what it likes.
-  Dice dice(4);
-  std::uint64_t posted = 0;
-  std::uint64_t got = 0;
-  world.each_step = [&] {
-    if (world.now % (50 * kMs) == 0) {
-      posted += world.node(1).post(3, number(posted), Delivery::Newest, world.now) ? 1 : 0;
-    }
-    for (int i = 0; i < 5; ++i) {
-      Bytes junk = random_bytes(dice, 1 + dice.below(300));
-      if (dice.chance(0.5)) junk[0] = std::byte{0x40};
-      if (dice.chance(0.2)) junk[0] = std::byte{0x50};
-      world.node(3).passed_on(2, dice.chance(0.8) ? 1 : dice.below(50), junk, world.now);
-    }
-    std::vector<Packet> packets;
-    world.node(3).drain(packets);
-    for (const Packet& packet : packets) {
-      if (packet.from == 1) CHECK(tandem::pbd::ByteReader(packet.bytes).u64() == got++);
-    }
-  };
-  world.run(2 * kSecond);
-  CHECK(got >= posted - 3);
-  CHECK(status(world.node(3), 1).rejected == 0);
-}
-
-TEST_CASE("udp node: a relay passes on within its budget only, and not at all where told not to",
-          "[net][fault]") {
-  World world({.delay = 10 * kMs});
-  for (PeerId peer = 1; peer <= 3; ++peer) world.start(peer);
-  world.node(1).dial(address_of(2), 0);
-  world.node(3).dial(address_of(2), 0);
-  cut(world, 1, 3);
-  world.run(5 * kSecond);
-  REQUIRE(linked(world, 1, 3));
-  const std::uint64_t before = world.path(address_of(2), address_of(3)).bytes();
-  for (int i = 0; i < 100; ++i) {  // 1.5 Mbit/s, where 256 kbit/s are allowed
-    for (int k = 0; k < 10; ++k) {
-      (void)world.node(1).post(3, Bytes(1000), Delivery::Newest, world.now);
-    }
-    world.run(50 * kMs);
-  }
-  const auto kbit =
-      8e-3 * static_cast<double>(world.path(address_of(2), address_of(3)).bytes() - before) / 5.0;
-  CHECK(kbit < 300.0);  // and 2's own
-  CHECK(kbit > 100.0);
-}
-
-TEST_CASE("udp node: a member that tells nonsense of third peers costs a few small datagrams",
-          "[net][fault]") {
-  World world({.delay = 10 * kMs});
-  world.start(1);
-  world.start(2).dial(address_of(1), 0);
-  world.run(kSecond);
-  // As if 2 said so: a hundred peers at a hundred addresses, and what no host has.
-  std::size_t sent = 0;
-  world.tap = [&](const Bytes& datagram) { sent += datagram.size() == kHelloBytes ? 1 : 0; };
-  for (int i = 0; i < 50; ++i) {
-    for (PeerId peer = 50; peer < 150; ++peer) {
-      world.node(1).told(2, {.peer = peer, .address = address_of(peer)}, world.now);
-    }
-    world.node(1).told(2, {.peer = 7, .address = {}}, world.now);
-    world.node(1).told(2, {.peer = 1, .address = address_of(9)}, world.now);
-    world.run(100 * kMs);
-  }
-  CHECK(sent > 10);
-  CHECK(sent < 200);  // 16 addresses at a time, 8 questions in 5 s each
-  CHECK(linked(world, 1, 2));
 }
 
 TEST_CASE("udp node: all have one time, also where one of them came late", "[net][clock]") {

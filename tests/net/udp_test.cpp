@@ -120,7 +120,7 @@ TEST_CASE("udp: four peers with public keys make a full mesh, a fifth without a 
     for (PeerId other = 1; other <= 4; ++other) {
       if (other == self) continue;
       own.trusted.push_back(
-          {.peer = other, .public_key = udp_public_key(key(static_cast<std::uint8_t>(other)))});
+          {.peer = other, .public_key = public_key(key(static_cast<std::uint8_t>(other)))});
     }
     peers.push_back(std::make_unique<UdpTransport>(own));
     ports.push_back(peers.back()->local_port());

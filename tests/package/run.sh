@@ -90,6 +90,9 @@ consumer net fcl ccd octomap tinyobjloader Asio
 without net FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 with net Asio "$asio"
 
+consumer c tinyobjloader Asio
+without c Asio "$asio"
+
 # Asking for what is not there says so, and does not speak of somebody else's package.
 rm "$prefix"/lib*/cmake/tandem/tandem-collision-targets*.cmake
 if cmake -S "$here" -B "$scratch/absent" -DCOMPONENT=collision -DCMAKE_PREFIX_PATH="$prefix" \

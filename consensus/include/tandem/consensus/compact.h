@@ -27,10 +27,6 @@ inline constexpr double kInfluenceQuantum = 1.0 / 65535.0;
 inline constexpr double kAnchorQuantum = 1.0 / 65536.0;     ///< m, up to 2^15
 inline constexpr double kAnchorSpeedQuantum = 1.0 / 256.0;  ///< m/s, up to 2^7
 
-/// The state as the receiver will have it: rounded to the quanta, StateUpdate::rounded set. Where
-/// flags.resting is set the velocities are 0. Unchanged where check() refuses it.
-StateUpdate rounded(const StateUpdate& update);
-
 /// A state and the index that the sender has given to its body.
 struct IndexedState {
   std::uint16_t index = 0;
@@ -38,10 +34,12 @@ struct IndexedState {
 };
 
 /// Append one message with as many of these states as bring the packet to `max_bytes`, and up to
-/// kMaxRecords; nothing where not even one fits. States that check() refuses are left out.
+/// kMaxRecords; nothing where not even one fits. States that check() refuses are left out; the
+/// others come out as the receiver will have them: rounded to the quanta, StateUpdate::rounded set,
+/// without velocities where flags.resting is set.
 /// @param states  by ascending index, no index twice; all of the stamp of the first one
 /// @return how many of `states` are dealt with
-std::size_t encode_compact(std::span<const IndexedState> states, std::uint32_t table,
+std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
                            std::size_t max_bytes, std::vector<std::byte>& out);
 
 /// Append a message with the anchors that the format can hold, up to kMaxRecords. The places of the

@@ -38,6 +38,15 @@ enum class StateFormat : std::uint8_t {
   Compact,  ///< rounded, about 27 bytes where a body moves and 14 where it rests, see compact.h
 };
 
+/// What stamps of others are read by.
+enum class Dating : std::uint8_t {
+  Stamp,  ///< as they are: all clocks show the session's time
+  /// By when they come, half a round trip before: no two clocks need to agree, see SenderClocks.
+  /// The transport says when and how long; where it does not, they are dated by the step that finds
+  /// them, and no way is assumed.
+  Receipt,
+};
+
 /// Which states are sent, to each of the others, and in what form. docs/network.md has the rules.
 struct SendOptions {
   StateFormat format = StateFormat::Full;
@@ -64,6 +73,7 @@ struct SendOptions {
 
 struct PeerOptions {
   double update_hz = 60.0;  ///< states sent each second, > 0
+  Dating dating = Dating::Stamp;
   SendOptions sending;
   InfluenceOptions influence;
   /// Rules of influence; empty = default_announcement() and default_hearing() of `influence`.

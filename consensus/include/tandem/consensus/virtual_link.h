@@ -61,7 +61,8 @@ struct LinkCounters {
 /// - While a link is cut, states are dropped and reliable packets wait for heal(). Both sides see a
 ///   link that is cut in either direction as not connected.
 /// - Transport::drop() closes both directions for good until heal(), the new handshake.
-/// - What has arrived waits for drain() without a limit.
+/// - What has arrived waits for drain() without a limit. PeerStatus::round_trip is smoothed, of
+///   states in both directions, and known once one has come in each.
 ///
 /// Same seed and same calls, same deliveries, bit for bit on every machine, and however the time is
 /// cut into calls of advance_to(). Each direction draws from a generator of its own.
@@ -98,6 +99,12 @@ class VirtualNetwork {
   void advance_to(SessionTime time);
   /// No delivery happens before this time; nullopt where nothing is on its way.
   std::optional<SessionTime> next_event() const;
+
+  /// What a peer's clock shows, for Packet::received: `ahead` ns beyond now() at the network's
+  /// start, and so many millionths more since. By default all show now().
+  /// @throws std::invalid_argument where the peer has not joined, |ahead| > 1e18 ns or |drift| >
+  /// 1000
+  void set_clock(PeerId peer, SessionTime ahead, double drift_ppm = 0.0);
 
   /// @throws as set_link
   LinkCounters counters(PeerId from, PeerId to) const;

@@ -77,6 +77,10 @@ struct PhysicsClockOptions {
   /// A lag (either way) above this is skipped, not simulated; >= max_steps_per_call * max_step.
   std::int64_t stall_limit = 1'000'000'000;
 
+  /// For so many steps a second, > 0: nominal_step, and limits on either side of it where the
+  /// defaults would not do.
+  static PhysicsClockOptions at_rate(double hz);
+
   /// Throws std::invalid_argument naming the field, its value and the rule it breaks.
   void validate() const;
 };

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/net/keys.h"
 #include "tandem/net/session.h"
 
 namespace tandem::net {
@@ -26,10 +27,17 @@ struct TcpOptions {
   std::uint64_t scene_hash = 0;  ///< peers with another one are refused
   /// Port to accept peers on; 0 takes a free one (local_port()); none: this peer only dials.
   std::optional<std::uint16_t> listen_port;
-  std::string listen_address = "0.0.0.0";  ///< numeric; "::" for IPv6, "127.0.0.1" for tests
+  std::string listen_address = "0.0.0.0";  ///< numeric; "::" for IPv6 and IPv4
   /// Peers to dial. One is enough: it tells the addresses of the others. Names (not addresses) are
   /// looked up by the system, whose time-out may then delay the destructor.
   std::vector<HostPort> connect;
+
+  /// The same for all members, not zero: frames are encrypted and authenticated. None: they are in
+  /// the clear, and all addresses must be loopback ones unless `insecure` says otherwise.
+  std::optional<Key> session_key;
+  std::optional<Key> identity;       ///< secret of this peer, with session_key; none: a new one
+  std::vector<TrustedPeer> trusted;  ///< all other peers; none: the session key is enough
+  bool insecure = false;             ///< frames in the clear over any network, no session_key
 
   std::uint32_t max_frame_bytes = 64 * 1024;          ///< longest payload, in [64, 16 MiB]
   std::size_t send_queue_bytes = 1024 * 1024;         ///< per peer, >= 2 * max_frame_bytes
@@ -63,13 +71,18 @@ struct DialStatus {
   std::string reason;          ///< why the last attempt failed; empty where none has
 };
 
-/// Connections that did not become a peer.
+/// Connections that did not become a peer, or had to be given up.
 struct StrangerStatus {
   std::uint64_t accepted = 0;   ///< inbound connections, good ones included
   std::uint64_t refused = 0;    ///< wrong version, scene, id; session full; dropped peer on hold
   std::uint64_t malformed = 0;  ///< bytes that are no handshake
   std::uint64_t timed_out = 0;  ///< handshake not completed in time
-  std::string last_reason;      ///< of the latest of them
+  std::uint64_t limited = 0;    ///< over the rate of an address, with a session key
+  std::uint64_t bad_proof = 0;  ///< do not have the session key
+  /// Frames that the other end has not sealed, or not there: forged, changed, repeated, out of
+  /// order. Each has ended its connection, which may have been that of a peer.
+  std::uint64_t forged = 0;
+  std::string last_reason;  ///< of the latest of them
 };
 
 /// Full mesh over TCP: every process accepts and dials, learns the others' addresses from any peer
@@ -84,8 +97,12 @@ struct StrangerStatus {
 ///   half-dead connection never stands in the way of its successor.
 /// - A peer restarted with the same id (a larger incarnation) takes over at once; from then on the
 ///   older process is refused.
-/// - Bytes are neither encrypted nor authenticated: trusted networks or a tunnel only. A peer may
-///   make this process dial addresses of its choice.
+/// - Packet::received is of the system clock; round trips are not measured.
+/// - With a session key each connection begins with a key exchange, and each frame is encrypted and
+///   authenticated; docs/network.md says how. Without one, bytes are in the clear: this machine, or
+///   a trusted network or tunnel with `insecure`.
+/// - A member may make this process dial addresses of its choice (loopback ones without key and
+///   `insecure`).
 ///
 /// One thread of its own does all network work. post, drain, drop and the readers take a short lock
 /// and never wait for the network. The destructor tries to send what is queued as Reliable for

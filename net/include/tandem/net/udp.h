@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -15,22 +14,13 @@
 
 #include "tandem/consensus/transport.h"
 #include "tandem/net/clock.h"
+#include "tandem/net/keys.h"
 #include "tandem/net/session.h"
 
 namespace tandem::net {
 
-/// 32 bytes: a session key, or an X25519 key of a peer.
-using UdpKey = std::array<std::uint8_t, 32>;
-
-/// Of the system's generator.
-UdpKey make_udp_key();
-/// The key to give to the others, for UdpOptions::identity.
-UdpKey udp_public_key(const UdpKey& identity);
-
-struct UdpTrusted {
-  consensus::PeerId peer = 0;
-  UdpKey public_key{};
-};
+using UdpKey = Key;
+using UdpTrusted = TrustedPeer;
 
 /// What one process brings to a session over UDP.
 struct UdpOptions {

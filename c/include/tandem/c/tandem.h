@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: MIT */
+/* Copyright (c) 2026 The Tandem authors */
+#ifndef TANDEM_C_TANDEM_H
+#define TANDEM_C_TANDEM_H
+
+/**
+ * @file
+ * Tandem for languages that call C: worlds, bodies, shapes, joints, stepping, and sharing over
+ * transports of the caller's.
+ *
+ * Units are m, kg, s, N, rad; quaternions are x, y, z, w, unit, body to world. Times of a session
+ * are nanoseconds.
+ *
+ * Defs are filled by their `_init` function and then changed, so that what a program does not know
+ * has its default. Handles are values that carry a generation: one of something that was removed is
+ * an error and never something else.
+ *
+ * Errors: whatever can fail returns a tandem_result and writes field, value and rule to `error`,
+ * which may be null. What failed has changed nothing. No function lets a C++ exception out.
+ *
+ * Threads: distinct objects may be used at the same time, one object by one thread at a time. A
+ * peer and its world count as one, a network with all its transports and their peers as well.
+ */
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define TANDEM_C_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define TANDEM_C_API __attribute__((visibility("default")))
+#else
+#define TANDEM_C_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Changes with every change of this header that an older program would not survive. */
+#define TANDEM_C_VERSION 1
+/** TANDEM_C_VERSION of the library that runs. */
+TANDEM_C_API uint32_t tandem_c_version(void);
+
+typedef enum tandem_result {
+  TANDEM_OK = 0,
+  TANDEM_INVALID_ARGUMENT = 1, /**< see the error's text */
+  TANDEM_OUT_OF_MEMORY = 2,
+  TANDEM_TOO_SMALL = 3, /**< the caller's buffer; what it must hold was written */
+  TANDEM_FAILED = 4     /**< anything else */
+} tandem_result;
+
+/** What went wrong, for a person. */
+typedef struct tandem_error {
+  tandem_result result;
+  char text[256]; /**< ends with 0; cut where it is longer */
+} tandem_error;
+
+typedef struct tandem_vec3 {
+  double x, y, z;
+} tandem_vec3;
+
+typedef struct tandem_quat {
+  double x, y, z, w;
+} tandem_quat;
+
+typedef struct tandem_pose {
+  tandem_vec3 position;
+  tandem_quat orientation;
+} tandem_pose;
+
+typedef struct tandem_twist {
+  tandem_vec3 linear;  /**< m/s, world */
+  tandem_vec3 angular; /**< rad/s, world */
+} tandem_twist;
+
+typedef struct tandem_body {
+  uint32_t index, generation;
+} tandem_body;
+
+typedef struct tandem_collider {
+  uint32_t index, generation;
+} tandem_collider;
+
+typedef struct tandem_joint {
+  uint32_t index, generation;
+} tandem_joint;
+
+/** Stands for the world where a joint or an event names a body. */
+#ifdef __cplusplus
+#define TANDEM_NO_BODY (tandem_body{0xffffffffu, 0})
+#else
+#define TANDEM_NO_BODY ((tandem_body){0xffffffffu, 0})
+#endif
+
+/* ---- worlds ---- */
+
+/** Bodies, shapes, joints, and the solver that steps them. */
+typedef struct tandem_world tandem_world;
+
+typedef struct tandem_world_def {
+  tandem_vec3 gravity; /**< m/s^2; (0, 0, -9.81) */
+  int32_t substeps;    /**< of a step, 1 to 1000; 4 */
+  int32_t threads;     /**< 1 to 64; 1. Any number gives the same bits. */
+  double sleep_after;  /**< s; 0.5; 0 = never */
+  int32_t events;      /**< not 0: contact events are collected; 0 */
+} tandem_world_def;
+
+typedef struct tandem_step_report {
+  int32_t finite; /**< 0: a body left the finite numbers and was put back */
+  int32_t bodies;
+  int32_t awake;
+  int32_t targets; /**< bodies that remote states pulled */
+} tandem_step_report;
+
+TANDEM_C_API void tandem_world_def_init(tandem_world_def* def);
+/** Null where it failed. */
+TANDEM_C_API tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error);
+/** After all its peers. Null: nothing happens. */
+TANDEM_C_API void tandem_world_destroy(tandem_world* world);
+/** @param dt  s, finite and > 0     @param report  may be null */
+TANDEM_C_API tandem_result tandem_world_step(tandem_world* world, double dt,
+                                             tandem_step_report* report, tandem_error* error);
+TANDEM_C_API tandem_result tandem_world_set_gravity(tandem_world* world, tandem_vec3 gravity,
+                                                    tandem_error* error);
+/** Equal bits, equal hash. */
+TANDEM_C_API uint64_t tandem_world_hash(const tandem_world* world);
+/** Everything that the next step depends on. @param size  in: bytes of `buffer`, out: needed */
+TANDEM_C_API tandem_result tandem_world_snapshot(const tandem_world* world, void* buffer,
+                                                 size_t* size, tandem_error* error);
+/** Of a world that was built the same way. The bytes may be anybody's. */
+TANDEM_C_API tandem_result tandem_world_restore(tandem_world* world, const void* bytes, size_t size,
+                                                tandem_error* error);
+
+/* ---- bodies ---- */
+
+typedef enum tandem_body_type {
+  TANDEM_STATIC = 0,
+  TANDEM_KINEMATIC = 1, /**< moves with the twist that it was given */
+  TANDEM_DYNAMIC = 2
+} tandem_body_type;
+
+typedef struct tandem_body_def {
+  tandem_body_type type; /**< TANDEM_DYNAMIC */
+  tandem_pose pose;      /**< of the centre of mass */
+  tandem_twist twist;
+  double mass;          /**< kg, > 0; 1 */
+  double inertia[9];    /**< kg m^2, row by row, body frame, about the centre of mass; 0.4 I */
+  double gravity_scale; /**< 1 */
+  double linear_damping, angular_damping; /**< 1/s */
+  int32_t bullet;    /**< not 0: never gets through anything, small and fast as it may be */
+  int32_t can_sleep; /**< 1 */
+} tandem_body_def;
+
+typedef struct tandem_state {
+  tandem_pose pose;
+  tandem_twist twist;
+} tandem_state;
+
+TANDEM_C_API void tandem_body_def_init(tandem_body_def* def);
+TANDEM_C_API tandem_result tandem_body_add(tandem_world* world, const tandem_body_def* def,
+                                           tandem_body* body, tandem_error* error);
+/** With its colliders and joints. */
+TANDEM_C_API tandem_result tandem_body_remove(tandem_world* world, tandem_body body,
+                                              tandem_error* error);
+TANDEM_C_API int32_t tandem_body_exists(const tandem_world* world, tandem_body body);
+TANDEM_C_API tandem_result tandem_body_state(const tandem_world* world, tandem_body body,
+                                             tandem_state* state, tandem_error* error);
+/** Of many at once. */
+TANDEM_C_API tandem_result tandem_body_states(const tandem_world* world, const tandem_body* bodies,
+                                              size_t count, tandem_state* states,
+                                              tandem_error* error);
+TANDEM_C_API int32_t tandem_body_awake(const tandem_world* world, tandem_body body);
+TANDEM_C_API tandem_result tandem_body_set_pose(tandem_world* world, tandem_body body,
+                                                const tandem_pose* pose, tandem_error* error);
+TANDEM_C_API tandem_result tandem_body_set_twist(tandem_world* world, tandem_body body,
+                                                 const tandem_twist* twist, tandem_error* error);
+/** A kinematic body is there after the next step. */
+TANDEM_C_API tandem_result tandem_body_move_to(tandem_world* world, tandem_body body,
+                                               const tandem_pose* pose, tandem_error* error);
+/** During the next step. @param point  m, world; null: the centre of mass */
+TANDEM_C_API tandem_result tandem_body_apply_force(tandem_world* world, tandem_body body,
+                                                   tandem_vec3 force, const tandem_vec3* point,
+                                                   tandem_error* error);
+TANDEM_C_API tandem_result tandem_body_apply_torque(tandem_world* world, tandem_body body,
+                                                    tandem_vec3 torque, tandem_error* error);
+/** At once, N s. @param point  m, world; null: the centre of mass */
+TANDEM_C_API tandem_result tandem_body_apply_impulse(tandem_world* world, tandem_body body,
+                                                     tandem_vec3 impulse, const tandem_vec3* point,
+                                                     tandem_error* error);
+
+/* ---- shapes ---- */
+
+typedef enum tandem_shape_kind {
+  TANDEM_SPHERE = 0,     /**< radius */
+  TANDEM_BOX = 1,        /**< half_extents */
+  TANDEM_CAPSULE = 2,    /**< radius, half_height without caps; along z */
+  TANDEM_CYLINDER = 3,   /**< radius, half_height; along z */
+  TANDEM_CONE = 4,       /**< radius, half_height; apex up z */
+  TANDEM_HALF_SPACE = 5, /**< normal, offset: solid where normal . x <= offset */
+  TANDEM_HULL = 6,       /**< points: the convex hull of them */
+  TANDEM_MESH = 7,       /**< points, triangles; for bodies that do not move */
+  TANDEM_HEIGHTS = 8     /**< columns, rows, spacing, heights; for bodies that do not move */
+} tandem_shape_kind;
+
+/** Arrays are read during the call that is given the shape, and not kept. */
+typedef struct tandem_shape {
+  tandem_shape_kind kind;
+  double radius, half_height;
+  tandem_vec3 half_extents;
+  tandem_vec3 normal;
+  double offset;
+  const tandem_vec3* points;
+  size_t point_count;
+  const uint32_t* triangles; /**< three indices each, counter-clockwise seen from outside */
+  size_t triangle_count;
+  uint32_t columns, rows;
+  double spacing_x, spacing_y;
+  const double* heights; /**< row by row */
+} tandem_shape;
+
+typedef struct tandem_mass {
+  double mass;                /**< kg */
+  tandem_vec3 centre_of_mass; /**< m, frame of the shape */
+  double inertia[9];          /**< kg m^2, about it, row by row */
+} tandem_mass;
+
+typedef struct tandem_collider_def {
+  tandem_body body;
+  tandem_shape shape;
+  tandem_pose local;       /**< of the shape in the body's frame */
+  double friction;         /**< 0.5 */
+  double restitution;      /**< 0 to 1; 0 */
+  uint32_t category, mask; /**< two meet where each one's category is in the other's mask; 1, all */
+  int32_t group;           /**< equal and > 0: always meet, equal and < 0: never; 0 */
+  int32_t sensor;          /**< not 0: makes no contacts, only events; 0 */
+} tandem_collider_def;
+
+TANDEM_C_API void tandem_shape_init(tandem_shape* shape, tandem_shape_kind kind);
+/** @param density  kg/m^3, > 0 */
+TANDEM_C_API tandem_result tandem_shape_mass(const tandem_shape* shape, double density,
+                                             tandem_mass* mass, tandem_error* error);
+TANDEM_C_API void tandem_collider_def_init(tandem_collider_def* def, tandem_shape_kind kind);
+TANDEM_C_API tandem_result tandem_collider_add(tandem_world* world, const tandem_collider_def* def,
+                                               tandem_collider* collider, tandem_error* error);
+TANDEM_C_API tandem_result tandem_collider_remove(tandem_world* world, tandem_collider collider,
+                                                  tandem_error* error);
+
+/* ---- joints ---- */
+
+typedef enum tandem_joint_kind {
+  TANDEM_FIXED = 0,
+  TANDEM_BALL = 1,
+  TANDEM_HINGE = 2, /**< turns about the axis */
+  TANDEM_SLIDER = 3 /**< moves along the axis */
+} tandem_joint_kind;
+
+typedef enum tandem_motor_mode {
+  TANDEM_MOTOR_OFF = 0,
+  TANDEM_MOTOR_VELOCITY = 1,
+  TANDEM_MOTOR_POSITION = 2
+} tandem_motor_mode;
+
+/** Frames are laid as the bodies stand; all coordinates are 0 there. */
+typedef struct tandem_joint_def {
+  tandem_joint_kind kind;
+  tandem_body a, b;   /**< a may be TANDEM_NO_BODY, the world */
+  tandem_vec3 anchor; /**< m, world */
+  tandem_vec3 axis;   /**< world; hinges and sliders; (1, 0, 0) */
+  double compliance;  /**< m/N of what it locks, 0 = rigid; 0 */
+  /* Of hinges (rad, N m) and sliders (m, N): */
+  int32_t limited; /**< not 0: between lower and upper; 0 */
+  double lower, upper;
+  tandem_motor_mode motor; /**< TANDEM_MOTOR_OFF */
+  double motor_target, motor_max_force;
+  double break_force, break_torque; /**< N, N m; 0 = never */
+} tandem_joint_def;
+
+TANDEM_C_API void tandem_joint_def_init(tandem_joint_def* def, tandem_joint_kind kind);
+TANDEM_C_API tandem_result tandem_joint_add(tandem_world* world, const tandem_joint_def* def,
+                                            tandem_joint* joint, tandem_error* error);
+TANDEM_C_API tandem_result tandem_joint_remove(tandem_world* world, tandem_joint joint,
+                                               tandem_error* error);
+/** Of a hinge or a slider. */
+TANDEM_C_API tandem_result tandem_joint_set_motor(tandem_world* world, tandem_joint joint,
+                                                  tandem_motor_mode mode, double target,
+                                                  double max_force, tandem_error* error);
+/** rad or m of a hinge or a slider, 0 of others. @param broken  may be null */
+TANDEM_C_API tandem_result tandem_joint_position(const tandem_world* world, tandem_joint joint,
+                                                 double* position, int32_t* broken,
+                                                 tandem_error* error);
+
+/* ---- events of the last step, where the world collects them ---- */
+
+typedef struct tandem_contact {
+  tandem_collider collider_a, collider_b;
+  tandem_body body_a, body_b;
+} tandem_contact;
+
+typedef struct tandem_hit {
+  tandem_contact contact;
+  tandem_vec3 point;  /**< m, world */
+  tandem_vec3 normal; /**< unit, world, from a to b */
+  double speed;       /**< m/s, of approach */
+  double impulse;     /**< N s */
+} tandem_hit;
+
+typedef enum tandem_contact_list {
+  TANDEM_BEGUN = 0,
+  TANDEM_ENDED = 1,
+  TANDEM_TOUCHING = 2,
+  TANDEM_SENSOR_BEGUN = 3, /**< a is the sensor */
+  TANDEM_SENSOR_ENDED = 4,
+  TANDEM_IN_SENSOR = 5
+} tandem_contact_list;
+
+/** Copies at most `capacity` of them. @return how many there are */
+TANDEM_C_API size_t tandem_world_contacts(const tandem_world* world, tandem_contact_list list,
+                                          tandem_contact* contacts, size_t capacity);
+TANDEM_C_API size_t tandem_world_hits(const tandem_world* world, tandem_hit* hits, size_t capacity);
+
+/* ---- transports ---- */
+
+/** Carries bytes between peers. */
+typedef struct tandem_transport tandem_transport;
+
+typedef enum tandem_delivery {
+  TANDEM_NEWEST = 0,  /**< may be lost */
+  TANDEM_RELIABLE = 1 /**< in order, all of them */
+} tandem_delivery;
+
+/** Takes a packet; the bytes are copied. @param inbox  what the transport was given */
+typedef void (*tandem_receive)(void* inbox, uint64_t from, const void* bytes, size_t size);
+/** Takes a peer that there is or was. @param list  what the transport was given */
+typedef void (*tandem_list_peer)(void* list, uint64_t peer, int32_t connected);
+
+/** A transport of the caller's. The functions are called during tandem_peer_ functions alone, by
+ * their thread, and must not call back into the peer. They may be given nothing to do. */
+typedef struct tandem_transport_def {
+  void* user;    /**< first argument of all of them */
+  uint64_t self; /**< this peer; unique in the session, never 0 */
+  /** Not 0 where the bytes were taken. Must not wait. */
+  int32_t (*post)(void* user, uint64_t to, const void* bytes, size_t size,
+                  tandem_delivery delivery);
+  /** Calls receive(inbox, ...) for each packet that has come since, as it was posted. */
+  void (*drain)(void* user, tandem_receive receive, void* inbox);
+  /** Calls list(into, ...) for each peer ever seen, by ascending id. */
+  void (*peers)(void* user, tandem_list_peer list, void* into);
+  /** Cut a peer off: what it sends cannot be understood. May be null. */
+  void (*drop)(void* user, uint64_t peer, const char* reason);
+} tandem_transport_def;
+
+TANDEM_C_API tandem_transport* tandem_transport_create(const tandem_transport_def* def,
+                                                       tandem_error* error);
+/** After its peer. Null: nothing happens. */
+TANDEM_C_API void tandem_transport_destroy(tandem_transport* transport);
+
+/** A network between peers of one process, in virtual time: for tests. */
+typedef struct tandem_network tandem_network;
+
+typedef struct tandem_link {
+  double latency, jitter; /**< s, one way */
+  double loss;            /**< chance that a state is lost */
+  double bandwidth;       /**< bit/s; 0 = unlimited */
+} tandem_link;
+
+TANDEM_C_API tandem_network* tandem_network_create(const tandem_link* link, uint64_t seed,
+                                                   int64_t start_ns, tandem_error* error);
+/** After all peers on it; with its transports. */
+TANDEM_C_API void tandem_network_destroy(tandem_network* network);
+/** Owned by the network. */
+TANDEM_C_API tandem_transport* tandem_network_transport(tandem_network* network, uint64_t peer,
+                                                        tandem_error* error);
+/** Deliver what is due. @param time_ns  never goes back */
+TANDEM_C_API tandem_result tandem_network_advance(tandem_network* network, int64_t time_ns,
+                                                  tandem_error* error);
+
+/* ---- sharing ---- */
+
+/** One participant of a session: shares bodies of a world with those of the other peers. */
+typedef struct tandem_peer tandem_peer;
+
+typedef struct tandem_peer_def {
+  double update_hz;      /**< states sent each second; 60 */
+  double influence;      /**< share of a difference that is closed per 1/60 s; 0.08 */
+  double authority_ramp; /**< s, over which a newcomer gets its say; 1 */
+} tandem_peer_def;
+
+typedef struct tandem_shared_id {
+  uint64_t high, low;
+} tandem_shared_id;
+
+typedef struct tandem_grab_def {
+  tandem_shared_id body;
+  tandem_vec3 attachment;               /**< m, frame of the body */
+  tandem_vec3 anchor;                   /**< m, world: the hand */
+  double stiffness, damping, max_force; /**< N/m, N s/m, N; 500, 20, 1e6 */
+} tandem_grab_def;
+
+typedef struct tandem_peer_stats {
+  uint64_t updates_received, packets_received, packets_rejected, bytes_sent, bodies_placed;
+} tandem_peer_stats;
+
+TANDEM_C_API void tandem_peer_def_init(tandem_peer_def* def);
+TANDEM_C_API tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport,
+                                             const tandem_peer_def* def, tandem_error* error);
+/** Before its world and its transport. Null: nothing happens. */
+TANDEM_C_API void tandem_peer_destroy(tandem_peer* peer);
+/** The id that belongs to a name; the same on every machine. */
+TANDEM_C_API tandem_shared_id tandem_shared_id_of(const char* name);
+/** @param owner  the peer that alone moves it; 0 = nobody owns it */
+TANDEM_C_API tandem_result tandem_peer_share(tandem_peer* peer, tandem_shared_id id,
+                                             tandem_body body, uint64_t owner, tandem_error* error);
+TANDEM_C_API tandem_result tandem_peer_unshare(tandem_peer* peer, tandem_shared_id id,
+                                               tandem_error* error);
+/* Each step: tandem_peer_before_step(now), tandem_world_step(dt), tandem_peer_after_step(now + dt),
+ * with session times in ns, above 0. */
+TANDEM_C_API tandem_result tandem_peer_before_step(tandem_peer* peer, int64_t now_ns,
+                                                   tandem_error* error);
+TANDEM_C_API tandem_result tandem_peer_after_step(tandem_peer* peer, int64_t now_ns,
+                                                  tandem_error* error);
+/** The other peers let go of this one's springs. */
+TANDEM_C_API tandem_result tandem_peer_leave(tandem_peer* peer, int64_t now_ns,
+                                             tandem_error* error);
+TANDEM_C_API void tandem_grab_def_init(tandem_grab_def* def);
+/** Hold a shared body with a spring that all peers simulate. */
+TANDEM_C_API tandem_result tandem_peer_grab(tandem_peer* peer, const tandem_grab_def* def,
+                                            uint32_t* grab, tandem_error* error);
+/** @param now_ns  the start of the step to come */
+TANDEM_C_API tandem_result tandem_peer_move(tandem_peer* peer, uint32_t grab, tandem_vec3 anchor,
+                                            int64_t now_ns, tandem_error* error);
+TANDEM_C_API tandem_result tandem_peer_release(tandem_peer* peer, uint32_t grab,
+                                               tandem_error* error);
+TANDEM_C_API void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "tandem/c/tandem.h"
+
+namespace tandem::c {
+
+inline tandem_result report(tandem_error* error, tandem_result result, std::string_view text) {
+  if (error != nullptr) {
+    error->result = result;
+    const std::size_t length = std::min(text.size(), sizeof error->text - 1);
+    std::copy_n(text.data(), length, error->text);
+    error->text[length] = '\0';
+  }
+  return result;
+}
+
+/// Runs `work`; what it throws becomes a result with a text.
+template <class Work>
+tandem_result guarded(tandem_error* error, Work&& work) noexcept {
+  try {
+    work();
+    return report(error, TANDEM_OK, "");
+  } catch (const std::bad_alloc&) {
+    return report(error, TANDEM_OUT_OF_MEMORY, "out of memory");
+  } catch (const std::invalid_argument& fault) {
+    return report(error, TANDEM_INVALID_ARGUMENT, fault.what());
+  } catch (const std::exception& fault) {
+    return report(error, TANDEM_FAILED, fault.what());
+  } catch (...) {
+    return report(error, TANDEM_FAILED, "an unknown fault");
+  }
+}
+
+/// Throws std::invalid_argument where an argument that must be there is not.
+template <class T>
+T& required(T* pointer, const char* name) {
+  if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " = null: must be given");
+  return *pointer;
+}
+
+}  // namespace tandem::c

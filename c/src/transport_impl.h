@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <memory>
+
+#include "tandem/c/tandem.h"
+#include "tandem/consensus/transport.h"
+
+struct tandem_transport {
+  tandem::consensus::Transport* transport = nullptr;
+  std::unique_ptr<tandem::consensus::Transport> owned;  ///< null where a network has it
+};

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "convert.h"
+#include "guard.h"
+#include "world_impl.h"
+
+using namespace tandem;
+using c::from_c;
+using c::guarded;
+using c::required;
+using c::to_c;
+
+tandem_world::tandem_world(const tandem_world_def& def)
+    : world({.gravity = from_c(def.gravity)}),
+      joints(world.add_block<pbd::JointBlock>()),
+      solver({.substeps = def.substeps,
+              .sleep_after = def.sleep_after,
+              .threads = def.threads,
+              .measure_stages = false}) {
+  world.set_contact_source(&scene);
+  if (def.events != 0) events.emplace();
+}
+
+uint32_t tandem_c_version(void) { return TANDEM_C_VERSION; }
+
+void tandem_world_def_init(tandem_world_def* def) {
+  if (def == nullptr) return;
+  const pbd::SolverOptions defaults;
+  *def = {.gravity = to_c(pbd::WorldDef{}.gravity),
+          .substeps = defaults.substeps,
+          .threads = defaults.threads,
+          .sleep_after = defaults.sleep_after,
+          .events = 0};
+}
+
+tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error) {
+  tandem_world* made = nullptr;
+  guarded(error, [&] { made = new tandem_world(required(def, "def")); });
+  return made;
+}
+
+void tandem_world_destroy(tandem_world* world) { delete world; }
+
+tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_report* report,
+                                tandem_error* error) {
+  return guarded(error, [&] {
+    tandem_world& w = required(world, "world");
+    if (!(dt > 0.0) || dt > 1e6) {
+      throw std::invalid_argument("dt = " + std::to_string(dt) + ": must be above 0 and finite");
+    }
+    const pbd::StepReport& done = w.solver.step(w.world, dt);
+    if (w.events) w.events->update(w.world, w.scene);
+    if (report != nullptr) {
+      *report = {.finite = done.status == pbd::StepStatus::Ok ? 1 : 0,
+                 .bodies = done.bodies,
+                 .awake = done.awake,
+                 .targets = done.targets};
+    }
+  });
+}
+
+tandem_result tandem_world_set_gravity(tandem_world* world, tandem_vec3 gravity,
+                                       tandem_error* error) {
+  return guarded(error, [&] { required(world, "world").world.set_gravity(from_c(gravity)); });
+}
+
+uint64_t tandem_world_hash(const tandem_world* world) {
+  return world != nullptr ? world->world.hash() : 0;
+}
+
+tandem_result tandem_world_snapshot(const tandem_world* world, void* buffer, size_t* size,
+                                    tandem_error* error) {
+  bool fits = true;
+  const tandem_result result = guarded(error, [&] {
+    size_t& room = required(size, "size");
+    const std::vector<std::byte> bytes = required(world, "world").world.snapshot();
+    fits = buffer != nullptr && bytes.size() <= room;
+    if (fits) std::memcpy(buffer, bytes.data(), bytes.size());
+    room = bytes.size();
+  });
+  if (result != TANDEM_OK || fits) return result;
+  return c::report(error, TANDEM_TOO_SMALL, "buffer: must hold as many bytes as size says now");
+}
+
+tandem_result tandem_world_restore(tandem_world* world, const void* bytes, size_t size,
+                                   tandem_error* error) {
+  return guarded(error, [&] {
+    const auto& first = required(static_cast<const std::byte*>(bytes), "bytes");
+    required(world, "world").world.restore(std::span(&first, size));
+  });
+}
+
+namespace {
+
+template <class Pair, class Make>
+size_t copied(std::span<const Pair> from, tandem_contact* to, size_t capacity, Make&& make) {
+  for (size_t i = 0; i < from.size() && i < capacity && to != nullptr; ++i) to[i] = make(from[i]);
+  return from.size();
+}
+
+tandem_contact contact_of(const collision::ContactPair& pair) {
+  return {to_c(pair.a), to_c(pair.b), to_c(pair.body_a), to_c(pair.body_b)};
+}
+
+tandem_contact visit_of(const collision::SensorPair& pair) {
+  return {to_c(pair.sensor), to_c(pair.visitor), to_c(pair.sensor_body), to_c(pair.visitor_body)};
+}
+
+}  // namespace
+
+size_t tandem_world_contacts(const tandem_world* world, tandem_contact_list list,
+                             tandem_contact* contacts, size_t capacity) {
+  if (world == nullptr || !world->events) return 0;
+  const collision::ContactEvents& events = *world->events;
+  switch (list) {
+    case TANDEM_BEGUN:
+      return copied(events.begun(), contacts, capacity, contact_of);
+    case TANDEM_ENDED:
+      return copied(events.ended(), contacts, capacity, contact_of);
+    case TANDEM_TOUCHING:
+      return copied(events.touching(), contacts, capacity, contact_of);
+    case TANDEM_SENSOR_BEGUN:
+      return copied(events.sensor_begun(), contacts, capacity, visit_of);
+    case TANDEM_SENSOR_ENDED:
+      return copied(events.sensor_ended(), contacts, capacity, visit_of);
+    case TANDEM_IN_SENSOR:
+      return copied(events.in_sensors(), contacts, capacity, visit_of);
+  }
+  return 0;
+}
+
+size_t tandem_world_hits(const tandem_world* world, tandem_hit* hits, size_t capacity) {
+  if (world == nullptr || !world->events) return 0;
+  const auto all = world->events->hits();
+  for (size_t i = 0; i < all.size() && i < capacity && hits != nullptr; ++i) {
+    hits[i] = {.contact = contact_of(all[i].pair),
+               .point = to_c(all[i].point),
+               .normal = to_c(all[i].normal),
+               .speed = all[i].speed,
+               .impulse = all[i].impulse};
+  }
+  return all.size();
+}

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+
+# tandem_pkg_config(<name> DESCRIPTION <text> [REQUIRES <package>...] [PRIVATE <package>...]
+#                   [LIBS <flag>...])
+#
+# tandem-<name>.pc beside the library. PRIVATE packages and LIBS are those of the library's insides:
+# who links a shared one does without them. Paths are relative to the file, so that the tree may be
+# moved.
+function(tandem_pkg_config name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "DESCRIPTION" "REQUIRES;PRIVATE;LIBS")
+  if(NOT BUILD_SHARED_LIBS)
+    list(APPEND arg_REQUIRES ${arg_PRIVATE})
+    set(arg_PRIVATE)
+  endif()
+  list(JOIN arg_REQUIRES ", " requires)
+  list(JOIN arg_PRIVATE ", " requires_private)
+  set(libs "-L\${libdir} -ltandem_${name}")
+  list(JOIN arg_LIBS " " more)
+  if(BUILD_SHARED_LIBS)
+    set(libs_private "${more}")
+  else()
+    string(APPEND libs " ${more} -lstdc++ -lm")
+    set(libs_private)
+  endif()
+  set(folder "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  # Back from the folder of the file, whatever the depth of the library's.
+  file(RELATIVE_PATH up "/${folder}" "/")
+  file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/tandem-${name}.pc" @ONLY CONTENT
+"prefix=\${pcfiledir}/${up}
+libdir=\${prefix}/${CMAKE_INSTALL_LIBDIR}
+includedir=\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}
+
+Name: tandem-${name}
+Description: ${arg_DESCRIPTION}
+Version: ${PROJECT_VERSION}
+Requires: ${requires}
+Requires.private: ${requires_private}
+Libs: ${libs}
+Libs.private: ${libs_private}
+Cflags: -I\${includedir}
+")
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/tandem-${name}.pc" DESTINATION "${folder}")
+endfunction()

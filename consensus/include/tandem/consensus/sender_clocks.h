@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tandem/consensus/transport.h"
+#include "tandem/consensus/update.h"
+
+namespace tandem::consensus {
+
+/// What the clocks of others show, told from when their packets come: for sessions without a common
+/// time. All stamps of a sender are shifted by one number, so that what is stamped when it is sent
+/// is dated half a round trip before it comes. The number is the median of the last kWindow stamps
+/// (jitter goes, and what is late for once), taken over in kSettling, by at most kSlew: differences
+/// between stamps of a sender stay what they are to 1 %. In the first second of a sender it follows
+/// at once.
+///
+/// The error is half of the difference between the ways there and back, which cannot be seen, and
+/// some tenths of a millisecond of jitter; what drifts is followed. A clock that is set, or a
+/// process that starts again under its id, is begun with anew after a moment in which its stamps
+/// mean nothing. Stamps are untrusted: a sender moves nothing but its own.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class SenderClocks {
+ public:
+  static constexpr std::size_t kWindow = 128;
+  static constexpr double kSettling = 2.0;  ///< s
+  static constexpr double kSlew = 0.01;     ///< s per s
+
+  /// A packet has come.
+  /// @param newest      ns, its newest stamp among those that are stamped when they are sent
+  /// @param received    ns, own clock
+  /// @param round_trip  ns, to the sender and back; < 0: not known, none is assumed
+  /// @return ns, to be added to the stamps of this sender, see shifted()
+  SessionTime hear(PeerId from, SessionTime newest, SessionTime received, SessionTime round_trip);
+  /// ns, the same as the last one; nullopt where nothing was heard.
+  std::optional<SessionTime> shift(PeerId from) const;
+  /// What one packet alone says.
+  static SessionTime guess(SessionTime newest, SessionTime received, SessionTime round_trip);
+
+ private:
+  struct Sender {
+    PeerId peer = 0;
+    SessionTime shift = 0;         ///< ns
+    SessionTime began = 0;         ///< ns, own clock
+    SessionTime last = 0;          ///< ns, own clock, of the last sample
+    bool knows_way = false;        ///< a round trip was known
+    std::size_t count = 0;         ///< samples ever
+    std::size_t astray = 0;        ///< samples in a row that fit nothing before
+    SessionTime astray_since = 0;  ///< ns, own clock
+    SessionTime stamp = 0;         ///< of the packets that came last
+    double sum = 0.0;              ///< ns, of these, how much later than `first`
+    SessionTime first = 0;         ///< ns, received less stamped, of the first of these
+    std::uint64_t packets = 0;     ///< number of these
+    std::array<SessionTime, kWindow> late = {};  ///< ns, received less stamped
+  };
+  static void restart(Sender& sender, SessionTime late, SessionTime half, SessionTime received);
+  static void close(Sender& sender, SessionTime half, SessionTime received);
+
+  std::vector<Sender> senders_;  ///< by peer
+};
+
+/// The stamp with the shift, within kMaxStamp of 0.
+SessionTime shifted(SessionTime stamp, SessionTime shift);
+/// Shift every stamp of a packet.
+void shift_stamps(DecodedPacket& packet, SessionTime shift);
+/// Newest stamp of what is stamped when it is sent: states, and words that the sender is there.
+std::optional<SessionTime> newest_stamp(const DecodedPacket& packet);
+/// Newest stamp of everything else; 0 where there is none.
+SessionTime newest_stamp_of_others(const DecodedPacket& packet);
+
+}  // namespace tandem::consensus

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/consensus/sender_clocks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "session_time.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// ns: further from what is known a sample is of another clock, or of a packet that was stuck.
+constexpr SessionTime kAstray = 250'000'000;
+/// So many in a row, and where they are late over so many ns (a queue that is let go is over
+/// sooner), are of another clock.
+constexpr std::size_t kAstrayCount = 8;
+constexpr SessionTime kAstrayFor = 1'000'000'000;
+/// ns: as long the shift follows at once.
+constexpr SessionTime kFirst = 1'000'000'000;
+/// ns: no round trip is longer.
+constexpr SessionTime kLongestWay = 10'000'000'000;
+
+/// Received less stamped. Both are within 2^62 of 0: half the range is given away so that sums of
+/// two such numbers and a round trip fit.
+SessionTime lateness(SessionTime received, SessionTime stamp) {
+  constexpr SessionTime kMost = kMaxStamp - 2 * kLongestWay;
+  const SessionTime half = received / 2 - stamp / 2;
+  if (half > kMost / 2) return kMost;
+  if (half < -kMost / 2) return -kMost;
+  return received - stamp;
+}
+
+}  // namespace
+
+SessionTime shifted(SessionTime stamp, SessionTime shift) {
+  if (shift > 0 && stamp > kMaxStamp - shift) return kMaxStamp;
+  if (shift < 0 && stamp < -kMaxStamp - shift) return -kMaxStamp;
+  return stamp + shift;
+}
+
+void shift_stamps(DecodedPacket& packet, SessionTime shift) {
+  const auto all = [shift](auto& records) {
+    for (auto& record : records) record.stamp = shifted(record.stamp, shift);
+  };
+  all(packet.states);
+  all(packet.springs);
+  all(packet.leaves);
+  all(packet.ownership);
+  all(packet.alive);
+  all(packet.anchors);
+  for (CompactState& state : packet.compact) {
+    state.update.stamp = shifted(state.update.stamp, shift);
+  }
+}
+
+std::optional<SessionTime> newest_stamp(const DecodedPacket& packet) {
+  std::optional<SessionTime> newest;
+  const auto look = [&newest](SessionTime stamp) {
+    newest = newest ? std::max(*newest, stamp) : stamp;
+  };
+  for (const StateUpdate& state : packet.states) look(state.stamp);
+  for (const CompactState& state : packet.compact) look(state.update.stamp);
+  for (const Alive& alive : packet.alive) look(alive.stamp);
+  return newest;
+}
+
+SessionTime newest_stamp_of_others(const DecodedPacket& packet) {
+  SessionTime newest = -kMaxStamp;
+  const auto look = [&newest](const auto& records) {
+    for (const auto& record : records) newest = std::max(newest, record.stamp);
+  };
+  look(packet.springs);
+  look(packet.leaves);
+  look(packet.ownership);
+  look(packet.anchors);
+  return newest == -kMaxStamp ? 0 : newest;
+}
+
+void SenderClocks::restart(Sender& sender, SessionTime late, SessionTime half,
+                           SessionTime received) {
+  sender.shift = late - half;
+  sender.began = sender.last = received;
+  sender.count = 0;
+  sender.astray = 0;
+}
+
+void SenderClocks::close(Sender& sender, SessionTime half, SessionTime received) {
+  const SessionTime late =
+      sender.first + std::llround(sender.sum / static_cast<double>(sender.packets));
+  const SessionTime off = late - half - sender.shift;
+  if (sender.count > 0 && std::abs(off) > kAstray) {
+    if (sender.astray++ == 0) sender.astray_since = received;
+    const bool over = off < 0 || received - sender.astray_since >= kAstrayFor;
+    if (sender.astray < kAstrayCount || !over) return;
+    restart(sender, late, half, received);
+  }
+  sender.astray = 0;
+  sender.late[sender.count++ % kWindow] = late;
+  std::array<SessionTime, kWindow> sorted = sender.late;
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sender.count, kWindow));
+  const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
+  std::nth_element(sorted.begin(), middle, end);
+  const auto missing = static_cast<double>(*middle - half - sender.shift);
+  const auto passed = static_cast<double>(std::max<SessionTime>(received - sender.last, 0));
+  const auto age = static_cast<double>(received - sender.began);
+  sender.last = std::max(sender.last, received);
+  // At first the mean of all medians, then one that forgets.
+  const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
+  double step = std::min(part, 1.0) * missing;
+  if (received - sender.began > kFirst) step = std::clamp(step, -kSlew * passed, kSlew * passed);
+  sender.shift += std::llround(step);
+}
+
+SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime received,
+                               SessionTime round_trip) {
+  const SessionTime half = std::clamp(round_trip, SessionTime{0}, kLongestWay) / 2;
+  received = std::clamp(received, -kMaxStamp, kMaxStamp);
+  const SessionTime late = lateness(received, newest);
+  auto at = std::lower_bound(senders_.begin(), senders_.end(), from,
+                             [](const Sender& s, PeerId id) { return s.peer < id; });
+  if (at == senders_.end() || at->peer != from) {
+    at = senders_.insert(at, Sender{});
+    at->peer = from;
+    at->knows_way = round_trip >= 0;
+    restart(*at, late, half, received);
+  }
+  Sender& sender = *at;
+  if (round_trip >= 0 && !sender.knows_way) {
+    sender.knows_way = true;
+    restart(sender, sender.shift, half, received);
+  }
+  // Packets of one moment are one sample: of many, those of the last window might be a few steps.
+  if (sender.packets > 0 && sender.stamp != newest) {
+    close(sender, half, received);
+    sender.packets = 0;
+  }
+  if (sender.packets == 0) {
+    sender.stamp = newest;
+    sender.first = late;
+    sender.sum = 0.0;
+  }
+  ++sender.packets;
+  sender.sum += static_cast<double>(late - sender.first);
+  return sender.shift;
+}
+
+std::optional<SessionTime> SenderClocks::shift(PeerId from) const {
+  const auto at = std::lower_bound(senders_.begin(), senders_.end(), from,
+                                   [](const Sender& s, PeerId id) { return s.peer < id; });
+  if (at == senders_.end() || at->peer != from) return std::nullopt;
+  return at->shift;
+}
+
+SessionTime SenderClocks::guess(SessionTime newest, SessionTime received, SessionTime round_trip) {
+  received = std::clamp(received, -kMaxStamp, kMaxStamp);
+  return lateness(received, newest) - std::clamp(round_trip, SessionTime{0}, kLongestWay) / 2;
+}
+
+}  // namespace tandem::consensus

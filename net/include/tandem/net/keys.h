@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "tandem/consensus/transport.h"
+
+namespace tandem::net {
+
+/// 32 bytes: a session key, or an X25519 key of a peer.
+using Key = std::array<std::uint8_t, 32>;
+
+struct TrustedPeer {
+  consensus::PeerId peer = 0;
+  Key public_key{};
+};
+
+// Both throw std::runtime_error in builds without libsodium.
+
+/// Of the system's generator.
+Key make_key();
+/// The key to give to the others, for TcpOptions::identity and UdpOptions::identity.
+Key public_key(const Key& identity);
+
+}  // namespace tandem::net

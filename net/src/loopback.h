@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <asio/ip/address.hpp>
+#include <string>
+#include <system_error>
+
+namespace tandem::net {
+
+/// IPv4 addresses seen through an IPv6 socket become plain ones, so that one peer has one spelling.
+inline asio::ip::address plain(const asio::ip::address& address) {
+  if (address.is_v6() && address.to_v6().is_v4_mapped()) {
+    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+  }
+  return address;
+}
+
+inline bool is_loopback(const asio::ip::address& address) { return plain(address).is_loopback(); }
+
+/// Of a numeric address, or of the one name whose addresses are known.
+inline bool is_loopback(const std::string& host) {
+  if (host == "localhost") return true;
+  std::error_code error;
+  const asio::ip::address address = asio::ip::make_address(host, error);
+  return !error && is_loopback(address);
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "crypto.h"
+#include "packet_protection.h"
+
+namespace tandem::net {
+
+// Frames of a stream (wire.h), sealed. The length before each is authenticated with it. A stream
+// loses and reorders nothing, so sequence numbers are not sent: each frame is opened under the
+// number that it must have. A frame of type Rekey is the last one under its key.
+
+/// Seals what one end of a stream sends. No number is used twice, and a copy cannot be had.
+class StreamSealer {
+ public:
+  StreamSealer(const crypto::Secret& key, std::int64_t now, const RekeyPolicy& policy = {},
+               std::uint64_t first_sequence = 1);
+  StreamSealer(const StreamSealer&) = delete;
+  StreamSealer& operator=(const StreamSealer&) = delete;
+
+  /// Appends `frames`, whole ones as append_frame() makes them, and those that change the key.
+  /// False where the numbers have run out: this connection is over.
+  [[nodiscard]] bool seal(std::span<const std::byte> frames, std::int64_t now,
+                          std::vector<std::byte>& out);
+  std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  bool seal_one(std::span<const std::byte> body, std::vector<std::byte>& out);
+
+  crypto::Secret key_;
+  RekeyPolicy policy_;
+  std::uint64_t next_;
+  std::uint64_t epoch_ = 0;
+  std::uint64_t frames_ = 0;  // in this epoch
+  std::int64_t epoch_start_;
+};
+
+/// Opens what the other end has sealed.
+class StreamOpener {
+ public:
+  explicit StreamOpener(const crypto::Secret& key, std::uint64_t first_sequence = 1);
+  StreamOpener(const StreamOpener&) = delete;
+  StreamOpener& operator=(const StreamOpener&) = delete;
+
+  /// `frame` is a whole one with its length. Returns type and payload, in a buffer that the next
+  /// call overwrites; empty where it was for this object alone. None: not what the other end has
+  /// sealed at this place, and from then on for good.
+  std::optional<std::span<const std::byte>> open(std::span<const std::byte> frame);
+  std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  crypto::Secret key_;
+  std::uint64_t next_;
+  std::uint64_t epoch_ = 0;
+  bool broken_ = false;
+  std::vector<std::byte> plain_;
+};
+
+}  // namespace tandem::net
