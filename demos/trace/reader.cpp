@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "tandem/pbd/bytes.h"
@@ -20,24 +19,12 @@ constexpr std::size_t kHeaderBytes = kTraceMagic.size() + 1 + 4;  // before the 
 constexpr std::uint64_t kMaxRecord = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxText = 4096;
 constexpr std::uint64_t kMaxBodies = 1'000'000;
-constexpr std::uint64_t kMinLimit = 128;  // bytes, as --max-state has it
+constexpr std::uint64_t kMaxPackets = std::uint64_t{1} << 26;  // bytes, of one record
+constexpr std::uint64_t kMinLimit = 128;                       // bytes, as --max-state has it
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 32;
 constexpr std::size_t kMaxUsers = 1024;
 constexpr SessionTime kMaxTime = SessionTime{1} << 62;
 constexpr SessionTime kMaxStep = 10'000'000'000;  // ns
-
-/// A varint of up to 64 bits; nothing where it is longer, or where the bytes end.
-std::optional<std::uint64_t> varint_at(std::span<const std::byte> bytes, std::size_t& at) {
-  std::uint64_t value = 0;
-  for (int shift = 0; shift < 64; shift += 7) {
-    if (at >= bytes.size()) return std::nullopt;
-    const auto byte = static_cast<std::uint8_t>(bytes[at++]);
-    if (shift == 63 && byte > 1) return std::nullopt;
-    value |= std::uint64_t{byte & 0x7fu} << shift;
-    if (byte < 0x80) return value;
-  }
-  return std::nullopt;
-}
 
 }  // namespace
 
@@ -53,9 +40,9 @@ class TraceReader::In {
     if (!holds) refuse(what, rule);
   }
   std::uint64_t varint(std::string_view what) {
-    const std::optional<std::uint64_t> value = varint_at(bytes_, at_);
-    if (!value) refuse(what, "a varint of at most 64 bits within the record");
-    return *value;
+    std::uint64_t value = 0;
+    require(read_varint(bytes_, at_, value), what, "a varint of at most 64 bits within the record");
+    return value;
   }
   std::uint64_t varint(std::string_view what, std::uint64_t most, std::string_view rule) {
     const std::uint64_t value = varint(what);
@@ -76,6 +63,10 @@ class TraceReader::In {
     const auto result = bytes_.subspan(at_, static_cast<std::size_t>(count));
     at_ += result.size();
     return result;
+  }
+  /// @param packet  in: what it is like
+  void decode(std::span<std::byte> packet) {
+    require(decode_packet(bytes_, at_, packet), "packet", "runs of its length within the record");
   }
   std::uint8_t u8(std::string_view what, std::uint8_t most, std::string_view rule) {
     const auto value = static_cast<std::uint8_t>(bytes(what, 1)[0]);
@@ -147,20 +138,20 @@ bool TraceReader::next(TraceRecord& record) {
                      kind <= static_cast<std::uint8_t>(TraceKind::End);
   if (!known) throw TraceError(at_, "kind = " + std::to_string(kind), "one that there is");
   std::size_t from = at_ + 1;
-  const std::optional<std::uint64_t> length = varint_at(bytes_, from);
-  if (!length) {
+  std::uint64_t length = 0;
+  if (!read_varint(bytes_, from, length)) {
     // The longest varint has ten bytes.
     if (bytes_.size() - at_ - 1 < 10) return false;
     throw TraceError(at_, "length", "a varint");
   }
-  if (*length > kMaxRecord) throw TraceError(at_, "length", "at most 1 GiB");
-  if (*length > bytes_.size() - from) return false;
-  In in(bytes_.subspan(from, static_cast<std::size_t>(*length)), from);
+  if (length > kMaxRecord) throw TraceError(at_, "length", "at most 1 GiB");
+  if (length > bytes_.size() - from) return false;
+  In in(bytes_.subspan(from, static_cast<std::size_t>(length)), from);
   record.kind = static_cast<TraceKind>(kind);
   read(in, record);
   in.require(in.remaining() == 0, "record", "nothing after its last field");
   follow(in, record);
-  at_ = from + static_cast<std::size_t>(*length);
+  at_ = from + static_cast<std::size_t>(length);
   checksum_ = pbd::hash_bytes(bytes_.subspan(offset_, at_ - offset_), checksum_);
   return true;
 }
@@ -211,16 +202,28 @@ void TraceReader::read(In& in, TraceRecord& record) {
 void TraceReader::read_packets(In& in, TraceRecord& record) {
   record.call = in.varint("call");
   record.packets.resize(in.count("packets", 3));
+  std::uint64_t total = 0;
   for (consensus::Packet& packet : record.packets) {
     packet.from = in.varint("sender");
     packet.received = INT64_MIN;
-    if (in.u8("flags", 1, "0 or 1") != 0) {
+    const std::uint8_t flags = in.u8("flags", kDated | kCoded, "0 to 3");
+    if ((flags & kDated) != 0) {
       packet.received =
           static_cast<SessionTime>(static_cast<std::uint64_t>(in.signed_varint("arrival")) +
                                    static_cast<std::uint64_t>(last_time_));
     }
-    const auto content = in.bytes("packet", in.varint("packet"));
-    packet.bytes.assign(content.begin(), content.end());
+    const std::uint64_t length = in.varint("packet", kMaxPackets - total, "at most 64 MiB in all");
+    total += length;
+    if ((flags & kCoded) != 0) {
+      const auto base = history_.like(packet.from, static_cast<std::size_t>(length));
+      in.require(!base.empty(), "packet", "like one that has come");
+      packet.bytes.assign(base.begin(), base.end());
+      in.decode(packet.bytes);
+    } else {
+      const auto content = in.bytes("packet", length);
+      packet.bytes.assign(content.begin(), content.end());
+    }
+    history_.remember(packet.from, packet.bytes);
   }
 }
 

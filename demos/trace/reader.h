@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "trace/packet_coding.h"
 #include "trace/record.h"
 
 namespace tandem::demos {
@@ -51,6 +52,7 @@ class TraceReader {
   TraceHeader header_;
   std::size_t at_ = 0;
   std::size_t offset_ = 0;
+  PacketHistory history_;
   std::uint64_t checksum_;  ///< of all before at_
   std::uint64_t steps_ = 0;
   consensus::SessionTime last_time_ = 0;

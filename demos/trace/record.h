@@ -85,6 +85,10 @@ class TraceError : public std::runtime_error {
                            " breaks: " + std::string(rule)) {}
 };
 
+// Flags of a packet.
+inline constexpr std::uint8_t kDated = 1;  ///< the transport says when it came
+inline constexpr std::uint8_t kCoded = 2;  ///< as it differs from the sender's last one as long
+
 inline constexpr std::string_view kTraceMagic = "TDMTRACE";
 inline constexpr std::uint8_t kTraceVersion = 1;
 

@@ -74,19 +74,27 @@ void TraceWriter::write(const TraceRecord& record) {
 void TraceWriter::write_packets(std::uint64_t call, std::span<const consensus::Packet> packets) {
   varint(call);
   varint(packets.size());
-  for (const consensus::Packet& packet : packets) {
-    varint(packet.from);
-    const bool dated = packet.received != INT64_MIN;
-    u8(dated ? 1 : 0);
-    if (dated) {
-      // Wraps, whatever a transport says.
-      signed_varint(static_cast<std::int64_t>(static_cast<std::uint64_t>(packet.received) -
-                                              static_cast<std::uint64_t>(last_time_)));
-    }
-    varint(packet.bytes.size());
-    payload_.insert(payload_.end(), packet.bytes.begin(), packet.bytes.end());
-  }
+  for (const consensus::Packet& each : packets) packet(each);
   emit(TraceKind::Packets);
+}
+
+void TraceWriter::packet(const consensus::Packet& packet) {
+  coded_.clear();
+  const std::span<const std::byte> base = history_.like(packet.from, packet.bytes.size());
+  if (!base.empty()) code_packet(packet.bytes, base, coded_);
+  const bool coded = !coded_.empty() && coded_.size() < packet.bytes.size();
+  const bool dated = packet.received != INT64_MIN;
+  varint(packet.from);
+  u8(static_cast<std::uint8_t>((dated ? kDated : 0) | (coded ? kCoded : 0)));
+  if (dated) {
+    // Wraps, whatever a transport says.
+    signed_varint(static_cast<std::int64_t>(static_cast<std::uint64_t>(packet.received) -
+                                            static_cast<std::uint64_t>(last_time_)));
+  }
+  varint(packet.bytes.size());
+  const std::vector<std::byte>& content = coded ? coded_ : packet.bytes;
+  payload_.insert(payload_.end(), content.begin(), content.end());
+  history_.remember(packet.from, packet.bytes);
 }
 
 void TraceWriter::peers(const TraceRecord& record) {
@@ -125,11 +133,6 @@ void TraceWriter::stage(const StageHash& stage, std::vector<std::uint32_t>& befo
   }
 }
 
-void TraceWriter::varint(std::uint64_t value) {
-  for (; value >= 0x80; value >>= 7) u8(static_cast<std::uint8_t>(value | 0x80));
-  u8(static_cast<std::uint8_t>(value));
-}
-
 void TraceWriter::signed_varint(std::int64_t value) {
   const auto bits = static_cast<std::uint64_t>(value);
   varint(bits << 1 ^ (value < 0 ? ~std::uint64_t{0} : 0));
@@ -153,9 +156,7 @@ void TraceWriter::time(consensus::SessionTime value) {
 void TraceWriter::emit(TraceKind kind) {
   const std::size_t first = out_.size();
   out_.push_back(static_cast<std::byte>(kind));
-  std::uint64_t length = payload_.size();
-  for (; length >= 0x80; length >>= 7) out_.push_back(static_cast<std::byte>(length | 0x80));
-  out_.push_back(static_cast<std::byte>(length));
+  write_varint(payload_.size(), out_);
   out_.insert(out_.end(), payload_.begin(), payload_.end());
   payload_.clear();
   sum_up(first);

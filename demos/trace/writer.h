@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "trace/packet_coding.h"
 #include "trace/record.h"
 
 namespace tandem::demos {
@@ -31,13 +32,14 @@ class TraceWriter {
 
  private:
   void u8(std::uint8_t value) { payload_.push_back(static_cast<std::byte>(value)); }
-  void varint(std::uint64_t value);
+  void varint(std::uint64_t value) { write_varint(value, payload_); }
   /// Small where the value is near 0 on either side.
   void signed_varint(std::int64_t value);
   void u64(std::uint64_t value);
   void f64(double value);
   void text(std::string_view value);
   void time(consensus::SessionTime value);
+  void packet(const consensus::Packet& packet);
   void peers(const TraceRecord& record);
   void inputs(const TraceRecord& record);
   void stage(const StageHash& stage, std::vector<std::uint32_t>& before);
@@ -47,6 +49,8 @@ class TraceWriter {
 
   std::vector<std::byte> out_;
   std::vector<std::byte> payload_;  ///< of the record under way
+  std::vector<std::byte> coded_;    ///< a packet under way
+  PacketHistory history_;
   std::uint64_t checksum_;
   consensus::SessionTime last_time_ = 0;
   std::vector<std::uint32_t> targets_before_, poses_before_;

@@ -473,7 +473,7 @@ TEST_CASE("trace: the words of a run's options are read back as the same options
   const std::string help = usage("cubes");
   for (std::size_t at = help.find("  --"); at != std::string::npos; at = help.find(" --", at + 3)) {
     const std::size_t begin = help.find("--", at);
-    const std::string name = help.substr(begin, help.find_first_of(" ,;)|\n", begin) - begin);
+    const std::string name = help.substr(begin, help.find_first_of(" ,:;)|\n", begin) - begin);
     const auto is = [&name](const Sample& sample) { return sample.name == name; };
     INFO(name);
     CHECK((std::any_of(std::begin(kVirtual), std::end(kVirtual), is) ||
