@@ -155,6 +155,10 @@ int diff_runs(const Trace& a, const Trace& b) {
 }
 
 int diff_views(const Trace& a, const Trace& b, double tolerance) {
+  const DemoOptions options = traced_options(a.header);
+  if (options.over_network() && options.timeline == Timeline::None) {
+    throw std::runtime_error("--diff breaks: two peers of one time, not of --clock none");
+  }
   const std::unique_ptr<Scenario> scenario = scenario_of(a);
   const TwoViews views = compare_views(*scenario, a.bytes(), b.bytes(), tolerance);
   for (const auto* departure : {&views.a, &views.b}) {
