@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "common/options.h"
 #include "scenes/inputs.h"
 #include "scenes/scene.h"
 #include "tandem/consensus/peer.h"
@@ -16,10 +17,12 @@ namespace tandem::demos {
 class StepWatch {
  public:
   virtual ~StepWatch() = default;
-  /// Once, before all others. Both outlive the calls that follow.
+  /// Before all others, and again after rules(). Both outlive the calls that follow.
   virtual void attach(Scene& scene, consensus::Peer& peer) = 0;
   /// A user sits down. @param epoch  ns, of the script's beginning
   virtual void user(std::size_t user, consensus::SessionTime epoch) = 0;
+  /// Another peer is put in the place of the one that was. @param options  of the new one
+  virtual void rules(const DemoOptions& options) = 0;
   /// A step may begin; it may also be said again before it does. @param now  ns, session time
   virtual void begin(consensus::SessionTime now) = 0;
   /// What one user did since the last call; before the peer takes in what has come.

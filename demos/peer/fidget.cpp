@@ -90,6 +90,7 @@ void Fidget::let_go(double time) {
 
 void Fidget::note(Input::Kind kind, std::vector<double> values) {
   Input input;
+  input.user = kUser;
   input.kind = kind;
   input.object = grabs_;
   input.body = static_cast<std::uint32_t>(*body_);

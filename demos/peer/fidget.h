@@ -28,7 +28,9 @@ class Fidget {
 
   /// Before each step. @param now  ns, session time; grows
   void update(consensus::SessionTime now);
-  /// What the last update() has done, as user 0.
+  /// Nobody else's number.
+  static constexpr std::uint32_t kUser = UINT32_MAX;
+  /// What the last update() has done, as user kUser.
   std::span<const Input> inputs() const { return inputs_; }
   /// Bodies that were taken and put down again.
   std::uint64_t done() const { return done_; }

@@ -33,6 +33,7 @@
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
 #include "trace/peer_trace.h"
+#include "view/world_view.h"
 
 namespace tandem::demos {
 
@@ -93,6 +94,8 @@ class Node {
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
     peer_.set_observer(&divergence_);
+    estimates_.first = &divergence_;
+    began_ = clock_.physics_time();
     for (const SceneBody& body : scene_.bodies) {
       std::optional<PeerId> owner;
       if (body.owner) owner = seat_of(config.session, *body.owner) + 1;
@@ -105,6 +108,7 @@ class Node {
       fidget_.emplace(scene_, peer_, seed);
     }
     if (trace_) trace_->attach(scene_, peer_);
+    if (config.session.view) serve();
     if (config.metrics_port) {
       metrics_ = std::make_unique<MetricsServer>(config.metrics_address, *config.metrics_port);
     }
@@ -121,6 +125,7 @@ class Node {
                {"fidget", fidget_ ? "true" : "false"}});
     while (!stop_.requested()) {
       begin(clock_.physics_time());
+      if (page_ != nullptr) page_->show(net::seconds(clock_.physics_time() - began_), last_step_s_);
       stop_.wait(std::chrono::nanoseconds(clock_.next_due() - network_->now()));
       advance();
       const SteadyClock::time_point now = SteadyClock::now();
@@ -149,16 +154,45 @@ class Node {
   void begin(SessionTime now) {
     const SteadyClock::time_point before = SteadyClock::now();
     words_.update(steady_now());
-    if (trace_ && fidget_ && !seated_) trace_->user(0, now);
-    seated_ = true;
-    if (trace_) trace_->begin(now);
+    if (trace_) trace_begin(now);
     signals_.update(now);
     if (fidget_) fidget_->update(now);
     if (trace_ && fidget_) trace_->inputs(fidget_->inputs());
+    if (hands_ != nullptr) {
+      controls_->begin(now, 1.0 / config_.session.step_hz(0));
+      hands_->update(now);
+      if (trace_) trace_->inputs(controls_->log());
+    }
     for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
     peer_.before_step(now);
     if (trace_) trace_->told();
     begin_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
+  }
+
+  void trace_begin(SessionTime now) {
+    if (!seated_) {
+      if (fidget_) trace_->user(Fidget::kUser, now);
+      if (hands_ != nullptr) trace_->user(number(), began_);
+    }
+    seated_ = true;
+    trace_->begin(now);
+  }
+
+  /// The page on which this peer's world is seen and touched.
+  void serve() {
+    const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
+      bool own = false;
+      controls_->each_spring([&](std::size_t held, const consensus::GrabDef& def) {
+        own = own || (held == body && def.attachment_l == attachment_l);
+      });
+      return own;
+    };
+    controls_.emplace(number(), scene_, peer_, began_, &signals_);
+    controls_->keep_no_log();
+    page_ = view::make_world_view({scenario_, config_.session, is_own}, scene_, peer_);
+    hands_ = page_->make_hands(*controls_);
+    estimates_.second = &page_->observer();
+    peer_.set_observer(&estimates_);
   }
 
   /// All steps that are due. The first one has begun already, unless time was jumped over.
@@ -178,6 +212,7 @@ class Node {
       if (trace_) trace_->step(time + step);
       const pbd::StepReport& report = physics_->step(scene_, peer_, net::seconds(step));
       if (trace_) trace_->solved();
+      last_step_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
       time += step;
       finish(time);
       steps_.add(begin_s_ + std::chrono::duration<double>(SteadyClock::now() - before).count());
@@ -281,6 +316,19 @@ class Node {
     }
   }
 
+  /// Tells two what the peer tells.
+  struct Both final : consensus::PeerObserver {
+    void on_prediction(PeerId from, const consensus::SharedId& body, SessionTime now,
+                       const pbd::Vec3& predicted_position, double age) override {
+      second->on_prediction(from, body, now, predicted_position, age);
+    }
+    void on_estimate(const consensus::EstimateEvent& event) override {
+      first->on_estimate(event);
+      second->on_estimate(event);
+    }
+    consensus::PeerObserver* first = nullptr;
+    consensus::PeerObserver* second = nullptr;
+  };
   struct Company {
     bool connected = false;
     std::uint64_t rejected = 0;
@@ -297,10 +345,16 @@ class Node {
   std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
   Signals signals_;
   DivergenceGauge divergence_;
+  Both estimates_;
   consensus::Peer peer_;
   net::PhysicsClock clock_;
   std::optional<Fidget> fidget_;
   std::unique_ptr<MetricsServer> metrics_;
+  SessionTime began_ = 0;
+  std::optional<Controls> controls_;  ///< of who is at the page
+  std::unique_ptr<view::WorldView> page_;
+  std::unique_ptr<User> hands_;
+  double last_step_s_ = 0.0;
   RecentQuantiles steps_;
   bool seated_ = false;  ///< the trace knows who is here
   bool trace_failed_ = false;

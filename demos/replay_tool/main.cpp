@@ -73,7 +73,7 @@ Trace read_trace(const std::string& path) {
 }
 
 std::unique_ptr<Scenario> scenario_of(const Trace& trace) {
-  auto scenario = make_scenario(trace.header.scene, traced_options(trace.header).variant);
+  auto scenario = make_scenario(trace.header.scene, traced_options(trace.header.arguments).variant);
   if (scenario == nullptr) {
     throw std::runtime_error("scene = " + trace.header.scene + " breaks: one that is known here");
   }
@@ -155,7 +155,7 @@ int diff_runs(const Trace& a, const Trace& b) {
 }
 
 int diff_views(const Trace& a, const Trace& b, double tolerance) {
-  const DemoOptions options = traced_options(a.header);
+  const DemoOptions options = traced_options(a.header.arguments);
   if (options.over_network() && options.timeline == Timeline::None) {
     throw std::runtime_error("--diff breaks: two peers of one time, not of --clock none");
   }

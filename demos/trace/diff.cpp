@@ -90,6 +90,8 @@ const char* stage_of(TraceKind kind) {
       return "transport";
     case TraceKind::Sent:
       return "sent";
+    case TraceKind::Rules:
+      return "rules";
     default:
       return "times";
   }
@@ -117,6 +119,8 @@ std::optional<Departure> difference(const TraceRecord& a, const TraceRecord& b) 
     }
     case TraceKind::Sent:
       return differ_if(a.sent != b.sent, "sent");
+    case TraceKind::Rules:
+      return differ_if(a.arguments != b.arguments, "rules");
     case TraceKind::End:
       return std::nullopt;
     default:

@@ -60,6 +60,13 @@ void PeerTrace::user(std::size_t user, consensus::SessionTime epoch) {
   phase(TraceKind::User, epoch);
 }
 
+void PeerTrace::rules(const DemoOptions& options) {
+  transport_.begin_phase();
+  record_.kind = TraceKind::Rules;
+  record_.arguments = run_arguments(options);
+  put(record_);
+}
+
 void PeerTrace::inputs(std::span<const Input> inputs) {
   if (inputs.empty()) return;
   record_.kind = TraceKind::Inputs;

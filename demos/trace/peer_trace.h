@@ -46,6 +46,7 @@ class PeerTrace final : public StepWatch, private TraceSink {
   // StepWatch
   void attach(Scene& scene, consensus::Peer& peer) override { hashes_.attach(scene, peer); }
   void user(std::size_t user, consensus::SessionTime epoch) override;
+  void rules(const DemoOptions& options) override;
   void begin(consensus::SessionTime now) override { phase(TraceKind::Begin, now); }
   void inputs(std::span<const Input> inputs) override;
   void told() override { hashes_.told(); }

@@ -193,6 +193,10 @@ void TraceReader::read(In& in, TraceRecord& record) {
     case TraceKind::Sent:
       record.sent = in.u64("sent");
       return;
+    case TraceKind::Rules:
+      record.arguments.resize(in.count("arguments", 1));
+      for (std::string& argument : record.arguments) argument = in.text("argument");
+      return;
     case TraceKind::End:
       read_end(in, record);
       return;
@@ -342,6 +346,9 @@ void TraceReader::follow(In& in, const TraceRecord& record) {
     case TraceKind::Sent:
       need(state_ == State::Finished);
       state_ = State::Idle;
+      return;
+    case TraceKind::Rules:
+      need(waiting || state_ == State::Solved);
       return;
     case TraceKind::End:
       need(waiting || state_ == State::Solved);

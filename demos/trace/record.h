@@ -33,7 +33,7 @@ struct StageHash {
   friend bool operator==(const StageHash&, const StageHash&) = default;
 };
 
-/// What a record is. User, Begin, Step, Finish, Leave and End each begin a phase; what the
+/// What a record is. User, Begin, Step, Finish, Leave, Rules and End each begin a phase; what the
 /// transport answered in a phase follows in it.
 enum class TraceKind : std::uint8_t {
   Packets = 1,  ///< came with a call of drain()
@@ -48,6 +48,7 @@ enum class TraceKind : std::uint8_t {
   Finish,       ///< its end has come
   Sent,         ///< hash of what was sent since the last one
   Leave,        ///< the peer leaves the session
+  Rules,        ///< another peer, with other options, takes its place
   End,          ///< the trace is complete
 };
 
@@ -64,17 +65,19 @@ struct TraceRecord {
   std::uint32_t user = 0;                                      ///< User, Inputs
   /// ns: Begin, Finish and Leave; Step: of its end; User: of the beginning of the user's script.
   consensus::SessionTime time = 0;
-  std::vector<Input> inputs;  ///< Inputs; their time is not set
-  StageHash targets;          ///< Solved: what the step was told
-  StageHash poses;            ///< Solved: what came of it
-  std::uint64_t sent = 0;     ///< Sent
-  std::uint64_t steps = 0;    ///< End: how many were solved
+  std::vector<Input> inputs;           ///< Inputs; their time is not set
+  StageHash targets;                   ///< Solved: what the step was told
+  StageHash poses;                     ///< Solved: what came of it
+  std::uint64_t sent = 0;              ///< Sent
+  std::vector<std::string> arguments;  ///< Rules: as in the header
+  std::uint64_t steps = 0;             ///< End: how many were solved
 };
 
 /// Whether a record begins a phase.
 constexpr bool begins_phase(TraceKind kind) {
   return kind == TraceKind::User || kind == TraceKind::Begin || kind == TraceKind::Step ||
-         kind == TraceKind::Finish || kind == TraceKind::Leave || kind == TraceKind::End;
+         kind == TraceKind::Finish || kind == TraceKind::Leave || kind == TraceKind::Rules ||
+         kind == TraceKind::End;
 }
 
 /// Bytes that are no trace; what() names offset and rule.

@@ -38,8 +38,8 @@ std::optional<Departure> compare(const StageHash& a, const StageHash& b, const c
   return result;
 }
 
-DemoOptions traced_options(const TraceHeader& header) {
-  const std::vector<std::string_view> words(header.arguments.begin(), header.arguments.end());
+DemoOptions traced_options(std::span<const std::string> arguments) {
+  const std::vector<std::string_view> words(arguments.begin(), arguments.end());
   return parse_options(words);
 }
 
@@ -62,7 +62,9 @@ class Replayer::TracedUser final : public User {
 };
 
 Replayer::Replayer(const Scenario& scenario, std::span<const std::byte> trace)
-    : reader_(trace), options_(traced_options(reader_.header())), transport_(header().self) {
+    : reader_(trace),
+      options_(traced_options(reader_.header().arguments)),
+      transport_(header().self) {
   const Scene scene = scenario.build({});
   const bool same = scenario.name() == header().scene && scene_hash(scene) == header().scene_hash &&
                     scene.bodies.size() == header().bodies;
@@ -134,6 +136,10 @@ void Replayer::run_driver() {
       return;
     case TraceKind::Leave:
       participant_->leave(driver_.time);
+      return;
+    case TraceKind::Rules:
+      options_ = traced_options(driver_.arguments);
+      participant_->change_rules(options_);
       return;
     default:
       return;

@@ -37,8 +37,8 @@ std::string to_text(const Departure& departure, const std::string& name);
 /// The first body in which two hashes of one stage differ; nothing where they are the same.
 std::optional<Departure> compare(const StageHash& a, const StageHash& b, const char* stage);
 
-/// The options that a trace's header names. @throws UsageError
-DemoOptions traced_options(const TraceHeader& header);
+/// The options that a trace's header or Rules name. @throws UsageError
+DemoOptions traced_options(std::span<const std::string> arguments);
 
 /// Runs a peer again as its trace has it, and compares.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
@@ -77,6 +77,7 @@ class Replayer final : private StepWatch {
   // StepWatch
   void attach(Scene& scene, consensus::Peer& peer) override { hashes_.attach(scene, peer); }
   void user(std::size_t, consensus::SessionTime) override {}
+  void rules(const DemoOptions&) override {}
   void begin(consensus::SessionTime) override {}
   void inputs(std::span<const Input>) override {}
   void told() override { hashes_.told(); }

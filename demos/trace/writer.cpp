@@ -63,6 +63,10 @@ void TraceWriter::write(const TraceRecord& record) {
     case TraceKind::Sent:
       u64(record.sent);
       break;
+    case TraceKind::Rules:
+      varint(record.arguments.size());
+      for (const std::string& argument : record.arguments) text(argument);
+      break;
     case TraceKind::End:
       varint(record.steps);
       u64(checksum_);

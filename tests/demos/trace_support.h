@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -31,6 +32,26 @@ inline Bytes read_bytes(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// A folder that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// A run in virtual time and its traces, by peer.
 struct TracedRun {
   RunResult result;
@@ -38,15 +59,13 @@ struct TracedRun {
 };
 
 inline TracedRun traced_run(const Scenario& scenario, DemoOptions options) {
-  std::string folder = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
-  REQUIRE(mkdtemp(folder.data()) != nullptr);
-  options.trace = folder + "/trace";
+  const Folder folder;
+  options.trace = folder.file("trace");
   TracedRun run;
   run.result = run_virtual(scenario, options);
   for (std::size_t i = 0; i < run.result.peers.size(); ++i) {
     run.traces.push_back(read_bytes(options.trace + '.' + std::to_string(i + 1)));
   }
-  std::filesystem::remove_all(folder);
   return run;
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/actor.h"
 #include "common/run_arguments.h"
 #include "runs.h"
 #include "scenes/cliff.h"
@@ -19,7 +20,9 @@
 #include "scenes/tennis.h"
 #include "support/catch.h"
 #include "tandem/consensus/update.h"
+#include "tandem/consensus/virtual_link.h"
 #include "trace/diff.h"
+#include "trace/peer_trace.h"
 #include "trace/replayer.h"
 #include "trace_support.h"
 
@@ -110,6 +113,56 @@ TEST_CASE("trace: a replay of a peer on Bullet is bit-exact", "[demos][golden]")
   options.engines = {Engine::Tandem, Engine::Bullet};
   options.rates = {60.0, 72.0};
   check_replays(CubesScenario(), options);
+}
+
+TEST_CASE("trace: a replay follows a change of rules", "[demos][golden]") {
+  const CubesScenario scenario(kSmall);
+  const Folder folder;
+  DemoOptions options = quiet(2, 3.0);
+  options.trace = folder.file("trace");
+  consensus::VirtualNetwork network(options.link_options(), 1, kVirtualStart);
+  network.transport(1);
+  network.transport(2);
+  std::vector<std::unique_ptr<PeerTrace>> traces;
+  std::vector<Actor> actors;
+  for (std::size_t i = 0; i < 2; ++i) {
+    traces.push_back(open_trace(scenario, options, i + 1, i, network.transport(i + 1), true));
+    actors.emplace_back(scenario, options, i, traces[i]->transport());
+    actors[i].participant().watch_steps_with(traces[i].get());
+    actors[i].participant().add_user(i, user_options(options, i, kVirtualStart));
+    // Forgets what users do, but not before it is told.
+    if (i == 1) actors[i].participant().record_nothing();
+  }
+  DemoOptions others = options;
+  others.scheme = Scheme::TwoStep;
+  others.influence = 0.2;
+  bool changed = false;
+  while (true) {
+    Actor& next = actors[next_actor(actors)];
+    const consensus::SessionTime now = std::get<0>(next.next());
+    if (now > kVirtualStart + 3'000'000'000) break;
+    if (!changed && now > kVirtualStart + 2'000'000'000) {
+      changed = true;
+      for (Actor& actor : actors) actor.participant().change_rules(others);
+    }
+    network.advance_to(now);
+    next.act();
+  }
+  for (const auto& trace : traces) trace->close();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Bytes trace = read_bytes(options.trace + '.' + std::to_string(i + 1));
+    const Replay again = replay(scenario, trace);
+    if (again.departure) UNSCOPED_INFO(to_text(*again.departure, ""));
+    CHECK_FALSE(again.departure);
+    CHECK(again.hash == actors[i].participant().scene().world->hash());
+    const std::vector<TraceRecord> records = records_of(trace);
+    const auto count = [&records](TraceKind kind) {
+      return std::count_if(records.begin(), records.end(),
+                           [kind](const auto& each) { return each.kind == kind; });
+    };
+    CHECK(count(TraceKind::Rules) == 1);
+    CHECK(count(TraceKind::Inputs) > 50);
+  }
 }
 
 TEST_CASE("trace: tracing changes nothing", "[demos][golden]") {
@@ -440,9 +493,10 @@ constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--variant", "soft"}};
 /// What says where results go, who is met and how, or what another option says.
 constexpr std::string_view kOthers[] = {
-    "--transport", "--listen", "--connect", "--peer-id", "--key",      "--insecure",
-    "--clock",     "--wait",   "--uneven",  "--replay",  "--json",     "--csv",
-    "--record",    "--trace",  "--quiet",   "--help",    "--reference"};
+    "--transport", "--view",    "--view-address", "--no-script", "--listen",
+    "--connect",   "--peer-id", "--key",          "--insecure",  "--clock",
+    "--wait",      "--uneven",  "--replay",       "--json",      "--csv",
+    "--record",    "--trace",   "--quiet",        "--help",      "--reference"};
 
 TEST_CASE("trace: the words of a run's options are read back as the same options",
           "[demos][unit]") {

@@ -30,6 +30,7 @@ void run(std::span<const std::byte> input) {
     for (const TraceRecord& each : records) {
       require(again.next(record) && record.kind == each.kind && record.time == each.time);
       require(record.targets == each.targets && record.poses == each.poses);
+      require(record.arguments == each.arguments);
       require(record.packets.size() == each.packets.size());
       for (std::size_t i = 0; i < each.packets.size(); ++i) {
         require(record.packets[i].from == each.packets[i].from);
@@ -83,6 +84,8 @@ std::vector<Bytes> seeds() {
   write(TraceKind::Finish);
   write(TraceKind::Refused);
   write(TraceKind::Sent);
+  record.arguments = {"--coupling", "two-step"};
+  write(TraceKind::Rules);
   write(TraceKind::Leave);
   write(TraceKind::Sent);
   record.steps = 1;
