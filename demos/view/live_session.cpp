@@ -15,7 +15,7 @@ using consensus::SessionTime;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;  // s, of one step by hand
+constexpr double kStepByHand = 1.0 / 60.0;  // s, of one step by hand
 
 SessionTime session_time(double seconds) { return kVirtualStart + std::llround(1e9 * seconds); }
 
@@ -126,16 +126,19 @@ std::optional<std::string> LiveSession::apply(PageId page, const Command& comman
     } else if (const auto* const profile = std::get_if<SetProfile>(&command)) {
       set_profile(profile->profile);
     } else if (const auto* const influence = std::get_if<SetInfluence>(&command)) {
-      options_.influence = influence->influence;
-      change_rules();
+      DemoOptions next = options_;
+      next.influence = influence->influence;
+      change_rules(next);
     } else if (const auto* const predictor = std::get_if<SetPredictor>(&command)) {
-      options_.predictor = predictor->predictor;
-      change_rules();
+      DemoOptions next = options_;
+      next.predictor = predictor->predictor;
+      change_rules(next);
     } else if (const auto* const scheme = std::get_if<SetScheme>(&command)) {
-      options_.scheme = scheme->scheme;
-      change_rules();
+      DemoOptions next = options_;
+      next.scheme = scheme->scheme;
+      change_rules(next);
     } else if (std::holds_alternative<Step>(command)) {
-      advance_to(time() + kFrame);
+      advance_to(time() + kStepByHand);
     } else if (std::holds_alternative<Restart>(command)) {
       restart();
     }
@@ -159,7 +162,12 @@ void LiveSession::set_profile(int profile) {
   }
 }
 
-void LiveSession::change_rules() {
+void LiveSession::change_rules(const DemoOptions& options) {
+  // Nobody is left without a peer half way.
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    options.peer_options(options.scheme_of(i)).validate();
+  }
+  options_ = options;
   settings_.influence = options_.influence;
   settings_.predictor = options_.predictor_kind();
   settings_.scheme = options_.scheme;

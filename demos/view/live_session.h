@@ -64,8 +64,8 @@ class LiveSession {
   void start();
   void close_traces();
   void set_profile(int profile);
-  /// Agree by other rules from now on.
-  void change_rules();
+  /// Agree by other rules from now on. @throws std::invalid_argument where they are not valid
+  void change_rules(const DemoOptions& options);
   void show_divergence(Frame& out);
   void show_springs(std::size_t pane, std::vector<SpringMark>& out);
   std::size_t pane_of(consensus::PeerId peer) const;  ///< SIZE_MAX: none

@@ -42,7 +42,7 @@ async function take(browser, picture, folder) {
     await until(() => observer.last.time >= picture.at, `${picture.at} s`, 600);
     observer.set('paused', true);
     await until(() => observer.settings.paused, 'a pause');
-    const page = await openPage(browser, `${demo.url}?still=1&${picture.query}`,
+    const page = await openPage(browser, `${demo.page}?still=1&${picture.query}`,
                                 {viewport: picture.size});
     // Overlays come with the next frame.
     if (picture.query.includes('marks=1')) {

@@ -61,9 +61,12 @@ class PeerBodies {
 
   /** A frame has come. @param {object} poses  of a PeerFrame @param {boolean} jump  do not glide */
   aim(poses, jump) {
-    const source = jump || !this.to ? poses : this.shown;
-    this.from.positions.set(source.positions);
-    this.from.orientations.set(source.orientations);
+    if (jump || !this.to) {
+      this.shown.positions.set(poses.positions);
+      this.shown.orientations.set(poses.orientations);
+    }
+    this.from.positions.set(this.shown.positions);
+    this.from.orientations.set(this.shown.orientations);
     this.to = poses;
   }
 
