@@ -103,12 +103,14 @@ class PeerBodies {
   colour(influence, own) {
     if (!influence && !this.tinted) return;
     this.tinted = Boolean(influence);
-    const grey = new THREE.Color('#9aa3ad');
+    const grey = new THREE.Color('#b4bcc5');
     const mixed = new THREE.Color();
     for (const mesh of this.meshes) {
       mesh.userData.entries.forEach(({body}, i) => {
-        mesh.setColorAt(i, influence ? mixed.lerpColors(grey, own, influence[body] / 255)
-                                     : this.colours[body]);
+        mixed.copy(this.colours[body]);
+        // Pale where it follows the others, the peer's own where it leads.
+        if (influence) mixed.lerp(grey, 0.6).lerp(own, influence[body] / 255);
+        mesh.setColorAt(i, mixed);
       });
       mesh.instanceColor.needsUpdate = true;
     }
