@@ -6,19 +6,38 @@
 # where none is named) with the given arguments:
 #   demos/run.sh --profile 3 --seconds 20
 #   demos/run.sh tennis --profile 5
+# or draws key frames of all of them as PNG (needs Node.js, npm and Chromium):
+#   demos/run.sh --pictures docs/img
 # Results go to standard output; what the build says goes to standard error.
 set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+build() {
+  bash "$root/cmake/install-deps.sh" >&2
+  (
+    cd "$root"
+    cmake --preset release >&2
+    cmake --build --preset release --target "$@" >&2
+  )
+}
+
+if [[ ${1:-} == --pictures ]]; then
+  shift
+  out=$(realpath -m "${1:-pictures}")
+  for tool in node npm; do
+    command -v "$tool" > /dev/null ||
+      { echo "demos/run.sh: pictures need $tool (Debian: nodejs, npm, chromium)" >&2; exit 1; }
+  done
+  build cliff cubes piano pile room tennis
+  npm --prefix "$root/tests/view" ci --no-audit --no-fund >&2
+  TANDEM_BIN=$root/build/release/bin exec node "$root/tests/view/pictures.mjs" \
+    "$out" "${@:2}"
+fi
+
 demo=cubes
 if [[ $# -gt 0 && $1 != -* ]]; then
   demo=$1
   shift
 fi
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-
-bash "$root/cmake/install-deps.sh" >&2
-(
-  cd "$root"
-  cmake --preset release >&2
-  cmake --build --preset release --target "$demo" >&2
-)
+build "$demo"
 exec "$root/build/release/bin/$demo" "$@"

@@ -20,6 +20,10 @@ class Springs {
   static constexpr std::size_t kMaxPerPeer = 256;
 
   Springs(pbd::World& world, const PeerOptions& options);
+  /// Nothing pulls any more; the world may get another peer.
+  ~Springs();
+  Springs(const Springs&) = delete;
+  Springs& operator=(const Springs&) = delete;
 
   GrabId grab(const GrabDef& def, pbd::BodyId body);
   void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);

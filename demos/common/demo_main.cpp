@@ -15,6 +15,7 @@
 #include "common/report.h"
 #include "common/virtual_runner.h"
 #include "recording/gltf.h"
+#include "view/live_runner.h"
 
 namespace tandem::demos {
 
@@ -27,8 +28,14 @@ std::vector<std::string> body_names(const Scenario& scenario) {
 }
 
 int run(const Scenario& scenario, const DemoOptions& options) {
-  RunResult result =
-      options.over_network() ? run_process(scenario, options) : run_virtual(scenario, options);
+  if (options.view && !view::has_view()) {
+    throw UsageError("--view = given breaks: built with it (TANDEM_DEMO_VIEW)");
+  }
+  RunResult result = options.over_network() ? run_process(scenario, options)
+                     : options.view         ? view::run_live(scenario, options)
+                                            : run_virtual(scenario, options);
+  // Nothing was kept of a session without an end.
+  if (options.endless) return 0;
   std::optional<RunResult> reference;
   if (options.reference && !options.over_network()) {
     reference = run_reference(scenario, options, result);

@@ -36,6 +36,12 @@ class Reader {
     if (at_ == arguments_.size()) refuse(option, "", "needs a value");
     return arguments_[at_++];
   }
+  /// A value that may be left out: what follows is one where it is no option.
+  std::string_view value_or(std::string_view option, std::string_view fallback) {
+    const bool follows =
+        at_ < arguments_.size() && !arguments_[at_].empty() && !arguments_[at_].starts_with("--");
+    return inline_value_ || follows ? value(option) : fallback;
+  }
   /// After an option without a value.
   void finish(std::string_view option) const {
     if (inline_value_) refuse(option, *inline_value_, "takes no value");
@@ -57,6 +63,7 @@ struct Option {
   void (*read)(std::string_view name, Reader& in, DemoOptions& o);
 };
 
+constexpr double kEndless = 3600.0;  // s, of users' scripts
 constexpr std::string_view kSeconds = "s, a number from 0 to 10";
 constexpr std::string_view kChance = "a number from 0 to 0.99";
 constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
@@ -162,6 +169,13 @@ constexpr Option kOptions[] = {
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");
      }},
+    {"--view", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.view = number(name, in.value_or(name, "0"), std::uint16_t{0}, std::uint16_t{65535},
+                       "a port from 0 (any) to 65535");
+     }},
+    {"--view-address", Where::Everywhere, read_text<&DemoOptions::view_address>},
+    {"--no-script", Where::Everywhere, read_flag<&DemoOptions::no_script>},
     {"--seed", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.seed =
@@ -327,6 +341,7 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   Reader in(arguments);
   std::string_view virtual_only;  // an option that has no meaning over a real network
   std::string_view network_only;
+  bool timed = false;
   for (std::string_view name = in.next(); !name.empty(); name = in.next()) {
     const auto* const option = std::find_if(std::begin(kOptions), std::end(kOptions),
                                             [name](const Option& o) { return o.name == name; });
@@ -334,6 +349,7 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
       refuse("option", name, "must be one of those that --help lists");
     }
     option->read(name, in, options);
+    timed = timed || name == "--seconds";
     if (option->where == Where::Virtual) virtual_only = name;
     const bool needs_network = name == "--clock" && options.timeline != Timeline::None;
     if (option->where == Where::Network || needs_network) network_only = name;
@@ -353,6 +369,15 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   if (options.wire == Wire::Udp && options.key.empty() && !options.insecure) {
     refuse("--transport", "udp", "needs --key or --insecure");
   }
+  options.endless = options.view.has_value() && !timed;
+  for (const auto& [name, file] : {std::pair{"--json", &options.json},
+                                   {"--csv", &options.csv},
+                                   {"--record", &options.record},
+                                   {"--record", &options.glb}}) {
+    if (options.endless && !file->empty()) refuse(name, *file, "with --view needs --seconds");
+  }
+  // Users' scripts are made for a length.
+  if (options.endless) options.seconds = kEndless;
   // Who waits is user A, who calls is user B.
   if (options.over_network() && options.peer_id == 0) {
     options.peer_id = options.connect.empty() ? 1 : 2;

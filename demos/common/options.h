@@ -98,6 +98,10 @@ struct DemoOptions {
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;
   bool help = false;
+  std::optional<std::uint16_t> view;       ///< serve a page that shows the run; 0 = any port
+  std::string view_address = "127.0.0.1";  ///< numeric
+  bool no_script = false;                  ///< nobody acts but from a page
+  bool endless = false;                    ///< until it is stopped; `seconds` is the script's
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
   bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }

@@ -61,6 +61,10 @@ Session:
                      initiative, leading, arbitration, ramp, refine
   --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any
+  --view [PORT]      serve a page that shows the run, until ctrl-c unless --seconds is given; its
+                     address is printed (docs/view.md)
+  --view-address A   serve it at this address, numeric (127.0.0.1: to this machine alone)
+  --no-script        nobody acts but who grabs something on the page
   --replay FILE      users do what --record wrote, instead of following their script
 Output:
   --json FILE        write the result as one JSON object; - is standard output

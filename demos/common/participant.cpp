@@ -28,6 +28,12 @@ double thread_cpu_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+/// Who alone moves the body; nobody where all do.
+std::optional<consensus::PeerId> owner_of(const DemoOptions& options, const SceneBody& body) {
+  if (!body.owner) return std::nullopt;
+  return seat_of(options, *body.owner) + 1;
+}
+
 double seconds_of(consensus::SessionTime ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
@@ -75,6 +81,7 @@ std::optional<std::vector<Input>> replayed_inputs(const DemoOptions& options) {
 Participant::Participant(const Scenario& scenario, const DemoOptions& options, consensus::PeerId id,
                          std::size_t number, consensus::Transport& transport)
     : scenario_(scenario),
+      number_(number),
       bounds_(scenario.bounds()),
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
       physics_(options.ablation.around(make_physics(
@@ -82,21 +89,15 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       // In virtual time all but the peers' own times are true ones.
       signals_(transport,
                options.over_network() ? options.peer_options().dating : consensus::Dating::Stamp),
-      peer_(*scene_.world, signals_, options.peer_options(options.scheme_of(number))),
       referee_(scenario.make_referee(scene_)),
       clock_ahead_(clock_ahead(options, number)) {
-  peer_.set_observer(this);
-  targets_ = options.ablation.around(peer_);
-  if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
   record_.id = id;
+  make_peer(options);
   record_.step_hz = options.step_hz(number);
   record_.tracks.resize(scene_.bodies.size());
   for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
     const SceneBody& body = scene_.bodies[i];
-    std::optional<consensus::PeerId> owner;
-    if (body.owner) owner = seat_of(options, *body.owner) + 1;
-    peer_.share({.id = body.id, .body = body.body, .owner = owner});
-    record_.owners.push_back(owner.value_or(0));
+    record_.owners.push_back(owner_of(options, body).value_or(0));
     const std::uint32_t slot = body.body.index;
     if (slot >= body_of_slot_.size()) body_of_slot_.resize(slot + 1, pbd::BodyId::kNone);
     body_of_slot_[slot] = i;
@@ -105,18 +106,52 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
   std::sort(index_.begin(), index_.end());
 }
 
+void Participant::make_peer(const DemoOptions& options) {
+  peer_.emplace(*scene_.world, signals_, options.peer_options(options.scheme_of(number_)));
+  peer_->set_observer(this);
+  targets_ = options.ablation.around(*peer_);
+  if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
+  for (const SceneBody& body : scene_.bodies) {
+    peer_->share({.id = body.id, .body = body.body, .owner = owner_of(options, body)});
+  }
+}
+
+void Participant::change_rules(const DemoOptions& options) {
+  // Targets that are asked for in its place end with it.
+  targets_.reset();
+  make_peer(options);
+  for (Seat& seat : seats_) seat.controls->hold_again();
+}
+
+void Participant::record_nothing() {
+  recording_ = false;
+  for (Seat& seat : seats_) seat.controls->keep_no_log();
+}
+
 void Participant::add_user(std::size_t user, const UserOptions& options,
                            const std::vector<Input>* replay) {
   record_.epoch = options.epoch;
   Seat seat;
   seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
-  seat.controls = std::make_unique<Controls>(user, scene_, peer_, options.epoch, &signals_);
+  seat.controls = std::make_unique<Controls>(user, scene_, *peer_, options.epoch, &signals_);
   seat.controls->set_clock(clock_ahead_);
   if (replay != nullptr) {
     seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
   } else {
     seat.user = scenario_.make_user(user, *seat.controls, options);
   }
+  if (!recording_) seat.controls->keep_no_log();
+  seats_.push_back(std::move(seat));
+}
+
+void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
+                           const std::function<std::unique_ptr<User>(Controls&)>& make) {
+  Seat seat;
+  seat.prefix = "guest_";
+  seat.controls = std::make_unique<Controls>(user, scene_, *peer_, epoch, &signals_);
+  seat.controls->set_clock(clock_ahead_);
+  seat.user = make(*seat.controls);
+  if (!recording_) seat.controls->keep_no_log();
   seats_.push_back(std::move(seat));
 }
 
@@ -136,20 +171,21 @@ void Participant::begin(consensus::SessionTime now) {
   moved_.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
-  peer_.before_step(now + clock_ahead_);
+  peer_->before_step(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
-  if (!has_exchanged() && peer_.stats().updates_received > 0) record_.first_exchange = now;
+  if (!has_exchanged() && peer_->stats().updates_received > 0) record_.first_exchange = now;
 }
 
 void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point before = Clock::now();
   const double cpu_before = thread_cpu_s();
-  const pbd::StepReport& report = physics_->step(scene_, peer_, seconds_of(end - now));
+  const pbd::StepReport& report = physics_->step(scene_, *peer_, seconds_of(end - now));
   record_.cpu_s += thread_cpu_s() - cpu_before;
   const std::chrono::duration<double> elapsed = Clock::now() - before;
-  record_.step_s.push_back(elapsed.count());
+  last_step_s_ = elapsed.count();
+  if (recording_) record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
   record_.energy.displacement += report.energy.displacement;
   record_.energy.velocity_agreement += report.energy.velocity_agreement;
@@ -162,12 +198,12 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 
 void Participant::finish(consensus::SessionTime now) {
   const double cpu_before = thread_cpu_s();
-  peer_.after_step(now + clock_ahead_);
+  peer_->after_step(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
 }
 
 const PeerRecord& Participant::record() {
-  const consensus::PeerStats& stats = peer_.stats();
+  const consensus::PeerStats& stats = peer_->stats();
   record_.parse_s = stats.parse_s;
   record_.process_s = stats.process_s;
   record_.aggregate_s = stats.aggregate_s;
@@ -201,10 +237,13 @@ void Participant::on_prediction(consensus::PeerId from, const consensus::SharedI
       index_.begin(), index_.end(), body,
       [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
   if (found == index_.end() || found->first != body) return;
+  if (observer_ != nullptr) observer_->on_prediction(from, body, now, predicted_position, age);
+  if (!recording_) return;
   record_.predictions.push_back({from, found->second, now - clock_ahead_, age, predicted_position});
 }
 
 void Participant::record_bodies(consensus::SessionTime now) {
+  if (!recording_) return;
   if (wait_for_exchange_ && !has_exchanged()) return;
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const pbd::BodyState& state = scene_.world->state(scene_.bodies[i].body);
@@ -238,6 +277,7 @@ void Participant::watch(consensus::SessionTime now, const pbd::StepReport& repor
   if (referee_) referee_->watch(scene_, seconds_of(now - epoch_));
   if (steps_ % kLookEvery != 0) return;
   if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);
+  if (!recording_) return;
   append_penetrations(scene_, record_.penetration_m);
   record_contacts(now);
 }

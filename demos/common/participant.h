@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,22 +35,42 @@ class Participant final : private consensus::PeerObserver {
   /// @param replay  null: the script; else what users did in another run
   void add_user(std::size_t user, const UserOptions& options,
                 const std::vector<Input>* replay = nullptr);
+  /// Somebody else, who acts by controls of their own.
+  /// @param user  above all of the scenario's  @param epoch  ns, session time their inputs count
+  /// from
+  void add_user(std::size_t user, consensus::SessionTime epoch,
+                const std::function<std::unique_ptr<User>(Controls&)>& make);
 
   void begin(consensus::SessionTime now);
   void step(consensus::SessionTime now, consensus::SessionTime end);
   void finish(consensus::SessionTime now);
-  void leave(consensus::SessionTime now) { peer_.leave(now + clock_ahead_); }
+  void leave(consensus::SessionTime now) { peer_->leave(now + clock_ahead_); }
 
-  /// Another observer of the peer's estimates; null = none.
+  /// Another observer of what the peer does with remote states; null = none.
   void watch_with(consensus::PeerObserver* observer) { observer_ = observer; }
+  /// Agree by other rules from the next step on: a new peer on the same world. Poses, twists and
+  /// what the users here hold stay as they are. Lost is what the old peer remembered: the others'
+  /// states and springs until they are heard again, who led where, and the predictors' errors; its
+  /// authority grows from zero once more.
+  void change_rules(const DemoOptions& options);
 
   const Scene& scene() const { return scene_; }
+  /// What users here hold: visit(index of the body, its spring's definition).
+  template <class Visit>
+  void each_spring(Visit&& visit) const {
+    for (const Seat& seat : seats_) seat.controls->each_spring(visit);
+  }
+  const consensus::Peer& peer() const { return *peer_; }
   double step_hz() const { return record_.step_hz; }
   const std::string& fault() const { return record_.fault; }
   /// Whether an update of another peer has come.
   bool has_exchanged() const { return record_.first_exchange != INT64_MAX; }
   /// Keep no tracks until an update has come.
   void record_from_exchange() { wait_for_exchange_ = true; }
+  /// Keep nothing that grows with time: for sessions without an end.
+  void record_nothing();
+  /// s, wall time of the solver's last step.
+  double last_step_s() const { return last_step_s_; }
   /// The record so far, with sums and hash brought up to date.
   const PeerRecord& record();
 
@@ -60,6 +81,7 @@ class Participant final : private consensus::PeerObserver {
   void on_estimate(const consensus::EstimateEvent& event) override {
     if (observer_ != nullptr) observer_->on_estimate(event);
   }
+  void make_peer(const DemoOptions& options);
   void record_bodies(consensus::SessionTime now);
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
   void record_contacts(consensus::SessionTime now);
@@ -73,11 +95,12 @@ class Participant final : private consensus::PeerObserver {
   };
 
   const Scenario& scenario_;
+  std::size_t number_;
   Bounds bounds_;
   Scene scene_;
   std::unique_ptr<Physics> physics_;
   Signals signals_;
-  consensus::Peer peer_;
+  std::optional<consensus::Peer> peer_;         ///< always there; controls keep its address
   std::unique_ptr<pbd::TargetSource> targets_;  ///< null: the peer is asked
   consensus::PeerObserver* observer_ = nullptr;
   std::vector<Seat> seats_;
@@ -90,6 +113,8 @@ class Participant final : private consensus::PeerObserver {
   consensus::SessionTime epoch_ = 0;
   consensus::SessionTime clock_ahead_ = 0;  ///< ns, of the peer's clock; all else is in true time
   std::uint64_t steps_ = 0;
+  double last_step_s_ = 0.0;
+  bool recording_ = true;
   bool started_ = false;
   bool wait_for_exchange_ = false;
 };

@@ -19,6 +19,7 @@
 #include "common/rendezvous.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
+#include "view/world_view.h"
 
 namespace tandem::demos {
 
@@ -46,6 +47,11 @@ class Session {
         physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),
         progress_(options.quiet) {
     participant_.record_from_exchange();
+    if (options.endless) {
+      participant_.record_nothing();
+      view_.record_nothing();
+    }
+    if (options.view) serve();
     if (!options.quiet && options.listen) {
       std::fprintf(stderr, "peer %llu listens on port %u\n",
                    static_cast<unsigned long long>(options.peer_id), network_->local_port());
@@ -55,6 +61,7 @@ class Session {
   RunResult run() {
     while (!stop_.requested() && !over()) {
       begin(physics_.physics_time());
+      if (page_ != nullptr) page_->show(shown_time(), participant_.last_step_s());
       stop_.wait(std::chrono::nanoseconds(physics_.next_due() - network_->now()));
       advance();
     }
@@ -66,7 +73,7 @@ class Session {
 
  private:
   bool over() const {
-    if (!rendezvous_.epoch()) return false;
+    if (!rendezvous_.epoch() || options_.endless) return false;
     return physics_.physics_time() >= *rendezvous_.epoch() + std::llround(options_.seconds * 1e9);
   }
 
@@ -82,8 +89,13 @@ class Session {
     }
     if (rendezvous_.epoch() && !scripted_) {
       scripted_ = true;
+      if (page_ != nullptr) {
+        // Above the numbers of all who follow a script.
+        participant_.add_user(scenario_.user_count() + number_of(options_), *rendezvous_.epoch(),
+                              [this](Controls& controls) { return page_->make_hands(controls); });
+      }
       const std::size_t user = number_of(options_);
-      if (user < scenario_.user_count()) {
+      if (user < scenario_.user_count() && !options_.no_script) {
         participant_.add_user(user, user_options(options_, user, *rendezvous_.epoch()),
                               replay_ ? &*replay_ : nullptr);
       }
@@ -123,6 +135,26 @@ class Session {
                    rendezvous_.connected() ? "connected" : "no peer connected");
   }
 
+  /// The page on which this peer's world is seen and touched.
+  void serve() {
+    const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
+      bool own = false;
+      participant_.each_spring([&](std::size_t held, const consensus::GrabDef& def) {
+        own = own || (held == body && def.attachment_l == attachment_l);
+      });
+      return own;
+    };
+    page_ = view::make_world_view({scenario_, options_, is_own}, participant_.scene(),
+                                  participant_.peer());
+    participant_.watch_with(&page_->observer());
+  }
+
+  /// s, since the scripts began; before that since this process did.
+  double shown_time() const {
+    return std::max(0.0,
+                    net::seconds(physics_.physics_time() - rendezvous_.epoch().value_or(start_)));
+  }
+
   RunResult result() {
     RunResult run;
     run.peers.push_back(participant_.record());
@@ -146,6 +178,7 @@ class Session {
   SessionTime start_;
   net::PhysicsClock physics_;
   Progress progress_;
+  std::unique_ptr<view::WorldView> page_;
   bool in_company_ = false;        ///< somebody was there once
   std::int64_t clock_error_ = -1;  ///< ns
   bool scripted_ = false;

@@ -32,6 +32,8 @@ class RemoteView {
             const std::optional<Arrival>& arrival = {});
   /// The peer's process is gone: its users hold nothing more.
   void forget_hands(consensus::PeerId peer);
+  /// Keep nothing: for sessions without an end.
+  void record_nothing() { recording_ = false; }
   /// By ascending id.
   std::vector<PeerRecord> records() const;
 
@@ -53,6 +55,7 @@ class RemoteView {
   std::map<consensus::SharedId, std::size_t> index_;
   std::map<consensus::PeerId, Remote> remotes_;
   consensus::DecodedPacket decoded_;
+  bool recording_ = true;
   consensus::SenderClocks clocks_;
 };
 

@@ -6,11 +6,10 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <memory>
 #include <optional>
 #include <tuple>
 
-#include "common/participant.h"
+#include "common/actor.h"
 #include "common/progress.h"
 #include "scenes/random.h"
 #include "tandem/consensus/virtual_link.h"
@@ -20,52 +19,6 @@ namespace tandem::demos {
 namespace {
 
 using consensus::SessionTime;
-
-constexpr SessionTime kStart = 1'000'000'000;  // ns: no stamp is 0 or negative
-
-/// One peer and the times of its steps.
-class Actor {
- public:
-  Actor(const Scenario& scenario, const DemoOptions& options, std::size_t number,
-        consensus::Transport& transport)
-      : participant_(
-            std::make_unique<Participant>(scenario, options, number + 1, number, transport)),
-        first_(kStart + phase(options, number)) {}
-
-  /// Time and kind of the next event; ends (0) come before beginnings (1).
-  std::tuple<SessionTime, int> next() const {
-    return inside_ ? std::tuple{step_time(step_ + 1), 0} : std::tuple{step_time(step_), 1};
-  }
-  void act() {
-    const SessionTime from = step_time(step_);
-    const SessionTime to = step_time(step_ + 1);
-    if (inside_) {
-      participant_->finish(to);
-      ++step_;
-    } else {
-      participant_->begin(from);
-      participant_->step(from, to);
-    }
-    inside_ = !inside_;
-  }
-  Participant& participant() { return *participant_; }
-
- private:
-  /// Peers' steps do not fall together: the first peer's begin at 0, the others' somewhere later.
-  SessionTime phase(const DemoOptions& options, std::size_t number) const {
-    if (number == 0) return 0;
-    Random random(derived_seed(options.seed, 4000 + number));
-    return std::llround(random.uniform(0.0, 1e9 / participant_->step_hz()));
-  }
-  SessionTime step_time(std::int64_t step) const {
-    return first_ + std::llround(static_cast<double>(step) * 1e9 / participant_->step_hz());
-  }
-
-  std::unique_ptr<Participant> participant_;
-  SessionTime first_;
-  std::int64_t step_ = 0;
-  bool inside_ = false;  ///< the step is computed and waits for its end to come
-};
 
 std::string session_note(double seconds) {
   char note[32];
@@ -81,7 +34,7 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
   const std::clock_t cpu_start = std::clock();
   const auto wall_start = std::chrono::steady_clock::now();
   consensus::VirtualNetwork network(options.link_options(), derived_seed(options.seed, 5000),
-                                    kStart);
+                                    kVirtualStart);
   const auto count = static_cast<std::size_t>(options.peers);
   // All join before the first of them looks around.
   for (std::size_t i = 0; i < count; ++i) {
@@ -97,23 +50,20 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
   std::optional<std::vector<Input>> from_file;
   if (replay == nullptr) from_file = replayed_inputs(options);
   if (from_file) replay = &*from_file;
-  for (std::size_t user = 0; user < scenario.user_count(); ++user) {
-    actors[seat_of(options, user)].participant().add_user(user, user_options(options, user, kStart),
-                                                          replay);
+  for (std::size_t user = 0; user < scenario.user_count() && !options.no_script; ++user) {
+    actors[seat_of(options, user)].participant().add_user(
+        user, user_options(options, user, kVirtualStart), replay);
   }
 
   Progress progress(options.quiet);
-  const SessionTime end = kStart + std::llround(options.seconds * 1e9);
+  const SessionTime end = kVirtualStart + std::llround(options.seconds * 1e9);
   while (true) {
-    std::size_t first = 0;
-    for (std::size_t i = 1; i < count; ++i) {
-      if (actors[i].next() < actors[first].next()) first = i;
-    }
+    const std::size_t first = next_actor(actors);
     const SessionTime now = std::get<0>(actors[first].next());
     if (now > end) break;
     network.advance_to(now);
     actors[first].act();
-    const double passed = static_cast<double>(now - kStart) * 1e-9;
+    const double passed = static_cast<double>(now - kVirtualStart) * 1e-9;
     progress.show(passed / options.seconds, session_note(passed));
   }
 

@@ -250,6 +250,13 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   if (metrics.has("port")) config.metrics_port = port;
   metrics.read("address", config.metrics_address);
   metrics.finish();
+
+  Section view = top.section("view");
+  std::uint16_t page = 0;
+  view.read("port", page, 0, 65535, "a port from 0 (any) to 65535");
+  if (view.has("port")) o.view = page;
+  view.read("address", o.view_address);
+  view.finish();
   top.finish();
   return config;
 }

@@ -7,30 +7,45 @@
 //   tandem-peer SCENE --config peers.toml --check    only say whether the file is good
 //
 // docs/tandem-peer.md has the keys of the file and what is told.
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "peer/node.h"
+#include "view/live_runner.h"
 
 namespace {
 
 using namespace tandem::demos;
 
 constexpr const char* kUsage =
-    "tandem-peer SCENE --config FILE [--check]\n"
+    "tandem-peer SCENE --config FILE [--check] [--view [PORT]]\n"
     "  SCENE     cliff, cubes, piano, room or tennis, the same for all peers\n"
     "  --config  TOML, see docs/tandem-peer.md\n"
-    "  --check   read the file, say what is wrong with it, do nothing else\n";
+    "  --check   read the file, say what is wrong with it, do nothing else\n"
+    "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or PORT\n";
 
 struct Arguments {
   std::string scene;
   std::string config;
   bool check = false;
+  std::optional<std::uint16_t> view;
 };
+
+/// @return whether the text is a port
+bool read_port(std::string_view text, std::optional<std::uint16_t>& port) {
+  std::uint16_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return false;
+  port = value;
+  return true;
+}
 
 /// @return what is wrong with them; empty where nothing is
 std::string read(const std::vector<std::string_view>& words, Arguments& result) {
@@ -43,6 +58,14 @@ std::string read(const std::vector<std::string_view>& words, Arguments& result) 
       result.config = words[++i];
     } else if (word.starts_with("--config=")) {
       result.config = word.substr(9);
+    } else if (word == "--view") {
+      result.view = result.view.value_or(0);
+      const bool follows = i + 1 < words.size() && read_port(words[i + 1], result.view);
+      if (follows) ++i;
+    } else if (word.starts_with("--view=")) {
+      if (!read_port(word.substr(7), result.view)) {
+        return word + " breaks: a port from 0 (any) to 65535";
+      }
     } else if (word.starts_with("-") || !result.scene.empty()) {
       return "argument = " + word + " breaks: one of those that --help lists";
     } else {
@@ -71,6 +94,11 @@ int run(const std::vector<std::string_view>& words) {
     config = read_config(arguments.config);
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "tandem-peer: %s\n", error.what());
+    return 2;
+  }
+  if (arguments.view) config.session.view = arguments.view;
+  if (config.session.view && !view::has_view()) {
+    std::fprintf(stderr, "tandem-peer: view = given breaks: built with it (TANDEM_DEMO_VIEW)\n");
     return 2;
   }
   if (arguments.check) return 0;

@@ -32,6 +32,7 @@
 #include "scenes/tennis.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
+#include "view/world_view.h"
 
 namespace tandem::demos {
 
@@ -91,6 +92,8 @@ class Node {
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
     peer_.set_observer(&divergence_);
+    estimates_.first = &divergence_;
+    began_ = clock_.physics_time();
     for (const SceneBody& body : scene_.bodies) {
       std::optional<PeerId> owner;
       if (body.owner) owner = seat_of(config.session, *body.owner) + 1;
@@ -102,6 +105,7 @@ class Node {
                                      : derived_seed(config.session.seed, 6000 + number());
       fidget_.emplace(scene_, peer_, seed);
     }
+    if (config.session.view) serve();
     if (config.metrics_port) {
       metrics_ = std::make_unique<MetricsServer>(config.metrics_address, *config.metrics_port);
     }
@@ -118,6 +122,7 @@ class Node {
                {"fidget", fidget_ ? "true" : "false"}});
     while (!stop_.requested()) {
       begin(clock_.physics_time());
+      if (page_ != nullptr) page_->show(net::seconds(clock_.physics_time() - began_), last_step_s_);
       stop_.wait(std::chrono::nanoseconds(clock_.next_due() - network_->now()));
       advance();
       const SteadyClock::time_point now = SteadyClock::now();
@@ -148,9 +153,30 @@ class Node {
     words_.update(steady_now());
     signals_.update(now);
     if (fidget_) fidget_->update(now);
+    if (hands_ != nullptr) {
+      controls_->begin(now, 1.0 / config_.session.step_hz(0));
+      hands_->update(now);
+    }
     for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
     peer_.before_step(now);
     begin_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
+  }
+
+  /// The page on which this peer's world is seen and touched.
+  void serve() {
+    const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
+      bool own = false;
+      controls_->each_spring([&](std::size_t held, const consensus::GrabDef& def) {
+        own = own || (held == body && def.attachment_l == attachment_l);
+      });
+      return own;
+    };
+    controls_.emplace(number(), scene_, peer_, began_, &signals_);
+    controls_->keep_no_log();
+    page_ = view::make_world_view({scenario_, config_.session, is_own}, scene_, peer_);
+    hands_ = page_->make_hands(*controls_);
+    estimates_.second = &page_->observer();
+    peer_.set_observer(&estimates_);
   }
 
   /// All steps that are due. The first one has begun already, unless time was jumped over.
@@ -168,6 +194,7 @@ class Node {
       begun = false;
       const SteadyClock::time_point before = SteadyClock::now();
       const pbd::StepReport& report = physics_->step(scene_, peer_, net::seconds(step));
+      last_step_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
       time += step;
       peer_.after_step(time);
       steps_.add(begin_s_ + std::chrono::duration<double>(SteadyClock::now() - before).count());
@@ -252,6 +279,19 @@ class Node {
     }
   }
 
+  /// Tells two what the peer tells.
+  struct Both final : consensus::PeerObserver {
+    void on_prediction(PeerId from, const consensus::SharedId& body, SessionTime now,
+                       const pbd::Vec3& predicted_position, double age) override {
+      second->on_prediction(from, body, now, predicted_position, age);
+    }
+    void on_estimate(const consensus::EstimateEvent& event) override {
+      first->on_estimate(event);
+      second->on_estimate(event);
+    }
+    consensus::PeerObserver* first = nullptr;
+    consensus::PeerObserver* second = nullptr;
+  };
   struct Company {
     bool connected = false;
     std::uint64_t rejected = 0;
@@ -267,10 +307,16 @@ class Node {
   LinkWords words_;
   Signals signals_;
   DivergenceGauge divergence_;
+  Both estimates_;
   consensus::Peer peer_;
   net::PhysicsClock clock_;
   std::optional<Fidget> fidget_;
   std::unique_ptr<MetricsServer> metrics_;
+  SessionTime began_ = 0;
+  std::optional<Controls> controls_;  ///< of who is at the page
+  std::unique_ptr<view::WorldView> page_;
+  std::unique_ptr<User> hands_;
+  double last_step_s_ = 0.0;
   RecentQuantiles steps_;
   double begin_s_ = 0.0;
   double skipped_ = 0.0;

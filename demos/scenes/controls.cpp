@@ -39,6 +39,7 @@ Input& Controls::note(Input::Kind kind, std::uint32_t object, std::size_t body) 
   input.kind = kind;
   input.object = object;
   input.body = static_cast<std::uint32_t>(body);
+  if (!keeps_log_) log_.clear();
   log_.push_back(std::move(input));
   return log_.back();
 }
@@ -48,7 +49,7 @@ std::uint32_t Controls::add(Input::Kind kind, std::size_t body, const consensus:
   consensus::GrabDef own = def;
   own.body = scene_.bodies[body].id;
   own.mode = mode;
-  springs_[next_] = {.id = peer_.grab(own), .body = body};
+  springs_[next_] = {.id = peer_.grab(own), .body = body, .def = own};
   Input& input = note(kind, next_, body);
   append(input.values, def.attachment_l);
   append(input.values, def.anchor_w);
@@ -65,7 +66,8 @@ std::uint32_t Controls::hold(std::size_t body, const consensus::GrabDef& def) {
 }
 
 void Controls::move(std::uint32_t spring, const pbd::Vec3& anchor_w) {
-  const Spring& held = springs_.at(spring);
+  Spring& held = springs_.at(spring);
+  held.def.anchor_w = anchor_w;
   append(note(Input::Kind::Move, spring, held.body).values, anchor_w);
   peer_.move(held.id, anchor_w, now_ + clock_ahead_);
 }
@@ -99,6 +101,10 @@ void Controls::jump(std::size_t body, const pbd::Pose& pose) {
 void Controls::signal(std::uint32_t code, double delay) {
   note(Input::Kind::Signal, code, 0).values.push_back(delay);
   if (signals_ != nullptr) signals_->raise({code, now_ + std::llround(1e9 * delay)});
+}
+
+void Controls::hold_again() {
+  for (auto& [number, spring] : springs_) spring.id = peer_.grab(spring.def);
 }
 
 bool Controls::holds(std::size_t body) const {

@@ -63,13 +63,26 @@ class Controls {
 
   /// Whether this user holds a body by a spring.
   bool holds(std::size_t body) const;
+  /// The peer was replaced by another one at the same place: hold everything as before.
+  void hold_again();
+  /// All springs that this user holds by, as they were last moved.
+  template <class Visit>
+  void each_spring(Visit&& visit) const {
+    for (const auto& [number, spring] : springs_) visit(spring.body, spring.def);
+  }
   /// Newest last.
   const std::vector<Input>& log() const { return log_; }
+  /// Forget what was done and what will be: for sessions without an end.
+  void keep_no_log() {
+    log_.clear();
+    keeps_log_ = false;
+  }
 
  private:
   struct Spring {
     consensus::GrabId id;
     std::size_t body = 0;
+    consensus::GrabDef def = {};
   };
   std::uint32_t add(Input::Kind kind, std::size_t body, const consensus::GrabDef& def,
                     std::optional<consensus::InputMode> mode);
@@ -86,6 +99,7 @@ class Controls {
   std::map<std::uint32_t, Spring> springs_;
   std::uint32_t next_ = 1;
   std::vector<Input> log_;
+  bool keeps_log_ = true;
 };
 
 }  // namespace tandem::demos

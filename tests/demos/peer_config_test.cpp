@@ -142,5 +142,14 @@ TEST_CASE("peer config: what is no TOML is refused with its line", "[demos][faul
   CHECK_THROWS_AS(read_config("/nowhere/peers.toml"), ConfigError);
 }
 
+TEST_CASE("peer config: the page has a port and an address of its own", "[demos][unit]") {
+  CHECK_FALSE(parse_config("id = 3\n" + kNetwork, "peers.toml").session.view);
+  const PeerConfig c =
+      parse_config("id = 3\n" + kNetwork + "[view]\nport = 0\naddress = \"::1\"\n", "peers.toml");
+  CHECK(c.session.view == std::uint16_t{0});
+  CHECK(c.session.view_address == "::1");
+  CHECK_FALSE(refusal("id = 3\n" + kNetwork + "[view]\nport = 65536\n").empty());
+}
+
 }  // namespace
 }  // namespace tandem::demos

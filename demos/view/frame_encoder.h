@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "view/protocol.h"
+
+namespace tandem::demos::view {
+
+/// Writes frames as pages read them, each once for all pages. docs/view.md has the format.
+/// @par Thread safety  One object: one thread at a time. What it hands out is not changed again.
+class FrameEncoder {
+ public:
+  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+
+  explicit FrameEncoder(const Layout& layout);
+
+  /// The next frame, to be compared with the last one.
+  /// @param always  false: where nothing is elsewhere, the last one stays
+  /// @return whether it was taken
+  bool take(const Frame& frame, bool always);
+  /// Number of the last frame, from 1; 0 = there was none.
+  std::uint32_t number() const { return number_; }
+  /// The last frame, or what has changed since the one before. Overlays are in it where they are
+  /// wanted and known. @pre number() > 0
+  Bytes bytes(bool key, bool overlays);
+
+ private:
+  struct Record {
+    std::uint32_t low = 0;
+    std::uint32_t high = 0;  ///< without the bit that says that another word follows
+    std::uint32_t turn = 0;
+    friend bool operator==(const Record&, const Record&) = default;
+  };
+  enum Change : std::uint8_t { kMoved = 1, kTurned = 2 };
+
+  Record record_of(const pbd::Pose& pose, bool turns) const;
+  Bytes write(bool key, bool overlays) const;
+
+  double position_unit_;
+  std::vector<std::uint8_t> turns_;  ///< 1: it looks different when it is turned
+  std::size_t panes_;
+  std::uint32_t number_ = 0;
+  Frame frame_;
+  std::vector<Record> records_;        ///< pane after pane
+  std::vector<std::uint8_t> changes_;  ///< since the frame before, likewise
+  std::vector<Record> next_;
+  std::array<Bytes, 4> written_;  ///< by (key, overlays), where asked for
+};
+
+}  // namespace tandem::demos::view

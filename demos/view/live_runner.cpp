@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "view/live_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <vector>
+
+#include "tandem/net/session.h"
+#include "view/live_session.h"
+#include "view/server.h"
+
+namespace tandem::demos::view {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::nanoseconds kFrameTime{16'666'667};
+/// s: where the machine is slower than the clock, the run is late by no more than this.
+constexpr double kLatest = 0.1;
+
+class Runner {
+ public:
+  Runner(const Scenario& scenario, const DemoOptions& options)
+      : options_(options),
+        session_(scenario, options),
+        server_({.address = options.view_address, .port = *options.view}, session_.layout(),
+                page_assets()) {
+    say_settings();
+    std::fprintf(stderr, "view: %s\n", server_.url().c_str());
+  }
+
+  RunResult run() {
+    const std::clock_t cpu_start = std::clock();
+    const Clock::time_point start = Clock::now();
+    Clock::time_point next = start;
+    while (!over() && !stop_.wait(std::max(std::chrono::nanoseconds(0), next - Clock::now()))) {
+      next = std::max(next + kFrameTime, Clock::now() - kFrameTime);
+      hear();
+      go_on();
+      session_.show(frame_, server_.wants_overlays());
+      server_.show(frame_);
+    }
+    RunResult result = session_.result();
+    const std::chrono::duration<double> wall = Clock::now() - start;
+    result.wall_s = wall.count();
+    result.cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+    return result;
+  }
+
+ private:
+  bool over() const { return !options_.endless && session_.time() >= options_.seconds; }
+
+  void hear() {
+    events_.clear();
+    server_.take(events_);
+    for (const PageEvent& event : events_) {
+      const Command* const command = std::get_if<Command>(&event.what);
+      if (command == nullptr) {
+        session_.leave(event.page);
+        continue;
+      }
+      const Settings before = session_.settings();
+      if (const auto reason = session_.apply(event.page, *command)) {
+        server_.tell(event.page, refused_text(*reason));
+      }
+      if (session_.settings() != before) say_settings();
+    }
+  }
+
+  void say_settings() {
+    server_.set_hello(hello_text(session_.layout(), session_.scene(0), session_.settings()));
+    server_.tell(settings_text(session_.settings()));
+  }
+
+  /// As far as the clock has come since the last time.
+  void go_on() {
+    const Clock::time_point now = Clock::now();
+    const std::chrono::duration<double> passed = now - last_;
+    last_ = now;
+    session_.pass(std::min(passed.count(), kLatest));
+  }
+
+  const DemoOptions& options_;
+  net::StopSignal stop_;
+  LiveSession session_;
+  Server server_;
+  Frame frame_;
+  std::vector<PageEvent> events_;
+  Clock::time_point last_ = Clock::now();
+};
+
+}  // namespace
+
+bool has_view() { return true; }
+
+RunResult run_live(const Scenario& scenario, const DemoOptions& options) {
+  Runner runner(scenario, options);
+  return runner.run();
+}
+
+}  // namespace tandem::demos::view

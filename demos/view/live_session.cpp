@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "view/live_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "scenes/random.h"
+
+namespace tandem::demos::view {
+
+using consensus::SessionTime;
+
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0;  // s, of one step by hand
+
+SessionTime session_time(double seconds) { return kVirtualStart + std::llround(1e9 * seconds); }
+
+/// Whether two peers speak of one spring.
+bool same(const pbd::Vec3& attachment, std::size_t body, const consensus::GrabDef& def,
+          std::size_t of_body) {
+  return body == of_body && attachment == def.attachment_l;
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
+    : scenario_(scenario), options_(options), replay_(replayed_inputs(options)) {
+  settings_.profile = options.profile;
+  settings_.influence = options.influence;
+  settings_.predictor = options.predictor_kind();
+  settings_.scheme = options.scheme;
+  start();
+  std::vector<PaneInfo> infos;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    infos.push_back({i + 1, options.step_hz(i), std::string(to_string(options.engine(i)))});
+  }
+  layout_ = make_layout(scenario.name(), scene(0), scenario.bounds().max_distance, std::move(infos),
+                        true);
+}
+
+void LiveSession::start() {
+  now_ = kVirtualStart;
+  panes_.clear();
+  actors_.clear();
+  network_ = std::make_unique<consensus::VirtualNetwork>(
+      options_.link_options(), derived_seed(options_.seed, 5000), kVirtualStart);
+  const auto count = static_cast<std::size_t>(options_.peers);
+  // All join before the first of them looks around.
+  for (std::size_t i = 0; i < count; ++i) {
+    network_->transport(i + 1);
+    network_->set_clock(i + 1, clock_ahead(options_, i));
+  }
+  actors_.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    actors_.emplace_back(scenario_, options_, i, network_->transport(i + 1));
+  }
+  for (std::size_t user = 0; user < scenario_.user_count() && !options_.no_script; ++user) {
+    actors_[seat_of(options_, user)].participant().add_user(
+        user, user_options(options_, user, kVirtualStart), replay_ ? &*replay_ : nullptr);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    Participant& participant = actors_[i].participant();
+    Pane& pane = panes_.emplace_back();
+    pane.actor = &actors_[i];
+    pane.watch = std::make_unique<PaneWatch>(participant.scene());
+    participant.watch_with(pane.watch.get());
+    participant.add_user(scenario_.user_count() + i, kVirtualStart, [&pane](Controls& controls) {
+      auto mouse = std::make_unique<Mouse>(controls);
+      pane.mouse = mouse.get();
+      return mouse;
+    });
+    if (options_.endless) participant.record_nothing();
+  }
+}
+
+double LiveSession::time() const { return 1e-9 * static_cast<double>(now_ - kVirtualStart); }
+
+void LiveSession::advance_to(double time) {
+  const SessionTime end = session_time(time);
+  while (true) {
+    Actor& next = actors_[next_actor(actors_)];
+    const SessionTime now = std::get<0>(next.next());
+    if (now > end) break;
+    network_->advance_to(now);
+    next.act();
+  }
+  now_ = std::max(now_, end);
+}
+
+void LiveSession::pass(double wall_s) {
+  if (!settings_.paused) advance_to(time() + settings_.speed * wall_s);
+}
+
+void LiveSession::restart() { start(); }
+
+std::optional<std::string> LiveSession::apply(PageId page, const Command& command) {
+  // Whatever was valid by the rules of commands may still not be for a peer.
+  try {
+    if (const auto* const grab = std::get_if<Grab>(&command)) {
+      panes_[grab->pane].mouse->grab(page, grab->id, grab->body, grab->point);
+    } else if (const auto* const move = std::get_if<Move>(&command)) {
+      for (Pane& pane : panes_) pane.mouse->move(page, move->id, move->point);
+    } else if (const auto* const release = std::get_if<Release>(&command)) {
+      for (Pane& pane : panes_) pane.mouse->release(page, release->id);
+    } else if (const auto* const paused = std::get_if<SetPaused>(&command)) {
+      settings_.paused = paused->paused;
+    } else if (const auto* const speed = std::get_if<SetSpeed>(&command)) {
+      settings_.speed = speed->speed;
+    } else if (const auto* const profile = std::get_if<SetProfile>(&command)) {
+      set_profile(profile->profile);
+    } else if (const auto* const influence = std::get_if<SetInfluence>(&command)) {
+      options_.influence = influence->influence;
+      change_rules();
+    } else if (const auto* const predictor = std::get_if<SetPredictor>(&command)) {
+      options_.predictor = predictor->predictor;
+      change_rules();
+    } else if (const auto* const scheme = std::get_if<SetScheme>(&command)) {
+      options_.scheme = scheme->scheme;
+      change_rules();
+    } else if (std::holds_alternative<Step>(command)) {
+      advance_to(time() + kFrame);
+    } else if (std::holds_alternative<Restart>(command)) {
+      restart();
+    }
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+void LiveSession::leave(PageId page) {
+  for (Pane& pane : panes_) pane.mouse->leave(page);
+}
+
+void LiveSession::set_profile(int profile) {
+  options_.profile = profile;
+  settings_.profile = profile;
+  for (std::size_t from = 1; from <= actors_.size(); ++from) {
+    for (std::size_t to = 1; to <= actors_.size(); ++to) {
+      if (from != to) network_->set_link(from, to, options_.link_options());
+    }
+  }
+}
+
+void LiveSession::change_rules() {
+  settings_.influence = options_.influence;
+  settings_.predictor = options_.predictor_kind();
+  settings_.scheme = options_.scheme;
+  // States of the peers that were are none of the new ones'. What is sent reliably still comes: a
+  // grip of the last moments may pull twice until it has not been heard of for a second.
+  for (std::size_t from = 1; from <= actors_.size(); ++from) {
+    for (std::size_t to = 1; to <= actors_.size(); ++to) {
+      if (from == to) continue;
+      network_->cut(from, to);
+      network_->heal(from, to);
+    }
+  }
+  for (Pane& pane : panes_) {
+    pane.actor->participant().change_rules(options_);
+    pane.watch->forget();
+  }
+}
+
+std::size_t LiveSession::pane_of(consensus::PeerId peer) const {
+  return peer >= 1 && peer <= actors_.size() ? static_cast<std::size_t>(peer - 1) : SIZE_MAX;
+}
+
+void LiveSession::show(Frame& out, bool overlays) {
+  out.time = time();
+  out.overlays = overlays;
+  out.panes.resize(panes_.size());
+  const std::size_t bodies = layout_.bodies.size();
+  for (std::size_t i = 0; i < panes_.size(); ++i) {
+    const Participant& participant = panes_[i].actor->participant();
+    const PaneWatch& watch = *panes_[i].watch;
+    const Scene& world = participant.scene();
+    PaneFrame& pane = out.panes[i];
+    pane.step_ms = 1e3 * participant.last_step_s();
+    pane.latency_ms = 1e3 * watch.mean_age();
+    pane.poses.resize(bodies);
+    for (std::size_t body = 0; body < bodies; ++body) pane.poses[body] = world.pose(body);
+    pane.contacts.clear();
+    pane.springs.clear();
+    pane.targets.clear();
+    pane.influence.assign(bodies, 0);
+    if (!overlays) continue;
+    append_contacts(*world.world, pane.contacts);
+    show_springs(i, pane.springs);
+    for (const PaneWatch::Target& target : watch.targets()) {
+      const std::size_t of = pane_of(target.peer);
+      pane.targets.push_back(
+          {static_cast<std::uint16_t>(target.body),
+           of == SIZE_MAX ? TargetMark::kElsewhere : static_cast<std::uint16_t>(of),
+           target.position});
+    }
+    for (std::size_t body = 0; body < bodies; ++body) {
+      // What it asks for is what the others heard of it.
+      double share = 0.0;
+      for (std::size_t other = 0; other < panes_.size(); ++other) {
+        if (other != i) share = std::max(share, panes_[other].watch->share(i + 1, body));
+      }
+      pane.influence[body] = static_cast<std::uint8_t>(std::lround(255.0 * std::min(share, 1.0)));
+    }
+  }
+  show_divergence(out);
+}
+
+void LiveSession::show_divergence(Frame& out) {
+  const std::size_t bodies = layout_.bodies.size();
+  means_.assign(bodies, pbd::Vec3::Zero());
+  positions_.resize(panes_.size() * bodies);
+  for (std::size_t i = 0; i < panes_.size(); ++i) {
+    // Peers' steps do not fall together: all are carried to one time.
+    const double ahead = 1e-9 * static_cast<double>(panes_[i].actor->reached() - now_);
+    const Scene& world = scene(i);
+    for (std::size_t body = 0; body < bodies; ++body) {
+      pbd::Vec3& position = positions_[i * bodies + body];
+      position = world.pose(body).position - ahead * world.twist(body).linear;
+      means_[body] += position / static_cast<double>(panes_.size());
+    }
+  }
+  for (std::size_t i = 0; i < panes_.size(); ++i) {
+    lengths_.clear();
+    for (std::size_t body = 0; body < bodies && panes_.size() > 1; ++body) {
+      lengths_.push_back((positions_[i * bodies + body] - means_[body]).norm());
+    }
+    put_divergence(lengths_, out.panes[i]);
+  }
+}
+
+void LiveSession::show_springs(std::size_t pane, std::vector<SpringMark>& out) {
+  const Participant& participant = panes_[pane].actor->participant();
+  const Scene& world = participant.scene();
+  pulls_.clear();
+  participant.peer().springs(pulls_);
+  for (const pbd::Tether::Def& pull : pulls_) {
+    SpringMark mark;
+    mark.anchor = pull.anchor_w;
+    mark.attachment = world.world->pose(pull.body).to_world(pull.anchor_l);
+    const auto body = std::find_if(world.bodies.begin(), world.bodies.end(),
+                                   [&](const SceneBody& b) { return b.body == pull.body; });
+    const auto index = static_cast<std::size_t>(body - world.bodies.begin());
+    // A peer does not tell whose a spring is, but whose it is has it as well, to the bit.
+    for (std::size_t i = 0; i < panes_.size(); ++i) {
+      panes_[i].actor->participant().each_spring(
+          [&](std::size_t held, const consensus::GrabDef& def) {
+            if (!same(pull.anchor_l, index, def, held)) return;
+            mark.pane = static_cast<std::uint8_t>(std::min<std::size_t>(i, 254));
+          });
+    }
+    mark.own = mark.pane == pane;
+    out.push_back(mark);
+  }
+}
+
+RunResult LiveSession::result() {
+  RunResult run;
+  for (Actor& actor : actors_) run.peers.push_back(actor.participant().record());
+  run.seconds = time();
+  return run;
+}
+
+}  // namespace tandem::demos::view

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "view/mouse.h"
+
+#include <algorithm>
+
+namespace tandem::demos::view {
+
+Mouse::Grip* Mouse::find(PageId page, std::uint32_t id) {
+  const auto found = std::find_if(grips_.begin(), grips_.end(), [&](const Grip& grip) {
+    return grip.page == page && grip.id == id && !grip.released;
+  });
+  return found == grips_.end() ? nullptr : &*found;
+}
+
+void Mouse::grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& point) {
+  const Scene& scene = controls_.scene();
+  const pbd::Vec3& half = scene.bodies[body].half_extents;
+  Grip grip;
+  grip.page = page;
+  grip.id = id;
+  grip.body = body;
+  // The page has seen the body a moment ago.
+  const pbd::Vec3 seen_l = scene.pose(body).to_local(point);
+  grip.attachment_l = seen_l.cwiseMax(-half).cwiseMin(half);
+  grip.anchor_w = scene.pose(body).to_world(grip.attachment_l);
+  grip.wanted_w = grip.anchor_w;
+  grips_.push_back(grip);
+}
+
+void Mouse::move(PageId page, std::uint32_t id, const pbd::Vec3& point) {
+  if (Grip* const grip = find(page, id)) grip->wanted_w = point;
+}
+
+void Mouse::release(PageId page, std::uint32_t id) {
+  if (Grip* const grip = find(page, id)) grip->released = true;
+}
+
+void Mouse::leave(PageId page) {
+  for (Grip& grip : grips_) grip.released = grip.released || grip.page == page;
+}
+
+void Mouse::update(consensus::SessionTime /*now*/) {
+  for (Grip& grip : grips_) {
+    if (grip.released) {
+      if (grip.spring != 0) controls_.release(grip.spring);
+      continue;
+    }
+    const pbd::Vec3 way = grip.wanted_w - grip.anchor_w;
+    const double reach = kFastest * controls_.dt();
+    const double length = way.norm();
+    grip.anchor_w += length > reach ? pbd::Vec3(reach / length * way) : way;
+    if (grip.spring != 0) {
+      controls_.move(grip.spring, grip.anchor_w);
+      continue;
+    }
+    const double mass = controls_.scene().mass(grip.body);
+    // One spring where a hand would have three.
+    const GripSpec spec = GripSpec::for_load(mass, pbd::Vec3::Zero());
+    consensus::GrabDef def;
+    def.attachment_l = grip.attachment_l;
+    def.anchor_w = grip.anchor_w;
+    def.stiffness = 3.0 * spec.stiffness;
+    def.damping = 3.0 * spec.damping;
+    def.max_force = 3.0 * spec.max_force;
+    grip.spring = controls_.grab(grip.body, def);
+  }
+  std::erase_if(grips_, [](const Grip& grip) { return grip.released; });
+}
+
+}  // namespace tandem::demos::view

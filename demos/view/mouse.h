@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "scenes/user.h"
+#include "view/protocol.h"
+
+namespace tandem::demos::view {
+
+/// The user of a pane whose hands are on pages: each grip is a soft spring of that peer like any
+/// user's, and all other peers hear of it. What pages do takes effect at the peer's next step.
+/// @par Thread safety  One object: the thread of its peer.
+class Mouse final : public User {
+ public:
+  static constexpr double kFastest = 6.0;  ///< m/s, of a hand, however far the page's one leaps
+
+  /// Must outlive it.
+  explicit Mouse(Controls& controls) : controls_(controls) {}
+
+  /// Hold the body where the point (m, world) is on it, or next to it. @pre the body is there
+  void grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& point);
+  /// No effect where the page holds nothing by that number.
+  void move(PageId page, std::uint32_t id, const pbd::Vec3& point);
+  void release(PageId page, std::uint32_t id);
+  /// All that the page holds.
+  void leave(PageId page);
+
+  void update(consensus::SessionTime now) override;
+  std::size_t grips() const { return grips_.size(); }
+
+ private:
+  struct Grip {
+    PageId page = 0;
+    std::uint32_t id = 0;
+    std::size_t body = 0;
+    pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
+    pbd::Vec3 anchor_w = pbd::Vec3::Zero();      ///< m, where the hand is
+    pbd::Vec3 wanted_w = pbd::Vec3::Zero();      ///< m, where the page wants it
+    std::uint32_t spring = 0;                    ///< of the controls; 0 = not yet
+    bool released = false;
+  };
+  Grip* find(PageId page, std::uint32_t id);
+
+  Controls& controls_;
+  std::vector<Grip> grips_;
+};
+
+}  // namespace tandem::demos::view

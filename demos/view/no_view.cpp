@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// In place of the view, where it was left out.
+#include <stdexcept>
+
+#include "view/live_runner.h"
+#include "view/world_view.h"
+
+namespace tandem::demos::view {
+
+bool has_view() { return false; }
+
+RunResult run_live(const Scenario& /*scenario*/, const DemoOptions& /*options*/) {
+  throw std::logic_error("view: not in this build");
+}
+
+std::unique_ptr<WorldView> make_world_view(WorldViewContext /*context*/, const Scene& /*scene*/,
+                                           const consensus::Peer& /*peer*/) {
+  throw std::logic_error("view: not in this build");
+}
+
+}  // namespace tandem::demos::view

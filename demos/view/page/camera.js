@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// A camera that goes round a place; all panes share it, so that peers are seen from the same side.
+// World frame, z up, m and degrees.
+import * as THREE from './three.module.min.js';
+
+const VIEW = 32;  // degrees, vertical
+
+/**
+ * @typedef {object} Look
+ * @property {number[]} target   m, what is in the middle
+ * @property {number} azimuth    degrees, where the camera stands: from +x towards +y
+ * @property {number} elevation  degrees above the horizon
+ * @property {number} width      m, that fit into a pane at the target
+ * @property {number} height     m, likewise
+ */
+
+/** @type {Object<string, Look>}  by scene; others are looked at as a whole */
+const LOOKS = {
+  cubes: {target: [0.12, -0.1, 0.16], azimuth: -66, elevation: 22, width: 2.5, height: 1.35},
+  cliff: {target: [1, 0, 3], azimuth: -52, elevation: 24, width: 19, height: 14},
+  room: {target: [0, 0.1, 0.75], azimuth: -90, elevation: 24, width: 4.6, height: 2.7},
+  tennis: {target: [0, 0, 0.85], azimuth: -68, elevation: 16, width: 3.6, height: 2},
+  piano: {target: [0, 0, 0.03], azimuth: -90, elevation: 52, width: 0.92, height: 0.62},
+  pile: {target: [0, 0, 0.2], azimuth: -60, elevation: 26, width: 5, height: 3.4},
+};
+
+const radians = (degrees) => degrees * Math.PI / 180;
+
+/** @param {string} text  "azimuth,elevation,width,height,x,y,z" @returns {?Look} */
+export function parseLook(text) {
+  const n = (text ?? '').split(',').map(Number);
+  if (n.length !== 7 || !n.every(Number.isFinite)) return null;
+  return {azimuth: n[0], elevation: n[1], width: n[2], height: n[3], target: n.slice(4)};
+}
+
+/** @param {string} scene @param {THREE.Box3} box  m, about what moves @returns {Look} */
+export function lookAt(scene, box) {
+  if (LOOKS[scene]) return structuredClone(LOOKS[scene]);
+  const centre = box.getCenter(new THREE.Vector3());
+  const size = Math.max(0.2, box.getSize(new THREE.Vector3()).length());
+  return {target: centre.toArray(), azimuth: -60, elevation: 22, width: 1.15 * size, height: size};
+}
+
+/** Turns, moves and zooms; gives a pane its camera. */
+export class Orbit {
+  constructor() {
+    this.camera = new THREE.PerspectiveCamera(VIEW, 1, 0.01, 100);
+    this.camera.up.set(0, 0, 1);
+    this.set({target: [0, 0, 0], azimuth: -60, elevation: 22, width: 2, height: 1.5});
+  }
+  /** @param {Look} look */
+  set(look) {
+    this.home = look;
+    this.target = new THREE.Vector3(...look.target);
+    this.azimuth = look.azimuth;
+    this.elevation = look.elevation;
+    this.zoom = 1;
+  }
+  reset() { this.set(this.home); }
+
+  /** @param {number} aspect  width / height of the pane @returns {number}  m, to the target */
+  distance(aspect) {
+    const half = Math.tan(radians(VIEW / 2));
+    const {width, height} = this.home;
+    return Math.max(height / 2 / half, width / 2 / half / aspect) / this.zoom;
+  }
+  /** @param {number} aspect @returns {THREE.PerspectiveCamera}  valid until the next call */
+  at(aspect) {
+    const distance = this.distance(aspect);
+    const flat = Math.cos(radians(this.elevation));
+    const from = new THREE.Vector3(flat * Math.cos(radians(this.azimuth)),
+                                   flat * Math.sin(radians(this.azimuth)),
+                                   Math.sin(radians(this.elevation)));
+    this.camera.position.copy(this.target).addScaledVector(from, distance);
+    this.camera.lookAt(this.target);
+    this.camera.aspect = aspect;
+    this.camera.near = distance / 60;
+    this.camera.far = 14 * distance;
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+    return this.camera;
+  }
+
+  /** @param {number} dx  CSS pixels to the right @param {number} dy  down */
+  turn(dx, dy) {
+    this.azimuth -= 0.3 * dx;
+    this.elevation = Math.min(89, Math.max(-5, this.elevation + 0.3 * dy));
+  }
+  /** @param {number} factor  > 1: nearer */
+  zoomBy(factor) {
+    this.zoom = Math.min(20, Math.max(0.15, this.zoom * factor));
+  }
+  /** Moves what is in the middle. @param {number} dx  CSS pixels @param {number} dy
+   *  @param {{width: number, height: number}} pane */
+  pan(dx, dy, pane) {
+    const camera = this.at(pane.width / pane.height);
+    const metres = 2 * Math.tan(radians(VIEW / 2)) * this.distance(camera.aspect) / pane.height;
+    const right = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
+    const up = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
+    this.target.addScaledVector(right, -dx * metres).addScaledVector(up, dy * metres);
+  }
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The WebSocket to the server, which is tried again when it breaks.
+import {FrameDecoder, PROTOCOL, ProtocolError} from './protocol.js';
+
+const FIRST_PAUSE = 0.5;  // s, before it is tried again
+const LONGEST_PAUSE = 8;  // s
+
+/** Calls handlers: hello(message), frame(Frame), text(message), state('open' | 'lost'). */
+export class Connection {
+  /**
+   * @param {string} url  of the socket
+   * @param {object} handlers
+   */
+  constructor(url, handlers) {
+    this.url = url;
+    this.handlers = handlers;
+    this.pause = FIRST_PAUSE;
+    this.bytes = 0;   // received, of all kinds
+    this.errors = 0;  // messages that could not be understood
+    this.open();
+  }
+
+  open() {
+    this.decoder = null;
+    this.socket = new WebSocket(this.url);
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onmessage = (event) => this.receive(event.data);
+    this.socket.onclose = () => {
+      this.handlers.state('lost');
+      setTimeout(() => this.open(), 1000 * this.pause);
+      this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
+    };
+  }
+
+  receive(data) {
+    try {
+      if (typeof data === 'string') {
+        this.bytes += data.length;
+        this.receiveText(JSON.parse(data));
+      } else {
+        this.bytes += data.byteLength;
+        // Without a hello nobody knows how many bodies there are.
+        if (this.decoder) this.handlers.frame(this.decoder.decode(data));
+      }
+    } catch (error) {
+      if (!(error instanceof ProtocolError) && !(error instanceof SyntaxError)) throw error;
+      ++this.errors;
+    }
+  }
+
+  receiveText(message) {
+    if (typeof message?.type !== 'string') throw new ProtocolError('a message without a type');
+    if (message.type !== 'hello') {
+      this.handlers.text(message);
+      return;
+    }
+    if (message.protocol !== PROTOCOL) {
+      this.handlers.text({type: 'refused',
+                          text: `the server speaks protocol ${message.protocol}`});
+      return;
+    }
+    this.pause = FIRST_PAUSE;
+    this.decoder = new FrameDecoder(message);
+    this.handlers.hello(message);
+    this.handlers.state('open');
+  }
+
+  /** @param {object} message  as docs/view.md has it; lost where there is no connection */
+  send(message) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Buttons and fields: what may be switched while a session runs, and what is drawn. They show what
+// the server says is so; a change is asked for, and seen when it has happened.
+
+const PROFILES = ['0 · no delay', '1 · 3.5 ms', '2 · 6 ms', '3 · 28.5 ms', '4 · 63.5 ms',
+                  '5 · 123.5 ms'];
+const FIELDS = ['profile', 'predictor', 'scheme'];
+const RANGES = ['speed', 'influence'];
+
+/** What a choice is called. */
+function optionText(name, value) {
+  if (name === 'profile') return PROFILES[value] ?? String(value);
+  return String(value).replaceAll('-', ' ');
+}
+
+/** The controls of the page. */
+export class Controls {
+  /**
+   * @param {Document} document
+   * @param {object} page  send(message), overlay(boolean), marks(boolean), home()
+   */
+  constructor(document, page) {
+    this.page = page;
+    this.settings = {};
+    this.byId = (id) => document.getElementById(id);
+    this.on('pause', 'click', () => this.set('paused', !this.settings.paused));
+    this.on('step', 'click', () => page.send({type: 'step'}));
+    this.on('restart', 'click', () => page.send({type: 'restart'}));
+    this.on('home', 'click', () => page.home());
+    this.on('overlay', 'click', () => page.overlay(!this.pressed('overlay')));
+    this.on('marks', 'click', () => page.marks(!this.pressed('marks')));
+    this.on('more', 'click', () => this.open(this.byId('more').ariaExpanded !== 'true'));
+    for (const name of FIELDS) {
+      this.on(name, 'change', () => {
+        const {value} = this.byId(name);
+        this.set(name, name === 'profile' ? Number(value) : value);
+      });
+    }
+    for (const name of RANGES) {
+      this.on(name, 'input', () => this.set(name, this.value(name)));
+    }
+    document.addEventListener('keydown', (event) => this.key(event));
+    this.enable(false, {});
+  }
+
+  on(id, event, handle) { this.byId(id).addEventListener(event, handle); }
+  pressed(id) { return this.byId(id).getAttribute('aria-pressed') === 'true'; }
+  /** @param {string} id  of a button that stays down @param {boolean} down */
+  press(id, down) { this.byId(id).setAttribute('aria-pressed', String(down)); }
+  set(name, value) { this.page.send({type: 'set', name, value}); }
+
+  /** A field's value; speed is on a scale of powers of ten. */
+  value(name) {
+    const value = this.byId(name).valueAsNumber;
+    return name === 'speed' ? Number((10 ** value).toFixed(3)) : value;
+  }
+
+  /** Shows more controls than fit on a phone. @param {boolean} open */
+  open(open) {
+    this.byId('more').ariaExpanded = String(open);
+    this.byId('panel').classList.toggle('open', open);
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    // Fields keep their own keys, and a button under the focus its space.
+    if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+    if (event.key === ' ' && event.target.tagName === 'BUTTON') return;
+    const id = {' ': 'pause', '.': 'step', o: 'overlay', c: 'marks', r: 'restart',
+                0: 'home'}[event.key];
+    if (!id || this.byId(id).disabled) return;
+    event.preventDefault();
+    this.byId(id).click();
+  }
+
+  /** @param {boolean} live  something can be switched @param {object} choices  of hello */
+  enable(live, choices) {
+    this.live = live;
+    this.byId('not-live').hidden = live;
+    for (const id of ['pause', 'step', 'restart']) this.byId(id).disabled = !live;
+    for (const name of FIELDS) {
+      const field = this.byId(name);
+      const values = choices[name] ?? [];
+      field.disabled = !live || values.length === 0;
+      field.replaceChildren(...values.map((value) => new Option(optionText(name, value), value)));
+    }
+    for (const name of RANGES) {
+      const field = this.byId(name);
+      const range = choices[name];
+      field.disabled = !live || !range;
+      if (!range) continue;
+      const [low, high] = name === 'speed' ? range.map(Math.log10) : range;
+      Object.assign(field, {min: low, max: high, step: name === 'speed' ? 'any' : 0.01});
+    }
+  }
+
+  /** @param {object} settings  as the server has them */
+  show(settings) {
+    this.settings = settings;
+    const pause = this.byId('pause');
+    pause.setAttribute('aria-label', settings.paused ? 'Run' : 'Pause');
+    this.press('pause', settings.paused);
+    this.byId('step').disabled = !this.live || !settings.paused;
+    for (const name of FIELDS) this.showChoice(name, settings[name]);
+    for (const name of RANGES) {
+      if (settings[name] === undefined) continue;
+      const field = this.byId(name);
+      // Not while it is being drawn: an older value would jump in.
+      if (!field.matches(':active')) {
+        field.value = name === 'speed' ? Math.log10(settings[name]) : settings[name];
+      }
+      this.byId(`${name}-value`).textContent =
+        name === 'speed' ? `${Number(settings.speed.toPrecision(2))}×`
+                         : Number(settings[name].toPrecision(3));
+    }
+  }
+
+  showChoice(name, value) {
+    if (value === undefined) return;
+    const field = this.byId(name);
+    if (value === null) {
+      field.replaceChildren(new Option(name === 'profile' ? 'a real network' : '–'));
+      return;
+    }
+    // What a run over a network uses is told, though it cannot be chosen.
+    if (![...field.options].some((option) => option.value === String(value))) {
+      field.append(new Option(optionText(name, value), value));
+    }
+    field.value = value;
+  }
+}

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What does not move: solids, and half-spaces as a ground with a grid and as walls that are seen
+// from within only. World frame, z up, m.
+import * as THREE from './three.module.min.js';
+import {solidOf} from './geometry.js';
+
+const FAR = 200;  // m, how far a ground goes
+
+/** Cuts a polygon by a half-space and keeps what is outside of it. */
+function cut(polygon, normal, offset) {
+  const result = [];
+  polygon.forEach((a, i) => {
+    const b = polygon[(i + 1) % polygon.length];
+    const da = normal.dot(a) - offset;
+    const db = normal.dot(b) - offset;
+    if (da >= -1e-9) result.push(a);
+    if ((da > 1e-9 && db < -1e-9) || (da < -1e-9 && db > 1e-9)) {
+      result.push(a.clone().lerp(b, da / (da - db)));
+    }
+  });
+  return result;
+}
+
+/** Polygon of a plane that is left by all other half-spaces and a ceiling. */
+function planePolygon(plane, planes, height) {
+  const {normal, offset} = plane;
+  const side = new THREE.Vector3(Math.abs(normal.z) < 0.9 ? 0 : 1, 0,
+                                 Math.abs(normal.z) < 0.9 ? 1 : 0).cross(normal).normalize();
+  const up = new THREE.Vector3().crossVectors(normal, side);
+  const corner = (a, b) => normal.clone().multiplyScalar(offset)
+    .addScaledVector(side, a * FAR).addScaledVector(up, b * FAR);
+  let polygon = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+  for (const other of planes) {
+    if (other !== plane) polygon = cut(polygon, other.normal, other.offset);
+  }
+  return cut(polygon, new THREE.Vector3(0, 0, -1), -height);
+}
+
+function polygonGeometry(polygon, normal) {
+  const geometry = new THREE.BufferGeometry().setFromPoints(polygon);
+  const index = [];
+  for (let i = 2; i < polygon.length; ++i) index.push(0, i - 1, i);
+  geometry.setIndex(index);
+  const normals = polygon.flatMap(() => normal.toArray());
+  geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(normals), 3));
+  return geometry;
+}
+
+/** The largest of 1, 2, 5, 10, 20, .. that is not above a value. */
+function niceStep(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return decade * [5, 2, 1].find((step) => step * decade <= value * 1.0001);
+}
+
+/** Paints lines of two spacings (m) in world x and y upon a standard material. */
+function withGrid(material, uniforms) {
+  material.onBeforeCompile = (shader) => {
+    Object.assign(shader.uniforms, uniforms);
+    shader.vertexShader = shader.vertexShader
+      .replace('#include <common>', '#include <common>\nvarying vec3 vPlace;')
+      .replace('#include <worldpos_vertex>',
+               '#include <worldpos_vertex>\nvPlace = (modelMatrix * vec4(position, 1.0)).xyz;');
+    shader.fragmentShader = shader.fragmentShader
+      .replace('#include <common>', `#include <common>
+        varying vec3 vPlace;
+        uniform float uCell;
+        uniform vec3 uLine;
+        float gridLine(vec2 p, float width) {
+          vec2 w = fwidth(p);
+          vec2 d = abs(fract(p - 0.5) - 0.5) / max(w, 1e-6);
+          float line = 1.0 - min(min(d.x, d.y) / width, 1.0);
+          return line * (1.0 - smoothstep(0.06, 0.3, max(w.x, w.y)));
+        }`)
+      .replace('#include <color_fragment>', `#include <color_fragment>
+        float fine = gridLine(vPlace.xy / uCell, 1.0);
+        float coarse = gridLine(vPlace.xy / (5.0 * uCell), 1.4);
+        diffuseColor.rgb = mix(diffuseColor.rgb, uLine, max(0.3 * fine, 0.75 * coarse));`);
+  };
+  return material;
+}
+
+/** Ground, walls and other things that stand still; seen in all panes. */
+export class Fixed extends THREE.Group {
+  /**
+   * @param {object[]} parts  of hello
+   * @param {number} size     m, how wide the scene is
+   * @param {object} theme    colours, see stage.js
+   */
+  constructor(parts, size, theme) {
+    super();
+    this.uniforms = {uCell: {value: niceStep(size / 20)}, uLine: {value: new THREE.Color()}};
+    this.solid = new THREE.MeshStandardMaterial({roughness: 0.85, vertexColors: true});
+    this.ground = withGrid(new THREE.MeshStandardMaterial({roughness: 1}), this.uniforms);
+    this.wall = new THREE.MeshStandardMaterial({roughness: 1});
+    this.addPlanes(parts.filter((part) => part.shape === 'half_space'), size);
+    parts.forEach((part, k) => {
+      if (part.shape !== 'half_space') this.addSolid(part, k);
+    });
+    this.paint(theme);
+  }
+
+  addSolid(part, k) {
+    const solid = solidOf(part, `fixed ${k}`, false);
+    if (!solid) return;
+    const mesh = new THREE.Mesh(solid.make(1), this.solid);
+    const [x, y, z, qx, qy, qz, qw] = part.pose;
+    mesh.position.set(x, y, z);
+    mesh.quaternion.set(qx, qy, qz, qw);
+    mesh.scale.set(...solid.scale);
+    mesh.castShadow = mesh.receiveShadow = true;
+    this.add(mesh);
+  }
+
+  addPlanes(parts, size) {
+    const planes = parts.map((part) => {
+      const [x, y, z, qx, qy, qz, qw] = part.pose ?? [0, 0, 0, 0, 0, 0, 1];
+      const normal = new THREE.Vector3(...part.normal)
+        .applyQuaternion(new THREE.Quaternion(qx, qy, qz, qw)).normalize();
+      return {normal, offset: part.offset + normal.dot(new THREE.Vector3(x, y, z))};
+    });
+    const floor = planes.find((plane) => plane.normal.z > 0.99)?.offset ?? 0;
+    for (const plane of planes) {
+      const ground = plane.normal.z > 0.7;
+      const height = ground ? FAR : floor + 0.45 * size;
+      const polygon = planePolygon(plane, planes, height);
+      if (polygon.length < 3) continue;
+      const mesh = new THREE.Mesh(polygonGeometry(polygon, plane.normal),
+                                  ground ? this.ground : this.wall);
+      mesh.receiveShadow = true;
+      this.add(mesh);
+    }
+  }
+
+  /** @param {object} theme  colours, see stage.js */
+  paint(theme) {
+    this.uniforms.uLine.value.set(theme.line);
+    this.ground.color.set(theme.ground);
+    // Walls turn away from the sun.
+    this.wall.color.set(theme.wall);
+    this.wall.emissive.set(theme.wall).multiplyScalar(0.3);
+    this.solid.color.set(theme.fixed);
+  }
+
+  dispose() {
+    this.children.forEach((mesh) => mesh.geometry.dispose());
+    [this.solid, this.ground, this.wall].forEach((material) => material.dispose());
+  }
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What tests may know of the page, as window.tandemView; nothing can be changed through it.
+import * as THREE from './three.module.min.js';
+
+/**
+ * @param {Window} window
+ * @param {object} parts  page, connection, orbit, canvas, stage, input
+ */
+export function publish(window, {page, connection, orbit, canvas, stage, input}) {
+  const indexOf = (body) => (typeof body === 'number'
+    ? body : page.hello.bodies.findIndex((b) => b.name === body));
+  const view = {
+    /** Frames received, pictures drawn, messages not understood, bytes received. */
+    get frames() { return page.frames; },
+    get drawn() { return page.drawn; },
+    get errors() { return connection.errors; },
+    get bytes() { return connection.bytes; },
+    get connected() { return page.connected; },
+    get settled() { return page.settled && !page.dirty; },
+    get scene() { return page.hello?.scene ?? null; },
+    get live() { return page.hello?.live ?? false; },
+    get settings() { return {...page.settings}; },
+    /** What the server refused. */
+    get messages() { return [...page.messages]; },
+    /** s, session time of the last frame, and its number. */
+    get time() { return page.frame?.time ?? NaN; },
+    get number() { return page.frame?.number ?? 0; },
+    get pixelRatio() { return stage.ratio; },
+    /** Pixels that WebGL draws triangles into, for a look at the load. */
+    get triangles() { return stage.renderer.info.render.triangles; },
+    get panes() { return page.panes.map((pane) => ({...pane, peers: [...pane.peers]})); },
+    /** Latency ms, step ms, divergence mm of each peer. */
+    get peers() {
+      return (page.frame?.peers ?? []).map(({positions, orientations, overlays, ...rest}) => ({
+        ...rest, contacts: overlays?.contacts.length ?? null,
+        springs: overlays?.springs.length ?? null, targets: overlays?.targets.length ?? null}));
+    },
+    /** @returns {Object<string, number[]>}  x y z qx qy qz qw of each body of a peer, by name; as
+     *  the last frame has it, m, world */
+    poses(peer) {
+      const {positions: p, orientations: q} = page.frame.peers[peer];
+      return Object.fromEntries(page.hello.bodies.map((body, b) => (
+        [body.name, [...p.subarray(3 * b, 3 * b + 3), ...q.subarray(4 * b, 4 * b + 4)]])));
+    },
+    /** @returns {?string}  name of the body that a pointer there would hold */
+    bodyAt(clientX, clientY) {
+      const box = canvas.getBoundingClientRect();
+      const hit = input.hitAt(clientX - box.left, clientY - box.top);
+      return hit && page.hello.bodies[hit.body].name;
+    },
+    /** @returns {number[]}  clientX, clientY of a body's centre, or of a point (m, world) */
+    project(body, peer, point = null) {
+      const pane = page.panes.find((p) => p.peers.has(peer));
+      const place = point ? new THREE.Vector3(...point)
+                          : page.bodies.place(peer, indexOf(body));
+      place.project(orbit.at(pane.width / pane.height));
+      const box = canvas.getBoundingClientRect();
+      return [box.left + pane.x + 0.5 * (1 + place.x) * pane.width,
+              box.top + pane.y + 0.5 * (1 - place.y) * pane.height];
+    },
+  };
+  Object.defineProperty(window, 'tandemView', {value: Object.freeze(view)});
+}

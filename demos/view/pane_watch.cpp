@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "view/pane_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "tandem/pbd/contact.h"
+
+namespace tandem::demos::view {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kMostPeers = 64;       // whose shares are kept
+constexpr std::size_t kMostContacts = 1024;  // more than anybody can see
+constexpr double kAgeMemory = 0.9;           // of the mean age, from step to step
+
+}  // namespace
+
+PaneWatch::PaneWatch(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) index_.emplace_back(scene.bodies[i].id, i);
+  std::sort(index_.begin(), index_.end());
+}
+
+std::size_t PaneWatch::index_of(const consensus::SharedId& id) const {
+  const auto found =
+      std::lower_bound(index_.begin(), index_.end(), id,
+                       [](const auto& entry, const auto& key) { return entry.first < key; });
+  return found == index_.end() || found->first != id ? SIZE_MAX : found->second;
+}
+
+void PaneWatch::turn(consensus::SessionTime now) {
+  if (now == now_) return;
+  now_ = now;
+  targets_.clear();
+  distances_.clear();
+  if (age_count_ > 0.0) {
+    const double mean = age_sum_ / age_count_;
+    mean_age_ = heard_ ? kAgeMemory * mean_age_ + (1.0 - kAgeMemory) * mean : mean;
+    heard_ = true;
+  }
+  age_sum_ = age_count_ = 0.0;
+}
+
+void PaneWatch::on_prediction(consensus::PeerId from, const consensus::SharedId& body,
+                              consensus::SessionTime now, const pbd::Vec3& predicted_position,
+                              double age) {
+  turn(now);
+  const std::size_t index = index_of(body);
+  if (index == SIZE_MAX) return;
+  targets_.push_back({from, index, predicted_position});
+  age_sum_ += age;
+  age_count_ += 1.0;
+}
+
+void PaneWatch::on_estimate(const consensus::EstimateEvent& event) {
+  turn(event.context.now);
+  const std::size_t index = index_of(event.update.id);
+  if (index == SIZE_MAX) return;
+  const auto known = shares_.find(event.from);
+  if (known == shares_.end() && shares_.size() >= kMostPeers) return;
+  std::vector<float>& shares = known == shares_.end() ? shares_[event.from] : known->second;
+  shares.resize(index_.size(), 0.0F);
+  shares[index] = static_cast<float>(event.update.influence);
+  if (event.own.empty()) return;
+  const pbd::Vec3 own = event.own.at_time(event.update.stamp).pose.position;
+  distances_.push_back((event.update.pose.position - own).norm());
+}
+
+double PaneWatch::mean_age() const { return heard_ ? mean_age_ : kNaN; }
+
+double PaneWatch::share(consensus::PeerId peer, std::size_t body) const {
+  const auto found = shares_.find(peer);
+  return found == shares_.end() ? 0.0 : static_cast<double>(found->second[body]);
+}
+
+void PaneWatch::forget() {
+  shares_.clear();
+  targets_.clear();
+  distances_.clear();
+  age_sum_ = age_count_ = 0.0;
+  heard_ = false;
+}
+
+void append_contacts(const pbd::World& world, std::vector<ContactMark>& out) {
+  if (world.contacts() == nullptr) return;
+  for (const pbd::Contact& contact : world.contacts()->contacts()) {
+    const pbd::Manifold& manifold = contact.manifold;
+    const pbd::BodyId a = world.body_at(manifold.body_a);
+    const pbd::BodyId b = world.body_at(manifold.body_b);
+    if (!a.valid() || !b.valid() || !contact.loaded()) continue;
+    for (int i = 0; i < manifold.count; ++i) {
+      if (out.size() >= kMostContacts) return;
+      const auto k = static_cast<std::size_t>(i);
+      if (!(contact.force[k] > 0.0)) continue;
+      const pbd::Vec3 at_a = world.pose(a).to_world(manifold.points[k].anchor_a_l);
+      const pbd::Vec3 at_b = world.pose(b).to_world(manifold.points[k].anchor_b_l);
+      const double gap = manifold.normal.dot(at_b - at_a) - manifold.radius_a - manifold.radius_b;
+      out.push_back({at_a + manifold.radius_a * manifold.normal, manifold.normal, -gap});
+    }
+  }
+}
+
+void put_divergence(std::vector<double>& lengths_m, PaneFrame& out) {
+  out.divergence_p50_mm = out.divergence_max_mm = kNaN;
+  if (lengths_m.empty()) return;
+  const auto middle = lengths_m.begin() + static_cast<std::ptrdiff_t>(lengths_m.size() / 2);
+  std::nth_element(lengths_m.begin(), middle, lengths_m.end());
+  out.divergence_p50_mm = 1e3 * *middle;
+  out.divergence_max_mm = 1e3 * *std::max_element(lengths_m.begin(), lengths_m.end());
+}
+
+}  // namespace tandem::demos::view

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/options.h"
+#include "scenes/scene.h"
+#include "tandem/consensus/transport.h"
+#include "tandem/pbd/types.h"
+
+namespace tandem::demos::view {
+
+// What a page and the program say to each other; docs/view.md has the format.
+
+inline constexpr int kProtocol = 1;
+
+/// A peer whose world is shown.
+struct PaneInfo {
+  consensus::PeerId id = 0;
+  double hz = 60.0;    ///< steps each second
+  std::string engine;  ///< "tandem" or "bullet"
+};
+
+/// What can be changed from a page, as it is now.
+struct Settings {
+  bool paused = false;
+  double speed = 1.0;          ///< session time over wall time
+  std::optional<int> profile;  ///< of the virtual link; none: the network is real
+  double influence = 0.0;      ///< baseline share per 1/60 s
+  consensus::PredictorKind predictor = consensus::PredictorKind::Adaptive;
+  Scheme scheme = Scheme::OnePass;
+  friend bool operator==(const Settings&, const Settings&) = default;
+};
+
+// The limits of what a page may ask for.
+inline constexpr double kLeastSpeed = 0.05;
+inline constexpr double kMostSpeed = 2.0;
+inline constexpr int kMostProfile = 5;
+inline constexpr double kMostInfluence = 0.5;
+inline constexpr double kMostDistance = 100.0;   ///< m, of a hand from the origin, each coordinate
+inline constexpr std::size_t kMostGrabs = 8;     ///< of one page at once
+inline constexpr std::size_t kMostBytes = 1024;  ///< of one command
+inline constexpr double kCommandsPerSecond = 240;  ///< of one page
+
+/// What is shown and how it is counted: all that frames and commands are read and written by.
+struct Layout {
+  std::string scene;
+  bool live = true;  ///< it can be paused and switched
+  std::vector<PaneInfo> panes;
+  double position_unit = 1e-5;  ///< m, between two positions that a frame can tell apart
+  struct Body {
+    std::string name;
+    bool turns = true;  ///< false: it looks the same however it is turned
+    std::optional<std::size_t> owner;
+  };
+  std::vector<Body> bodies;
+};
+
+/// @param max_distance  m, farther from the origin no body of a sound world is
+Layout make_layout(std::string name, const Scene& scene, double max_distance,
+                   std::vector<PaneInfo> panes, bool live);
+
+// Words to a page.
+std::string hello_text(const Layout& layout, const Scene& scene, const Settings& settings);
+std::string settings_text(const Settings& settings);
+std::string refused_text(std::string_view reason);
+std::string pong_text(double time);
+
+// Frames.
+
+struct ContactMark {
+  pbd::Vec3 point = pbd::Vec3::Zero();   ///< m, world
+  pbd::Vec3 normal = pbd::Vec3::Zero();  ///< unit
+  double depth = 0.0;                    ///< m, > 0: overlap
+};
+struct SpringMark {
+  static constexpr std::uint8_t kElsewhere = 255;
+  pbd::Vec3 anchor = pbd::Vec3::Zero();      ///< m, world
+  pbd::Vec3 attachment = pbd::Vec3::Zero();  ///< m, world
+  std::uint8_t pane = kElsewhere;            ///< whose user pulls
+  bool own = false;                          ///< it is this pane's own user
+};
+struct TargetMark {
+  static constexpr std::uint16_t kElsewhere = 65535;
+  std::uint16_t body = 0;
+  std::uint16_t pane = kElsewhere;         ///< who is believed to have it there
+  pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world
+};
+
+/// One peer's world at one moment.
+struct PaneFrame {
+  double step_ms = 0.0;            ///< computing the last step
+  double latency_ms = 0.0;         ///< mean age of the others' news; NaN: there were none
+  double divergence_p50_mm = 0.0;  ///< of bodies' distances; NaN: not known
+  double divergence_max_mm = 0.0;  ///< likewise
+  std::vector<pbd::Pose> poses;    ///< of the layout's bodies
+  // What may be drawn over it, where it is wanted.
+  std::vector<ContactMark> contacts;
+  std::vector<SpringMark> springs;
+  std::vector<TargetMark> targets;
+  std::vector<std::uint8_t> influence;  ///< of each body, 255 = 1; empty: not known
+};
+
+struct Frame {
+  double time = 0.0;  ///< s, session time since the start
+  std::vector<PaneFrame> panes;
+  bool overlays = false;  ///< they are filled in
+};
+
+// Commands of a page.
+
+/// Tells the pages of one program apart; never used twice.
+using PageId = std::uint64_t;
+
+struct Grab {
+  std::uint32_t id = 0;
+  std::size_t pane = 0;
+  std::size_t body = 0;
+  pbd::Vec3 point = pbd::Vec3::Zero();  ///< m, world
+};
+struct Move {
+  std::uint32_t id = 0;
+  pbd::Vec3 point = pbd::Vec3::Zero();  ///< m, world
+};
+struct Release {
+  std::uint32_t id = 0;
+};
+struct SetPaused {
+  bool paused = false;
+};
+struct SetSpeed {
+  double speed = 1.0;
+};
+struct SetProfile {
+  int profile = 0;
+};
+struct SetInfluence {
+  double influence = 0.0;
+};
+struct SetPredictor {
+  consensus::PredictorKind predictor = consensus::PredictorKind::Adaptive;
+};
+struct SetScheme {
+  Scheme scheme = Scheme::OnePass;
+};
+struct Step {};
+struct Restart {};
+struct Want {
+  bool overlays = false;
+};
+struct Ping {
+  double time = 0.0;
+};
+using Command = std::variant<Grab, Move, Release, SetPaused, SetSpeed, SetProfile, SetInfluence,
+                             SetPredictor, SetScheme, Step, Restart, Want, Ping>;
+struct Refused {
+  std::string text;
+};
+
+/// Reads what one page says. What is not valid is refused by name and changes nothing; no text
+/// makes it throw.
+class CommandReader {
+ public:
+  /// The layout must outlive it.
+  explicit CommandReader(const Layout& layout) : layout_(layout) {}
+
+  std::variant<Command, Refused> read(std::string_view text);
+  /// What the page holds, ascending.
+  const std::vector<std::uint32_t>& held() const { return held_; }
+
+ private:
+  const Layout& layout_;
+  std::vector<std::uint32_t> held_;
+};
+
+}  // namespace tandem::demos::view

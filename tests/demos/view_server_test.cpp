@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <ifaddrs.h>
+
+#include <array>
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "support/catch.h"
+#include "support/web_client.h"
+#include "view/server.h"
+#include "view_frames.h"
+
+namespace tandem::demos::view {
+namespace {
+
+using test::WebClient;
+
+constexpr std::array<Asset, 2> kAssets = {
+    {{"", "text/html", "<p>here</p>"}, {"main.js", "text/javascript", "let x = 1;"}}};
+
+Layout layout_of(std::size_t bodies) {
+  Layout layout;
+  layout.position_unit = 20.0 / 0x100000;
+  layout.panes.resize(1);
+  layout.bodies.resize(bodies);
+  return layout;
+}
+
+struct Fixture {
+  explicit Fixture(std::size_t bodies = 3, const ServerOptions& options = {})
+      : server(options, layout_of(bodies), kAssets) {
+    server.set_hello(R"({"type":"hello"})");
+  }
+  Server server;
+  std::string host = "127.0.0.1:" + std::to_string(server.port());
+  std::string root = '/' + server.token() + '/';
+
+  /// A page that was greeted.
+  std::unique_ptr<WebClient> page(int receive_bytes = 0) {
+    auto client = std::make_unique<WebClient>("127.0.0.1", server.port(), receive_bytes);
+    REQUIRE(client->open(root + "socket", host) == 101);
+    const auto hello = client->hear();
+    REQUIRE(hello);
+    CHECK(hello->bytes == R"({"type":"hello"})");
+    return client;
+  }
+  int status(const std::string& path, const std::string& name, const std::string& extra = "",
+             const std::string& method = "GET") {
+    WebClient client("127.0.0.1", server.port());
+    return client.get(path, name, extra, method);
+  }
+  void show(std::size_t bodies, double where) {
+    Frame frame;
+    frame.time = where;
+    frame.panes.resize(1);
+    frame.panes[0].poses.resize(bodies);
+    for (pbd::Pose& pose : frame.panes[0].poses) pose.position.setConstant(where);
+    server.show(frame);
+  }
+  /// What pages have said, once there is something.
+  std::vector<PageEvent> events(std::size_t least = 1) {
+    std::vector<PageEvent> all;
+    for (int i = 0; i < 500 && all.size() < least; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      server.take(all);
+    }
+    return all;
+  }
+};
+
+TEST_CASE("view server: who knows the token gets the page, nobody else gets anything",
+          "[demos][view][socket]") {
+  Fixture f;
+  CHECK(f.server.token().size() == 32);
+  CHECK(f.server.token().find_first_not_of("0123456789abcdef") == std::string::npos);
+  CHECK(f.server.url() == "http://" + f.host + f.root);
+  CHECK(Fixture().server.token() != f.server.token());
+  WebClient client("127.0.0.1", f.server.port());
+  REQUIRE(client.get(f.root, f.host) == 200);
+  CHECK(client.last_head().find("Content-Type: text/html") != std::string::npos);
+  CHECK(client.last_head().find("Content-Security-Policy: default-src 'none'") !=
+        std::string::npos);
+  CHECK(client.bytes(11) == "<p>here</p>");
+  // On the same connection.
+  REQUIRE(client.get(f.root + "main.js?pane=0", f.host) == 200);
+  CHECK(client.bytes(10) == "let x = 1;");
+
+  std::string wrong = f.root;
+  wrong[5] = wrong[5] == '0' ? '1' : '0';
+  for (const std::string& path :
+       {wrong, wrong + "main.js", wrong + "socket", std::string("/"), std::string("*"),
+        f.root + "other.js", f.root + "../" + f.root.substr(1), f.root.substr(0, 33),
+        f.root + '/'}) {
+    INFO(path);
+    CHECK(f.status(path, f.host) == 404);
+  }
+  for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "DELETE"}) {
+    CHECK(f.status(f.root, f.host, "", method) == 404);
+  }
+  WebClient other("127.0.0.1", f.server.port());
+  REQUIRE(other.get(wrong, f.host) == 404);
+  CHECK(other.last_head().find("Content-Length: 0") != std::string::npos);
+  CHECK(f.server.counters().refused >= 10);
+}
+
+TEST_CASE("view server: another site's page and another name of the machine are refused",
+          "[demos][view][socket]") {
+  Fixture f;
+  const std::string port = ':' + std::to_string(f.server.port());
+  CHECK(f.status(f.root, "localhost" + port) == 200);
+  CHECK(f.status(f.root, f.host, "Origin: http://" + f.host + "\r\n") == 200);
+  for (const std::string& name : {"evil.example" + port, std::string("127.0.0.1"),
+                                  "127.0.0.2" + port, std::string("127.0.0.1:1"), port,
+                                  std::string(), "127.0.0.1.evil.example" + port, "[::1]" + port}) {
+    INFO(name);
+    CHECK(f.status(f.root, name) == 404);
+  }
+  CHECK(f.status(f.root, f.host, "Host: " + f.host + "\r\n") != 200);
+  for (const std::string& origin :
+       {std::string("http://evil.example"), std::string("null"), "https://" + f.host,
+        "http://localhost" + port, std::string("http://127.0.0.1")}) {
+    INFO(origin);
+    CHECK(f.status(f.root, f.host, "Origin: " + origin + "\r\n") == 404);
+    WebClient client("127.0.0.1", f.server.port());
+    CHECK(client.open(f.root + "socket", f.host, "Origin: " + origin + "\r\n") == 404);
+  }
+  WebClient client("127.0.0.1", f.server.port());
+  CHECK(client.open(f.root + "socket", f.host, "Origin: http://" + f.host + "\r\n") == 101);
+}
+
+TEST_CASE("view server: it is at its address alone", "[demos][view][socket]") {
+  Fixture f;
+  CHECK_THROWS(WebClient("127.0.0.2", f.server.port()));
+  ifaddrs* all = nullptr;
+  REQUIRE(getifaddrs(&all) == 0);
+  for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
+    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
+    char text[INET_ADDRSTRLEN] = {};
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(each->ifa_addr)->sin_addr, text,
+              sizeof(text));
+    INFO(text);
+    if (std::string(text) == "127.0.0.1") continue;
+    CHECK_THROWS(WebClient(text, f.server.port()));
+  }
+  freeifaddrs(all);
+  CHECK_THROWS_AS(Server({.address = "localhost"}, layout_of(1), kAssets), std::invalid_argument);
+  CHECK_THROWS_AS(Server({.port = f.server.port()}, layout_of(1), kAssets), std::runtime_error);
+}
+
+TEST_CASE(
+    "view server: commands are handed on, refused by name, and cut off where they are too many",
+    "[demos][view][socket]") {
+  Fixture f;
+  auto page = f.page();
+  page->say(R"({"type":"grab","id":1,"pane":0,"body":2,"point":[0,0,1]})");
+  page->say(R"({"type":"set","name":"influence","value":7})");
+  page->say(R"({"type":"ping","time":42})");
+  page->say(R"({"type":"want","overlays":true})");
+  page->say(R"({"type":"step"})");
+  const auto refused = page->hear();
+  REQUIRE(refused);
+  const auto words = nlohmann::json::parse(refused->bytes);
+  CHECK(words["type"] == "refused");
+  CHECK(words["text"] == "influence = 7 breaks: 0 to 0.5");
+  const auto pong = page->hear();
+  REQUIRE(pong);
+  CHECK(nlohmann::json::parse(pong->bytes)["time"] == 42.0);
+  const std::vector<PageEvent> events = f.events(2);
+  REQUIRE(events.size() == 2);
+  CHECK(std::get<Grab>(std::get<Command>(events[0].what)).body == 2);
+  CHECK(std::holds_alternative<Step>(std::get<Command>(events[1].what)));
+  CHECK(f.server.wants_overlays());
+
+  for (int i = 0; i < 600; ++i) {
+    if (!page->say(R"({"type":"move","id":1,"point":[0,0,1]})")) break;
+  }
+  while (page->hear()) {
+  }
+  // What came within the bounds is done, then it is gone.
+  std::vector<PageEvent> rest;
+  for (int i = 0; i < 100 && (rest.empty() || std::holds_alternative<Command>(rest.back().what));
+       ++i) {
+    const std::vector<PageEvent> more = f.events();
+    rest.insert(rest.end(), more.begin(), more.end());
+  }
+  REQUIRE_FALSE(rest.empty());
+  CHECK(std::holds_alternative<Left>(rest.back().what));
+  CHECK(rest.size() < 400);
+  CHECK_FALSE(f.server.wants_overlays());
+}
+
+TEST_CASE("view server: a page that closes, or sends what is none, is gone",
+          "[demos][view][socket]") {
+  Fixture f;
+  const std::array<std::function<void(WebClient&)>, 6> ways = {
+      [](WebClient& page) { page.close(); },
+      [](WebClient& page) { page.say(std::string(1025, ' ')); },
+      [](WebClient& page) { page.send(std::string("\x82\x80") + "abcd"); },
+      [](WebClient& page) { page.send(std::string("\x81\x02") + "{}"); },
+      [](WebClient& page) { page.send(std::string("\x88\x80") + "abcd"); },
+      [](WebClient& page) { page.send(std::string(40, '\xff')); }};
+  std::vector<std::unique_ptr<WebClient>> pages;
+  for (const auto& way : ways) {
+    pages.push_back(f.page());
+    way(*pages.back());
+  }
+  // To those that break the rules it is said, and some time is given to hear it.
+  std::vector<PageEvent> events;
+  while (events.size() < ways.size()) {
+    const std::vector<PageEvent> more = f.events();
+    REQUIRE_FALSE(more.empty());
+    events.insert(events.end(), more.begin(), more.end());
+  }
+  for (const PageEvent& event : events) CHECK(std::holds_alternative<Left>(event.what));
+  CHECK(f.server.pages() == 0);
+}
+
+TEST_CASE("view server: no more pages than it will have", "[demos][view][socket]") {
+  Fixture f(1, {.max_pages = 2});
+  auto a = f.page();
+  auto b = f.page();
+  WebClient third("127.0.0.1", f.server.port());
+  CHECK(third.open(f.root + "socket", f.host) == 503);
+  a->close();
+  REQUIRE(f.events().size() == 1);
+  auto c = f.page();
+  CHECK(f.server.pages() == 2);
+}
+
+TEST_CASE("view server: pages see every frame, or the newest whole", "[demos][view][socket]") {
+  constexpr std::size_t kBodies = 2000;
+  Fixture f(kBodies);
+  auto slow = f.page(4096);
+  auto fast = f.page();
+  PageReader eager(20.0 / 0x100000, 1, kBodies);
+  std::uint32_t last = 0;
+  // 24 kB each: far more than sockets hold.
+  for (int i = 1; i <= 300; ++i) {
+    f.show(kBodies, 0.01 * i);
+    const auto frame = fast->hear(true);
+    REQUIRE(frame);
+    eager.read(frame->bytes);
+    CHECK(eager.key == (i == 1));
+    CHECK(eager.number == ++last);
+  }
+  CHECK(f.server.counters().missed > 100);
+  PageReader late(20.0 / 0x100000, 1, kBodies);
+  std::uint32_t before = 0;
+  int keys = 0, seen = 0;
+  do {
+    const auto frame = slow->hear(true);
+    REQUIRE(frame);
+    late.read(frame->bytes);
+    ++seen;
+    keys += late.key ? 1 : 0;
+    CHECK((late.key || late.number == before + 1));
+    CHECK(late.number > before);
+    before = late.number;
+  } while (late.number < 300);
+  CHECK(keys >= 2);
+  CHECK(seen < 200);
+  CHECK(late.panes[0].bodies[7].position.x() == Approx(3.0).margin(1e-4));
+}
+
+TEST_CASE("view server: where nothing moves, frames are few; settings reach all",
+          "[demos][view][socket]") {
+  Fixture f;
+  auto page = f.page();
+  for (int i = 0; i < 20; ++i) {
+    f.show(3, 1.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  f.server.tell("said");
+  std::size_t frames = 0;
+  for (auto message = page->hear(); message; message = page->hear()) {
+    if (!message->binary) break;
+    ++frames;
+  }
+  CHECK(frames >= 1);
+  CHECK(frames <= 2);
+}
+
+}  // namespace
+}  // namespace tandem::demos::view

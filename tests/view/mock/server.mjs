@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The server of docs/view.md in Node, for work on the page and its tests without the programs:
+//   node tests/view/mock/server.mjs [PORT] [balls=1000]
+import {randomBytes} from 'node:crypto';
+import {readFile} from 'node:fs/promises';
+import {createServer} from 'node:http';
+import {extname, join} from 'node:path';
+import {fileURLToPath} from 'node:url';
+import {WebSocketServer} from 'ws';
+import {encodeFrame} from './encoder.mjs';
+import {MockWorld} from './world.mjs';
+
+const PAGE = fileURLToPath(new URL('../../../demos/view/page/', import.meta.url));
+const TYPES = {'.html': 'text/html; charset=utf-8', '.js': 'text/javascript; charset=utf-8',
+               '.css': 'text/css; charset=utf-8', '.svg': 'image/svg+xml'};
+const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; " +
+               "connect-src 'self'; base-uri 'none'; form-action 'none'";
+const FLOOD = 240;         // messages of a second
+const LONGEST = 1024;      // bytes of a message
+
+/** Reads the page's files; three.js as npm has it. */
+async function asset(name) {
+  const folder = /^three\..*\.js$/.test(name) ? join(PAGE, 'node_modules/three/build') : PAGE;
+  return readFile(join(folder, name));
+}
+
+const isPoint = (p) => Array.isArray(p) && p.length === 3 &&
+  p.every((v) => Number.isFinite(v) && Math.abs(v) <= 100);
+
+/** Says why a message is refused; undefined where it is good. */
+function fault(world, message) {
+  if (message.type === 'grab' || message.type === 'move') {
+    if (!isPoint(message.point)) return 'point breaks: three numbers within 100 m';
+  }
+  if (message.type === 'grab' && !world.peers[message.pane]?.[message.body]) {
+    return `body = ${message.body} breaks: there is none of that number`;
+  }
+  if (message.type !== 'set') return undefined;
+  if (!world.live) return 'set: not in this run';
+  const choices = {...world.hello().choices, paused: [false, true]}[message.name];
+  if (!choices) return `name = ${message.name} is not known`;
+  const {value} = message;
+  const good = ['speed', 'influence'].includes(message.name)
+    ? value >= choices[0] && value <= choices[1] : choices.includes(value);
+  return good ? undefined : `${message.name} = ${value} breaks: ${choices.join(', ')}`;
+}
+
+/** One page. */
+class Client {
+  constructor(socket, server) {
+    this.socket = socket;
+    this.server = server;
+    this.overlays = false;
+    this.window = {second: 0, count: 0};
+    socket.send(JSON.stringify(server.world.hello()));
+    socket.on('message', (data, isBinary) => this.receive(data, isBinary));
+    socket.on('error', () => {});
+    socket.on('close', () => {
+      server.clients.delete(this);
+      server.world.release((key) => key.startsWith(`${this.id}/`));
+    });
+  }
+  receive(data, isBinary) {
+    const second = Math.floor(Date.now() / 1000);
+    if (second !== this.window.second) this.window = {second, count: 0};
+    if (isBinary || data.length > LONGEST || ++this.window.count > FLOOD) {
+      this.socket.terminate();
+      return;
+    }
+    let message;
+    try {
+      message = JSON.parse(data);
+    } catch {
+      this.refuse('message breaks: JSON');
+      return;
+    }
+    this.server.received.push(message);
+    const why = fault(this.server.world, message);
+    if (why) this.refuse(why);
+    else this.server.obey(this, message);
+  }
+  refuse(text) { this.socket.send(JSON.stringify({type: 'refused', text})); }
+}
+
+/** @typedef {{url: string, world: MockWorld, received: object[], close: function()}} MockServer */
+
+/**
+ * @param {{port?: number, token?: string}} options  and those of MockWorld
+ * @returns {Promise<MockServer>}
+ */
+export async function startMock({port = 0, token = randomBytes(16).toString('hex'), ...rest} = {}) {
+  const world = new MockWorld(rest);
+  const clients = new Set();
+  const http = createServer(async (request, response) => {
+    const path = new URL(request.url, 'http://localhost').pathname;
+    const name = path === `/${token}/` ? 'index.html' : path.slice(token.length + 2);
+    try {
+      if (!path.startsWith(`/${token}/`) || !/^[\w.]+$/.test(name)) throw new Error('no such file');
+      const body = await asset(name);
+      response.writeHead(200, {'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream',
+                               'Content-Security-Policy': POLICY});
+      response.end(body);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  const sockets = new WebSocketServer({server: http, path: `/${token}/socket`});
+  const server = {
+    world, clients, received: [],
+    obey(client, message) {
+      const key = `${client.id}/${message.id}`;
+      if (message.type === 'grab') world.grab(key, message);
+      if (message.type === 'move') world.move(key, message.point);
+      if (message.type === 'release') world.release((k) => k === key);
+      if (message.type === 'want') client.overlays = message.overlays;
+      if (message.type === 'step') server.advance();
+      if (message.type === 'restart') world.restart();
+      if (message.type === 'set') {
+        world.settings[message.name] = message.value;
+        const text = JSON.stringify({type: 'settings', settings: world.settings});
+        for (const {socket} of clients) socket.send(text);
+      }
+    },
+    advance() {
+      world.step();
+      for (const client of clients) {
+        client.socket.send(encodeFrame({...world.frame(client.overlays), key: true}));
+      }
+    },
+  };
+  let nextId = 1;
+  sockets.on('connection', (socket) => {
+    const client = new Client(socket, server);
+    client.id = nextId++;
+    clients.add(client);
+    socket.send(encodeFrame({...world.frame(false), key: true}));
+  });
+  const timer = setInterval(() => { if (!world.settings.paused) server.advance(); }, 1000 / 60);
+  await new Promise((resolve) => http.listen(port, '127.0.0.1', resolve));
+  return Object.assign(server, {
+    url: `http://127.0.0.1:${http.address().port}/${token}/`,
+    port: http.address().port, token,
+    async close() {
+      clearInterval(timer);
+      for (const {socket} of clients) socket.terminate();
+      sockets.close();
+      http.closeAllConnections();
+      await new Promise((resolve) => http.close(resolve));
+    },
+  });
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  const options = Object.fromEntries(process.argv.slice(3).map((word) => word.split('=')));
+  const balls = Number(options.balls ?? 0);
+  const server = await startMock({port: Number(process.argv[2] ?? 8080), balls,
+                                  scene: balls ? 'balls' : 'shapes'});
+  console.error(`view: ${server.url}`);
+}

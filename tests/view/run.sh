@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Drives the page of the live view with a headless Chromium: against a mock server, and against the
+# demos in a folder where one is named. Ends with 77 (skipped) where it lacks what it needs.
+#   tests/view/run.sh [--bin build/release/bin]
+set -euo pipefail
+bin=
+if [[ ${1:-} == --bin ]]; then
+  bin=$(cd "$2" && pwd)
+  shift 2
+fi
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+
+skip() {
+  echo "tests/view: skipped: $1" >&2
+  exit 77
+}
+command -v node > /dev/null || skip 'no Node.js (Debian: nodejs, at least 18)'
+[[ $(node -p 'process.versions.node.split(".")[0]') -ge 18 ]] || skip 'Node.js is older than 18'
+command -v npm > /dev/null || skip 'no npm (Debian: npm)'
+if [[ -z ${CHROMIUM:-} ]]; then
+  command -v chromium chromium-browser google-chrome > /dev/null || skip 'no Chromium (Debian: chromium)'
+fi
+for folder in "$here" "$here/../../demos/view/page"; do
+  [[ -d $folder/node_modules ]] || npm --prefix "$folder" ci --no-audit --no-fund > /dev/null ||
+    skip "npm ci failed in $folder"
+done
+
+tests=("$here/protocol_test.mjs" "$here/page_test.mjs")
+if [[ -n $bin ]]; then
+  [[ -x $bin/cubes ]] || { echo "tests/view: $bin/cubes is not there" >&2; exit 1; }
+  export TANDEM_BIN=$bin
+  tests+=("$here/session_test.mjs")
+fi
+# One after another: each has a browser that draws in software.
+exec node --test --test-concurrency=1 "$@" "${tests[@]}"
