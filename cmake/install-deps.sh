@@ -4,9 +4,10 @@
 #
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
-#   cmake/install-deps.sh [--with-checks] [--with-benchmarks]
-# with --with-checks also what .ci/run needs, with --with-benchmarks what the benchmarks compare
-# with and draw with; they are built without it, too, and show less.
+#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks]
+# with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
+# .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with; all is built
+# without it, too, and shows less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
 
@@ -16,9 +17,21 @@ packages=(
   pkgconf libsodium-dev libtomlplusplus-dev libcpp-httplib-dev libtinygltf-dev
   catch2
 )
+with_view() {
+  packages+=(libboost-dev nlohmann-json3-dev)
+  # A newer Node.js than Debian's, where there is one, would not bear Debian's npm beside it.
+  command -v node >/dev/null || packages+=(nodejs)
+  command -v npm >/dev/null || packages+=(npm)
+}
+
 for argument in "$@"; do
   case "$argument" in
-    --with-checks) packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git) ;;
+    --with-view) with_view ;;
+    --with-checks)
+      packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git)
+      with_view
+      command -v chromium >/dev/null || packages+=(chromium)
+      ;;
     --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2

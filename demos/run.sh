@@ -12,8 +12,14 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
+# What the page is built with is not needed without it.
+packages=()
+for argument in "$@"; do
+  [[ $argument != --view* && $argument != --pictures ]] || packages=(--with-view)
+done
+
 build() {
-  bash "$root/cmake/install-deps.sh" >&2
+  bash "$root/cmake/install-deps.sh" "${packages[@]}" >&2
   (
     cd "$root"
     cmake --preset release >&2

@@ -15,7 +15,7 @@ using consensus::SessionTime;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;  // s, of one step by hand
+constexpr double kStepByHand = 1.0 / 60.0;  // s, of one step by hand
 
 SessionTime session_time(double seconds) { return kVirtualStart + std::llround(1e9 * seconds); }
 
@@ -42,10 +42,19 @@ LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
                         true);
 }
 
+LiveSession::~LiveSession() { close_traces(); }
+
+void LiveSession::close_traces() {
+  for (const auto& trace : traces_) close_trace(trace.get());
+}
+
 void LiveSession::start() {
   now_ = kVirtualStart;
   panes_.clear();
   actors_.clear();
+  // What begins again begins its traces again.
+  close_traces();
+  traces_.clear();
   network_ = std::make_unique<consensus::VirtualNetwork>(
       options_.link_options(), derived_seed(options_.seed, 5000), kVirtualStart);
   const auto count = static_cast<std::size_t>(options_.peers);
@@ -56,7 +65,11 @@ void LiveSession::start() {
   }
   actors_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    actors_.emplace_back(scenario_, options_, i, network_->transport(i + 1));
+    consensus::Transport& transport = network_->transport(i + 1);
+    const auto& trace =
+        traces_.emplace_back(open_trace(scenario_, options_, i + 1, i, transport, true));
+    actors_.emplace_back(scenario_, options_, i, trace ? trace->transport() : transport);
+    actors_.back().participant().watch_steps_with(trace.get());
   }
   for (std::size_t user = 0; user < scenario_.user_count() && !options_.no_script; ++user) {
     actors_[seat_of(options_, user)].participant().add_user(
@@ -113,16 +126,19 @@ std::optional<std::string> LiveSession::apply(PageId page, const Command& comman
     } else if (const auto* const profile = std::get_if<SetProfile>(&command)) {
       set_profile(profile->profile);
     } else if (const auto* const influence = std::get_if<SetInfluence>(&command)) {
-      options_.influence = influence->influence;
-      change_rules();
+      DemoOptions next = options_;
+      next.influence = influence->influence;
+      change_rules(next);
     } else if (const auto* const predictor = std::get_if<SetPredictor>(&command)) {
-      options_.predictor = predictor->predictor;
-      change_rules();
+      DemoOptions next = options_;
+      next.predictor = predictor->predictor;
+      change_rules(next);
     } else if (const auto* const scheme = std::get_if<SetScheme>(&command)) {
-      options_.scheme = scheme->scheme;
-      change_rules();
+      DemoOptions next = options_;
+      next.scheme = scheme->scheme;
+      change_rules(next);
     } else if (std::holds_alternative<Step>(command)) {
-      advance_to(time() + kFrame);
+      advance_to(time() + kStepByHand);
     } else if (std::holds_alternative<Restart>(command)) {
       restart();
     }
@@ -146,7 +162,12 @@ void LiveSession::set_profile(int profile) {
   }
 }
 
-void LiveSession::change_rules() {
+void LiveSession::change_rules(const DemoOptions& options) {
+  // Nobody is left without a peer half way.
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    options.peer_options(options.scheme_of(i)).validate();
+  }
+  options_ = options;
   settings_.influence = options_.influence;
   settings_.predictor = options_.predictor_kind();
   settings_.scheme = options_.scheme;

@@ -274,5 +274,21 @@ TEST_CASE("options: what has no meaning together is refused", "[demos][fault]") 
   CHECK(refusal({"--listen", "1", "--uneven", "--seconds", "3"}).empty());
 }
 
+TEST_CASE("options: a page has any port where none is given, and no end but a given one",
+          "[demos][unit]") {
+  CHECK_FALSE(parse({}).view);
+  CHECK(parse({"--view"}).view == std::uint16_t{0});
+  CHECK(parse({"--view", "--quiet"}).view == std::uint16_t{0});
+  CHECK(parse({"--view", "8080"}).view == std::uint16_t{8080});
+  CHECK(parse({"--view=8080", "--no-script"}).no_script);
+  CHECK(parse({"--view"}).endless);
+  CHECK_FALSE(parse({"--seconds", "5", "--view"}).endless);
+  CHECK_FALSE(parse({"--no-script"}).endless);
+  CHECK(refusal({"--view", "65536"}) == "--view = 65536 breaks: a port from 0 (any) to 65535");
+  CHECK(refusal({"--view", "here"}) == "--view = here breaks: a port from 0 (any) to 65535");
+  CHECK(refusal({"--view", "--json", "-"}) == "--json = - breaks: with --view needs --seconds");
+  CHECK(refusal({"--view", "--json", "-", "--seconds", "5"}).empty());
+}
+
 }  // namespace
 }  // namespace tandem::demos

@@ -5,6 +5,7 @@
 import {spawn} from 'node:child_process';
 import {createServer} from 'node:net';
 import {join} from 'node:path';
+import {overlayFiles} from './mock/files.mjs';
 
 /** @returns {Promise<number>}  a port that is free now */
 export async function freePort() {
@@ -16,10 +17,11 @@ export async function freePort() {
 }
 
 /**
+ * With TANDEM_VIEW_PAGE=source in the environment, the page is that of the source tree.
  * @param {string} name      of the program
  * @param {string[]} options  of its command line, besides --view
  * @param {{folder?: string, seconds?: number}} where  folder of the programs (TANDEM_BIN)
- * @returns {Promise<{url: string, pid: number, words: function(): string,
+ * @returns {Promise<{url: string, page: string, pid: number, words: function(): string,
  *   stop: function(): Promise<void>}>}
  */
 export async function startDemo(name, options = [], {folder = process.env.TANDEM_BIN,
@@ -43,9 +45,11 @@ export async function startDemo(name, options = [], {folder = process.env.TANDEM
       resolve(found[1]);
     });
   });
+  const front = process.env.TANDEM_VIEW_PAGE === 'source' ? await overlayFiles(url) : null;
   return {
-    url, pid: child.pid, words: () => words,
+    url, page: front?.url ?? url, pid: child.pid, words: () => words,
     async stop() {
+      front?.close();
       child.kill('SIGINT');
       const timer = setTimeout(() => child.kill('SIGKILL'), 10000);
       await over;

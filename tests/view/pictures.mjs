@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Key frames of the demos as PNG, through the page of their live view:
-//   TANDEM_BIN=build/release/bin node tests/view/pictures.mjs FOLDER [NAME..]
+//   TANDEM_BIN=build/release/bin node tests/view/pictures.mjs FOLDER [NAME[@SECONDS]..]
 import {spawnSync} from 'node:child_process';
 import {mkdirSync, statSync} from 'node:fs';
 import {join} from 'node:path';
@@ -11,7 +11,6 @@ import {startDemo} from './demo.mjs';
 import {Observer, until} from './observer.mjs';
 
 const WIDE = {width: 1120, height: 420};
-const ONE = {width: 1120, height: 560};
 
 /**
  * @typedef {object} Picture
@@ -25,12 +24,12 @@ const ONE = {width: 1120, height: 560};
 
 /** @type {Picture[]} */
 const PICTURES = [
-  {name: 'cubes', demo: 'cubes', at: 9, query: 'marks=1', size: WIDE},
-  {name: 'cliff', demo: 'cliff', at: 3.2, query: '', size: WIDE},
-  {name: 'room', demo: 'room', at: 12, query: '', size: WIDE},
-  {name: 'tennis', demo: 'tennis', at: 6, query: '', size: WIDE},
+  {name: 'cubes', demo: 'cubes', at: 12, query: '', size: WIDE},
+  {name: 'cliff', demo: 'cliff', at: 2.8, query: '', size: WIDE},
+  {name: 'room', demo: 'room', at: 8, query: '', size: WIDE},
+  {name: 'tennis', demo: 'tennis', at: 6.4, query: '', size: WIDE},
   {name: 'piano', demo: 'piano', at: 8, query: 'marks=1', size: WIDE},
-  {name: 'pile', demo: 'pile', at: 6, query: '', size: WIDE},
+  {name: 'pile', demo: 'pile', at: 5, query: '', size: WIDE},
 ];
 
 /** A session stands still at a time, and the page shows just that. */
@@ -42,7 +41,7 @@ async function take(browser, picture, folder) {
     await until(() => observer.last.time >= picture.at, `${picture.at} s`, 600);
     observer.set('paused', true);
     await until(() => observer.settings.paused, 'a pause');
-    const page = await openPage(browser, `${demo.url}?still=1&${picture.query}`,
+    const page = await openPage(browser, `${demo.page}?still=1&${picture.query}`,
                                 {viewport: picture.size});
     // Overlays come with the next frame.
     if (picture.query.includes('marks=1')) {
@@ -72,6 +71,11 @@ const browser = await startBrowser();
 try {
   for (const picture of PICTURES) {
     if (!names.length || names.includes(picture.name)) await take(browser, picture, folder);
+  }
+  for (const [name, at] of names.map((text) => text.split('@'))) {
+    const picture = PICTURES.find((one) => one.name === name);
+    if (!at || !picture) continue;
+    await take(browser, {...picture, name: `${name}@${at}`, at: Number(at)}, folder);
   }
 } finally {
   await browser.close();

@@ -18,12 +18,12 @@ const VIEW = 32;  // degrees, vertical
 
 /** @type {Object<string, Look>}  by scene; others are looked at as a whole */
 const LOOKS = {
-  cubes: {target: [0.12, -0.1, 0.16], azimuth: -66, elevation: 22, width: 2.5, height: 1.35},
+  cubes: {target: [0.26, -0.1, 0.17], azimuth: -72, elevation: 20, width: 2.45, height: 1.35},
   cliff: {target: [1, 0, 3], azimuth: -52, elevation: 24, width: 19, height: 14},
   room: {target: [0, 0.1, 0.75], azimuth: -90, elevation: 24, width: 4.6, height: 2.7},
-  tennis: {target: [0, 0, 0.85], azimuth: -68, elevation: 16, width: 3.6, height: 2},
-  piano: {target: [0, 0, 0.03], azimuth: -90, elevation: 52, width: 0.92, height: 0.62},
-  pile: {target: [0, 0, 0.2], azimuth: -60, elevation: 26, width: 5, height: 3.4},
+  tennis: {target: [0.05, 0, 0.85], azimuth: -74, elevation: 16, width: 3.9, height: 2},
+  piano: {target: [0, 0, 0.03], azimuth: -90, elevation: 54, width: 0.96, height: 0.7},
+  pile: {target: [0, 0, 0.1], azimuth: -60, elevation: 30, width: 5.6, height: 4.2},
 };
 
 const radians = (degrees) => degrees * Math.PI / 180;

@@ -90,18 +90,19 @@ export class Fixed extends THREE.Group {
    */
   constructor(parts, size, theme) {
     super();
+    this.boxes = [];
     this.uniforms = {uCell: {value: niceStep(size / 20)}, uLine: {value: new THREE.Color()}};
     this.solid = new THREE.MeshStandardMaterial({roughness: 0.85, vertexColors: true});
     this.ground = withGrid(new THREE.MeshStandardMaterial({roughness: 1}), this.uniforms);
     this.wall = new THREE.MeshStandardMaterial({roughness: 1});
     this.addPlanes(parts.filter((part) => part.shape === 'half_space'), size);
     parts.forEach((part, k) => {
-      if (part.shape !== 'half_space') this.addSolid(part, k);
+      if (part.shape !== 'half_space') this.addSolid(part, k, size);
     });
     this.paint(theme);
   }
 
-  addSolid(part, k) {
+  addSolid(part, k, size) {
     const solid = solidOf(part, `fixed ${k}`, false);
     if (!solid) return;
     const mesh = new THREE.Mesh(solid.make(1), this.solid);
@@ -109,8 +110,36 @@ export class Fixed extends THREE.Group {
     mesh.position.set(x, y, z);
     mesh.quaternion.set(qx, qy, qz, qw);
     mesh.scale.set(...solid.scale);
-    mesh.castShadow = mesh.receiveShadow = true;
+    mesh.receiveShadow = true;
+    // Walls around a whole scene would leave it in the dark.
+    mesh.castShadow = part.shape !== 'box' || solid.radius < 0.7 * size;
+    if (part.shape === 'box') this.boxes.push(mesh);
     this.add(mesh);
+  }
+
+  /**
+   * Boxes in the way are not drawn: one sees into a room whose walls are solid.
+   * @param {THREE.Camera} camera
+   * @param {THREE.Vector3} target  m, what it looks at
+   * @param {number} width          m, what fits into the picture there
+   */
+  clearTheWay(camera, target, width) {
+    const side = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
+    const places = [-0.3, 0, 0.3].map((f) => target.clone().addScaledVector(side, f * width));
+    const ray = new THREE.Ray();
+    const hit = new THREE.Vector3();
+    for (const mesh of this.boxes) {
+      mesh.updateMatrixWorld();
+      mesh.geometry.boundingBox ?? mesh.geometry.computeBoundingBox();
+      const toLocal = mesh.matrixWorld.clone().invert();
+      mesh.visible = !places.some((place) => {
+        const [from, to] = [camera.position, place].map((p) => p.clone().applyMatrix4(toLocal));
+        const length = from.distanceTo(to);
+        ray.set(from, to.sub(from).normalize());
+        const found = ray.intersectBox(mesh.geometry.boundingBox, hit);
+        return found !== null && found.distanceTo(from) < 0.97 * length;
+      });
+    }
   }
 
   addPlanes(parts, size) {

@@ -184,7 +184,9 @@ function draw(now) {
     page.bodies.show(pane.peers, page.overlay);
     page.overlays.show(pane.peers);
     const aspect = pane.width / pane.height;
-    stage.draw(pane, orbit.at(aspect), orbit.distance(aspect));
+    const camera = orbit.at(aspect);
+    page.fixed.clearTheWay(camera, orbit.target, orbit.home.width);
+    stage.draw(pane, camera, orbit.distance(aspect));
   }
   byId('clock').textContent = `${page.frame.time.toFixed(1)} s`;
   plots.draw(now);

@@ -57,9 +57,9 @@ export class Overlays extends THREE.Group {
     const to = new THREE.Vector3();
     for (const {point, normal} of overlays.contacts) {
       from.fromArray(point);
-      to.fromArray(normal).multiplyScalar(4 * unit).add(from);
-      marks.sticks.draw(from, to, 0.18 * unit, CONTACT);
-      marks.dots.draw(from, 0.5 * unit, CONTACT);
+      to.fromArray(normal).multiplyScalar(1.6 * unit).add(from);
+      marks.sticks.draw(from, to, 0.1 * unit, CONTACT);
+      marks.dots.draw(from, 0.28 * unit, CONTACT);
     }
     for (const {anchor, attachment, user} of overlays.springs) {
       const colour = this.colours[user] ?? ELSEWHERE;

@@ -61,9 +61,12 @@ class PeerBodies {
 
   /** A frame has come. @param {object} poses  of a PeerFrame @param {boolean} jump  do not glide */
   aim(poses, jump) {
-    const source = jump || !this.to ? poses : this.shown;
-    this.from.positions.set(source.positions);
-    this.from.orientations.set(source.orientations);
+    if (jump || !this.to) {
+      this.shown.positions.set(poses.positions);
+      this.shown.orientations.set(poses.orientations);
+    }
+    this.from.positions.set(this.shown.positions);
+    this.from.orientations.set(this.shown.orientations);
     this.to = poses;
   }
 
@@ -100,12 +103,14 @@ class PeerBodies {
   colour(influence, own) {
     if (!influence && !this.tinted) return;
     this.tinted = Boolean(influence);
-    const grey = new THREE.Color('#9aa3ad');
+    const grey = new THREE.Color('#b4bcc5');
     const mixed = new THREE.Color();
     for (const mesh of this.meshes) {
       mesh.userData.entries.forEach(({body}, i) => {
-        mesh.setColorAt(i, influence ? mixed.lerpColors(grey, own, influence[body] / 255)
-                                     : this.colours[body]);
+        mixed.copy(this.colours[body]);
+        // Pale where it follows the others, the peer's own where it leads.
+        if (influence) mixed.lerp(grey, 0.6).lerp(own, influence[body] / 255);
+        mesh.setColorAt(i, mixed);
       });
       mesh.instanceColor.needsUpdate = true;
     }

@@ -4,27 +4,15 @@
 // The server of docs/view.md in Node, for work on the page and its tests without the programs:
 //   node tests/view/mock/server.mjs [PORT] [balls=1000]
 import {randomBytes} from 'node:crypto';
-import {readFile} from 'node:fs/promises';
 import {createServer} from 'node:http';
-import {extname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {WebSocketServer} from 'ws';
 import {encodeFrame} from './encoder.mjs';
+import {answer} from './files.mjs';
 import {MockWorld} from './world.mjs';
 
-const PAGE = fileURLToPath(new URL('../../../demos/view/page/', import.meta.url));
-const TYPES = {'.html': 'text/html; charset=utf-8', '.js': 'text/javascript; charset=utf-8',
-               '.css': 'text/css; charset=utf-8', '.svg': 'image/svg+xml'};
-const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; " +
-               "connect-src 'self'; base-uri 'none'; form-action 'none'";
 const FLOOD = 240;         // messages of a second
 const LONGEST = 1024;      // bytes of a message
-
-/** Reads the page's files; three.js as npm has it. */
-async function asset(name) {
-  const folder = /^three\..*\.js$/.test(name) ? join(PAGE, 'node_modules/three/build') : PAGE;
-  return readFile(join(folder, name));
-}
 
 const isPoint = (p) => Array.isArray(p) && p.length === 3 &&
   p.every((v) => Number.isFinite(v) && Math.abs(v) <= 100);
@@ -93,19 +81,7 @@ class Client {
 export async function startMock({port = 0, token = randomBytes(16).toString('hex'), ...rest} = {}) {
   const world = new MockWorld(rest);
   const clients = new Set();
-  const http = createServer(async (request, response) => {
-    const path = new URL(request.url, 'http://localhost').pathname;
-    const name = path === `/${token}/` ? 'index.html' : path.slice(token.length + 2);
-    try {
-      if (!path.startsWith(`/${token}/`) || !/^[\w.]+$/.test(name)) throw new Error('no such file');
-      const body = await asset(name);
-      response.writeHead(200, {'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream',
-                               'Content-Security-Policy': POLICY});
-      response.end(body);
-    } catch {
-      response.writeHead(404).end();
-    }
-  });
+  const http = createServer((request, response) => answer(token, request, response));
   const sockets = new WebSocketServer({server: http, path: `/${token}/socket`});
   const server = {
     world, clients, received: [],
