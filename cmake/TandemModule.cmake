@@ -10,6 +10,15 @@ function(_tandem_common target)
     RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
 endfunction()
 
+# Of shared libraries: the part of the version that binary compatibility goes by. Before 1.0 each
+# minor version may break it, from then on each major one.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(tandem_abi "0.${PROJECT_VERSION_MINOR}")
+else()
+  set(tandem_abi "${PROJECT_VERSION_MAJOR}")
+endif()
+configure_file("${CMAKE_CURRENT_LIST_DIR}/exports.map.in" "${PROJECT_BINARY_DIR}/exports.map" @ONLY)
+
 # tandem_module(<name> SOURCES ... [PUBLIC_LINK ...] [PRIVATE_LINK ...] [ABSENT_HEADERS ...])
 #
 # A library of the product: target tandem_<name>, alias tandem::<name>, public headers in
@@ -29,7 +38,10 @@ function(tandem_module name)
     EXPORT_NAME ${name}
     POSITION_INDEPENDENT_CODE ON
     VERSION ${PROJECT_VERSION}
-    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+    SOVERSION ${tandem_abi})
+  if(BUILD_SHARED_LIBS)
+    _tandem_shared(${target})
+  endif()
   target_include_directories(${target}
     PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>"
            "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
@@ -47,18 +59,34 @@ function(tandem_module name)
     endif()
   endforeach()
 
-  install(TARGETS ${target} EXPORT tandem-${name}-targets)
+  install(TARGETS ${target} EXPORT tandem-${name}-targets
+    LIBRARY COMPONENT runtime NAMELINK_COMPONENT dev
+    ARCHIVE COMPONENT dev)
   set(absent)
   foreach(header IN LISTS arg_ABSENT_HEADERS)
     list(APPEND absent PATTERN "${header}" EXCLUDE)
   endforeach()
-  install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING
+  install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev FILES_MATCHING
           PATTERN "*.h" ${absent})
   install(EXPORT tandem-${name}-targets NAMESPACE tandem::
-          DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tandem")
+          DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tandem" COMPONENT dev)
 
   if(TANDEM_BUILD_TESTS AND TANDEM_CHECK_HEADERS)
     _tandem_header_check(${name})
+  endif()
+endfunction()
+
+# A shared library shows what is marked TANDEM_API and nothing else, wants nothing that it does not
+# name, and finds its kin beside it.
+function(_tandem_shared target)
+  set_target_properties(${target} PROPERTIES
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON
+    INSTALL_RPATH "$ORIGIN"
+    LINK_DEPENDS "${PROJECT_BINARY_DIR}/exports.map")
+  target_link_options(${target} PRIVATE "LINKER:--version-script=${PROJECT_BINARY_DIR}/exports.map")
+  if(NOT TANDEM_SANITIZE)
+    target_link_options(${target} PRIVATE "LINKER:--no-undefined")
   endif()
 endfunction()
 
@@ -93,6 +121,9 @@ function(tandem_library name)
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
   _tandem_common(${name})
+  # Their files have constants of their own, often by the same names; and the objects are then those
+  # of other builds.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   target_link_libraries(${name} PUBLIC ${arg_LINK})
   target_include_directories(${name} PUBLIC ${arg_INCLUDE})
 endfunction()

@@ -40,5 +40,5 @@ Libs: ${libs}
 Libs.private: ${libs_private}
 Cflags: -I\${includedir}
 ")
-  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/tandem-${name}.pc" DESTINATION "${folder}")
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/tandem-${name}.pc" DESTINATION "${folder}" COMPONENT dev)
 endfunction()

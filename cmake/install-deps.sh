@@ -28,8 +28,9 @@ for argument in "$@"; do
   case "$argument" in
     --with-view) with_view ;;
     --with-checks)
-      packages+=(clang clang-format clang-tidy libclang-rt-14-dev python3 git)
+      packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git)
       with_view
+      command -v chromium >/dev/null || packages+=(chromium)
       ;;
     --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib) ;;
     *)

@@ -88,7 +88,7 @@ bool ContactEventOptions::validate(std::string* error) const {
   return true;
 }
 
-class ContactEvents::Impl {
+class __attribute__((visibility("hidden"))) ContactEvents::Impl {
  public:
   explicit Impl(const ContactEventOptions& options) : options_(options) {}
 

@@ -27,7 +27,7 @@ void check_def(const pbd::World& world, const ColliderDef& def);
 
 /// In contact_source.cpp what makes contacts, in motion_limit.cpp what stops bodies on their way,
 /// in cache_io.cpp snapshots.
-class CollisionScene::Impl {
+class __attribute__((visibility("hidden"))) CollisionScene::Impl {
  public:
   explicit Impl(const CollisionOptions& options) : options_(options), broad_(options.aabb_margin) {}
 

@@ -36,7 +36,7 @@ bool by_collider(const Hit& l, const Hit& r) {
 
 }  // namespace
 
-class SceneQuery::Impl {
+class __attribute__((visibility("hidden"))) SceneQuery::Impl {
  public:
   QueryColliders colliders;
 

@@ -6,6 +6,7 @@
 
 #include "cpu_clock.h"
 #include "peer_impl.h"
+#include "predictors.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -48,7 +49,9 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       inbox_({.max_age = options.influence.max_age,
               .max_future = options.max_future,
               .plausibility = options.plausibility}),
-      predictor_(make_predictor(options.predictor, options.prediction)),
+      predictor_(options.own_predictor != nullptr
+                     ? detail::make_guarded(options.own_predictor)
+                     : make_predictor(options.predictor, options.prediction)),
       keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
   if (options.sending.selects() || options.sending.format != StateFormat::Full) {
     SendOptions sending = options.sending;

@@ -40,6 +40,7 @@ void VirtualCouplingOptions::validate() const {
 
 PeerOptions with_published_rules(PeerOptions options) {
   options.predictor = PredictorKind::Euler;
+  options.own_predictor = nullptr;
   options.prediction.extrapolates_orientation = false;
   options.announcement = {};
   options.announcement.then(baseline(options.influence.baseline))

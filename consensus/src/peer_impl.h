@@ -33,7 +33,7 @@ namespace tandem::consensus {
 /// who acts on what and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp,
 /// how far others are believed in peer_robust.cpp, couplings other than the pass in
 /// peer_coupling.cpp.
-class Peer::Impl {
+class __attribute__((visibility("hidden"))) Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
 

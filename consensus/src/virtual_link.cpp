@@ -16,7 +16,7 @@
 
 namespace tandem::consensus {
 
-struct VirtualNetwork::State {
+struct __attribute__((visibility("hidden"))) VirtualNetwork::State {
   LinkOptions defaults;
   std::uint64_t seed = 0;
   SessionTime now = 0;
@@ -40,7 +40,7 @@ struct VirtualNetwork::State {
   }
 };
 
-class VirtualNetwork::Endpoint : public Transport {
+class __attribute__((visibility("hidden"))) VirtualNetwork::Endpoint : public Transport {
  public:
   Endpoint(State& network, PeerId self) : network_(network), self_(self) {}
 

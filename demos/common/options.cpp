@@ -248,6 +248,7 @@ constexpr Option kOptions[] = {
        const std::string_view file = in.value(name);
        (file.ends_with(".glb") ? o.glb : o.record) = file;
      }},
+    {"--trace", Where::Everywhere, read_text<&DemoOptions::trace>},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
     {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},

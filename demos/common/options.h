@@ -95,6 +95,7 @@ struct DemoOptions {
   std::string record;      ///< file for what the users did, "" = none
   std::string glb;         ///< file for the run as glTF, "" = none
   std::string replay;      ///< file with what the users do, "" = they follow their script
+  std::string trace;       ///< file for what enters a peer, see docs/trace.md, "" = none
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;
   bool help = false;

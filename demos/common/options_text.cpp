@@ -70,6 +70,8 @@ Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies
   --record FILE      write what the users did in each step; FILE.glb: all motion, as glTF 2.0
+  --trace FILE       write all that enters a peer, for tandem-replay; FILE.1, FILE.2, .. where all
+                     peers are in one process
   --reference        run what the users did at one peer as well, and compare
   --quiet            no table and no progress bar
   --help             this text

@@ -119,7 +119,9 @@ void Participant::make_peer(const DemoOptions& options) {
 void Participant::change_rules(const DemoOptions& options) {
   // Targets that are asked for in its place end with it.
   targets_.reset();
+  if (watch_ != nullptr) watch_->rules(options);
   make_peer(options);
+  if (watch_ != nullptr) watch_->attach(scene_, *peer_);
   for (Seat& seat : seats_) seat.controls->hold_again();
 }
 
@@ -140,8 +142,7 @@ void Participant::add_user(std::size_t user, const UserOptions& options,
   } else {
     seat.user = scenario_.make_user(user, *seat.controls, options);
   }
-  if (!recording_) seat.controls->keep_no_log();
-  seats_.push_back(std::move(seat));
+  sit_down(std::move(seat), user, options.epoch);
 }
 
 void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
@@ -151,8 +152,18 @@ void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
   seat.controls = std::make_unique<Controls>(user, scene_, *peer_, epoch, &signals_);
   seat.controls->set_clock(clock_ahead_);
   seat.user = make(*seat.controls);
+  sit_down(std::move(seat), user, epoch);
+}
+
+void Participant::sit_down(Seat seat, std::size_t user, consensus::SessionTime epoch) {
   if (!recording_) seat.controls->keep_no_log();
   seats_.push_back(std::move(seat));
+  if (watch_ != nullptr) watch_->user(user, epoch);
+}
+
+void Participant::watch_steps_with(StepWatch* watch) {
+  watch_ = watch;
+  if (watch != nullptr) watch->attach(scene_, *peer_);
 }
 
 void Participant::begin(consensus::SessionTime now) {
@@ -161,10 +172,14 @@ void Participant::begin(consensus::SessionTime now) {
     epoch_ = now;
     record_bodies(now);
   }
+  if (watch_ != nullptr) watch_->begin(now);
   signals_.update(now);
   for (Seat& seat : seats_) {
     seat.controls->begin(now, 1.0 / record_.step_hz);
+    const std::vector<Input>& log = seat.controls->log();
+    const std::size_t before = log.size();
     seat.user->update(now);
+    if (watch_ != nullptr) watch_->inputs(std::span(log).subspan(before));
   }
   for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
   // Two-step coupling moves bodies before the step.
@@ -172,6 +187,7 @@ void Participant::begin(consensus::SessionTime now) {
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
   peer_->before_step(now + clock_ahead_);
+  if (watch_ != nullptr) watch_->told();
   record_.cpu_s += thread_cpu_s() - cpu_before;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_->stats().updates_received > 0) record_.first_exchange = now;
@@ -179,11 +195,13 @@ void Participant::begin(consensus::SessionTime now) {
 
 void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   using Clock = std::chrono::steady_clock;
+  if (watch_ != nullptr) watch_->step(end);
   const Clock::time_point before = Clock::now();
   const double cpu_before = thread_cpu_s();
   const pbd::StepReport& report = physics_->step(scene_, *peer_, seconds_of(end - now));
   record_.cpu_s += thread_cpu_s() - cpu_before;
   const std::chrono::duration<double> elapsed = Clock::now() - before;
+  if (watch_ != nullptr) watch_->solved();
   last_step_s_ = elapsed.count();
   if (recording_) record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
@@ -197,9 +215,17 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 }
 
 void Participant::finish(consensus::SessionTime now) {
+  if (watch_ != nullptr) watch_->finish(now);
   const double cpu_before = thread_cpu_s();
   peer_->after_step(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
+  if (watch_ != nullptr) watch_->sent();
+}
+
+void Participant::leave(consensus::SessionTime now) {
+  if (watch_ != nullptr) watch_->leave(now);
+  peer_->leave(now + clock_ahead_);
+  if (watch_ != nullptr) watch_->sent();
 }
 
 const PeerRecord& Participant::record() {

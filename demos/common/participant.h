@@ -12,6 +12,7 @@
 #include "common/options.h"
 #include "common/physics.h"
 #include "common/signals.h"
+#include "common/step_watch.h"
 #include "common/track.h"
 #include "scenes/scenario.h"
 #include "tandem/collision/contact_events.h"
@@ -44,7 +45,10 @@ class Participant final : private consensus::PeerObserver {
   void begin(consensus::SessionTime now);
   void step(consensus::SessionTime now, consensus::SessionTime end);
   void finish(consensus::SessionTime now);
-  void leave(consensus::SessionTime now) { peer_->leave(now + clock_ahead_); }
+  void leave(consensus::SessionTime now);
+
+  /// Tell of all that happens from now on; null = nobody. Must outlive it, or be set to null.
+  void watch_steps_with(StepWatch* watch);
 
   /// Another observer of what the peer does with remote states; null = none.
   void watch_with(consensus::PeerObserver* observer) { observer_ = observer; }
@@ -93,6 +97,7 @@ class Participant final : private consensus::PeerObserver {
     std::unique_ptr<Controls> controls;
     std::unique_ptr<User> user;
   };
+  void sit_down(Seat seat, std::size_t user, consensus::SessionTime epoch);
 
   const Scenario& scenario_;
   std::size_t number_;
@@ -117,6 +122,7 @@ class Participant final : private consensus::PeerObserver {
   bool recording_ = true;
   bool started_ = false;
   bool wait_for_exchange_ = false;
+  StepWatch* watch_ = nullptr;
 };
 
 /// ns, by how much the clock of the peer of that number is ahead in virtual time.

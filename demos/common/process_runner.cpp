@@ -19,6 +19,7 @@
 #include "common/rendezvous.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
+#include "trace/peer_trace.h"
 #include "view/world_view.h"
 
 namespace tandem::demos {
@@ -42,11 +43,14 @@ class Session {
         network_(make_network(options, scene_hash(scenario.build({})))),
         view_(scenario.build({})),
         rendezvous_(network_->transport(), view_, options.peer_options().dating),
-        participant_(scenario, options, options.peer_id, number_of(options), rendezvous_),
+        trace_(open_trace(scenario, options, options.peer_id, number_of(options), rendezvous_)),
+        participant_(scenario, options, options.peer_id, number_of(options),
+                     trace_ ? trace_->transport() : rendezvous_),
         start_(network_->now()),
         physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),
         progress_(options.quiet) {
     participant_.record_from_exchange();
+    participant_.watch_steps_with(trace_.get());
     if (options.endless) {
       participant_.record_nothing();
       view_.record_nothing();
@@ -68,6 +72,7 @@ class Session {
     clock_error_ = network_->clock_error();
     // One state more from where we stand would be heard after the farewell.
     participant_.leave(physics_.physics_time());
+    close_trace(trace_.get());
     return result();
   }
 
@@ -174,6 +179,7 @@ class Session {
   std::unique_ptr<Network> network_;
   RemoteView view_;
   Rendezvous rendezvous_;
+  std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
   Participant participant_;
   SessionTime start_;
   net::PhysicsClock physics_;

@@ -13,6 +13,7 @@
 #include "common/progress.h"
 #include "scenes/random.h"
 #include "tandem/consensus/virtual_link.h"
+#include "trace/peer_trace.h"
 
 namespace tandem::demos {
 
@@ -41,10 +42,15 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
     network.transport(i + 1);
     network.set_clock(i + 1, clock_ahead(options, i));
   }
+  // They outlive the actors, who use them.
+  std::vector<std::unique_ptr<PeerTrace>> traces(count);
   std::vector<Actor> actors;
   actors.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    actors.emplace_back(scenario, options, i, network.transport(i + 1));
+    consensus::Transport& transport = network.transport(i + 1);
+    traces[i] = open_trace(scenario, options, i + 1, i, transport, true);
+    actors.emplace_back(scenario, options, i, traces[i] ? traces[i]->transport() : transport);
+    if (traces[i]) actors.back().participant().watch_steps_with(traces[i].get());
     if (i < observers.size()) actors.back().participant().watch_with(observers[i]);
   }
   std::optional<std::vector<Input>> from_file;
@@ -67,6 +73,7 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
     progress.show(passed / options.seconds, session_note(passed));
   }
 
+  for (const auto& trace : traces) close_trace(trace.get());
   RunResult result;
   for (Actor& actor : actors) result.peers.push_back(actor.participant().record());
   result.seconds = options.seconds;
@@ -80,6 +87,7 @@ RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
                         const RunResult& original) {
   DemoOptions alone = options;
   alone.peers = 1;
+  alone.trace.clear();
   std::vector<Input> inputs;
   for (const PeerRecord& peer : original.peers) {
     inputs.insert(inputs.end(), peer.inputs.begin(), peer.inputs.end());

@@ -3,6 +3,7 @@
 #include "peer/fidget.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "scenes/user.h"
 
@@ -25,6 +26,7 @@ Fidget::Fidget(const Scene& scene, consensus::Peer& peer, std::uint64_t seed)
 }
 
 void Fidget::update(consensus::SessionTime now) {
+  inputs_.clear();
   if (!start_) start_ = now;
   const double time = 1e-9 * static_cast<double>(now - *start_);
   if (!body_) {
@@ -37,6 +39,7 @@ void Fidget::update(consensus::SessionTime now) {
     return;
   }
   peer_.move(spring_, hand, now);
+  note(Input::Kind::Move, {hand.x(), hand.y(), hand.z()});
 }
 
 void Fidget::grab(double time) {
@@ -66,19 +69,33 @@ void Fidget::grab(double time) {
   def.max_force = 3.0 * grip.max_force;
   spring_ = peer_.grab(def);
   if (spring_ == consensus::GrabId{}) return;
+  body_ = body;
+  ++grabs_;
+  note(Input::Kind::Grab,
+       {0.0, 0.0, 0.0, from.x(), from.y(), from.z(), def.stiffness, def.damping, def.max_force});
   path_.emplace(time, from);
   path_->move_by(above, 0.6)
       .move_to(to + above, travel)
       .wait(random_.uniform(0.0, 1.0))
       .move_by(-0.8 * above, 0.6);
-  body_ = body;
 }
 
 void Fidget::let_go(double time) {
   peer_.release(spring_);
+  note(Input::Kind::Release, {});
   body_.reset();
   ++done_;
   next_ = time + random_.uniform(0.3, 2.0);
+}
+
+void Fidget::note(Input::Kind kind, std::vector<double> values) {
+  Input input;
+  input.user = kUser;
+  input.kind = kind;
+  input.object = grabs_;
+  input.body = static_cast<std::uint32_t>(*body_);
+  input.values = std::move(values);
+  inputs_.push_back(std::move(input));
 }
 
 }  // namespace tandem::demos

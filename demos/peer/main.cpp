@@ -5,6 +5,7 @@
 //
 //   tandem-peer SCENE --config peers.toml
 //   tandem-peer SCENE --config peers.toml --check    only say whether the file is good
+//   tandem-peer SCENE --config peers.toml --trace FILE   and write all that enters it
 //
 // docs/tandem-peer.md has the keys of the file and what is told.
 #include <charconv>
@@ -25,15 +26,17 @@ namespace {
 using namespace tandem::demos;
 
 constexpr const char* kUsage =
-    "tandem-peer SCENE --config FILE [--check] [--view [PORT]]\n"
+    "tandem-peer SCENE --config FILE [--check] [--trace FILE] [--view [PORT]]\n"
     "  SCENE     cliff, cubes, piano, room or tennis, the same for all peers\n"
     "  --config  TOML, see docs/tandem-peer.md\n"
     "  --check   read the file, say what is wrong with it, do nothing else\n"
+    "  --trace   write all that enters this peer, for tandem-replay, see docs/trace.md\n"
     "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or PORT\n";
 
 struct Arguments {
   std::string scene;
   std::string config;
+  std::string trace;
   bool check = false;
   std::optional<std::uint16_t> view;
 };
@@ -58,6 +61,11 @@ std::string read(const std::vector<std::string_view>& words, Arguments& result) 
       result.config = words[++i];
     } else if (word.starts_with("--config=")) {
       result.config = word.substr(9);
+    } else if (word == "--trace") {
+      if (i + 1 == words.size()) return "--trace = breaks: needs a file";
+      result.trace = words[++i];
+    } else if (word.starts_with("--trace=")) {
+      result.trace = word.substr(8);
     } else if (word == "--view") {
       result.view = result.view.value_or(0);
       const bool follows = i + 1 < words.size() && read_port(words[i + 1], result.view);
@@ -102,6 +110,7 @@ int run(const std::vector<std::string_view>& words) {
     return 2;
   }
   if (arguments.check) return 0;
+  config.session.trace = arguments.trace;
   Log log(config.log_file, config.log_level, config.status_line);
   try {
     run_node(*scenario, config, log);

@@ -32,6 +32,7 @@
 #include "scenes/tennis.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/session.h"
+#include "trace/peer_trace.h"
 #include "view/world_view.h"
 
 namespace tandem::demos {
@@ -88,7 +89,8 @@ class Node {
         network_(make_network(config.session,
                               scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
         words_(network_->transport()),
-        signals_(words_, config.session.peer_options().dating),
+        trace_(open_trace(scenario, config.session, config.session.peer_id, number(), words_)),
+        signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().dating),
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
     peer_.set_observer(&divergence_);
@@ -105,6 +107,7 @@ class Node {
                                      : derived_seed(config.session.seed, 6000 + number());
       fidget_.emplace(scene_, peer_, seed);
     }
+    if (trace_) trace_->attach(scene_, peer_);
     if (config.session.view) serve();
     if (config.metrics_port) {
       metrics_ = std::make_unique<MetricsServer>(config.metrics_address, *config.metrics_port);
@@ -132,7 +135,7 @@ class Node {
       }
     }
     // One state more from where we stand would be heard after the farewell.
-    peer_.leave(clock_.physics_time());
+    leave(clock_.physics_time());
     log_.line(Level::Info, "stopped",
               {{"uptime_s", uptime(SteadyClock::now())},
                {"steps", steps_.count()},
@@ -151,15 +154,28 @@ class Node {
   void begin(SessionTime now) {
     const SteadyClock::time_point before = SteadyClock::now();
     words_.update(steady_now());
+    if (trace_) trace_begin(now);
     signals_.update(now);
     if (fidget_) fidget_->update(now);
+    if (trace_ && fidget_) trace_->inputs(fidget_->inputs());
     if (hands_ != nullptr) {
       controls_->begin(now, 1.0 / config_.session.step_hz(0));
       hands_->update(now);
+      if (trace_) trace_->inputs(controls_->log());
     }
     for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
     peer_.before_step(now);
+    if (trace_) trace_->told();
     begin_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
+  }
+
+  void trace_begin(SessionTime now) {
+    if (!seated_) {
+      if (fidget_) trace_->user(Fidget::kUser, now);
+      if (hands_ != nullptr) trace_->user(number(), began_);
+    }
+    seated_ = true;
+    trace_->begin(now);
   }
 
   /// The page on which this peer's world is seen and touched.
@@ -193,13 +209,34 @@ class Node {
       if (!begun) begin(time);
       begun = false;
       const SteadyClock::time_point before = SteadyClock::now();
+      if (trace_) trace_->step(time + step);
       const pbd::StepReport& report = physics_->step(scene_, peer_, net::seconds(step));
+      if (trace_) trace_->solved();
       last_step_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
       time += step;
-      peer_.after_step(time);
+      finish(time);
       steps_.add(begin_s_ + std::chrono::duration<double>(SteadyClock::now() - before).count());
       look(report);
     }
+  }
+
+  void finish(SessionTime now) {
+    if (trace_) trace_->finish(now);
+    peer_.after_step(now);
+    if (!trace_) return;
+    trace_->sent();
+    // The first thing that goes wrong with the file is said, and no more.
+    if (trace_->trouble().empty() || trace_failed_) return;
+    trace_failed_ = true;
+    log_.line(Level::Error, "trace", {{"what", trace_->trouble()}});
+  }
+
+  void leave(SessionTime now) {
+    if (trace_) trace_->leave(now);
+    peer_.leave(now);
+    if (!trace_) return;
+    trace_->sent();
+    trace_->close();
   }
 
   void look(const pbd::StepReport& report) {
@@ -305,6 +342,7 @@ class Node {
   std::unique_ptr<Physics> physics_;
   std::unique_ptr<Network> network_;
   LinkWords words_;
+  std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
   Signals signals_;
   DivergenceGauge divergence_;
   Both estimates_;
@@ -318,6 +356,8 @@ class Node {
   std::unique_ptr<User> hands_;
   double last_step_s_ = 0.0;
   RecentQuantiles steps_;
+  bool seated_ = false;  ///< the trace knows who is here
+  bool trace_failed_ = false;
   double begin_s_ = 0.0;
   double skipped_ = 0.0;
   std::uint64_t faults_ = 0;

@@ -30,6 +30,7 @@ Controls::Controls(std::size_t user, Scene& scene, consensus::Peer& peer,
 void Controls::begin(consensus::SessionTime now, double dt) {
   now_ = now;
   dt_ = dt;
+  if (!keeps_log_) log_.clear();
 }
 
 Input& Controls::note(Input::Kind kind, std::uint32_t object, std::size_t body) {
@@ -39,7 +40,6 @@ Input& Controls::note(Input::Kind kind, std::uint32_t object, std::size_t body) 
   input.kind = kind;
   input.object = object;
   input.body = static_cast<std::uint32_t>(body);
-  if (!keeps_log_) log_.clear();
   log_.push_back(std::move(input));
   return log_.back();
 }

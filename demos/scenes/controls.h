@@ -72,7 +72,7 @@ class Controls {
   }
   /// Newest last.
   const std::vector<Input>& log() const { return log_; }
-  /// Forget what was done and what will be: for sessions without an end.
+  /// Forget what was done, and what will be at each begin(): for sessions without an end.
   void keep_no_log() {
     log_.clear();
     keeps_log_ = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 
@@ -23,6 +24,8 @@ constexpr KindName kKinds[] = {
     {Input::Kind::Drive, "drive", 7},   {Input::Kind::Jump, "jump", 7},
     {Input::Kind::Signal, "signal", 1},
 };
+
+constexpr double kLongest = 86400.0;  // s, to a signal's time
 
 template <class Number>
 void write(std::string& out, Number value) {
@@ -77,18 +80,33 @@ Input read_line(Words& in) {
     input.kind = kind.kind;
     input.object = in.number<std::uint32_t>();
     input.body = in.number<std::uint32_t>();
-    for (std::size_t i = 0; i < kind.values; ++i) {
-      input.values.push_back(in.number<double>());
-      if (!std::isfinite(input.values.back())) in.refuse("numbers must be finite");
-    }
-    const bool turns = input.kind == Input::Kind::Drive || input.kind == Input::Kind::Jump;
-    if (turns && !is_unit(&input.values[3])) in.refuse("orientations must be unit quaternions");
+    for (std::size_t i = 0; i < kind.values; ++i) input.values.push_back(in.number<double>());
+    const std::string_view rule = broken_rule(input);
+    if (!rule.empty()) in.refuse(std::string(rule));
     return input;
   }
   in.refuse("must name a kind of input");
 }
 
 }  // namespace
+
+std::size_t value_count(Input::Kind kind) {
+  return std::find_if(std::begin(kKinds), std::end(kKinds),
+                      [kind](const KindName& each) { return each.kind == kind; })
+      ->values;
+}
+
+std::string_view broken_rule(const Input& input) {
+  if (input.values.size() != value_count(input.kind)) return "as many values as the kind has";
+  for (const double value : input.values) {
+    if (!std::isfinite(value)) return "numbers must be finite";
+  }
+  const bool turns = input.kind == Input::Kind::Drive || input.kind == Input::Kind::Jump;
+  if (turns && !is_unit(&input.values[3])) return "orientations must be unit quaternions";
+  const bool late = input.kind == Input::Kind::Signal && std::abs(input.values[0]) > kLongest;
+  if (late) return "signals must be within a day";
+  return {};
+}
 
 std::string inputs_to_text(std::span<const Input> inputs) {
   std::string out;

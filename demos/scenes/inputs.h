@@ -2,9 +2,11 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tandem/consensus/transport.h"
@@ -29,6 +31,11 @@ struct Input {
   std::uint32_t body = 0;      ///< index into Scene::bodies
   std::vector<double> values;  ///< as the kind says, m, N/m, N s/m, N
 };
+
+/// How many values an input of this kind has.
+std::size_t value_count(Input::Kind kind);
+/// The rule that the values break; empty where they keep all.
+std::string_view broken_rule(const Input& input);
 
 /// One line for each input, numbers with every bit.
 std::string inputs_to_text(std::span<const Input> inputs);

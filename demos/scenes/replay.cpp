@@ -24,7 +24,7 @@ pbd::Pose pose(const std::vector<double>& v) {
 }  // namespace
 
 ReplayUser::ReplayUser(std::size_t user, std::span<const Input> inputs, Controls& controls)
-    : controls_(controls) {
+    : controls_(controls), hands_(controls) {
   for (const Input& input : inputs) {
     if (input.user != user) continue;
     const bool of_body = input.kind != Input::Kind::Signal;
@@ -38,10 +38,10 @@ ReplayUser::ReplayUser(std::size_t user, std::span<const Input> inputs, Controls
 
 void ReplayUser::update(consensus::SessionTime /*now*/) {
   const auto due = static_cast<consensus::SessionTime>(std::llround(controls_.time() * 1e9));
-  while (next_ < inputs_.size() && inputs_[next_].time <= due) apply(inputs_[next_++]);
+  while (next_ < inputs_.size() && inputs_[next_].time <= due) hands_.play(inputs_[next_++]);
 }
 
-void ReplayUser::apply(const Input& input) {
+void InputPlayer::play(const Input& input) {
   const std::vector<double>& v = input.values;
   switch (input.kind) {
     case Input::Kind::Grab:

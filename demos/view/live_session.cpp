@@ -42,10 +42,19 @@ LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
                         true);
 }
 
+LiveSession::~LiveSession() { close_traces(); }
+
+void LiveSession::close_traces() {
+  for (const auto& trace : traces_) close_trace(trace.get());
+}
+
 void LiveSession::start() {
   now_ = kVirtualStart;
   panes_.clear();
   actors_.clear();
+  // What begins again begins its traces again.
+  close_traces();
+  traces_.clear();
   network_ = std::make_unique<consensus::VirtualNetwork>(
       options_.link_options(), derived_seed(options_.seed, 5000), kVirtualStart);
   const auto count = static_cast<std::size_t>(options_.peers);
@@ -56,7 +65,11 @@ void LiveSession::start() {
   }
   actors_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    actors_.emplace_back(scenario_, options_, i, network_->transport(i + 1));
+    consensus::Transport& transport = network_->transport(i + 1);
+    const auto& trace =
+        traces_.emplace_back(open_trace(scenario_, options_, i + 1, i, transport, true));
+    actors_.emplace_back(scenario_, options_, i, trace ? trace->transport() : transport);
+    actors_.back().participant().watch_steps_with(trace.get());
   }
   for (std::size_t user = 0; user < scenario_.user_count() && !options_.no_script; ++user) {
     actors_[seat_of(options_, user)].participant().add_user(

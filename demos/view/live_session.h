@@ -11,6 +11,7 @@
 #include "common/actor.h"
 #include "common/virtual_runner.h"
 #include "tandem/consensus/virtual_link.h"
+#include "trace/peer_trace.h"
 #include "view/mouse.h"
 #include "view/pane_watch.h"
 #include "view/protocol.h"
@@ -25,6 +26,9 @@ class LiveSession {
   /// The scenario must outlive it. Where the options have no end, nothing is recorded.
   /// @throws as run_virtual
   LiveSession(const Scenario& scenario, const DemoOptions& options);
+  ~LiveSession();
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
 
   /// s, since the start.
   double time() const;
@@ -58,6 +62,7 @@ class LiveSession {
     Mouse* mouse = nullptr;  ///< the participant's
   };
   void start();
+  void close_traces();
   void set_profile(int profile);
   /// Agree by other rules from now on. @throws std::invalid_argument where they are not valid
   void change_rules(const DemoOptions& options);
@@ -71,6 +76,7 @@ class LiveSession {
   Layout layout_;
   std::optional<std::vector<Input>> replay_;
   std::unique_ptr<consensus::VirtualNetwork> network_;
+  std::vector<std::unique_ptr<PeerTrace>> traces_;  ///< null where nobody asks for them
   std::vector<Actor> actors_;
   std::vector<Pane> panes_;
   consensus::SessionTime now_ = kVirtualStart;

@@ -42,7 +42,7 @@ std::string to_string(const HostPort& address) {
   return (v6 ? '[' + address.host + ']' : address.host) + ':' + std::to_string(address.port);
 }
 
-class StopSignal::Impl {
+class __attribute__((visibility("hidden"))) StopSignal::Impl {
  public:
   Impl() : signals_(context_, SIGINT, SIGTERM) {
     signals_.async_wait([this](const std::error_code& error, int) {

@@ -75,7 +75,7 @@ TcpOptions complete(TcpOptions options) {
 
 }  // namespace
 
-class TcpTransport::Impl {
+class __attribute__((visibility("hidden"))) TcpTransport::Impl {
  public:
   explicit Impl(const TcpOptions& given)
       : options(complete(given)), table(options), mesh(options, table, make_tcp_security(given)) {}

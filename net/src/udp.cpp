@@ -88,7 +88,7 @@ void UdpOptions::validate() const {
   require_times(*this, "UdpOptions");
 }
 
-class UdpTransport::Impl {
+class __attribute__((visibility("hidden"))) UdpTransport::Impl {
  public:
   explicit Impl(const UdpOptions& options)
       : self(options.self),

@@ -54,7 +54,7 @@ struct Residuals {
   double total = 0.0;
 };
 
-struct ContactBlock::Impl {
+struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 4;   ///< rows
   static constexpr std::size_t kGrain = 64;  ///< rows given to a worker at a time
 

@@ -44,7 +44,7 @@ bool motor_runs(const JointRecord& record, int c) {
 }
 
 }  // namespace
-class JointBlock::Impl {
+class __attribute__((visibility("hidden"))) JointBlock::Impl {
  public:
   using Channel = JointSystem::Channel;
 

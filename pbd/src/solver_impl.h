@@ -15,7 +15,7 @@
 namespace tandem::pbd {
 
 /// The step: what it does in which order is in solver.cpp, the stages are in solver_stages.cpp.
-class Solver::Impl {
+class __attribute__((visibility("hidden"))) Solver::Impl {
  public:
   explicit Impl(const SolverOptions& options) : options_(options), workers_(options.threads) {}
   const SolverOptions& options() const { return options_; }

@@ -15,7 +15,7 @@ constexpr int kSpins = 4000;
 
 }  // namespace
 
-struct Workers::Team {
+struct __attribute__((visibility("hidden"))) Workers::Team {
   std::atomic<std::uint32_t> round{0};    ///< counts calls of run_all; a change starts the workers
   std::atomic<int> busy{0};               ///< helpers that have not finished this round
   std::atomic<int> arrived{0};            ///< workers at the meeting point

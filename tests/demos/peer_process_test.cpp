@@ -52,13 +52,14 @@ std::string config(int id, const std::string& network, int metrics) {
   return text;
 }
 
-/// Two of them find each other, tell it, and one leaves in order.
+/// Two of them find each other, tell it, and one leaves in order; both are replayed bit for bit.
 void hold_session(const Folder& folder, const std::string& first, const std::string& second) {
   const int port_a = free_port();
   const int port_b = free_port();
-  Process a("tandem-peer", {"cubes", "--config", folder.write("1.toml", config(1, first, port_a))});
-  Process b("tandem-peer",
-            {"cubes", "--config", folder.write("2.toml", config(2, second, port_b))});
+  Process a("tandem-peer", {"cubes", "--trace", folder.file("1.trace"), "--config",
+                            folder.write("1.toml", config(1, first, port_a))});
+  Process b("tandem-peer", {"cubes", "--trace", folder.file("2.trace"), "--config",
+                            folder.write("2.toml", config(2, second, port_b))});
   REQUIRE(eventually([&] {
     return folder.text("1.log").find("event=peer_connected peer=2") != std::string::npos &&
            folder.text("2.log").find("event=peer_connected peer=1") != std::string::npos;
@@ -84,6 +85,11 @@ void hold_session(const Folder& folder, const std::string& first, const std::str
   a.send(SIGINT);
   CHECK(a.wait() == 0);
   CHECK(folder.text("1.log").find("level=error") == std::string::npos);
+  for (const char* trace : {"1.trace", "2.trace"}) {
+    Process replay("tandem-replay", {folder.file(trace)}, folder.file("said"));
+    CHECK(replay.wait() == 0);
+    CHECK(folder.text("said").find(" steps, bit-exact\n") != std::string::npos);
+  }
 }
 
 TEST_CASE("tandem-peer: two of them hold a session over TCP with a key", "[demos][socket]") {

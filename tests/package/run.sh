@@ -93,6 +93,38 @@ with net Asio "$asio"
 consumer c tinyobjloader Asio
 without c Asio "$asio"
 
+# The same without CMake, and from a tree that was moved.
+mv "$prefix" "$scratch/moved"
+for component in pbd collision obj consensus net c; do
+  source=$here/$component.cpp
+  language=(c++ -std=c++20 -Wno-missing-field-initializers)
+  if [[ $component == c ]]; then
+    source=$here/c.c
+    language=(cc -std=c11)
+  fi
+  flags=$(PKG_CONFIG_PATH=$(echo "$scratch"/moved/lib*/pkgconfig) \
+    pkg-config --cflags --libs "tandem-$component") || fail "pkg-config has no tandem-$component"
+  # The flags are words.
+  # shellcheck disable=SC2086
+  "${language[@]}" "$source" -o "$scratch/plain" $flags -lm ||
+    fail "$component does not build by pkg-config"
+  "$scratch/plain" >/dev/null || fail "the consumer of $component by pkg-config fails"
+done
+mv "$scratch/moved" "$prefix"
+
+# The ladder of examples, and the tutorial as it stands: each says what it claims, and ends with 0
+# where that holds.
+cmake -S "$root/demos/examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$prefix" \
+  >"$scratch/log" 2>&1 && cmake --build "$scratch/examples" >>"$scratch/log" 2>&1 || {
+  cat "$scratch/log" >&2
+  fail "the examples do not build"
+}
+ctest --test-dir "$scratch/examples" --no-tests=error --output-on-failure ||
+  fail "an example does not hold"
+long=$(wc -l "$root"/demos/examples/*.cpp | awk '$2 != "total" && $1 >= 100')
+[[ -z $long ]] || fail "an example is longer than a hundred lines: $long"
+python3 "$here/tutorial.py" "$root/docs/tutorial.md" "$prefix"
+
 # Asking for what is not there says so, and does not speak of somebody else's package.
 rm "$prefix"/lib*/cmake/tandem/tandem-collision-targets*.cmake
 if cmake -S "$here" -B "$scratch/absent" -DCOMPONENT=collision -DCMAKE_PREFIX_PATH="$prefix" \

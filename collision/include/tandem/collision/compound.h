@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "tandem/collision/contact_source.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::collision {
 
 /// One part of a body made of several shapes.
-struct CompoundPart {
+struct TANDEM_API CompoundPart {
   Shape shape;
   pbd::Pose local;       ///< of the shape in the compound's frame
   double density = 1e3;  ///< kg/m^3, > 0; read by mass_properties() only
@@ -18,14 +19,15 @@ struct CompoundPart {
 
 /// Of all parts together, in the compound's frame; where parts overlap they count twice.
 /// @throws std::invalid_argument  as for a single shape, naming the part; or where there is none
-MassProperties mass_properties(std::span<const CompoundPart> parts);
+TANDEM_API MassProperties mass_properties(std::span<const CompoundPart> parts);
 
 /// Add the parts to a body as colliders that have everything but shape and place in common.
 /// @param def  what they share: body, material, filters; def.local places the compound's frame in
 ///   the body's, def.shape is not read
 /// @return one id for each part, in their order
 /// @throws std::invalid_argument  as CollisionScene::add(); nothing is then added
-std::vector<ColliderId> add_compound(CollisionScene& scene, const pbd::World& world,
-                                     const ColliderDef& def, std::span<const CompoundPart> parts);
+TANDEM_API std::vector<ColliderId> add_compound(CollisionScene& scene, const pbd::World& world,
+                                                const ColliderDef& def,
+                                                std::span<const CompoundPart> parts);
 
 }  // namespace tandem::collision

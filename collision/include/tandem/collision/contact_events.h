@@ -8,12 +8,13 @@
 #include <string>
 
 #include "tandem/collision/contact_source.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::collision {
 
 /// Two colliders that touch, a the lower one. Where one was removed, its id is stale.
-struct ContactPair {
+struct TANDEM_API ContactPair {
   ColliderId a;
   ColliderId b;
   pbd::BodyId body_a;
@@ -23,7 +24,7 @@ struct ContactPair {
 };
 
 /// Two colliders that ran into each other.
-struct ContactHit {
+struct TANDEM_API ContactHit {
   ContactPair pair;
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, world, from a to b
@@ -32,7 +33,7 @@ struct ContactHit {
 };
 
 /// A sensor and what is in it.
-struct SensorPair {
+struct TANDEM_API SensorPair {
   ColliderId sensor;
   ColliderId visitor;
   pbd::BodyId sensor_body;
@@ -41,7 +42,7 @@ struct SensorPair {
   friend auto operator<=>(const SensorPair&, const SensorPair&) = default;
 };
 
-struct ContactEventOptions {
+struct TANDEM_API ContactEventOptions {
   double hit_speed = 1.0;  ///< m/s, > 0: slower approaches are no hits
   /// m, >= 0: a pair that touched goes on touching while it is this near and the detector still
   /// looks at it, so that what rests or rolls does not flicker.
@@ -69,7 +70,7 @@ struct ContactEventOptions {
 /// All arrays are ascending by pair, made without allocation once their size is known, and valid
 /// until the next update(). A scene whose events nobody asks for pays nothing.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class ContactEvents {
+class TANDEM_API ContactEvents {
  public:
   /// @throws std::invalid_argument where the options do not validate
   explicit ContactEvents(const ContactEventOptions& options = {});

@@ -12,12 +12,13 @@
 
 #include "tandem/collision/material.h"
 #include "tandem/collision/shape.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/manifold.h"
 
 namespace tandem::collision {
 
 /// Names one collider of one scene; stale ids are errors.
-struct ColliderId {
+struct TANDEM_API ColliderId {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::uint32_t index = kNone;
   std::uint32_t generation = 0;
@@ -30,7 +31,7 @@ struct ColliderId {
 /// Contacts are taken in the order of bodies (pbd::BodyOrder), then in the order in which a body
 /// got its colliders: where motion must not depend on how a scene was built, give each body its own
 /// ones in a fixed order.
-struct ColliderDef {
+struct TANDEM_API ColliderDef {
   pbd::BodyId body;
   Shape shape;
   pbd::Pose local;  ///< of the shape in the body's frame
@@ -41,7 +42,7 @@ struct ColliderDef {
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
-struct CollisionOptions {
+struct TANDEM_API CollisionOptions {
   /// m: gaps below this (plus what the motion of the step may close) are reported. For small
   /// shapes it is capped at `speculative_size_share` of the smaller one's least extent.
   double speculative_margin = 0.02;
@@ -61,7 +62,7 @@ struct CollisionOptions {
 };
 
 /// What the last collect() did.
-struct CollisionStats {
+struct TANDEM_API CollisionStats {
   std::size_t colliders = 0;
   std::size_t pairs = 0;     ///< whose fat boxes overlap
   std::size_t queries = 0;   ///< asked of the narrow phase (one for each candidate triangle)
@@ -81,7 +82,7 @@ struct CollisionStats {
 /// Limits: 2^26 colliders. Not moved by collect(): nothing here depends on addresses, so equal
 /// scenes give equal bytes.
 /// @par Thread safety  Distinct scenes: safe. One scene: one thread at a time.
-class CollisionScene : public pbd::ContactSource {
+class TANDEM_API CollisionScene : public pbd::ContactSource {
  public:
   /// @throws std::invalid_argument where the options do not validate
   explicit CollisionScene(const CollisionOptions& options = {});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tandem/collision/triangle_mesh.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::collision {
@@ -16,7 +17,7 @@ namespace tandem::collision {
 /// The convex hull of points: flat faces of any number of corners. Immutable once made, and
 /// shared: many colliders may use one hull.
 /// @par Thread safety  Safe, all methods are const.
-class ConvexHull {
+class TANDEM_API ConvexHull {
  public:
   static constexpr std::uint32_t kMaxVertices = 128;
 

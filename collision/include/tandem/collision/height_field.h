@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tandem/collision/triangle_mesh.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::collision {
 
@@ -20,7 +21,7 @@ namespace tandem::collision {
 /// c = (i, j + 1), d = (i + 1, j + 1). Contacts are those of the TriangleMesh of these triangles.
 /// Immutable once made, and shared.
 /// @par Thread safety  Safe, all methods are const.
-class HeightField {
+class TANDEM_API HeightField {
  public:
   using Triangle = TriangleMesh::Triangle;
   static constexpr std::uint32_t kNone = TriangleMesh::kNone;

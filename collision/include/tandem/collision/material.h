@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::collision {
 
 /// How the values of two colliders become that of their contact. Of two rules the later one in
@@ -19,7 +21,7 @@ enum class Combine : std::uint8_t {
 };
 
 /// What a collider's surface is like.
-struct Material {
+struct TANDEM_API Material {
   double friction = 0.5;     ///< Coulomb, >= 0
   double restitution = 0.0;  ///< 0 to 1
   Combine friction_rule = Combine::Default;
@@ -30,12 +32,12 @@ struct Material {
 };
 
 /// Friction of the contact between two materials, >= 0.
-double combined_friction(const Material& a, const Material& b);
+TANDEM_API double combined_friction(const Material& a, const Material& b);
 /// Restitution of the contact between two materials, 0 to 1.
-double combined_restitution(const Material& a, const Material& b);
+TANDEM_API double combined_restitution(const Material& a, const Material& b);
 
 /// Who meets whom. Equal groups other than 0 decide alone, else category and mask do.
-struct Filter {
+struct TANDEM_API Filter {
   std::uint32_t category = 1;  ///< what the collider is, as bits
   std::uint32_t mask = ~0u;    ///< which categories it meets
   std::int32_t group = 0;      ///< equal and > 0: always meet; equal and < 0: never; 0: no group

@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "tandem/collision/contact_source.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::collision {
 
 /// Which colliders a query sees.
-struct QueryFilter {
+struct TANDEM_API QueryFilter {
   /// The query's own; the default meets whatever has any bit in its mask.
   Filter filter{.category = ~0u};
   pbd::BodyId ignore_body;  ///< all its colliders are left out
@@ -24,13 +25,13 @@ struct QueryFilter {
   std::function<bool(ColliderId)> accept;
 };
 
-struct Ray {
+struct TANDEM_API Ray {
   pbd::Vec3 origin = pbd::Vec3::Zero();      ///< m, world
   pbd::Vec3 direction = pbd::Vec3::UnitX();  ///< of any length above 0
   double max_distance = 1000.0;              ///< m, > 0
 };
 
-struct RayHit {
+struct TANDEM_API RayHit {
   ColliderId collider;
   pbd::BodyId body;
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world
@@ -41,7 +42,7 @@ struct RayHit {
   std::uint32_t triangle = TriangleMesh::kNone;
 };
 
-struct CastHit {
+struct TANDEM_API CastHit {
   ColliderId collider;
   pbd::BodyId body;
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world, where they meet
@@ -51,7 +52,7 @@ struct CastHit {
   std::uint32_t triangle = TriangleMesh::kNone;
 };
 
-struct ClosestHit {
+struct TANDEM_API ClosestHit {
   ColliderId collider;
   pbd::BodyId body;
   pbd::Vec3 on_shape = pbd::Vec3::Zero();     ///< m, world
@@ -79,7 +80,7 @@ struct ClosestHit {
 /// Errors: std::invalid_argument naming field, value and rule. Memory: allocates in update() where
 /// the scene has grown, and in the caller's vectors.
 /// @par Thread safety  Const methods are safe against each other; update() is not.
-class SceneQuery {
+class TANDEM_API SceneQuery {
  public:
   SceneQuery();
   SceneQuery(const pbd::World& world, const CollisionScene& scene);

@@ -9,6 +9,7 @@
 #include "tandem/collision/convex_hull.h"
 #include "tandem/collision/height_field.h"
 #include "tandem/collision/triangle_mesh.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::collision {
@@ -16,35 +17,35 @@ namespace tandem::collision {
 // Shapes are plain values in their own frame; a collider places them on a body.
 
 /// Ball about the origin.
-struct Sphere {
+struct TANDEM_API Sphere {
   double radius = 0.5;  ///< m, > 0
 };
 
 /// Box about the origin, edges along the axes.
-struct Box {
+struct TANDEM_API Box {
   pbd::Vec3 half_extents = pbd::Vec3::Constant(0.5);  ///< m, each > 0
 };
 
 /// All points within `radius` of the segment from (0, 0, -half_height) to (0, 0, half_height).
-struct Capsule {
+struct TANDEM_API Capsule {
   double radius = 0.25;      ///< m, > 0
   double half_height = 0.5;  ///< m, > 0; half the length of the segment, caps not included
 };
 
 /// Round about z, from (0, 0, -half_height) to (0, 0, half_height).
-struct Cylinder {
+struct TANDEM_API Cylinder {
   double radius = 0.5;       ///< m, > 0
   double half_height = 0.5;  ///< m, > 0
 };
 
 /// Round about z: base of the given radius at (0, 0, -half_height), apex at (0, 0, half_height).
-struct Cone {
+struct TANDEM_API Cone {
   double radius = 0.5;       ///< m, > 0
   double half_height = 0.5;  ///< m, > 0; the centre of mass lies half of it below the origin
 };
 
 /// Everything behind a plane: a point x is inside where normal . x <= offset.
-struct HalfSpace {
+struct TANDEM_API HalfSpace {
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the solid
   double offset = 0.0;                    ///< m
 };
@@ -57,10 +58,10 @@ using Field = std::shared_ptr<const HeightField>;
 using Shape = std::variant<Sphere, Capsule, Box, HalfSpace, Mesh, Cylinder, Cone, Hull, Field>;
 
 /// Whether the shape is within the rules above; if not, `error` names field, value and rule.
-bool validate(const Shape& shape, std::string* error = nullptr);
+TANDEM_API bool validate(const Shape& shape, std::string* error = nullptr);
 
 /// What a body made of the shape weighs.
-struct MassProperties {
+struct TANDEM_API MassProperties {
   double mass = 0.0;                        ///< kg
   pbd::Vec3 com = pbd::Vec3::Zero();        ///< m, centre of mass in the shape's frame
   pbd::Mat3 inertia_l = pbd::Mat3::Zero();  ///< kg m^2, about `com`, axes of the shape's frame
@@ -70,6 +71,6 @@ struct MassProperties {
 /// @throws std::invalid_argument  where the shape does not validate, the density is not positive,
 ///   or the shape has no finite volume (half-space, height field, mesh with a border or turned
 ///   inside out)
-MassProperties mass_properties(const Shape& shape, double density);
+TANDEM_API MassProperties mass_properties(const Shape& shape, double density);
 
 }  // namespace tandem::collision

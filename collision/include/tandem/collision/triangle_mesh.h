@@ -10,12 +10,13 @@
 #include <span>
 #include <vector>
 
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::collision {
 
 /// Axis-aligned box.
-struct Aabb {
+struct TANDEM_API Aabb {
   pbd::Vec3 min = pbd::Vec3::Zero();  ///< m
   pbd::Vec3 max = pbd::Vec3::Zero();  ///< m
 
@@ -45,7 +46,7 @@ struct Aabb {
 /// equal positions count as one, so that neighbours are known whatever the indexing.
 /// Immutable once made, and shared: many colliders may use one mesh.
 /// @par Thread safety  Safe, all methods are const.
-class TriangleMesh {
+class TANDEM_API TriangleMesh {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
   static constexpr std::uint32_t kNone = 0xffffffffu;

@@ -6,13 +6,14 @@
 #include <span>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::consensus {
 
 /// One peer's state of a body, carried to now by a predictor.
-struct PeerEstimate {
+struct TANDEM_API PeerEstimate {
   PeerId peer = 0;
   pbd::Pose pose;       ///< world
   pbd::Twist twist;     ///< world
@@ -34,7 +35,7 @@ inline constexpr double kPowerSpread = 0.3490658503988659;
 /// Largest angle (rad) between two remote states up to which they are averaged: 60 degrees.
 inline constexpr double kMeanSpread = 1.0471975511965976;
 
-struct FusionInfo {
+struct TANDEM_API FusionInfo {
   int used = 0;         ///< remote states that counted
   double weight = 0.0;  ///< their total weight against the local 1; +infinity for owners
   double spread = 0.0;  ///< rad, largest angle between two of the states, the local included
@@ -62,7 +63,7 @@ struct FusionInfo {
 /// @param[out] target  all fields but `body` and `motion`; unchanged where nothing counts
 /// @return false where there is nothing to agree on: no estimate with a share above 0
 /// Cost O(N^2) dot products for N estimates, no allocation. Errors: none.
-bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target,
-          FusionInfo* info = nullptr);
+TANDEM_API bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates,
+                     pbd::PoseTarget& target, FusionInfo* info = nullptr);
 
 }  // namespace tandem::consensus

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
@@ -28,7 +29,7 @@ inline constexpr double kAnchorQuantum = 1.0 / 65536.0;     ///< m, up to 2^15
 inline constexpr double kAnchorSpeedQuantum = 1.0 / 256.0;  ///< m/s, up to 2^7
 
 /// A state and the index that the sender has given to its body.
-struct IndexedState {
+struct TANDEM_API IndexedState {
   std::uint16_t index = 0;
   StateUpdate update;  ///< the id is not looked at
 };
@@ -39,20 +40,21 @@ struct IndexedState {
 /// without velocities where flags.resting is set.
 /// @param states  by ascending index, no index twice; all of the stamp of the first one
 /// @return how many of `states` are dealt with
-std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
-                           std::size_t max_bytes, std::vector<std::byte>& out);
+TANDEM_API std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
+                                      std::size_t max_bytes, std::vector<std::byte>& out);
 
 /// Append a message with the anchors that the format can hold, up to kMaxRecords. The places of the
 /// others are appended to `others`: they are to be told in full.
 /// @return how many it holds
-std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::vector<std::size_t>& others,
-                           std::vector<std::byte>& out);
+TANDEM_API std::size_t encode_anchors(std::span<const SpringUpdate> springs,
+                                      std::vector<std::size_t>& others,
+                                      std::vector<std::byte>& out);
 
 /// Append a message with the names of consecutive indices. @pre 1 to kMaxRecords ids, none zero;
 /// first + ids.size() <= 65536
-void encode_names(std::uint32_t table, std::uint16_t first, std::span<const SharedId> ids,
-                  std::vector<std::byte>& out);
-void encode(const NamesWanted& wanted, std::vector<std::byte>& out);
-void encode(const Alive& alive, std::vector<std::byte>& out);
+TANDEM_API void encode_names(std::uint32_t table, std::uint16_t first,
+                             std::span<const SharedId> ids, std::vector<std::byte>& out);
+TANDEM_API void encode(const NamesWanted& wanted, std::vector<std::byte>& out);
+TANDEM_API void encode(const Alive& alive, std::vector<std::byte>& out);
 
 }  // namespace tandem::consensus

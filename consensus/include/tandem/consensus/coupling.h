@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "tandem/consensus/policy.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
@@ -24,7 +25,7 @@ enum class Coupling : std::uint8_t {
 };
 
 /// Of Coupling::TwoStep.
-struct TwoStepOptions {
+struct TANDEM_API TwoStepOptions {
   /// Leave positions, orientations and velocities alone, each by itself, that differ by less than
   /// its limit, as in [friston] Sec. 4.6. Without, only bodies that rest are left alone, on the
   /// terms on which one pass lets them sleep: slow and within 1 mm and 1 degree for half a second.
@@ -42,7 +43,7 @@ struct TwoStepOptions {
 /// w with a damping ratio of sqrt(2) z. The defaults damp that critically, so that half of it is
 /// left after 0.38 s, and bear a delay of 150 ms with linear extrapolation, at which 1 Hz swings
 /// up; 2 Hz, which agrees far better on short links, does so from about 80 ms.
-struct VirtualCouplingOptions {
+struct TANDEM_API VirtualCouplingOptions {
   double frequency = 0.5;                     ///< Hz, > 0, at most 100
   double damping_ratio = 0.7071067811865476;  ///< >= 0, at most 100
   double max_acceleration = 100.0;            ///< m/s^2, > 0: the force is cut at mass times this

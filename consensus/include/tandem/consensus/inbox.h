@@ -10,10 +10,11 @@
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
-struct InboxOptions {
+struct TANDEM_API InboxOptions {
   double max_age = 1.0;     ///< s: updates that are older when they arrive are refused
   double max_future = 1.0;  ///< s: updates stamped further ahead of now are refused
   /// Of two states of a peer in a row.
@@ -35,7 +36,7 @@ enum class InboxVerdict : std::uint8_t {
   UnknownPeer,  ///< peer not added here
 };
 
-struct InboxCounters {
+struct TANDEM_API InboxCounters {
   std::uint64_t accepted = 0;
   std::uint64_t duplicate = 0;
   std::uint64_t late = 0;
@@ -55,7 +56,7 @@ struct InboxCounters {
 /// Of plausible updates with distinct stamps the same one is kept in whatever order they arrive;
 /// everything is iterated by ascending id and peer.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class Inbox {
+class TANDEM_API Inbox {
  public:
   struct Received {
     PeerId peer = 0;

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::consensus {
 
 // Influence, defined once: a *share* s (0 to 1) is the part of the gap to a remote state that is
@@ -12,17 +14,17 @@ namespace tandem::consensus {
 inline constexpr double kShareInterval = 1.0 / 60.0;
 
 /// Weight w = s / (1 - s) relative to the local weight 1; +infinity for s >= 1, 0 for s <= 0.
-double weight_of_share(double share);
+TANDEM_API double weight_of_share(double share);
 
 /// Share s = w / (1 + w); 1 for w = +infinity, 0 for w <= 0.
-double share_of_weight(double weight);
+TANDEM_API double share_of_weight(double weight);
 
 /// Part of the gap closed by a step of `dt` s: 1 - (1 - s)^(60 dt). Two steps close what one step
 /// of their length does. 1 for s >= 1 and 0 for s <= 0, whatever dt >= 0 is.
-double share_per_step(double share, double dt);
+TANDEM_API double share_per_step(double share, double dt);
 
 /// What a peer announces for its own bodies, and how much of an announced share counts here now.
-struct InfluenceOptions {
+struct TANDEM_API InfluenceOptions {
   /// Announced for bodies that nobody owns. [friston] Sec. 6.3 uses 0.05 to 0.10; above about 0.2
   /// bodies were found to be sluggish there (Sec. 7.12).
   double baseline = 0.08;
@@ -56,7 +58,7 @@ struct InfluenceOptions {
 /// with neither decay nor gain rule, since a pure follower of a pure owner is always stable.
 /// Where we own the body ourselves (`self_owns`) remote states count 0.
 /// Result in [0, 1]; 0 where an input is not a number. @pre options are valid. Cost O(1).
-double effective_share(const InfluenceOptions& options, double announced, double age, double gain,
-                       bool self_owns = false);
+TANDEM_API double effective_share(const InfluenceOptions& options, double announced, double age,
+                                  double gain, bool self_owns = false);
 
 }  // namespace tandem::consensus

@@ -9,16 +9,17 @@
 
 #include "tandem/consensus/cells.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
 /// Who solves what happens where.
-struct PartitionCell {
+struct TANDEM_API PartitionCell {
   PeerId peer = 0;
   Cell cell;
 };
 
-struct PartitionOptions {
+struct TANDEM_API PartitionOptions {
   /// m: bodies whose middle is this close to a border are simulated on both sides, and averaged. A
   /// body's size at least, so that each contact across the border is known to both.
   double overlap = 0.4;
@@ -35,7 +36,7 @@ struct PartitionOptions {
 };
 
 /// Makes and removes bodies of this peer's world, with their shapes and joints; the application's.
-class PartitionBodies {
+class TANDEM_API PartitionBodies {
  public:
   virtual ~PartitionBodies() = default;
   /// A body of another peer comes near. @param twist  world
@@ -46,7 +47,7 @@ class PartitionBodies {
   virtual void vanish(const SharedId& id, pbd::BodyId body) = 0;
 };
 
-struct PartitionStats {
+struct TANDEM_API PartitionStats {
   std::size_t own = 0;       ///< bodies that this peer alone simulates with authority
   std::size_t common = 0;    ///< that several peers do
   std::size_t followed = 0;  ///< others', simulated along
@@ -67,7 +68,7 @@ struct PartitionStats {
 /// peer.after_step(t + dt).  Sets itself as the peer's interest. The peer's authority_ramp should
 /// be 0: all of them start with what is theirs.
 /// @par Thread safety  Distinct objects: safe. One object: the thread that steps its world.
-class Partition final : public Interest {
+class TANDEM_API Partition final : public Interest {
  public:
   /// World, peer and bodies must outlive it.
   /// @param self   the peer's id     @param cells  of all peers; they fill space without overlap

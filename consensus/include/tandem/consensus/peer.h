@@ -18,6 +18,7 @@
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
@@ -48,7 +49,7 @@ enum class Dating : std::uint8_t {
 };
 
 /// Which states are sent, to each of the others, and in what form. docs/network.md has the rules.
-struct SendOptions {
+struct TANDEM_API SendOptions {
   StateFormat format = StateFormat::Full;
   /// kbit/s to each of the others, and never more than the transport says that the way there bears
   /// (UDP does); 0 = no other limit. What does not fit waits: what this peer's user holds or leads
@@ -71,7 +72,7 @@ struct SendOptions {
   void validate() const;
 };
 
-struct PeerOptions {
+struct TANDEM_API PeerOptions {
   double update_hz = 60.0;  ///< states sent each second, > 0
   Dating dating = Dating::Stamp;
   SendOptions sending;
@@ -83,6 +84,9 @@ struct PeerOptions {
   PolicyChain acceptance;
   PredictorKind predictor = PredictorKind::Adaptive;
   PredictorOptions prediction;
+  /// Of the application's own making, in place of `predictor`; null = that one. Where what it says
+  /// is not finite the state counts as it was stamped. Peers of one session need not have the same.
+  std::shared_ptr<const Predictor> own_predictor = nullptr;
   /// How far others are believed.
   RobustOptions robust;
   PlausibilityOptions plausibility;
@@ -120,10 +124,10 @@ struct PeerOptions {
 /// all of an owner's, Sec. 6.3) that halves with age as Sec. 3.3 asks for, which gives no law; no
 /// gain rule, no initiative, no arbitration, full authority at once. Shares are per 1/60 s as
 /// elsewhere.
-PeerOptions with_published_rules(PeerOptions options);
+TANDEM_API PeerOptions with_published_rules(PeerOptions options);
 
 /// A body that all peers know under one id.
-struct ShareDef {
+struct TANDEM_API ShareDef {
   SharedId id;
   pbd::BodyId body;
   /// Whose hand moves it, where it is nobody's but theirs: that peer's states count 100 % at the
@@ -135,7 +139,7 @@ struct ShareDef {
 };
 
 /// A user's spring on a shared body.
-struct GrabDef {
+struct TANDEM_API GrabDef {
   SharedId body;
   pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
   pbd::Vec3 anchor_w = pbd::Vec3::Zero();      ///< m, world
@@ -146,13 +150,13 @@ struct GrabDef {
 };
 
 /// Names one of this peer's own springs.
-struct GrabId {
+struct TANDEM_API GrabId {
   std::uint32_t spring = 0;  ///< 0 = none
   friend bool operator==(const GrabId&, const GrabId&) = default;
 };
 
 /// What went to one of the others.
-struct LinkStats {
+struct TANDEM_API LinkStats {
   PeerId to = 0;
   std::uint64_t bytes = 0;      ///< of packets with states and names
   std::uint64_t states = 0;     ///< sent
@@ -161,7 +165,7 @@ struct LinkStats {
 };
 
 /// Seconds and counts since the start.
-struct PeerStats {
+struct TANDEM_API PeerStats {
   double parse_s = 0.0;                 ///< CPU time in decoding packets
   double process_s = 0.0;               ///< CPU time in sorting updates in
   double aggregate_s = 0.0;             ///< CPU time in prediction and fusion
@@ -181,7 +185,7 @@ struct PeerStats {
 };
 
 /// A remote state that is about to be used, with all that predictors may go by.
-struct EstimateEvent {
+struct TANDEM_API EstimateEvent {
   PeerId from = 0;
   const StateUpdate& update;
   const MotionHistory& own;
@@ -190,7 +194,7 @@ struct EstimateEvent {
 };
 
 /// Watches what a peer does with remote states; for recorders. Called from before_step.
-class PeerObserver {
+class TANDEM_API PeerObserver {
  public:
   virtual ~PeerObserver() = default;
   /// A remote state was carried to `now` and applied. `age` in s, from the sender's stamp.
@@ -201,7 +205,7 @@ class PeerObserver {
 };
 
 /// Who is told of which body; all peers of everything where nobody says otherwise.
-class Interest {
+class TANDEM_API Interest {
  public:
   virtual ~Interest() = default;
   /// Whether the state of a body goes to that peer. Called from after_step, for each update.
@@ -209,7 +213,7 @@ class Interest {
 };
 
 /// A state of a body that is not shared here.
-struct UnknownState {
+struct TANDEM_API UnknownState {
   PeerId from = 0;
   StateUpdate update;
 };
@@ -223,7 +227,7 @@ struct UnknownState {
 /// Peers' bytes are untrusted: what does not decode is counted and its sender dropped with the
 /// reason; unknown ids are counted and ignored; values are bounded by the codec.
 /// @par Thread safety  Distinct objects: safe. One object: the thread that steps its world.
-class Peer final : public pbd::TargetSource {
+class TANDEM_API Peer final : public pbd::TargetSource {
  public:
   /// Both must outlive the peer. Becomes the world's target source and adds a block of tethers.
   /// @throws std::invalid_argument where the options are not valid

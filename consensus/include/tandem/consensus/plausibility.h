@@ -3,12 +3,13 @@
 #pragma once
 
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
 /// How a body may move from one state of a peer to a later one. The limits are of things that
 /// people handle, and generous; a peer within all of them may still lie.
-struct PlausibilityOptions {
+struct TANDEM_API PlausibilityOptions {
   double max_speed = 200.0;  ///< m/s
   double max_spin = 1000.0;  ///< rad/s
   /// m and rad: what agreement, or something hit, may do at once.
@@ -29,8 +30,9 @@ struct PlausibilityOptions {
 /// nothing but their stamps: |next - last| <= jump + (2 v + v_agreed) dt + 1/2 a dt^2 with v the
 /// larger of both speeds, orientations likewise, and speeds within their limits. Agreement adds up
 /// to `jump` and `turn` in each 1/60 s. Cost O(1).
-bool plausible(const StateUpdate& last, const StateUpdate& next, const PlausibilityOptions& limits);
+TANDEM_API bool plausible(const StateUpdate& last, const StateUpdate& next,
+                          const PlausibilityOptions& limits);
 /// What can be said of a state alone.
-bool plausible(const StateUpdate& state, const PlausibilityOptions& limits);
+TANDEM_API bool plausible(const StateUpdate& state, const PlausibilityOptions& limits);
 
 }  // namespace tandem::consensus

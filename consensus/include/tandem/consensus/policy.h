@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "tandem/consensus/influence.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
 /// What an influence policy may go by. Fields that are not known at the place where a policy is
 /// asked hold their defaults.
-struct InfluenceContext {
+struct TANDEM_API InfluenceContext {
   bool owned = false;        ///< the body has an owner
   bool sender_owns = false;  ///< who announces the share is the owner
   bool held_alone = false;   ///< a user holds it by a constraint that no other peer simulates
@@ -40,7 +41,7 @@ struct InfluenceContext {
 /// One rule of influence: makes a share from the share that the rules before it have left.
 /// Stateless, so that one object serves all bodies and peers, and need not be asked again where
 /// nothing has changed.
-class InfluencePolicy {
+class TANDEM_API InfluencePolicy {
  public:
   virtual ~InfluencePolicy() = default;
   /// @return a share in [0, 1]; share >= 1 is an owner's
@@ -48,7 +49,7 @@ class InfluencePolicy {
 };
 
 /// Rules in the order in which they apply. Copies share the rules, which do not change.
-class PolicyChain {
+class TANDEM_API PolicyChain {
  public:
   PolicyChain() = default;
   PolicyChain& then(std::shared_ptr<const InfluencePolicy> policy);
@@ -66,50 +67,52 @@ class PolicyChain {
 // value and rule.
 
 /// `share`, whatever was before. 5 to 10 % in [friston] Sec. 6.3.
-std::shared_ptr<const InfluencePolicy> baseline(double share);
+TANDEM_API std::shared_ptr<const InfluencePolicy> baseline(double share);
 /// At least `share` while this peer alone knows what its user does to the body, [friston] Sec. 3.2.
-std::shared_ptr<const InfluencePolicy> raised_while_held_alone(double share);
+TANDEM_API std::shared_ptr<const InfluencePolicy> raised_while_held_alone(double share);
 /// At least `share` while this peer leads; 0 stays 0.
-std::shared_ptr<const InfluencePolicy> raised_while_leading(double share);
+TANDEM_API std::shared_ptr<const InfluencePolicy> raised_while_leading(double share);
 /// Times the confidence: the authority grows from zero at the start, [friston] Sec. 7.7.
-std::shared_ptr<const InfluencePolicy> authority_ramp();
+TANDEM_API std::shared_ptr<const InfluencePolicy> authority_ramp();
 /// 1 from the owner, 0 from all others, where there is one.
-std::shared_ptr<const InfluencePolicy> owner_alone();
+TANDEM_API std::shared_ptr<const InfluencePolicy> owner_alone();
 
 // Of the share that was heard, before the state is carried to now.
 
 /// Halves with each `half_life` (s) of age, 0 beyond `max_age` (s); owners' only expires.
-std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_age);
+TANDEM_API std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_age);
 /// At most max(min_share, gain / (d + 2)), d the age in 1/60 s; not for owners. Of a sender that
 /// leads at most max(led_share, gain / (d + 2)): 1 follows it at any share.
-std::shared_ptr<const InfluencePolicy> gain_rule(double min_share, double led_share = 1.0);
+TANDEM_API std::shared_ptr<const InfluencePolicy> gain_rule(double min_share,
+                                                            double led_share = 1.0);
 
 /// Times 1 - leads: who has just acted does not listen to those who do not know it yet; not for
 /// owners.
-std::shared_ptr<const InfluencePolicy> deaf_while_leading();
+TANDEM_API std::shared_ptr<const InfluencePolicy> deaf_while_leading();
 
 // Of the share that is left, after the state was carried to now; not for owners.
 
 /// Times r^2 / (r^2 + variance): a state whose predictor expects an error of `distance` (m) counts
 /// half, [friston] Sec. 8.1.
-std::shared_ptr<const InfluencePolicy> modelled_error(double distance);
+TANDEM_API std::shared_ptr<const InfluencePolicy> modelled_error(double distance);
 /// Grows from 0 over `seconds` since the sender was first heard: damped corrections at start-up,
 /// [friston] Sec. 7.7.
-std::shared_ptr<const InfluencePolicy> damped_start(double seconds);
+TANDEM_API std::shared_ptr<const InfluencePolicy> damped_start(double seconds);
 
 /// Differences below all of these are left alone; [friston] Sec. 4.6's values.
-struct SleepLimits {
+struct TANDEM_API SleepLimits {
   double distance = 1e-3;               ///< m
   double angle = 0.017453292519943295;  ///< rad, 1 degree
   double speed = 1e-2;                  ///< m/s
   double angular_speed = 1e-2;          ///< rad/s
 };
 /// 0 where the states differ by less than the limits: noise does not keep bodies awake.
-std::shared_ptr<const InfluencePolicy> sleeping_threshold(const SleepLimits& limits = {});
+TANDEM_API std::shared_ptr<const InfluencePolicy> sleeping_threshold(
+    const SleepLimits& limits = {});
 
 /// baseline, raised while held alone and while leading, authority ramp, owner.
-PolicyChain default_announcement(const InfluenceOptions& options);
+TANDEM_API PolicyChain default_announcement(const InfluenceOptions& options);
 /// age decay and gain rule, which are the same as effective_share(), and deafness while leading.
-PolicyChain default_hearing(const InfluenceOptions& options);
+TANDEM_API PolicyChain default_hearing(const InfluenceOptions& options);
 
 }  // namespace tandem::consensus

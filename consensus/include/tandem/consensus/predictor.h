@@ -13,12 +13,13 @@
 
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/pose_target.h"
 
 namespace tandem::consensus {
 
 /// One body of this peer after one step, with all that agreement has done to it so far.
-struct alignas(64) MotionSample {
+struct alignas(64) TANDEM_API MotionSample {
   SessionTime time = 0;  ///< ns
   pbd::Pose pose;
   pbd::Twist twist;
@@ -31,7 +32,7 @@ struct alignas(64) MotionSample {
 static_assert(sizeof(MotionSample) == 256, "a sample should fill its cache lines");
 
 /// The last second or so of one body, as a ring. No allocation after construction.
-class MotionHistory {
+class TANDEM_API MotionHistory {
  public:
   static constexpr std::size_t kCapacity = 128;
 
@@ -139,7 +140,7 @@ enum class PredictorKind : std::uint8_t {
 };
 
 /// What a predictor is limited by.
-struct PredictorOptions {
+struct TANDEM_API PredictorOptions {
   /// s: a state is carried on by its velocity no longer than this. A shorter time trades
   /// responsiveness for stability, [friston] Sec. 3.3.
   double max_extrapolation = 1.0;
@@ -155,7 +156,7 @@ struct PredictorOptions {
 
 /// How the difference between two copies of a body has gone on of late: sums for a least squares
 /// fit of what it came to after an age to what it was, and to how fast it grew, at the beginning.
-struct SwingFit {
+struct TANDEM_API SwingFit {
   /// What was seen, until the states of its time have come.
   struct Probe {
     SessionTime time = 0;                    ///< ns; 0 = none
@@ -180,7 +181,7 @@ struct SwingFit {
 };
 
 /// What a predictor keeps of one peer's states of one body, from update to update.
-struct PredictorMemory {
+struct TANDEM_API PredictorMemory {
   SessionTime stamp = 0;  ///< ns, of the last update taken in; 0 = none
   pbd::Vec3 position = pbd::Vec3::Zero();
   pbd::Vec3 velocity = pbd::Vec3::Zero();
@@ -202,7 +203,7 @@ struct PredictorMemory {
 };
 
 /// A remote state carried to now, as what the local body misses of it.
-struct Prediction {
+struct TANDEM_API Prediction {
   pbd::Vec3 translation = pbd::Vec3::Zero();  ///< m, target minus own position
   pbd::Vec3 rotation = pbd::Vec3::Zero();     ///< rad, own to target orientation, world
   pbd::Twist twist;                           ///< target minus own twist
@@ -211,7 +212,7 @@ struct Prediction {
 };
 
 /// What a predictor may know besides the update and the own history.
-struct PredictionContext {
+struct TANDEM_API PredictionContext {
   SessionTime now = 0;
   /// Share that the sender gives to my states over the share that I give to its.
   double mirrored_share = 1.0;
@@ -224,13 +225,16 @@ struct PredictionContext {
 };
 
 /// Carries a remote state to now. Stateless but for the context's memory; one object serves all
-/// bodies.
-class Predictor {
+/// bodies. An application may bring its own, see PeerOptions::own_predictor.
+class TANDEM_API Predictor {
  public:
   virtual ~Predictor() = default;
+  /// @param own  not empty: the newest sample is of now, and a Prediction is told against it
+  /// Called from before_step; must not throw.
   virtual Prediction predict(const StateUpdate& update, const MotionHistory& own,
                              const PredictionContext& context) const = 0;
-  /// c of the gain rule, see effective_share(): what the predictor bears.
+  /// c of the gain rule, see effective_share(): what the predictor bears; finite, > 0. 1 for one
+  /// that extrapolates.
   virtual double gain() const = 0;
   /// The same for one state: less where another way is taken for it.
   virtual double gain_for(const StateUpdate& /*update*/) const { return gain(); }
@@ -239,6 +243,7 @@ class Predictor {
 };
 
 /// @throws std::invalid_argument where the options are not valid
-std::unique_ptr<Predictor> make_predictor(PredictorKind kind, const PredictorOptions& options = {});
+TANDEM_API std::unique_ptr<Predictor> make_predictor(PredictorKind kind,
+                                                     const PredictorOptions& options = {});
 
 }  // namespace tandem::consensus

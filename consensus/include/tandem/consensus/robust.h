@@ -6,12 +6,13 @@
 
 #include "tandem/consensus/inbox.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
 /// How far a member is believed that the transport has authenticated. What it may do all the same
 /// is in docs/network.md; of two peers neither can be shown to lie.
-struct RobustOptions {
+struct TANDEM_API RobustOptions {
   /// With two or more others, what is said far from the rest counts less, this peer's own copy
   /// being one of the votes, and nobody counts more than the next one: one of three or more who
   /// says something else, whatever it is, moves a body no further than the others are apart. Where
@@ -40,7 +41,7 @@ struct RobustOptions {
 };
 
 /// What one other peer has sent and what was done about it, since it was first heard.
-struct PeerReport {
+struct TANDEM_API PeerReport {
   PeerId peer = 0;
   InboxCounters inbox;                ///< of its states
   std::uint64_t outliers = 0;         ///< steps times bodies: far from what the others say

@@ -10,6 +10,7 @@
 
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
@@ -25,7 +26,7 @@ namespace tandem::consensus {
 /// process that starts again under its id, is begun with anew after a moment in which its stamps
 /// mean nothing. Stamps are untrusted: a sender moves nothing but its own.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class SenderClocks {
+class TANDEM_API SenderClocks {
  public:
   static constexpr std::size_t kWindow = 128;
   static constexpr double kSettling = 2.0;  ///< s
@@ -65,12 +66,12 @@ class SenderClocks {
 };
 
 /// The stamp with the shift, within kMaxStamp of 0.
-SessionTime shifted(SessionTime stamp, SessionTime shift);
+TANDEM_API SessionTime shifted(SessionTime stamp, SessionTime shift);
 /// Shift every stamp of a packet.
-void shift_stamps(DecodedPacket& packet, SessionTime shift);
+TANDEM_API void shift_stamps(DecodedPacket& packet, SessionTime shift);
 /// Newest stamp of what is stamped when it is sent: states, and words that the sender is there.
-std::optional<SessionTime> newest_stamp(const DecodedPacket& packet);
+TANDEM_API std::optional<SessionTime> newest_stamp(const DecodedPacket& packet);
 /// Newest stamp of everything else; 0 where there is none.
-SessionTime newest_stamp_of_others(const DecodedPacket& packet);
+TANDEM_API SessionTime newest_stamp_of_others(const DecodedPacket& packet);
 
 }  // namespace tandem::consensus

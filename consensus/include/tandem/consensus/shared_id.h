@@ -8,13 +8,15 @@
 #include <string>
 #include <string_view>
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::consensus {
 
 /// Globally unique identifier (128 bits) of a shared body: the same at every peer, whatever index
 /// each peer's world gives it. Ordered by its written form, so sorting by it gives the same order
 /// everywhere. All zeros names nothing.
 /// @par Thread safety  A value: safe.
-struct SharedId {
+struct TANDEM_API SharedId {
   std::uint64_t high = 0;  ///< first 16 hexadecimal digits of the written form
   std::uint64_t low = 0;   ///< last 16
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::consensus {
 
 /// Names one participant of a session; chosen by the application, unique, never 0.
@@ -25,7 +27,7 @@ enum class Delivery : std::uint8_t {
 };
 
 /// Bytes from one peer, exactly as that peer posted them. Untrusted.
-struct Packet {
+struct TANDEM_API Packet {
   PeerId from = 0;
   std::vector<std::byte> bytes;
   /// When they came; the least value where the transport does not say.
@@ -33,7 +35,7 @@ struct Packet {
 };
 
 /// A peer as the transport sees it.
-struct PeerStatus {
+struct TANDEM_API PeerStatus {
   PeerId id = 0;
   bool connected = false;
   std::string reason;  ///< why it is not connected; empty where it is
@@ -50,7 +52,7 @@ struct PeerStatus {
 /// Carries bytes between peers. Faults are data (PeerStatus), never exceptions.
 /// @par Thread safety  Distinct objects: safe. One object: post, drain, drop, peers from one thread
 /// at a time; an implementation's own threads are its own business.
-class Transport {
+class TANDEM_API Transport {
  public:
   virtual ~Transport() = default;
 

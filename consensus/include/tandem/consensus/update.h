@@ -10,12 +10,13 @@
 
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::consensus {
 
 /// What the sender knows of its instance at the stamp; predictors choose by it.
-struct UpdateFlags {
+struct TANDEM_API UpdateFlags {
   bool in_contact = false;    ///< touches or is joined to something
   bool held = false;          ///< pulled by a user's spring
   bool owner_driven = false;  ///< moved by hand, whatever the forces are
@@ -31,7 +32,7 @@ struct UpdateFlags {
 /// A peer's estimate of one shared body after its step, [friston] Table 2.
 /// On the wire: position 64-bit floats, velocities and influence 32-bit floats, orientation four
 /// 32-bit fixed-point numbers (2^-30, so turned by less than 2e-9 rad by the rounding).
-struct StateUpdate {
+struct TANDEM_API StateUpdate {
   SharedId id;
   pbd::Pose pose;          ///< of the centre of mass, world
   pbd::Twist twist;        ///< world
@@ -48,7 +49,7 @@ enum class SpringEvent : std::uint8_t { Create = 1, Change = 2, Remove = 3 };
 
 /// A user's spring between a moving point of the world and a point of a shared body; every peer
 /// simulates it. On the wire all numbers are 64-bit floats: all peers simulate the same spring.
-struct SpringUpdate {
+struct TANDEM_API SpringUpdate {
   std::uint32_t spring = 0;    ///< unique per sender
   std::uint32_t revision = 0;  ///< grows with each event of this spring
   SpringEvent event = SpringEvent::Create;
@@ -65,7 +66,7 @@ struct SpringUpdate {
 enum class OwnershipEvent : std::uint8_t { Request = 1, Grant = 2 };
 
 /// Who owns a body, between peers of Coupling::SingleOwner.
-struct OwnershipUpdate {
+struct TANDEM_API OwnershipUpdate {
   SharedId body;
   PeerId to = 0;  ///< whom it is asked of, or granted to; never 0
   OwnershipEvent event = OwnershipEvent::Request;
@@ -73,19 +74,19 @@ struct OwnershipUpdate {
 };
 
 /// The sender is about to leave the session: its states and springs end here.
-struct Leave {
+struct TANDEM_API Leave {
   SessionTime stamp = 0;  ///< ns
 };
 
 /// A state whose body the sender calls by an index, see compact.h; update.id is all zeros.
-struct CompactState {
+struct TANDEM_API CompactState {
   std::uint32_t table = 0;  ///< the sender's list of indices
   std::uint16_t index = 0;
   StateUpdate update;
 };
 
 /// What the sender calls a body. Within one table an index never changes its meaning.
-struct NameUpdate {
+struct TANDEM_API NameUpdate {
   std::uint32_t table = 0;
   std::uint16_t index = 0;
   SharedId id;
@@ -93,12 +94,12 @@ struct NameUpdate {
 
 /// The sender does not know (any more) what was said: the names of indices, or of what rests. It
 /// asks for all of it again.
-struct NamesWanted {
+struct TANDEM_API NamesWanted {
   std::uint32_t table = 0;  ///< of those states
 };
 
 /// Where the anchor of a spring is that was told of in full before, see SpringUpdate.
-struct AnchorUpdate {
+struct TANDEM_API AnchorUpdate {
   std::uint32_t spring = 0;
   pbd::Vec3 anchor_w = pbd::Vec3::Zero();         ///< m, world, at the stamp
   pbd::Vec3 anchor_velocity = pbd::Vec3::Zero();  ///< m/s, world, at the stamp
@@ -106,12 +107,12 @@ struct AnchorUpdate {
 };
 
 /// The sender is there: what it said of resting bodies still holds.
-struct Alive {
+struct TANDEM_API Alive {
   SessionTime stamp = 0;  ///< ns
 };
 
 /// Everything that one packet said. Reuse it: decode() keeps the capacities.
-struct DecodedPacket {
+struct TANDEM_API DecodedPacket {
   std::vector<StateUpdate> states;
   std::vector<SpringUpdate> springs;
   std::vector<Leave> leaves;
@@ -140,7 +141,7 @@ enum class PacketFault : std::uint8_t {
 };
 
 /// Whether a packet or a record is acceptable, and if not, why.
-struct [[nodiscard]] CodecResult {
+struct [[nodiscard]] TANDEM_API CodecResult {
   PacketFault fault = PacketFault::None;
   const char* detail = "";  ///< field and rule; lives for ever
   std::size_t offset = 0;   ///< bytes before the message or record that is at fault
@@ -176,24 +177,25 @@ inline constexpr double kMaxSpringParameter = 1e12;  ///< N/m, N s/m, N; exclusi
 inline constexpr SessionTime kMaxStamp = SessionTime{1} << 62;
 
 /// Whether a peer would accept this record. Exactly the test that decode() makes.
-CodecResult check(const StateUpdate& update);
-CodecResult check(const SpringUpdate& update);
-CodecResult check(const Leave& leave);
-CodecResult check(const OwnershipUpdate& update);
-CodecResult check(const Alive& alive);
+TANDEM_API CodecResult check(const StateUpdate& update);
+TANDEM_API CodecResult check(const SpringUpdate& update);
+TANDEM_API CodecResult check(const Leave& leave);
+TANDEM_API CodecResult check(const OwnershipUpdate& update);
+TANDEM_API CodecResult check(const Alive& alive);
 
 /// Append a message with these records to a packet (several messages above kMaxRecords records).
 /// Records that check() refuses are left out: one broken body must not make peers refuse the
 /// packet. Mind kMaxPacketBytes. No allocation once `out` is large enough.
 /// @return records appended
-std::size_t encode(std::span<const StateUpdate> updates, std::vector<std::byte>& out);
-std::size_t encode(std::span<const SpringUpdate> updates, std::vector<std::byte>& out);
-std::size_t encode(const Leave& leave, std::vector<std::byte>& out);
-std::size_t encode(std::span<const OwnershipUpdate> updates, std::vector<std::byte>& out);
+TANDEM_API std::size_t encode(std::span<const StateUpdate> updates, std::vector<std::byte>& out);
+TANDEM_API std::size_t encode(std::span<const SpringUpdate> updates, std::vector<std::byte>& out);
+TANDEM_API std::size_t encode(const Leave& leave, std::vector<std::byte>& out);
+TANDEM_API std::size_t encode(std::span<const OwnershipUpdate> updates,
+                              std::vector<std::byte>& out);
 
 /// Read a whole packet, one or more messages back to back. All or nothing: with a fault `out` is
 /// empty. Orientations come out normalised. Never throws on account of the bytes; no allocation
 /// once `out` has held as many records.
-CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out);
+TANDEM_API CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out);
 
 }  // namespace tandem::consensus

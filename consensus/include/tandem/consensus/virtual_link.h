@@ -8,11 +8,12 @@
 #include <optional>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
 /// One direction of a link between two peers.
-struct LinkOptions {
+struct TANDEM_API LinkOptions {
   double latency = 0.0;    ///< s, one way, mean
   double jitter = 0.0;     ///< s, one way: delay is uniform in latency +- jitter, never below 0
   double loss = 0.0;       ///< chance that a packet is lost, 0 to 0.99
@@ -35,10 +36,10 @@ struct LinkOptions {
 /// (intercontinental): latency 3.5, 6, 28.5, 63.5, 123.5 ms; one-way jitter 0, 0.5, 2.5, 4, 5 ms.
 /// The paper's links ran TCP: no loss.
 /// @throws std::invalid_argument for other numbers
-LinkOptions network_profile(int number);
+TANDEM_API LinkOptions network_profile(int number);
 
 /// What became of the packets of one direction.
-struct LinkCounters {
+struct TANDEM_API LinkCounters {
   std::uint64_t posted = 0;      ///< accepted from the sender
   std::uint64_t delivered = 0;   ///< copies that reached the receiver
   std::uint64_t lost = 0;        ///< states lost on the way, in bursts as well
@@ -67,7 +68,7 @@ struct LinkCounters {
 /// Same seed and same calls, same deliveries, bit for bit on every machine, and however the time is
 /// cut into calls of advance_to(). Each direction draws from a generator of its own.
 /// @par Thread safety  Distinct networks: safe. One network with all its transports: one thread.
-class VirtualNetwork {
+class TANDEM_API VirtualNetwork {
  public:
   static constexpr std::size_t kMaxPacketBytes = 64 * 1024;      ///< longer ones are refused
   static constexpr std::size_t kMaxReliableBytes = 1024 * 1024;  ///< waiting on one direction

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::net {
 
@@ -24,7 +25,7 @@ constexpr double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-
 /// set back) that reading is held, and held() says how far behind the source is. A disciplined
 /// clock is slewed, not set, and does not get there.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class SessionClock {
+class TANDEM_API SessionClock {
  public:
   using Source = std::function<SessionTime()>;
 
@@ -56,7 +57,7 @@ enum class Clock : std::uint8_t {
 };
 
 /// How well session time is known. Times in ns.
-struct ClockStatus {
+struct TANDEM_API ClockStatus {
   SessionTime now = 0;
   /// How far `now` can be from the reference's session time, >= 0; with Clock::None -1, not known.
   /// Certain for clocks that drift by less than 250 ppm: unequal delay there and back is in it.
@@ -69,7 +70,7 @@ struct ClockStatus {
 };
 
 /// All times in ns.
-struct PhysicsClockOptions {
+struct TANDEM_API PhysicsClockOptions {
   std::int64_t min_step = 8'000'000;       ///< shortest step, > 0
   std::int64_t max_step = 32'000'000;      ///< longest step, >= min_step
   std::int64_t nominal_step = 16'666'666;  ///< step when on time, in [min_step, max_step]
@@ -86,7 +87,7 @@ struct PhysicsClockOptions {
 };
 
 /// What PhysicsClock::advance asks for.
-struct ClockTick {
+struct TANDEM_API ClockTick {
   std::span<const std::int64_t> steps;  ///< step lengths, ns, in order; valid until the next call
   std::int64_t skipped = 0;             ///< ns of shared time jumped over before the steps
   std::int64_t lag = 0;                 ///< shared time minus physics time after the steps, ns
@@ -106,7 +107,7 @@ struct ClockTick {
 /// - shared time behind physics time: no step until it has caught up; by more than stall_limit:
 ///   physics time is set back and `skipped` is negative.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class PhysicsClock {
+class TANDEM_API PhysicsClock {
  public:
   static constexpr int kMaxSteps = 32;
 

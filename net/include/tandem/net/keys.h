@@ -6,13 +6,14 @@
 #include <cstdint>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::net {
 
 /// 32 bytes: a session key, or an X25519 key of a peer.
 using Key = std::array<std::uint8_t, 32>;
 
-struct TrustedPeer {
+struct TANDEM_API TrustedPeer {
   consensus::PeerId peer = 0;
   Key public_key{};
 };
@@ -20,8 +21,8 @@ struct TrustedPeer {
 // Both throw std::runtime_error in builds without libsodium.
 
 /// Of the system's generator.
-Key make_key();
+TANDEM_API Key make_key();
 /// The key to give to the others, for TcpOptions::identity and UdpOptions::identity.
-Key public_key(const Key& identity);
+TANDEM_API Key public_key(const Key& identity);
 
 }  // namespace tandem::net

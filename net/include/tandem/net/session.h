@@ -8,10 +8,12 @@
 #include <string>
 #include <string_view>
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::net {
 
 /// Where a peer listens.
-struct HostPort {
+struct TANDEM_API HostPort {
   std::string host;        ///< name or address; IPv6 without brackets
   std::uint16_t port = 0;  ///< 1 to 65535
 
@@ -19,14 +21,14 @@ struct HostPort {
 };
 
 /// Reads "HOST:PORT" or "[IPV6]:PORT". Throws std::invalid_argument naming the text and the rule.
-HostPort parse_host_port(std::string_view text);
+TANDEM_API HostPort parse_host_port(std::string_view text);
 /// The inverse of parse_host_port.
-std::string to_string(const HostPort& address);
+TANDEM_API std::string to_string(const HostPort& address);
 
 /// Turns the first SIGINT or SIGTERM into a flag, so that a program can leave its session in order.
 /// The second one ends the process as usual. At most one object at a time.
 /// @par Thread safety  requested, request, wait: from any thread.
-class StopSignal {
+class TANDEM_API StopSignal {
  public:
   /// Throws std::system_error where the handler cannot be installed.
   StopSignal();

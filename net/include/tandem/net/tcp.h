@@ -15,6 +15,7 @@
 #include "tandem/consensus/transport.h"
 #include "tandem/net/keys.h"
 #include "tandem/net/session.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::net {
 
@@ -22,7 +23,7 @@ using consensus::PeerId;
 
 /// What one process brings to a session over TCP. Queue sizes count each frame with 64 bytes more
 /// than its payload, so that many tiny frames are bounded as well.
-struct TcpOptions {
+struct TANDEM_API TcpOptions {
   PeerId self = 0;               ///< unique in the session, never 0
   std::uint64_t scene_hash = 0;  ///< peers with another one are refused
   /// Port to accept peers on; 0 takes a free one (local_port()); none: this peer only dials.
@@ -63,7 +64,7 @@ struct TcpOptions {
 };
 
 /// A dialled address, whether or not its peer is known yet.
-struct DialStatus {
+struct TANDEM_API DialStatus {
   HostPort address;
   PeerId peer = 0;             ///< 0 until it has told its id
   bool connected = false;      ///< its peer is
@@ -72,7 +73,7 @@ struct DialStatus {
 };
 
 /// Connections that did not become a peer, or had to be given up.
-struct StrangerStatus {
+struct TANDEM_API StrangerStatus {
   std::uint64_t accepted = 0;   ///< inbound connections, good ones included
   std::uint64_t refused = 0;    ///< wrong version, scene, id; session full; dropped peer on hold
   std::uint64_t malformed = 0;  ///< bytes that are no handshake
@@ -108,7 +109,7 @@ struct StrangerStatus {
 /// and never wait for the network. The destructor tries to send what is queued as Reliable for
 /// flush_timeout, then closes; no thread or descriptor is left.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class TcpTransport final : public consensus::Transport {
+class TANDEM_API TcpTransport final : public consensus::Transport {
  public:
   /// Throws std::invalid_argument (TcpOptions::validate) or std::system_error saying what cannot be
   /// listened on and why.

@@ -16,6 +16,7 @@
 #include "tandem/net/clock.h"
 #include "tandem/net/keys.h"
 #include "tandem/net/session.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::net {
 
@@ -23,7 +24,7 @@ using UdpKey = Key;
 using UdpTrusted = TrustedPeer;
 
 /// What one process brings to a session over UDP.
-struct UdpOptions {
+struct TANDEM_API UdpOptions {
   consensus::PeerId self = 0;       ///< unique in the session, never 0
   std::uint64_t scene_hash = 0;     ///< peers with another one are refused
   std::uint16_t port = 0;           ///< one socket for all; 0 takes a free one (local_port())
@@ -58,7 +59,7 @@ struct UdpOptions {
 };
 
 /// Strangers, and datagrams that belong to nobody.
-struct UdpStrangers {
+struct TANDEM_API UdpStrangers {
   std::uint64_t malformed = 0;
   std::uint64_t limited = 0;     ///< over the rate
   std::uint64_t challenged = 0;  ///< asked to prove their address
@@ -70,7 +71,7 @@ struct UdpStrangers {
 
 /// What was passed on for peers that have no route to each other: whole datagrams, sealed with keys
 /// that this peer does not have.
-struct UdpRelayed {
+struct TANDEM_API UdpRelayed {
   std::uint64_t forwarded = 0;
   std::uint64_t refused = 0;  ///< no way there, over the budget of a link, or not wanted
 };
@@ -89,7 +90,7 @@ struct UdpRelayed {
 /// One thread of its own does all network work. post, drain, drop and the readers take a short lock
 /// and never wait for the network.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class UdpTransport final : public consensus::Transport {
+class TANDEM_API UdpTransport final : public consensus::Transport {
  public:
   /// Throws std::invalid_argument (UdpOptions::validate) or std::system_error saying what cannot be
   /// bound and why.

@@ -7,10 +7,11 @@
 #include <string_view>
 
 #include "tandem/collision/shape.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::obj {
 
-struct ObjOptions {
+struct TANDEM_API ObjOptions {
   double scale = 1.0;  ///< m for each unit of the file, > 0
 };
 
@@ -23,12 +24,14 @@ struct ObjOptions {
 /// @throws std::invalid_argument  naming file, line and rule: a file that cannot be read, a
 ///   coordinate that is no finite number, a corner that names no vertex above it, a face that has
 ///   no area or crosses itself, no face at all
-collision::Mesh load_obj(const std::filesystem::path& path, const ObjOptions& options = {});
+TANDEM_API collision::Mesh load_obj(const std::filesystem::path& path,
+                                    const ObjOptions& options = {});
 
 /// The same from memory.
 /// @param name  stands for the file in messages
-collision::Mesh read_obj(std::istream& in, std::string_view name, const ObjOptions& options = {});
-collision::Mesh parse_obj(std::string_view text, std::string_view name,
-                          const ObjOptions& options = {});
+TANDEM_API collision::Mesh read_obj(std::istream& in, std::string_view name,
+                                    const ObjOptions& options = {});
+TANDEM_API collision::Mesh parse_obj(std::string_view text, std::string_view name,
+                                     const ObjOptions& options = {});
 
 }  // namespace tandem::obj

@@ -8,13 +8,14 @@
 #include <optional>
 #include <span>
 
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::pbd {
 
 /// Names one body of one world. A removed body's slot is used again under a new generation, so a
 /// stale id is an error and never another body.
-struct BodyId {
+struct TANDEM_API BodyId {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::uint32_t index = kNone;
   std::uint32_t generation = 0;
@@ -31,7 +32,7 @@ enum class BodyType : std::uint8_t {
 
 /// World axes along and about which a body does not move, whatever acts on it. Locked rotation is
 /// exact in every row; locked translation is enforced after each pass.
-struct AxisLocks {
+struct TANDEM_API AxisLocks {
   std::array<bool, 3> linear{};
   std::array<bool, 3> angular{};
 
@@ -42,7 +43,7 @@ struct AxisLocks {
 };
 
 /// How a body starts. Mass and inertia are read for dynamic bodies only.
-struct BodyDef {
+struct TANDEM_API BodyDef {
   BodyType type = BodyType::Dynamic;
   Pose pose;                              ///< of the centre of mass
   Twist twist;                            ///< ignored for static bodies
@@ -60,13 +61,13 @@ struct BodyDef {
 };
 
 /// What a body is between two steps.
-struct BodyState {
+struct TANDEM_API BodyState {
   Pose pose;
   Twist twist;
 };
 
 /// What a body is made of; changes only through World.
-struct BodyProps {
+struct TANDEM_API BodyProps {
   BodyType type = BodyType::Static;
   double mass = 0.0;                      ///< kg; 0 unless dynamic
   double inverse_mass = 0.0;              ///< 1/kg; 0 unless dynamic
@@ -82,7 +83,7 @@ struct BodyProps {
 };
 
 /// What the solver remembers of a body from step to step.
-struct BodyActivity {
+struct TANDEM_API BodyActivity {
   bool awake = true;
   std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
   std::uint16_t calm = 0;  ///< steps in a row for which a lower level would have done
@@ -96,7 +97,7 @@ struct BodyActivity {
 /// added, with this exception: colliders of one body, and constraints of one kind between the same
 /// two bodies, are taken in the order in which they were added.
 /// A view into its world, until bodies are added or removed.
-class BodyOrder {
+class TANDEM_API BodyOrder {
  public:
   BodyOrder() = default;  ///< by slot
   BodyOrder(std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> slots)
@@ -126,7 +127,7 @@ class BodyOrder {
 };
 
 /// Force (N) and torque about the centre of mass (N m), both in the world frame.
-struct Wrench {
+struct TANDEM_API Wrench {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();
 };

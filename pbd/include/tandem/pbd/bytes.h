@@ -7,12 +7,13 @@
 #include <span>
 #include <vector>
 
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::pbd {
 
 /// Appends little-endian values to a growing buffer, whatever the machine's own order.
-class ByteWriter {
+class TANDEM_API ByteWriter {
  public:
   explicit ByteWriter(std::vector<std::byte>& out) : out_(out) {}
 
@@ -34,7 +35,7 @@ class ByteWriter {
 
 /// Reads what ByteWriter wrote. Reading past the end returns zeros and sets failed() for good:
 /// check it once, after the last read. Who reads something that cannot be sets it with fail().
-class ByteReader {
+class TANDEM_API ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> in) : in_(in) {}
 
@@ -62,7 +63,7 @@ class ByteReader {
 };
 
 /// 64-bit FNV-1a over bytes; `seed` chains calls.
-std::uint64_t hash_bytes(std::span<const std::byte> bytes,
-                         std::uint64_t seed = 0xcbf29ce484222325ull);
+TANDEM_API std::uint64_t hash_bytes(std::span<const std::byte> bytes,
+                                    std::uint64_t seed = 0xcbf29ce484222325ull);
 
 }  // namespace tandem::pbd

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tandem/pbd/body.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
 
@@ -19,7 +20,7 @@ class World;
 
 /// A body as the pass sees it. The first two cache lines are all that a sweep over contacts reads
 /// and writes. Lifetime: one step.
-struct alignas(64) SolverBody {
+struct alignas(64) TANDEM_API SolverBody {
   Vec3 v = Vec3::Zero();              ///< m/s
   Vec3 w = Vec3::Zero();              ///< rad/s, world
   double inv_mass = 0.0;              ///< 1/kg, 0 = immovable
@@ -57,7 +58,7 @@ struct alignas(64) SolverBody {
 enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 
 /// What a block is told about the substep.
-struct SubstepContext {
+struct TANDEM_API SubstepContext {
   std::span<SolverBody> bodies;
   double h = 0.0;               ///< s, length of the substep
   int substep = 0;              ///< index within the step
@@ -76,7 +77,7 @@ struct SubstepContext {
 };
 
 /// What a block tells about itself after a step.
-struct BlockReport {
+struct TANDEM_API BlockReport {
   std::string_view name;
   int rows = 0;
   int extra_rows = 0;           ///< solved again in islands that needed it, over all substeps
@@ -85,7 +86,7 @@ struct BlockReport {
 };
 
 /// Is told which bodies rows join.
-class LinkVisitor {
+class TANDEM_API LinkVisitor {
  public:
   virtual ~LinkVisitor() = default;
   /// Indices of the two bodies; BodyId::kNone stands for the world.
@@ -98,7 +99,7 @@ class LinkVisitor {
 /// Two channels share one Jacobian (docs/ARCHITECTURE.md): *Real* carries momentum; *Total* moves
 /// bodies on towards their targets and never enters velocity. In Total a row keeps the violation
 /// that it had in Real, no more and no less, so that a vanishing target leaves no trace.
-class ConstraintBlock {
+class TANDEM_API ConstraintBlock {
  public:
   virtual ~ConstraintBlock() = default;
 

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/manifold.h"
 
 namespace tandem::pbd {
 
 /// How contacts are solved; part of SolverOptions.
-struct ContactOptions {
+struct TANDEM_API ContactOptions {
   /// Bodies that overlap are pushed apart by this share of the overlap in each substep, 0 to 1, but
   /// no faster than push_speed (m/s). It moves poses and never enters velocity.
   double push_gain = 0.5;
@@ -37,7 +38,7 @@ struct ContactOptions {
 };
 
 /// One manifold of a step and what is carried from step to step with it.
-struct Contact {
+struct TANDEM_API Contact {
   Manifold manifold;
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
@@ -69,7 +70,7 @@ struct Contact {
 /// same multiplier, because stopping normal velocities makes a tilted body slide.
 /// Source: [mueller2020] Sec. 3.5 and 3.6. Differs: as above, and warm start, velocity pass with
 /// accumulated clamp.
-class ContactBlock final : public ConstraintBlock {
+class TANDEM_API ContactBlock final : public ConstraintBlock {
  public:
   ContactBlock();
   ~ContactBlock() override;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/math.h"
 
 /// The maths of a correction, once: every kind of constraint composes these.
@@ -51,7 +52,7 @@ inline Mat3 point_inverse_mass(const SolverBody& a, const SolverBody& b, const V
 }
 
 /// Stiffness-independent form of a spring-damper's substep.
-struct RowSoftness {
+struct TANDEM_API RowSoftness {
   double at = 0.0;     ///< alpha / h^2, 1/kg
   double gamma = 0.0;  ///< damping / (stiffness h), 1
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/joint_def.h"
 #include "tandem/pbd/typed_block.h"
 
@@ -13,7 +14,7 @@ namespace tandem::pbd {
 /// dC/dtheta_b = r_b x n, mirrored for a. Rigid limit (compliance 0): a rod. Infinitely soft: none.
 /// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs:
 /// gradients are those of the substep's start (see JointBlock).
-class DistanceJoint {
+class TANDEM_API DistanceJoint {
  public:
   static constexpr std::string_view kName = "distance_joint";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/joint_def.h"
 #include "tandem/pbd/typed_block.h"
 
@@ -14,7 +15,7 @@ namespace tandem::pbd {
 using JointId = ConstraintId;
 
 /// What a joint did in the last step.
-struct JointState {
+struct TANDEM_API JointState {
   /// Coordinates of frame b in frame a: three displacements (m), then twist about x and the swing
   /// components about y and z (rad). Twist counts turns unless it is locked; swing is the rotation
   /// vector that carries the x axis of a to that of b, so it ends at pi.
@@ -39,7 +40,7 @@ struct JointState {
 /// add a part of their geometric stiffness to its inertia: stable at any step, and without effect
 /// on slow motion.
 /// @par Thread safety  As World. Rows of distinct groups may be solved at the same time.
-class JointBlock final : public ConstraintBlock {
+class TANDEM_API JointBlock final : public ConstraintBlock {
  public:
   JointBlock();
   ~JointBlock() override;

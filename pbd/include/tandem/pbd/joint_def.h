@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tandem/pbd/body.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
 
@@ -19,7 +20,7 @@ inline constexpr double kLeastCompliance = 1e-100;
 
 /// A point and three axes of a body. Hinges turn about x, sliders move along x, and twist is the
 /// rotation about x.
-struct JointFrame {
+struct TANDEM_API JointFrame {
   Vec3 anchor = Vec3::Zero();     ///< m, frame of the body (world frame for the world)
   Quat basis = Quat::Identity();  ///< axes to the frame of the body
 };
@@ -28,7 +29,7 @@ enum class Freedom : std::uint8_t { Free, Locked, Limited };
 enum class MotorMode : std::uint8_t { Off, Velocity, Position };
 
 /// Pulls a coordinate to `rest`. Units: N/m, m, N s/m for displacements; N m/rad, rad, N m s/rad.
-struct JointSpring {
+struct TANDEM_API JointSpring {
   double stiffness = 0.0;  ///< >= 0; 0 = no spring
   double rest = 0.0;
   double damping = 0.0;  ///< >= 0; works without stiffness as well
@@ -36,7 +37,7 @@ struct JointSpring {
 
 /// Drives a coordinate with as much force as it takes, up to max_force. A limit is stronger than
 /// any motor.
-struct JointMotor {
+struct TANDEM_API JointMotor {
   MotorMode mode = MotorMode::Off;
   double target = 0.0;            ///< m/s or rad/s (Velocity), m or rad (Position)
   double max_force = kUnlimited;  ///< N or N m, > 0
@@ -45,7 +46,7 @@ struct JointMotor {
 
 /// One coordinate. Compliance (m/N or rad/(N m)) and damping (N s/m or N m s/rad) are those of the
 /// lock or of the stops; 0 compliance is rigid, and damping has no effect on a rigid row.
-struct JointAxis {
+struct TANDEM_API JointAxis {
   Freedom freedom = Freedom::Free;
   double lower = 0.0;  ///< m or rad, where Limited; <= upper
   double upper = 0.0;
@@ -56,7 +57,7 @@ struct JointAxis {
 };
 
 /// The general joint; the others are short forms of it. Body b moves in the frame of body a.
-struct SixDofJointDef {
+struct TANDEM_API SixDofJointDef {
   BodyId a;  ///< the invalid id stands for the world
   BodyId b;
   JointFrame frame_a, frame_b;
@@ -72,7 +73,7 @@ struct SixDofJointDef {
 };
 
 /// What the short forms share. The compliances and dampings are those of what they lock or stop.
-struct JointMount {
+struct TANDEM_API JointMount {
   BodyId a, b;  ///< as above
   JointFrame frame_a, frame_b;
   double compliance = 0.0;          ///< m/N
@@ -84,12 +85,12 @@ struct JointMount {
 };
 
 /// Holds b in a: no freedom.
-struct FixedJointDef : JointMount {
+struct TANDEM_API FixedJointDef : JointMount {
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor): a short form of it
 };
 
 /// Holds a point of b at a point of a.
-struct BallJointDef : JointMount {
+struct TANDEM_API BallJointDef : JointMount {
   double cone = kUnlimited;         ///< rad, largest swing of the x axis
   bool limit_twist = false;         ///< by the next two
   double lower_twist = 0.0;         ///< rad
@@ -98,31 +99,33 @@ struct BallJointDef : JointMount {
 };
 
 /// Lets b turn about the x axis of a. Limits, spring and motor are those of `axis`.
-struct HingeJointDef : JointMount {
+struct TANDEM_API HingeJointDef : JointMount {
   JointAxis axis;                   ///< rad, N m
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b move along the x axis of a, without turning. Limits, spring and motor are those of
 /// `axis`.
-struct SliderJointDef : JointMount {
+struct TANDEM_API SliderJointDef : JointMount {
   JointAxis axis;                   ///< m, N
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Frames at the world point `anchor_w` (m) with x along `axis_w` (longer than 1e-9), as the bodies
 /// stand now: all coordinates are 0 there. They throw std::invalid_argument on a bad body or axis.
-SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
-                                const Vec3& axis_w = Vec3::UnitX());
-FixedJointDef fixed_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w);
-BallJointDef ball_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
-                           const Vec3& twist_axis_w = Vec3::UnitX());
-HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
-                             const Vec3& axis_w);
-SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
-                               const Vec3& axis_w);
+TANDEM_API SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b,
+                                           const Vec3& anchor_w,
+                                           const Vec3& axis_w = Vec3::UnitX());
+TANDEM_API FixedJointDef fixed_joint_at(const World& world, BodyId a, BodyId b,
+                                        const Vec3& anchor_w);
+TANDEM_API BallJointDef ball_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
+                                      const Vec3& twist_axis_w = Vec3::UnitX());
+TANDEM_API HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b,
+                                        const Vec3& anchor_w, const Vec3& axis_w);
+TANDEM_API SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b,
+                                          const Vec3& anchor_w, const Vec3& axis_w);
 
 /// @throws std::invalid_argument naming the field, its value and the rule
-void check_joint(const World& world, const SixDofJointDef& def);
+TANDEM_API void check_joint(const World& world, const SixDofJointDef& def);
 
 }  // namespace tandem::pbd

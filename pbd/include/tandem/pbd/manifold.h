@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tandem/pbd/body.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
 
@@ -18,7 +19,7 @@ class World;
 
 /// One point of a manifold. The anchors are fixed in the two bodies; the gap along the manifold's
 /// normal is measured between them, less the manifold's two radii.
-struct ManifoldPoint {
+struct TANDEM_API ManifoldPoint {
   Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of body a
   Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of body b
   std::uint32_t feature = 0;       ///< same value = same pair of features as in the last step
@@ -28,7 +29,7 @@ struct ManifoldPoint {
 /// gap_i = normal . (p_b,i - p_a,i) - radius_a - radius_b  [m], negative where they overlap.
 /// A round part (sphere, capsule) gives its centre or axis point as anchor and its radius here, so
 /// that the gap does not change when it rolls.
-struct Manifold {
+struct TANDEM_API Manifold {
   static constexpr int kMaxPoints = 4;
 
   /// Names the pair, the same in every step.
@@ -49,7 +50,7 @@ struct Manifold {
 };
 
 /// How far a body may go in the step that was just solved.
-struct MotionLimit {
+struct TANDEM_API MotionLimit {
   std::uint32_t body = 0;       ///< slot
   double share = 1.0;           ///< of the way from where the step began, below 1
   Vec3 normal = Vec3::UnitZ();  ///< unit, out of the obstacle: no speed against it stays
@@ -59,7 +60,7 @@ struct MotionLimit {
 };
 
 /// Anything that finds contacts. pbd knows no shapes; `collision` implements this.
-class ContactSource {
+class TANDEM_API ContactSource {
  public:
   virtual ~ContactSource() = default;
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tandem/pbd/body.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
 
@@ -25,7 +26,7 @@ enum class TargetMotion : std::uint8_t {
 /// A remote estimate of one body, already fused over all peers: a row of the pass.
 /// Free body: x* = x + share (x_target - x), the weighted average of [friston] Eq. 1 with the local
 /// weight 1 and the remote weight share / (1 - share).
-struct PoseTarget {
+struct TANDEM_API PoseTarget {
   BodyId body;
   Pose pose;           ///< at the start of the step to come, world
   Twist twist;         ///< world
@@ -39,14 +40,14 @@ struct PoseTarget {
 };
 
 /// What agreement did to one body in the last step.
-struct Correction {
+struct TANDEM_API Correction {
   Vec3 translation = Vec3::Zero();  ///< m, world: sum of the displacement channel
   Vec3 rotation = Vec3::Zero();     ///< rad, world, rotation vector
   Twist twist;                      ///< velocity agreement
 };
 
 /// Anything that knows where remote peers see the bodies; `consensus` implements this.
-class TargetSource {
+class TANDEM_API TargetSource {
  public:
   virtual ~TargetSource() = default;
 

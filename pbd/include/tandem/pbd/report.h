@@ -10,6 +10,7 @@
 
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
 
@@ -25,7 +26,7 @@ enum class StepStatus : std::uint8_t {
 };
 
 /// What agreement did to the energy of the world in one step, J.
-struct ConsensusEnergy {
+struct TANDEM_API ConsensusEnergy {
   double displacement = 0.0;        ///< kinetic, carried by the displacement channel; must be 0
   double velocity_agreement = 0.0;  ///< change of kinetic energy by blending velocities
   /// Change of gravitational energy by displacement, and of the energy that a spinning body has for
@@ -34,7 +35,7 @@ struct ConsensusEnergy {
 };
 
 /// What the bodies and rows of a step asked for. What nothing asks for is left out.
-struct StepParts {
+struct TANDEM_API StepParts {
   bool contacts = false;
   bool friction = false;
   bool restitution = false;
@@ -46,7 +47,7 @@ struct StepParts {
 };
 
 /// What one step did. A reference that is valid until the solver's next step.
-struct StepReport {
+struct TANDEM_API StepReport {
   StepStatus status = StepStatus::Ok;
   BodyId first_bad_body;  ///< valid where status is NonFinite
   int substeps = 0;       ///< of the group that had most
@@ -72,6 +73,6 @@ struct StepReport {
 };
 
 /// A few lines on what the step ran and what it left out: stages, parts, blocks, threads.
-std::string describe(const StepReport& report);
+TANDEM_API std::string describe(const StepReport& report);
 
 }  // namespace tandem::pbd

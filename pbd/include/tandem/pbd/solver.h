@@ -6,13 +6,14 @@
 #include <string>
 
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/report.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 
 /// How a step is solved. The defaults are meant for every scene; docs/numerics.md says what holds.
-struct SolverOptions {
+struct TANDEM_API SolverOptions {
   /// Substeps for each step, 1 to 1000, of islands that need no more; see `refine`. The error of
   /// joints falls with its square.
   int substeps = 4;
@@ -56,7 +57,7 @@ struct SolverOptions {
 /// Advances worlds. It holds scratch memory only: all state is in the world, so that one solver may
 /// step many worlds and a restored world goes on as before.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class Solver {
+class TANDEM_API Solver {
  public:
   /// @throws std::invalid_argument where the options do not validate
   explicit Solver(const SolverOptions& options = {});

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/typed_block.h"
 
 namespace tandem::pbd {
@@ -11,7 +12,7 @@ namespace tandem::pbd {
 /// C = p - anchor(t) [m, three rows];  force = -stiffness C - damping dC/dt, cut at max_force.
 /// Source: [macklin2016] Eq. 26 as a 3x3 block. It takes no part in the total channel: a loose
 /// spring does not hold a body against its target, and its stretch is felt in Real at once.
-class Tether {
+class TANDEM_API Tether {
  public:
   static constexpr std::string_view kName = "tether";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);

@@ -13,24 +13,27 @@
 
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 
 namespace detail {
 /// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
-void require(bool ok, std::string_view kind, std::string_view field, double value,
-             std::string_view rule);
+TANDEM_API void require(bool ok, std::string_view kind, std::string_view field, double value,
+                        std::string_view rule);
 /// The same for a vector field: all components finite.
-void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
+TANDEM_API void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
 /// Throws unless the body exists.
-void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field);
+TANDEM_API void require_body(const World& world, BodyId id, std::string_view kind,
+                             std::string_view field);
 /// Whether `free` names each slot that is not alive, once.
-bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::uint8_t> alive);
+TANDEM_API bool are_free_slots(std::span<const std::uint32_t> free,
+                               std::span<const std::uint8_t> alive);
 }  // namespace detail
 
 /// Names one row of one TypedBlock; stale ids are refused.
-struct ConstraintId {
+struct TANDEM_API ConstraintId {
   std::uint32_t index = BodyId::kNone;
   std::uint32_t generation = 0;
   friend auto operator<=>(const ConstraintId&, const ConstraintId&) = default;
@@ -50,7 +53,7 @@ struct ConstraintId {
 ///   end_step; bool active() const (false leaves the row out), drives() const and springs() const
 ///   (see ConstraintBlock; they concern both bodies).
 template <class C>
-class TypedBlock final : public ConstraintBlock {
+class TANDEM_API TypedBlock final : public ConstraintBlock {
  public:
   using Def = typename C::Def;
 

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::pbd {
 
 using Vec3 = Eigen::Vector3d;
@@ -15,7 +17,7 @@ using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// Position (m) and orientation of a body's centre of mass frame in the world.
-struct Pose {
+struct TANDEM_API Pose {
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();
 
@@ -28,7 +30,7 @@ struct Pose {
 };
 
 /// Linear (m/s) and angular (rad/s) velocity of the centre of mass, both in the world frame.
-struct Twist {
+struct TANDEM_API Twist {
   Vec3 linear = Vec3::Zero();
   Vec3 angular = Vec3::Zero();
 };

@@ -8,13 +8,15 @@
 #include <memory>
 #include <type_traits>
 
+#include "tandem/pbd/export.h"
+
 namespace tandem::pbd {
 
 /// A fixed team of threads for the stages of one step; the calling thread is worker 0. Results must
 /// not depend on which worker does what: work is handed out in chunks, each of which writes only
 /// what belongs to its own indices.
 /// @par Thread safety  One thread at a time may call run() or for_chunks(); they do not nest.
-class Workers {
+class TANDEM_API Workers {
  public:
   /// @param count  1 to 64; 1 starts no thread
   /// @throws std::invalid_argument outside that range

@@ -12,6 +12,7 @@
 
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/export.h"
 #include "tandem/pbd/manifold.h"
 #include "tandem/pbd/pose_target.h"
 
@@ -20,7 +21,7 @@ namespace tandem::pbd {
 class BodyBuffer;
 class ContactBlock;
 
-struct WorldDef {
+struct TANDEM_API WorldDef {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
 };
 
@@ -30,7 +31,7 @@ struct WorldDef {
 /// Errors: all mutators throw std::invalid_argument naming field, value and rule, and leave the
 /// world as it was. Ids of removed bodies are refused the same way.
 /// @par Thread safety  Distinct worlds: safe. One world: one thread at a time.
-class World {
+class TANDEM_API World {
  public:
   explicit World(const WorldDef& def = {});
   ~World();
@@ -66,8 +67,9 @@ class World {
   void set_locks(BodyId id, const AxisLocks& locks);
 
   /// Add to what acts on a dynamic body during the next step.
-  /// @param force  N, world     @param point_w  m, world, where it acts
+  /// @param force  N, world
   void apply_force(BodyId id, const Vec3& force);
+  /// @param point_w  m, world, where it acts
   void apply_force(BodyId id, const Vec3& force, const Vec3& point_w);
   void apply_torque(BodyId id, const Vec3& torque);  ///< N m, world
   /// Change a dynamic body's velocity at once. @param impulse  N s, world

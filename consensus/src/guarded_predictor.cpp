@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <cmath>
+#include <utility>
+
+#include "predictors.h"
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::consensus::detail {
+
+namespace {
+
+bool finite(const Prediction& p) {
+  return p.translation.allFinite() && p.rotation.allFinite() && p.twist.linear.allFinite() &&
+         p.twist.angular.allFinite() && std::isfinite(p.variance);
+}
+
+/// An application's predictor: no number of its own gets into a world unseen.
+class Guarded final : public Predictor {
+ public:
+  explicit Guarded(std::shared_ptr<const Predictor> own) : own_(std::move(own)) {
+    pbd::detail::require(std::isfinite(own_->gain()) && own_->gain() > 0.0, "Predictor", "gain",
+                         own_->gain(), "finite and > 0");
+  }
+
+  Prediction predict(const StateUpdate& update, const MotionHistory& own,
+                     const PredictionContext& context) const override {
+    const Prediction prediction = own_->predict(update, own, context);
+    return finite(prediction)
+               ? prediction
+               : to_state(update, own.newest(), update.pose.position, update.twist, 0.0);
+  }
+  double gain() const override { return own_->gain(); }
+  double gain_for(const StateUpdate& update) const override {
+    const double gain = own_->gain_for(update);
+    return std::isfinite(gain) && gain > 0.0 ? gain : own_->gain();
+  }
+  bool remembers() const override { return own_->remembers(); }
+
+ private:
+  std::shared_ptr<const Predictor> own_;
+};
+
+}  // namespace
+
+std::unique_ptr<Predictor> make_guarded(std::shared_ptr<const Predictor> own) {
+  return std::make_unique<Guarded>(std::move(own));
+}
+
+}  // namespace tandem::consensus::detail

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "trace/stage_hashes.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::demos {
+
+namespace {
+
+/// A word at a time: worlds of a thousand bodies are hashed twice a step. Every step is a
+/// bijection of the hash and of the word, so that one bit that differs is never lost alone.
+void mix(std::uint64_t& hash, std::uint64_t word) {
+  hash = (hash ^ word) * 0x9e3779b97f4a7c15ull;
+  hash ^= hash >> 29;
+}
+void mix(std::uint64_t& hash, double value) { mix(hash, std::bit_cast<std::uint64_t>(value)); }
+void mix(std::uint64_t& hash, const pbd::Vec3& v) {
+  for (int i = 0; i < 3; ++i) mix(hash, v[i]);
+}
+void mix(std::uint64_t& hash, const pbd::Quat& q) {
+  for (int i = 0; i < 4; ++i) mix(hash, q.coeffs()[i]);
+}
+void mix(std::uint64_t& hash, const pbd::Pose& pose) {
+  mix(hash, pose.position);
+  mix(hash, pose.orientation);
+}
+void mix(std::uint64_t& hash, const pbd::Twist& twist) {
+  mix(hash, twist.linear);
+  mix(hash, twist.angular);
+}
+void mix(std::uint64_t& hash, const pbd::Tether::Def& spring) {
+  mix(hash, spring.anchor_l);
+  mix(hash, spring.anchor_w);
+  mix(hash, spring.anchor_velocity);
+  mix(hash, spring.stiffness);
+  mix(hash, spring.damping);
+  mix(hash, spring.max_force);
+}
+void mix(std::uint64_t& hash, const pbd::PoseTarget& target) {
+  mix(hash, target.pose);
+  mix(hash, target.twist);
+  mix(hash, target.share);
+  mix(hash, static_cast<std::uint64_t>(target.motion));
+  mix(hash, target.rotation_error);
+  mix(hash, std::uint64_t{target.use_rotation_error ? 1u : 0u});
+}
+
+}  // namespace
+
+void StageHashes::attach(Scene& scene, consensus::Peer& peer) {
+  scene_ = &scene;
+  peer_ = &peer;
+  inner_ = scene.world->target_source();
+  if (inner_ != nullptr) scene.world->set_target_source(this);
+  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) {
+    const std::uint32_t slot = scene.bodies[i].body.index;
+    if (slot >= body_of_slot_.size()) body_of_slot_.resize(slot + 1, pbd::BodyId::kNone);
+    body_of_slot_[slot] = i;
+  }
+  hashes_.resize(scene.bodies.size() + 1);
+  targets_.bodies.resize(scene.bodies.size());
+  poses_.bodies.resize(scene.bodies.size());
+}
+
+std::uint64_t& StageHashes::of(const pbd::BodyId& body) {
+  const std::uint32_t index =
+      body.index < body_of_slot_.size() ? body_of_slot_[body.index] : pbd::BodyId::kNone;
+  return index < hashes_.size() ? hashes_[index] : hashes_.back();
+}
+
+void StageHashes::start() {
+  std::fill(hashes_.begin(), hashes_.end(), 0);
+  for (std::size_t i = 0; i < scene_->bodies.size(); ++i) {
+    const pbd::BodyState& state = scene_->world->state(scene_->bodies[i].body);
+    mix(hashes_[i], state.pose);
+    mix(hashes_[i], state.twist);
+  }
+}
+
+void StageHashes::fold(StageHash& result) {
+  result.all = 0;
+  for (std::size_t i = 0; i < result.bodies.size(); ++i) {
+    result.bodies[i] = static_cast<std::uint32_t>(hashes_[i] ^ hashes_[i] >> 32);
+  }
+  for (const std::uint64_t each : hashes_) mix(result.all, each);
+}
+
+void StageHashes::told() {
+  start();
+  springs_.clear();
+  peer_->springs(springs_);
+  for (const pbd::Tether::Def& spring : springs_) mix(of(spring.body), spring);
+  fold(targets_);
+}
+
+void StageHashes::collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) {
+  const std::size_t first = out.size();
+  inner_->collect(world, dt, out);
+  for (std::size_t i = first; i < out.size(); ++i) mix(of(out[i].body), out[i]);
+  fold(targets_);
+}
+
+void StageHashes::solved() {
+  start();
+  fold(poses_);
+}
+
+void SentHash::post(consensus::PeerId to, std::span<const std::byte> bytes,
+                    consensus::Delivery delivery) {
+  mix(hash_, to);
+  mix(hash_, static_cast<std::uint64_t>(delivery));
+  mix(hash_, pbd::hash_bytes(bytes));
+}
+
+void SentHash::drop(consensus::PeerId peer) { mix(hash_, ~peer); }
+
+std::uint64_t SentHash::take() {
+  const std::uint64_t result = hash_;
+  hash_ = 0;
+  return result;
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "common/track.h"
+#include "common/virtual_runner.h"
+#include "scenes/scenario.h"
+#include "support/catch.h"
+#include "trace/reader.h"
+#include "trace/writer.h"
+
+namespace tandem::demos {
+
+using Bytes = std::vector<std::byte>;
+
+inline Bytes read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  REQUIRE(file);
+  const std::vector<char> content{std::istreambuf_iterator<char>(file), {}};
+  const auto bytes = std::as_bytes(std::span(content));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// A folder that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A run in virtual time and its traces, by peer.
+struct TracedRun {
+  RunResult result;
+  std::vector<Bytes> traces;
+};
+
+inline TracedRun traced_run(const Scenario& scenario, DemoOptions options) {
+  const Folder folder;
+  options.trace = folder.file("trace");
+  TracedRun run;
+  run.result = run_virtual(scenario, options);
+  for (std::size_t i = 0; i < run.result.peers.size(); ++i) {
+    run.traces.push_back(read_bytes(options.trace + '.' + std::to_string(i + 1)));
+  }
+  return run;
+}
+
+/// The records of a trace.
+inline std::vector<TraceRecord> records_of(const Bytes& trace) {
+  TraceReader reader(trace);
+  std::vector<TraceRecord> records;
+  for (TraceRecord record; reader.next(record);) records.push_back(record);
+  return records;
+}
+
+inline Bytes bytes_of(const TraceHeader& header, const std::vector<TraceRecord>& records) {
+  TraceWriter writer(header);
+  for (const TraceRecord& record : records) writer.write(record);
+  return {writer.bytes().begin(), writer.bytes().end()};
+}
+
+/// The trace with something else in it, as if it had been written like that.
+inline Bytes altered(const Bytes& trace,
+                     const std::function<void(std::vector<TraceRecord>&)>& alter) {
+  std::vector<TraceRecord> records = records_of(trace);
+  alter(records);
+  return bytes_of(TraceReader(trace).header(), records);
+}
+
+/// The number of the step that a record belongs to.
+inline std::uint64_t step_of(const std::vector<TraceRecord>& records, std::size_t record) {
+  std::uint64_t step = 0;
+  for (std::size_t i = 0; i < record; ++i) step += records[i].kind == TraceKind::Solved ? 1 : 0;
+  return step;
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,96 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Packages for Debian: made, unpacked into a folder, and used from there.
+#   tests/package/deb.sh [BUILD]   default build/shared; configured where missing
+# Exits with 77 where there is no dpkg-deb, and says so.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+build=$(realpath -m "${1:-$root/build/shared}")
+
+fail() {
+  echo "deb: $*" >&2
+  exit 1
+}
+command -v dpkg-deb >/dev/null || {
+  echo "SKIPPED: there is no dpkg-deb"
+  exit 77
+}
+
+if [[ ! -f $build/CMakeCache.txt ]]; then
+  (cd "$root" && cmake --preset shared -B "$build" >/dev/null)
+fi
+# What is packed, and nothing else.
+targets=(tandem_net tandem_obj tandem_c)
+known=$(cmake --build "$build" --target help)
+for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-replay; do
+  if grep -qE "^$program:" <<<"$known"; then targets+=("$program"); fi
+done
+cmake --build "$build" --target "${targets[@]}"
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+(cd "$build" && cpack -G DEB -B "$scratch/packages") \
+  >"$scratch/log" 2>&1 || {
+  cat "$scratch/log" >&2
+  fail "cpack fails"
+}
+packages=("$scratch"/packages/*.deb)
+[[ ${#packages[@]} -eq 3 ]] || fail "these are not three packages: ${packages[*]}"
+for package in "${packages[@]}"; do
+  name=$(dpkg-deb -f "$package" Package)
+  echo "deb: $name: $(dpkg-deb -f "$package" Depends)"
+  dpkg-deb -x "$package" "$scratch/root"
+  dpkg-deb -c "$package" >"$scratch/$name.list"
+done
+
+# Each file is in the package that it belongs to.
+has() {
+  grep -qE "$2" "$scratch/$1.list" || fail "$1 has no $2"
+}
+hasnt() {
+  ! sed 's/ -> .*//' "$scratch/$1.list" | grep -E "$2" || fail "$1 has $2"
+}
+libraries=$(cd "$scratch" && echo libtandem0.*.list)
+libraries=${libraries%.list}
+has "$libraries" 'libtandem_pbd\.so\.[0-9.]+$'
+hasnt "$libraries" '\.(h|cmake|pc|so)$|/bin/'
+has libtandem-dev 'include/tandem/pbd/world\.h$'
+has libtandem-dev 'libtandem_net\.so -> '
+has libtandem-dev 'tandemConfig\.cmake$'
+has libtandem-dev 'tandem-c\.pc$'
+hasnt libtandem-dev '/bin/|\.so\.[0-9.]+$'
+has tandem-demos 'bin/tandem-demo$'
+has tandem-demos 'bin/tandem-key$'
+hasnt tandem-demos '\.(h|so[0-9.]*)$'
+dpkg-deb -f "$scratch"/packages/"$libraries"_*.deb Depends | grep -q libfcl ||
+  fail "what the libraries need is not told"
+dpkg-deb -f "$scratch"/packages/libtandem-dev_*.deb Depends | grep -q "$libraries (= " ||
+  fail "the headers do without their libraries"
+
+# Nothing in them knows where they were built.
+! grep -rlF -e "$build" -e "$root" "$scratch/root" || fail "the files above know where they were built"
+
+usr=$scratch/root/usr
+folder=$(dirname "$(find "$usr" -name libtandem_pbd.so)")
+export LD_LIBRARY_PATH=$folder
+cmake -S "$here" -B "$scratch/net" -DCOMPONENT=net -DCMAKE_PREFIX_PATH="$usr" >"$scratch/log" 2>&1 &&
+  cmake --build "$scratch/net" >>"$scratch/log" 2>&1 || {
+  cat "$scratch/log" >&2
+  fail "the consumer of net does not build"
+}
+"$scratch/net/consumer"
+"$usr/bin/tandem-demo" cubes --seconds 1 --quiet || fail "a demo does not run"
+"$usr/bin/tandem-key" >/dev/null || fail "tandem-key does not run"
+if command -v lintian >/dev/null; then
+  # Errors alone. Who packages them is told when they are published.
+  lintian --fail-on error --suppress-tags bogus-mail-host,no-changelog "${packages[@]}" \
+    >"$scratch/log" 2>&1 || {
+    cat "$scratch/log" >&2
+    fail "lintian has errors"
+  }
+  echo "deb: lintian has no error and $(grep -c '^W:' "$scratch/log" || true) warnings"
+fi
+echo "deb: the packages can be used"

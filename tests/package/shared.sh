@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Shared libraries: they show what is public and nothing else, the tests of pbd and of the C
+# interface pass on them, and types and exceptions go through their walls.
+#   tests/package/shared.sh [BUILD]   default build/shared; configured and built where missing
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+build=$(realpath -m "${1:-$root/build/shared}")
+
+fail() {
+  echo "shared: $*" >&2
+  exit 1
+}
+
+if [[ ! -f $build/CMakeCache.txt ]]; then
+  (cd "$root" && cmake --preset shared -B "$build" >/dev/null)
+fi
+cmake --build "$build" --target tandem_net tandem_obj pbd_test pbd_allocation_test c_test
+ctest --test-dir "$build" -R '^(pbd|pbd_allocation|c)_test$' --no-tests=error --output-on-failure
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+prefix=$scratch/prefix
+for component in runtime dev; do
+  cmake --install "$build" --prefix "$prefix" --component "$component" >/dev/null
+done
+mapfile -t libraries < <(find "$prefix" -name 'libtandem_*.so' | sort)
+folder=$(dirname "${libraries[0]}")
+[[ ${#libraries[@]} -eq 6 ]] || fail "these are not six libraries: ${libraries[*]}"
+
+# By their names: the version, the binary interface's, the linker's.
+version=$(sed -n 's/^project(tandem VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
+case $version in
+  0.*) abi=${version%.*} ;;
+  *) abi=${version%%.*} ;;
+esac
+for library in "${libraries[@]}"; do
+  [[ -f $library.$version && ! -L $library.$version ]] || fail "there is no $library.$version"
+  soname=$(objdump -p "$library" | sed -n 's/^ *SONAME *//p')
+  [[ $soname == "$(basename "$library").$abi" ]] || fail "$library has the soname $soname"
+done
+
+python3 "$here/exports.py" "$prefix/include" "${libraries[@]}" || fail "insides are shown"
+# The check of the check: it sees what is not ours, what no header has, and what one only mentions.
+cat >"$scratch/probe.cpp" <<'END'
+namespace tandem::pbd {
+struct Probe { void seen(); };
+void Probe::seen() {}
+struct Solver { struct Impl { void seen(); }; };
+void Solver::Impl::seen() {}
+}
+void seen() {}
+END
+c++ -shared -fPIC "$scratch/probe.cpp" -o "$scratch/probe.so"
+python3 "$here/exports.py" "$prefix/include" "$scratch/probe.so" >"$scratch/log" && fail "blind"
+[[ $(grep -c 'seen()' "$scratch/log") -eq 3 ]] || {
+  cat "$scratch/log" >&2
+  fail "the check of symbols is broken"
+}
+
+# An application with hidden symbols, by each compiler there is; without what libraries have inside.
+for compiler in c++ clang++; do
+  command -v "$compiler" >/dev/null || continue
+  for link in '' -Wl,--as-needed; do
+    "$compiler" -std=c++20 -O1 -fvisibility=hidden -fvisibility-inlines-hidden $link \
+      "$here/shared.cpp" -o "$scratch/shared" \
+      $(PKG_CONFIG_PATH=$folder/pkgconfig pkg-config --cflags --libs tandem-net \
+        tandem-obj) -Wl,-rpath,"$folder" || fail "$compiler does not build it"
+    "$scratch/shared" >"$scratch/log" || {
+      cat "$scratch/log" >&2
+      fail "types or exceptions do not get through ($compiler $link)"
+    }
+  done
+done
+cat "$scratch/log"
+
+# Who links a shared library needs nothing that is inside it.
+for component in c net; do
+  cmake -S "$here" -B "$scratch/$component" -DCOMPONENT="$component" \
+    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON \
+    -DCMAKE_DISABLE_FIND_PACKAGE_ccd=ON -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON \
+    >"$scratch/log" 2>&1 && cmake --build "$scratch/$component" >>"$scratch/log" 2>&1 || {
+    cat "$scratch/log" >&2
+    fail "the consumer of $component does not build"
+  }
+  "$scratch/$component/consumer" >/dev/null || fail "the consumer of $component fails"
+done
+echo "shared: all libraries show what is public"
