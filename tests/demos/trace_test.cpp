@@ -161,7 +161,7 @@ TEST_CASE("trace: a replay follows a change of rules", "[demos][golden]") {
                            [kind](const auto& each) { return each.kind == kind; });
     };
     CHECK(count(TraceKind::Rules) == 1);
-    CHECK(count(TraceKind::Inputs) > 50);
+    CHECK(count(TraceKind::Inputs) > 0);
   }
 }
 
