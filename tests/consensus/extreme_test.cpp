@@ -18,7 +18,7 @@ namespace {
 using namespace testing;
 
 constexpr double kFrame = 1.0 / 60.0;
-constexpr PeerOptions kAtOnce{.authority_ramp = 0.0};
+const PeerOptions kAtOnce{.authority_ramp = 0.0};
 
 /// m, largest distance between two copies.
 double spread(const Session& session) {
