@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "view/server.h"
 
-#include <sys/random.h>
-
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -23,6 +21,7 @@
 #include <thread>
 #include <utility>
 
+#include "view/access.h"
 #include "view/frame_encoder.h"
 
 namespace tandem::demos::view {
@@ -46,54 +45,12 @@ constexpr std::uint32_t kHeaderBytes = 8192;
 constexpr std::size_t kMostWords = 256;  // waiting for one page
 constexpr int kSocketBytes = 64 * 1024;  // what waits in the system is old when it is seen
 
-std::string random_token() {
-  std::array<unsigned char, 16> bytes{};
-  std::size_t filled = 0;
-  while (filled < bytes.size()) {
-    const ssize_t got = getrandom(bytes.data() + filled, bytes.size() - filled, 0);
-    if (got <= 0) throw std::runtime_error("view: the system has no random numbers");
-    filled += static_cast<std::size_t>(got);
-  }
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string token;
-  for (const unsigned char byte : bytes) {
-    token += kDigits[byte >> 4];
-    token += kDigits[byte & 15];
-  }
-  return token;
-}
-
-/// Takes as long whatever they differ in.
-bool same_secret(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned>(a[i] ^ b[i]);
-  return difference == 0;
-}
-
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 std::string host_of(const asio::ip::address& address, std::uint16_t port) {
   const std::string text = address.to_string();
   return (address.is_v6() ? '[' + text + ']' : text) + ':' + std::to_string(port);
 }
-
-/// How many commands a page may still send.
-class Allowance {
- public:
-  bool take(Clock::time_point now) {
-    const std::chrono::duration<double> passed = now - last_;
-    last_ = now;
-    left_ = std::min(kCommandsPerSecond, left_ + kCommandsPerSecond * passed.count());
-    if (left_ < 1.0) return false;
-    left_ -= 1.0;
-    return true;
-  }
-
- private:
-  Clock::time_point last_ = Clock::now();
-  double left_ = kCommandsPerSecond;
-};
 
 }  // namespace
 
@@ -216,8 +173,6 @@ class Server::Impl {
   /// this machine gets in.
   bool is_ours(std::string_view host) const;
   const Asset* asset_of(std::string_view path) const;
-  bool is_socket(std::string_view path) const;
-  std::optional<std::string_view> below_token(std::string_view target) const;
 
   ServerOptions options_;
   Layout layout_;
@@ -433,7 +388,7 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     if (request.count(http::field::origin) != 0 && origin != "http://" + std::string(host)) {
       return refuse(http::status::not_found);
     }
-    const std::optional<std::string_view> path = server_.below_token(view_of(request.target()));
+    const std::optional<std::string_view> path = below(server_.token_, view_of(request.target()));
     if (!path) return refuse(http::status::not_found);
     if (request.method() != http::verb::get) return refuse(http::status::not_found);
     if (*path == "socket") {
@@ -612,14 +567,6 @@ bool Server::Impl::is_ours(std::string_view host) const {
   Error error;
   const asio::ip::address address = asio::ip::make_address(name, error);
   return !error && (address == address_ || address_.is_unspecified());
-}
-
-std::optional<std::string_view> Server::Impl::below_token(std::string_view target) const {
-  const std::string_view path = target.substr(0, target.find('?'));
-  const std::size_t length = token_.size();
-  if (path.size() < length + 2 || path[0] != '/' || path[length + 1] != '/') return std::nullopt;
-  if (!same_secret(path.substr(1, length), token_)) return std::nullopt;
-  return path.substr(length + 2);
 }
 
 const Asset* Server::Impl::asset_of(std::string_view path) const {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "view/access.h"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace tandem::demos::view {
+
+namespace {
+
+bool same_secret(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned>(a[i] ^ b[i]);
+  return difference == 0;
+}
+
+}  // namespace
+
+std::string random_token() {
+  std::array<unsigned char, 16> bytes{};
+  std::size_t filled = 0;
+  while (filled < bytes.size()) {
+    const ssize_t got = getrandom(bytes.data() + filled, bytes.size() - filled, 0);
+    if (got <= 0) throw std::runtime_error("view: the system has no random numbers");
+    filled += static_cast<std::size_t>(got);
+  }
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string token;
+  for (const unsigned char byte : bytes) {
+    token += kDigits[byte >> 4];
+    token += kDigits[byte & 15];
+  }
+  return token;
+}
+
+std::optional<std::string_view> below(std::string_view token, std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  const std::size_t length = token.size();
+  if (path.size() < length + 2 || path[0] != '/' || path[length + 1] != '/') return std::nullopt;
+  if (!same_secret(path.substr(1, length), token)) return std::nullopt;
+  return path.substr(length + 2);
+}
+
+bool Allowance::take(Clock::time_point now) {
+  const std::chrono::duration<double> passed = now - last_;
+  last_ = now;
+  left_ = std::min(kCommandsPerSecond, left_ + kCommandsPerSecond * passed.count());
+  if (left_ < 1.0) return false;
+  left_ -= 1.0;
+  return true;
+}
+
+}  // namespace tandem::demos::view
