@@ -31,6 +31,14 @@ SessionTime lateness(SessionTime received, SessionTime stamp) {
   return received - stamp;
 }
 
+/// a - b, within kMaxStamp of 0.
+SessionTime difference(SessionTime a, SessionTime b) {
+  const SessionTime half = a / 2 - b / 2;
+  if (half > kMaxStamp / 2 - 1) return kMaxStamp;
+  if (half < 1 - kMaxStamp / 2) return -kMaxStamp;
+  return a - b;
+}
+
 }  // namespace
 
 SessionTime shifted(SessionTime stamp, SessionTime shift) {
@@ -88,10 +96,10 @@ void SenderClocks::restart(Sender& sender, SessionTime late, SessionTime half,
 void SenderClocks::close(Sender& sender, SessionTime half, SessionTime received) {
   const SessionTime late =
       sender.first + std::llround(sender.sum / static_cast<double>(sender.packets));
-  const SessionTime off = late - half - sender.shift;
+  const SessionTime off = difference(late - half, sender.shift);
   if (sender.count > 0 && std::abs(off) > kAstray) {
     if (sender.astray++ == 0) sender.astray_since = received;
-    const bool over = off < 0 || received - sender.astray_since >= kAstrayFor;
+    const bool over = off < 0 || difference(received, sender.astray_since) >= kAstrayFor;
     if (sender.astray < kAstrayCount || !over) return;
     restart(sender, late, half, received);
   }
@@ -101,14 +109,16 @@ void SenderClocks::close(Sender& sender, SessionTime half, SessionTime received)
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sender.count, kWindow));
   const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
   std::nth_element(sorted.begin(), middle, end);
-  const auto missing = static_cast<double>(*middle - half - sender.shift);
-  const auto passed = static_cast<double>(std::max<SessionTime>(received - sender.last, 0));
-  const auto age = static_cast<double>(received - sender.began);
+  const auto missing = static_cast<double>(difference(*middle - half, sender.shift));
+  const auto passed =
+      static_cast<double>(std::max<SessionTime>(difference(received, sender.last), 0));
+  const auto age = static_cast<double>(difference(received, sender.began));
   sender.last = std::max(sender.last, received);
   // At first the mean of all medians, then one that forgets.
   const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
   double step = std::min(part, 1.0) * missing;
-  if (received - sender.began > kFirst) step = std::clamp(step, -kSlew * passed, kSlew * passed);
+  if (difference(received, sender.began) > kFirst)
+    step = std::clamp(step, -kSlew * passed, kSlew * passed);
   sender.shift += std::llround(step);
 }
 
@@ -141,7 +151,7 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
     sender.sum = 0.0;
   }
   ++sender.packets;
-  sender.sum += static_cast<double>(late - sender.first);
+  sender.sum += static_cast<double>(difference(late, sender.first));
   return sender.shift;
 }
 

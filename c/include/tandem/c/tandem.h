@@ -33,6 +33,13 @@
 #define TANDEM_C_API
 #endif
 
+/* What a caller gives need not be one of the listed: it is looked at, in C++ as well. */
+#ifdef __cplusplus
+#define TANDEM_C_ENUM : int32_t
+#else
+#define TANDEM_C_ENUM
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -42,7 +49,7 @@ extern "C" {
 /** TANDEM_C_VERSION of the library that runs. */
 TANDEM_C_API uint32_t tandem_c_version(void);
 
-typedef enum tandem_result {
+typedef enum tandem_result TANDEM_C_ENUM {
   TANDEM_OK = 0,
   TANDEM_INVALID_ARGUMENT = 1, /**< see the error's text */
   TANDEM_OUT_OF_MEMORY = 2,
@@ -134,7 +141,7 @@ TANDEM_C_API tandem_result tandem_world_restore(tandem_world* world, const void*
 
 /* ---- bodies ---- */
 
-typedef enum tandem_body_type {
+typedef enum tandem_body_type TANDEM_C_ENUM {
   TANDEM_STATIC = 0,
   TANDEM_KINEMATIC = 1, /**< moves with the twist that it was given */
   TANDEM_DYNAMIC = 2
@@ -191,7 +198,7 @@ TANDEM_C_API tandem_result tandem_body_apply_impulse(tandem_world* world, tandem
 
 /* ---- shapes ---- */
 
-typedef enum tandem_shape_kind {
+typedef enum tandem_shape_kind TANDEM_C_ENUM {
   TANDEM_SPHERE = 0,     /**< radius */
   TANDEM_BOX = 1,        /**< half_extents */
   TANDEM_CAPSULE = 2,    /**< radius, half_height without caps; along z */
@@ -248,14 +255,14 @@ TANDEM_C_API tandem_result tandem_collider_remove(tandem_world* world, tandem_co
 
 /* ---- joints ---- */
 
-typedef enum tandem_joint_kind {
+typedef enum tandem_joint_kind TANDEM_C_ENUM {
   TANDEM_FIXED = 0,
   TANDEM_BALL = 1,
   TANDEM_HINGE = 2, /**< turns about the axis */
   TANDEM_SLIDER = 3 /**< moves along the axis */
 } tandem_joint_kind;
 
-typedef enum tandem_motor_mode {
+typedef enum tandem_motor_mode TANDEM_C_ENUM {
   TANDEM_MOTOR_OFF = 0,
   TANDEM_MOTOR_VELOCITY = 1,
   TANDEM_MOTOR_POSITION = 2
@@ -305,7 +312,7 @@ typedef struct tandem_hit {
   double impulse;     /**< N s */
 } tandem_hit;
 
-typedef enum tandem_contact_list {
+typedef enum tandem_contact_list TANDEM_C_ENUM {
   TANDEM_BEGUN = 0,
   TANDEM_ENDED = 1,
   TANDEM_TOUCHING = 2,
@@ -324,7 +331,7 @@ TANDEM_C_API size_t tandem_world_hits(const tandem_world* world, tandem_hit* hit
 /** Carries bytes between peers. */
 typedef struct tandem_transport tandem_transport;
 
-typedef enum tandem_delivery {
+typedef enum tandem_delivery TANDEM_C_ENUM {
   TANDEM_NEWEST = 0,  /**< may be lost */
   TANDEM_RELIABLE = 1 /**< in order, all of them */
 } tandem_delivery;
@@ -432,6 +439,8 @@ TANDEM_C_API tandem_result tandem_peer_move(tandem_peer* peer, uint32_t grab, ta
 TANDEM_C_API tandem_result tandem_peer_release(tandem_peer* peer, uint32_t grab,
                                                tandem_error* error);
 TANDEM_C_API void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats);
+
+#undef TANDEM_C_ENUM
 
 #ifdef __cplusplus
 }
