@@ -69,10 +69,7 @@ void Peer::Impl::receive(SessionTime now) {
 }
 
 void Peer::Impl::date(const Packet& packet, SessionTime now) {
-  const bool said = packet.received != std::numeric_limits<SessionTime>::min();
-  const SessionTime received = said ? packet.received : now;
-  const auto sender = std::ranges::find(senders_, packet.from, &PeerStatus::id);
-  const SessionTime round_trip = sender != senders_.end() ? sender->round_trip : -1;
+  const auto [received, round_trip] = arrival_of(packet, senders_, now);
   if (const auto newest = newest_stamp(incoming_)) {
     shift_stamps(incoming_, sender_clocks_.hear(packet.from, *newest, received, round_trip));
     return;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "session_time.h"
 
@@ -21,25 +22,27 @@ constexpr SessionTime kFirst = 1'000'000'000;
 /// ns: no round trip is longer.
 constexpr SessionTime kLongestWay = 10'000'000'000;
 
-/// Received less stamped. Both are within 2^62 of 0: half the range is given away so that sums of
-/// two such numbers and a round trip fit.
-SessionTime lateness(SessionTime received, SessionTime stamp) {
-  constexpr SessionTime kMost = kMaxStamp - 2 * kLongestWay;
-  const SessionTime half = received / 2 - stamp / 2;
-  if (half > kMost / 2) return kMost;
-  if (half < -kMost / 2) return -kMost;
-  return received - stamp;
-}
-
-/// a - b, within kMaxStamp of 0.
-SessionTime difference(SessionTime a, SessionTime b) {
+/// a - b, within `most` of 0, for times within kMaxStamp of 0.
+SessionTime difference(SessionTime a, SessionTime b, SessionTime most = kMaxStamp) {
   const SessionTime half = a / 2 - b / 2;
-  if (half > kMaxStamp / 2 - 1) return kMaxStamp;
-  if (half < 1 - kMaxStamp / 2) return -kMaxStamp;
+  if (half > most / 2 - 1) return most;
+  if (half < 1 - most / 2) return -most;
   return a - b;
 }
 
+/// Received less stamped, so that a round trip more or less fits.
+SessionTime lateness(SessionTime received, SessionTime stamp) {
+  return difference(received, stamp, kMaxStamp - 2 * kLongestWay);
+}
+
 }  // namespace
+
+Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> company, SessionTime now) {
+  const bool said = packet.received != std::numeric_limits<SessionTime>::min();
+  const auto sender = std::ranges::find(company, packet.from, &PeerStatus::id);
+  return {.received = said ? packet.received : now,
+          .round_trip = sender != company.end() ? sender->round_trip : -1};
+}
 
 SessionTime shifted(SessionTime stamp, SessionTime shift) {
   if (shift > 0 && stamp > kMaxStamp - shift) return kMaxStamp;

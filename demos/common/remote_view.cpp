@@ -18,7 +18,7 @@ bool RemoteView::body_index(const consensus::SharedId& id, std::size_t& index) c
 }
 
 void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet,
-                      const std::optional<Arrival>& arrival) {
+                      const std::optional<consensus::Arrival>& arrival) {
   if (!recording_) return;
   if (!consensus::decode(packet, decoded_).ok()) return;
   const auto newest = consensus::newest_stamp(decoded_);

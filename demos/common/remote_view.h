@@ -21,15 +21,10 @@ class RemoteView {
  public:
   explicit RemoteView(const Scene& scene);
 
-  /// When a packet came and how long to its sender and back takes, ns; -1: not known.
-  struct Arrival {
-    consensus::SessionTime received = 0;
-    consensus::SessionTime round_trip = -1;
-  };
   /// Look at a packet. What does not decode is passed over: refusing it is the session's business.
   /// @param arrival  given: stamps are read by it, as with consensus::Dating::Receipt
   void look(consensus::PeerId from, std::span<const std::byte> packet,
-            const std::optional<Arrival>& arrival = {});
+            const std::optional<consensus::Arrival>& arrival = {});
   /// The peer's process is gone: its users hold nothing more.
   void forget_hands(consensus::PeerId peer);
   /// Keep nothing: for sessions without an end.

@@ -48,16 +48,12 @@ void Rendezvous::drain(std::vector<consensus::Packet>& out) {
   const std::size_t first = out.size();
   SideChannel::drain(out);
   for (std::size_t i = first; i < out.size(); ++i) {
-    std::optional<RemoteView::Arrival> arrival;
-    if (dating_ == consensus::Dating::Receipt) arrival = arrival_of(out[i]);
+    std::optional<consensus::Arrival> arrival;
+    if (dating_ == consensus::Dating::Receipt) {
+      arrival = consensus::arrival_of(out[i], company_, now_);
+    }
     view_.look(out[i].from, out[i].bytes, arrival);
   }
-}
-
-RemoteView::Arrival Rendezvous::arrival_of(const consensus::Packet& packet) const {
-  const auto sender = std::ranges::find(company_, packet.from, &consensus::PeerStatus::id);
-  return {.received = packet.received == INT64_MIN ? now_ : packet.received,
-          .round_trip = sender != company_.end() ? sender->round_trip : -1};
 }
 
 bool Rendezvous::hear(const consensus::Packet& packet) {
@@ -67,7 +63,7 @@ bool Rendezvous::hear(const consensus::Packet& packet) {
   consensus::SessionTime epoch = in.i64();
   const consensus::SessionTime said = in.i64();
   if (epoch != 0 && dating_ == consensus::Dating::Receipt) {
-    const RemoteView::Arrival at = arrival_of(packet);
+    const consensus::Arrival at = consensus::arrival_of(packet, company_, now_);
     epoch =
         consensus::shifted(epoch, consensus::SenderClocks::guess(said, at.received, at.round_trip));
   }

@@ -43,7 +43,6 @@ class Rendezvous final : public SideChannel {
 
   bool hear(const consensus::Packet& packet) override;
   void say(consensus::PeerId to);
-  RemoteView::Arrival arrival_of(const consensus::Packet& packet) const;
 
   RemoteView& view_;
   consensus::Dating dating_;

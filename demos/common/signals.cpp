@@ -62,12 +62,8 @@ bool Signals::hear(const consensus::Packet& packet) {
 consensus::SessionTime Signals::dated(const consensus::Packet& packet, consensus::SessionTime time,
                                       consensus::SessionTime said) const {
   if (dating_ == consensus::Dating::Stamp) return time;
-  consensus::SessionTime round_trip = -1;
-  for (const consensus::PeerStatus& peer : peers()) {
-    if (peer.id == packet.from) round_trip = peer.round_trip;
-  }
-  const consensus::SessionTime received = packet.received == INT64_MIN ? now_ : packet.received;
-  return consensus::shifted(time, consensus::SenderClocks::guess(said, received, round_trip));
+  const consensus::Arrival at = consensus::arrival_of(packet, peers(), now_);
+  return consensus::shifted(time, consensus::SenderClocks::guess(said, at.received, at.round_trip));
 }
 
 bool Signals::knows(const Signal& signal) const {

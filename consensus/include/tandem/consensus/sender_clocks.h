@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "tandem/consensus/transport.h"
@@ -13,6 +14,15 @@
 #include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
+
+/// When a packet came, by the own clock, and how long to its sender and back takes, ns.
+struct TANDEM_API Arrival {
+  SessionTime received = 0;
+  SessionTime round_trip = -1;  ///< -1: not known
+};
+/// @param company  whom the transport knows     @param now  ns, where the transport does not say
+TANDEM_API Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> company,
+                              SessionTime now);
 
 /// What the clocks of others show, told from when their packets come: for sessions without a common
 /// time. All stamps of a sender are shifted by one number, so that what is stamped when it is sent
