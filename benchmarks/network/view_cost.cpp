@@ -46,7 +46,7 @@ void run(std::size_t balls, std::size_t panes, double seconds) {
 
   std::size_t received = 0, frames = 0;
   std::thread page([&] {
-    test::WebClient client("127.0.0.1", server.port());
+    testing::WebClient client("127.0.0.1", server.port());
     client.open('/' + server.token() + "/socket", "127.0.0.1:" + std::to_string(server.port()));
     while (const auto message = client.hear()) {
       received += message->bytes.size() + 4;  // and the header of a message of that size

@@ -11,20 +11,19 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "support/catch.h"
+#include "support/folder.h"
 
 extern char** environ;
 
 namespace tandem::demos {
+
+using testing::Folder;
 
 /// A port that was free a moment ago. @param kind  SOCK_STREAM or SOCK_DGRAM
 inline int free_port(int kind = SOCK_STREAM) {
@@ -82,34 +81,6 @@ class Process {
 
  private:
   pid_t pid_ = -1;
-};
-
-/// A folder that goes with the test.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  std::string text(const std::string& name) const {
-    std::ifstream in(path_ / name);
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
-    return file(name);
-  }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// Whether it holds within 20 s; looks each 10 ms.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -17,10 +16,13 @@
 #include "common/virtual_runner.h"
 #include "scenes/scenario.h"
 #include "support/catch.h"
+#include "support/folder.h"
 #include "trace/reader.h"
 #include "trace/writer.h"
 
 namespace tandem::demos {
+
+using testing::Folder;
 
 using Bytes = std::vector<std::byte>;
 
@@ -31,26 +33,6 @@ inline Bytes read_bytes(const std::filesystem::path& path) {
   const auto bytes = std::as_bytes(std::span(content));
   return {bytes.begin(), bytes.end()};
 }
-
-/// A folder that goes with the test.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// A run in virtual time and its traces, by peer.
 struct TracedRun {

@@ -16,7 +16,7 @@
 namespace tandem::demos::view {
 namespace {
 
-using test::WebClient;
+using testing::WebClient;
 
 constexpr std::array<Asset, 2> kAssets = {
     {{"", "text/html", "<p>here</p>"}, {"main.js", "text/javascript", "let x = 1;"}}};

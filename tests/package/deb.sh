@@ -42,7 +42,7 @@ packages=("$scratch"/packages/*.deb)
 for package in "${packages[@]}"; do
   name=$(dpkg-deb -f "$package" Package)
   echo "deb: $name: $(dpkg-deb -f "$package" Depends)"
-  dpkg-deb -x "$package" "$scratch/root"
+  dpkg-deb -x "$package" "$scratch/unpacked"
   dpkg-deb -c "$package" >"$scratch/$name.list"
 done
 
@@ -71,9 +71,9 @@ dpkg-deb -f "$scratch"/packages/libtandem-dev_*.deb Depends | grep -q "$librarie
   fail "the headers do without their libraries"
 
 # Nothing in them knows where they were built.
-! grep -rlF -e "$build" -e "$root" "$scratch/root" || fail "the files above know where they were built"
+! grep -rlF -e "$build" -e "$root" "$scratch/unpacked" || fail "the files above know where they were built"
 
-usr=$scratch/root/usr
+usr=$scratch/unpacked/usr
 folder=$(dirname "$(find "$usr" -name libtandem_pbd.so)")
 export LD_LIBRARY_PATH=$folder
 cmake -S "$here" -B "$scratch/net" -DCOMPONENT=net -DCMAKE_PREFIX_PATH="$usr" >"$scratch/log" 2>&1 &&

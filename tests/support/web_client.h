@@ -17,7 +17,7 @@
 #include <string_view>
 #include <utility>
 
-namespace tandem::test {
+namespace tandem::testing {
 
 /// A browser's side of HTTP/1.1 and RFC 6455, by sockets alone: it shares nothing with the server
 /// under test. Waits no longer than `patience` for anything.
@@ -164,4 +164,4 @@ class WebClient {
   std::string last_head_;
 };
 
-}  // namespace tandem::test
+}  // namespace tandem::testing
