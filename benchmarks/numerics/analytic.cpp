@@ -8,8 +8,6 @@
 namespace tandem::bench {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// Where the difference equation v += h g, x += h v leaves a body after `steps` steps.
 Vec3 discrete_fall(const Pose& start, const Vec3& velocity, double h, int steps) {
   const double n = steps;

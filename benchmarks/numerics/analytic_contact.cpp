@@ -10,8 +10,6 @@
 namespace tandem::bench {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// A plane through the origin that falls by `slope` (tangent) along +x.
 struct Incline {
   explicit Incline(double slope)

@@ -10,8 +10,6 @@
 namespace tandem::bench {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// A rod of 1 m, hung up at its end.
 void pendulum(Sheet& sheet, double degrees) {
   Scene scene;

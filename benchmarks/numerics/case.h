@@ -14,6 +14,8 @@
 /// be. All at the engine's default setting.
 namespace tandem::bench {
 
+constexpr double kGravity = 9.81;  // m/s^2, down, of all cases that do not say otherwise
+
 /// One line of the table. It holds where error <= bound.
 struct Check {
   std::string measure;

@@ -105,7 +105,7 @@ void spin_on_floor(Sheet& sheet) {
   });
   // Friction alone pushes: mu g t after 10 s.
   sheet.relative("speed after 10 s, m/s", engine->state(ball).twist.linear.norm(),
-                 0.5 * 9.81 * 10.0, 0.01, "mu g t");
+                 0.5 * kGravity * 10.0, 0.01, "mu g t");
   sheet.at_most("height over the floor", height, 1e-3, "m", "no force upwards");
   sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
 }

@@ -25,10 +25,6 @@ const ContactFrame& nearest(const std::vector<ContactFrame>& frames, SessionTime
   return after->time - time < time - (after - 1)->time ? *after : *(after - 1);
 }
 
-bool owned(const PeerRecord& peer, std::size_t body) {
-  return body < peer.owners.size() && peer.owners[body] != 0;
-}
-
 }  // namespace
 
 std::vector<double> contact_disagreement(std::span<const PeerRecord> peers) {
@@ -111,7 +107,7 @@ HeldByOne held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions
     std::vector<double> ages;
     for (const PeerRecord& other : peers) ages.push_back(news_age(other, peer));
     for (std::size_t body = 0; body < peer.tracks.size(); ++body) {
-      if (owned(peer, body)) continue;
+      if (peer.owned(body)) continue;
       for (const TrackSample& own : peer.tracks[body].samples()) {
         if (own.users != 1) continue;
         double apart = -1.0;
@@ -144,12 +140,12 @@ std::vector<Blow> blows(std::span<const PeerRecord> peers) {
   for (const PeerRecord& peer : peers) {
     if (!peer.local) continue;
     for (std::uint32_t body = 0; body < peer.tracks.size(); ++body) {
-      if (owned(peer, body)) continue;
+      if (peer.owned(body)) continue;
       const std::vector<TrackSample>& samples = peer.tracks[body].samples();
       for (std::size_t i = 1; i < samples.size(); ++i) {
         if ((samples[i].velocity - samples[i - 1].velocity).norm() < kChange) continue;
         for (std::size_t j = 0; j < peer.tracks.size(); ++j) {
-          if (!owned(peer, j) || peer.owners[j] != peer.id) continue;
+          if (!peer.owned(j) || peer.owners[j] != peer.id) continue;
           const auto racket = peer.tracks[j].at(samples[i].time);
           if (racket && (racket->position - samples[i].position).norm() < kNear) {
             result.push_back({samples[i].time, body});

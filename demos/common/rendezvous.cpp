@@ -10,8 +10,8 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr std::uint32_t kMagic = 0x4f4d4454;  // "TDMO" on the wire; no packet of a session
-constexpr std::size_t kBytes = 20;            // magic u32, epoch i64, when it is said i64
+constexpr std::uint32_t kHelloMagic = 0x4f4d4454;  // "TDMO" on the wire; no packet of a session
+constexpr std::size_t kHelloBytes = 20;            // magic u32, epoch i64, when it is said i64
 
 }  // namespace
 
@@ -57,9 +57,9 @@ void Rendezvous::drain(std::vector<consensus::Packet>& out) {
 }
 
 bool Rendezvous::hear(const consensus::Packet& packet) {
-  if (packet.bytes.size() != kBytes) return false;
+  if (packet.bytes.size() != kHelloBytes) return false;
   pbd::ByteReader in(packet.bytes);
-  if (in.u32() != kMagic) return false;
+  if (in.u32() != kHelloMagic) return false;
   consensus::SessionTime epoch = in.i64();
   const consensus::SessionTime said = in.i64();
   if (epoch != 0 && dating_ == consensus::Dating::Receipt) {
@@ -75,7 +75,7 @@ bool Rendezvous::hear(const consensus::Packet& packet) {
 void Rendezvous::say(consensus::PeerId to) {
   std::vector<std::byte> bytes;
   pbd::ByteWriter out(bytes);
-  out.u32(kMagic);
+  out.u32(kHelloMagic);
   out.i64(epoch_.value_or(0));
   out.i64(now_);
   post(to, bytes, consensus::Delivery::Newest);

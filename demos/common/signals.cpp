@@ -10,8 +10,8 @@
 namespace tandem::demos {
 
 namespace {
-constexpr std::uint32_t kMagic = 0x47495354;  // "TSIG" on the wire
-constexpr std::size_t kBytes = 24;            // magic u32, code u32, time i64, when it is told i64
+constexpr std::uint32_t kSignalMagic = 0x47495354;  // "TSIG" on the wire
+constexpr std::size_t kSignalBytes = 24;  // magic u32, code u32, time i64, when it is told i64
 }  // namespace
 
 void Signals::update(consensus::SessionTime now) {
@@ -43,9 +43,9 @@ bool Signals::take(consensus::SessionTime now, Signal& signal) {
 }
 
 bool Signals::hear(const consensus::Packet& packet) {
-  if (packet.bytes.size() != kBytes) return false;
+  if (packet.bytes.size() != kSignalBytes) return false;
   pbd::ByteReader in(packet.bytes);
-  if (in.u32() != kMagic) return false;
+  if (in.u32() != kSignalMagic) return false;
   Signal signal;
   signal.code = in.u32();
   signal.time = in.i64();
@@ -77,7 +77,7 @@ bool Signals::knows(const Signal& signal) const {
 void Signals::say(consensus::PeerId to, const Signal& signal) {
   std::vector<std::byte> bytes;
   pbd::ByteWriter out(bytes);
-  out.u32(kMagic);
+  out.u32(kSignalMagic);
   out.u32(signal.code);
   out.i64(signal.time);
   out.i64(now_);

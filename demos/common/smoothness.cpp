@@ -14,10 +14,6 @@ namespace {
 
 using pbd::Vec3;
 
-bool owned(const PeerRecord& peer, std::size_t body) {
-  return body < peer.owners.size() && peer.owners[body] != 0;
-}
-
 bool moves(const TrackSample& sample) { return sample.users > 0 || sample.speed > kMovingSpeed; }
 
 /// One pass of the high-pass over `values`, in place.
@@ -150,7 +146,7 @@ Smoothness smoothness(std::span<const PeerRecord> peers) {
     if (!peer.local || peer.step_hz <= 0.0) continue;
     all.minutes += peer.seconds / 60.0;
     for (std::size_t body = 0; body < peer.tracks.size(); ++body) {
-      if (!owned(peer, body)) add_track(peer.tracks[body].samples(), peer.step_hz, all);
+      if (!peer.owned(body)) add_track(peer.tracks[body].samples(), peer.step_hz, all);
     }
   }
   Smoothness result;
@@ -173,7 +169,7 @@ Distribution high_pass_residual(std::span<const PeerRecord> peers, const PeerRec
     if (!peer.local || peer.step_hz <= 0.0) continue;
     const std::size_t bodies = std::min(peer.tracks.size(), reference.tracks.size());
     for (std::size_t body = 0; body < bodies; ++body) {
-      if (owned(peer, body)) continue;
+      if (peer.owned(body)) continue;
       std::vector<Vec3> apart;
       std::vector<bool> moving;
       for (const TrackSample& own : peer.tracks[body].samples()) {

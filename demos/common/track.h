@@ -89,6 +89,9 @@ struct PeerRecord {
   std::vector<Series> series;  ///< of its users' devices
   std::vector<Input> inputs;   ///< of its users, user after user
   std::string fault;           ///< the first thing that must never be; empty where nothing was
+
+  /// Is it a single peer's in the end?
+  bool owned(std::size_t body) const { return body < owners.size() && owners[body] != 0; }
 };
 
 }  // namespace tandem::demos

@@ -16,7 +16,7 @@ constexpr std::uint32_t kMagic = 0x44575454;  // "TTWD" on the wire; no packet o
 constexpr std::size_t kBytes = 32;
 constexpr std::uint32_t kReordered = 64;   // words: a number further back is of a new process
 constexpr std::uint32_t kFurthest = 3000;  // and one further ahead as well
-constexpr std::int64_t kLongest = 60'000'000'000;  // ns: no round trip is longer
+constexpr std::int64_t kLongestRound = 60'000'000'000;  // ns: no round trip is longer
 
 }  // namespace
 
@@ -76,7 +76,8 @@ bool LinkWords::hear(const consensus::Packet& packet) {
   link.their_time = theirs;
   link.heard_at = now_;
   // Nothing of what is said is believed further than a time that may have been.
-  const bool answered = ours > now_ - kLongest && ours <= now_ && held >= 0 && held <= now_ - ours;
+  const bool answered =
+      ours > now_ - kLongestRound && ours <= now_ && held >= 0 && held <= now_ - ours;
   if (!answered) return true;
   const std::int64_t sample = now_ - ours - held;
   link.round_trip = link.round_trip < 0 ? sample : link.round_trip + (sample - link.round_trip) / 8;

@@ -14,11 +14,11 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::array<std::string_view, 4> kLevels = {"debug", "info", "warn", "error"};
-constexpr std::size_t kLongest = 200;  // bytes of a value
+constexpr std::size_t kLongestValue = 200;  // bytes of a value
 
-std::string quoted(std::string_view value) {
-  const bool cut = value.size() > kLongest;
-  if (cut) value = value.substr(0, kLongest);
+std::string quoted_value(std::string_view value) {
+  const bool cut = value.size() > kLongestValue;
+  if (cut) value = value.substr(0, kLongestValue);
   bool plain = !value.empty() && !cut;
   std::string inside;
   for (const char c : value) {
@@ -74,7 +74,7 @@ std::string logfmt(std::chrono::system_clock::time_point time, Level level, std:
                    std::initializer_list<Field> fields) {
   std::string out = "time=" + iso8601(time) + " level=" + std::string(to_string(level)) +
                     " event=" + std::string(event);
-  for (const Field& field : fields) out += ' ' + field.key + '=' + quoted(field.value);
+  for (const Field& field : fields) out += ' ' + field.key + '=' + quoted_value(field.value);
   return out;
 }
 

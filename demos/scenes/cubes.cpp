@@ -4,21 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "scenes/cubes_users.h"
+#include "scenes/require_field.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::demos {
 
 namespace {
-
-void require(bool ok, const char* field, double value, const char* rule) {
-  if (ok) return;
-  throw std::invalid_argument(std::string("CubesOptions: ") + field + " = " +
-                              std::to_string(value) + " breaks: " + rule);
-}
 
 /// How far the plate was carried, and what is still on it.
 class CubesReferee final : public Referee {
@@ -62,17 +56,20 @@ bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 }  // namespace
 
 void CubesOptions::validate() const {
-  require(stacks >= 2 && stacks <= 100, "stacks", stacks, "2 to 100");
-  require(height >= 2 && height <= 100, "height", height, "2 to 100");
-  require(positive(edge), "edge", edge, "finite and > 0 m");
-  require(positive(cube_mass), "cube_mass", cube_mass, "finite and > 0 kg");
-  require(positive(plate_mass), "plate_mass", plate_mass, "finite and > 0 kg");
+  require_field("CubesOptions", stacks >= 2 && stacks <= 100, "stacks", stacks, "2 to 100");
+  require_field("CubesOptions", height >= 2 && height <= 100, "height", height, "2 to 100");
+  require_field("CubesOptions", positive(edge), "edge", edge, "finite and > 0 m");
+  require_field("CubesOptions", positive(cube_mass), "cube_mass", cube_mass, "finite and > 0 kg");
+  require_field("CubesOptions", positive(plate_mass), "plate_mass", plate_mass,
+                "finite and > 0 kg");
   for (int axis = 0; axis < 3; ++axis) {
-    require(positive(plate[axis]), "plate", plate[axis], "each edge finite and > 0 m");
+    require_field("CubesOptions", positive(plate[axis]), "plate", plate[axis],
+                  "each edge finite and > 0 m");
   }
-  require(plate.x() >= 2.0 * edge * stacks, "plate", plate.x(),
-          "two edges of cubes for each stack");
-  require(std::isfinite(friction) && friction >= 0.0, "friction", friction, "finite and >= 0");
+  require_field("CubesOptions", plate.x() >= 2.0 * edge * stacks, "plate", plate.x(),
+                "two edges of cubes for each stack");
+  require_field("CubesOptions", std::isfinite(friction) && friction >= 0.0, "friction", friction,
+                "finite and >= 0");
 }
 
 CubesScenario::CubesScenario(const CubesOptions& options)

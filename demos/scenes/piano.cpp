@@ -19,8 +19,6 @@ constexpr double kWall = 0.06;   // m, half its height
 constexpr double kThick = 0.01;  // half that of the walls around
 constexpr double kTurned = 0.5 * std::numbers::pi;
 
-pbd::Pose at(double x, double y, double z) { return {Vec3(x, y, z), pbd::Quat::Identity()}; }
-
 collision::Material smooth(double friction) {
   collision::Material material;
   material.friction = friction;
@@ -140,7 +138,7 @@ Scene PianoScenario::build(const SceneOptions& options) const {
   builder.add(piano());
   builder.ground(smooth(0.02));
   const auto wall = [&builder](double x, double y, double half_x, double half_y) {
-    builder.fix(collision::Box{Vec3(half_x, half_y, kWall)}, at(x, y, kWall), smooth(0.2));
+    builder.fix(collision::Box{Vec3(half_x, half_y, kWall)}, upright_at(x, y, kWall), smooth(0.2));
   };
   for (const double side : {-1.0, 1.0}) {
     wall(side * (kPianoArenaX + kThick), 0.0, kThick, kPianoArenaY);

@@ -4,24 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "scenes/random.h"
+#include "scenes/require_field.h"
 
 namespace tandem::demos {
 
 namespace {
 
 using pbd::Vec3;
-
-void require(bool ok, const char* field, double value, const char* rule) {
-  if (ok) return;
-  throw std::invalid_argument(std::string("PileOptions: ") + field + " = " + std::to_string(value) +
-                              " breaks: " + rule);
-}
 
 /// How far the big cube came, and how many small ones it took along or threw up.
 class PileReferee final : public Referee {
@@ -80,12 +73,14 @@ HandTask roll(const PileOptions& pile, const Scene& scene, double side, double s
 
 void PileOptions::validate() const {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  require(rows >= 1 && rows <= 100, "rows", rows, "1 to 100");
-  require(positive(edge), "edge", edge, "finite and > 0 m");
-  require(std::isfinite(pitch) && pitch >= edge, "pitch", pitch, "finite and at least an edge");
-  require(positive(big_edge), "big_edge", big_edge, "finite and > 0 m");
-  require(positive(density), "density", density, "finite and > 0 kg/m^3");
-  require(std::isfinite(friction) && friction >= 0.0, "friction", friction, "finite and >= 0");
+  require_field("PileOptions", rows >= 1 && rows <= 100, "rows", rows, "1 to 100");
+  require_field("PileOptions", positive(edge), "edge", edge, "finite and > 0 m");
+  require_field("PileOptions", std::isfinite(pitch) && pitch >= edge, "pitch", pitch,
+                "finite and at least an edge");
+  require_field("PileOptions", positive(big_edge), "big_edge", big_edge, "finite and > 0 m");
+  require_field("PileOptions", positive(density), "density", density, "finite and > 0 kg/m^3");
+  require_field("PileOptions", std::isfinite(friction) && friction >= 0.0, "friction", friction,
+                "finite and >= 0");
 }
 
 PileScenario::PileScenario(const PileOptions& options) : Scenario("pile", 2), options_(options) {

@@ -13,18 +13,10 @@ namespace {
 
 using pbd::Vec3;
 
-pbd::Pose at(double x, double y, double z) { return {Vec3(x, y, z), pbd::Quat::Identity()}; }
-
 collision::Material rough() {
   collision::Material material;
   material.friction = 0.55;
   return material;
-}
-
-std::vector<ScenePart> one_part(const collision::Shape& shape) {
-  std::vector<ScenePart> parts(1);
-  parts.front().shape = shape;
-  return parts;
 }
 
 void add(SceneBuilder& builder, const std::string& name, const collision::Shape& shape, double mass,
@@ -63,7 +55,7 @@ BodySpec bench() {
     spec.parts[i].local.position = Vec3(i == 1 ? -0.45 : 0.45, 0.0, -kSeat - leg);
   }
   spec.mass = 8.0;
-  spec.pose = at(0.0, -1.2, RoomScenario::kBench - kSeat);
+  spec.pose = upright_at(0.0, -1.2, RoomScenario::kBench - kSeat);
   spec.material = rough();
   return spec;
 }
@@ -138,19 +130,21 @@ Scene RoomScenario::build(const SceneOptions& options) const {
   SceneBuilder builder;
   builder.add(bench());
   add(builder, "toy/box", collision::Box{Vec3::Constant(0.5 * kBox)}, 0.5,
-      at(-1.0, 0.2, kTable + 0.5 * kBox));
-  add(builder, "toy/hull", hull_toy(), 0.4, at(-1.0, 0.5, kTable));
-  add(builder, "toy/cylinder", collision::Cylinder{0.04, 0.08}, 0.3, at(-1.0, 0.8, kTable + 0.08));
+      upright_at(-1.0, 0.2, kTable + 0.5 * kBox));
+  add(builder, "toy/hull", hull_toy(), 0.4, upright_at(-1.0, 0.5, kTable));
+  add(builder, "toy/cylinder", collision::Cylinder{0.04, 0.08}, 0.3,
+      upright_at(-1.0, 0.8, kTable + 0.08));
   for (int k = 0; k < 4; ++k) {
     add(builder, "block/" + std::to_string(k), collision::Box{Vec3::Constant(0.5 * kBlock)}, 0.3,
-        at(1.3, 0.1 + 0.2 * k, kTable + 0.5 * kBlock));
+        upright_at(1.3, 0.1 + 0.2 * k, kTable + 0.5 * kBlock));
   }
   add_avatar(builder, 0);
   add_avatar(builder, 1);
   for (const double side : {-1.0, 1.0}) {
-    builder.fix(collision::Box{Vec3(0.35, 0.6, 0.03)}, at(1.2 * side, 0.5, kTable - 0.03), rough());
+    builder.fix(collision::Box{Vec3(0.35, 0.6, 0.03)}, upright_at(1.2 * side, 0.5, kTable - 0.03),
+                rough());
   }
-  builder.fix(collision::Box{Vec3(0.6, 0.15, 0.02)}, at(0.0, 2.3, kShelf - 0.02), rough());
+  builder.fix(collision::Box{Vec3(0.6, 0.15, 0.02)}, upright_at(0.0, 2.3, kShelf - 0.02), rough());
   builder.ground(rough());
   for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
     builder.half_space(normal, -2.5, rough());

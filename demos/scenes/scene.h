@@ -83,6 +83,18 @@ struct BodySpec {
   std::optional<std::size_t> owner;  ///< see SceneBody
 };
 
+/// One shape in the middle of the parts' frame.
+inline std::vector<ScenePart> one_part(const collision::Shape& shape) {
+  std::vector<ScenePart> parts(1);
+  parts.front().shape = shape;
+  return parts;
+}
+
+/// Unrotated. @param x, y, z  m, world
+inline pbd::Pose upright_at(double x, double y, double z) {
+  return {pbd::Vec3(x, y, z), pbd::Quat::Identity()};
+}
+
 /// Let a body that was held up fall since `age` (s) ago: it is where it would be by now.
 void let_fall(Scene& scene, std::size_t body, double age);
 

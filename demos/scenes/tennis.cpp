@@ -25,14 +25,6 @@ collision::Material bouncing(double restitution) {
   return material;
 }
 
-pbd::Pose at(double x, double y, double z) { return {Vec3(x, y, z), pbd::Quat::Identity()}; }
-
-std::vector<ScenePart> one_part(const collision::Shape& shape) {
-  std::vector<ScenePart> parts(1);
-  parts.front().shape = shape;
-  return parts;
-}
-
 BodySpec racket(const TennisCourt& court, std::size_t user) {
   BodySpec spec;
   spec.name = "racket/" + std::to_string(user);
@@ -54,7 +46,7 @@ BodySpec ball(const TennisCourt& court, int number) {
   spec.mass = court.ball_mass;
   const double side = tennis_side(static_cast<std::size_t>(number % 2));
   const double y = 0.1 * (number / 2 - 0.5 * (TennisScenario::kBalls / 2 - 1));
-  spec.pose = at(side * court.serve_x, y, court.hold_height);
+  spec.pose = upright_at(side * court.serve_x, y, court.hold_height);
   spec.material = bouncing(0.0);
   spec.filter.category = kBallBit;
   spec.bullet = true;
@@ -149,10 +141,10 @@ Scene TennisScenario::build(const SceneOptions& options) const {
   builder.add(racket(c, 1));
   for (int k = 0; k < kBalls; ++k) builder.add(ball(c, k));
   constexpr double kTop = 0.03;  // half the thickness of the top
-  builder.fix(collision::Box{Vec3(c.half_length, c.half_width, kTop)}, at(0, 0, c.height - kTop),
-              bouncing(c.table_bounce));
+  builder.fix(collision::Box{Vec3(c.half_length, c.half_width, kTop)},
+              upright_at(0, 0, c.height - kTop), bouncing(c.table_bounce));
   builder.fix(collision::Box{Vec3(0.005, c.half_width + 0.15, 0.5 * c.net)},
-              at(0, 0, c.height + 0.5 * c.net), bouncing(0.1));
+              upright_at(0, 0, c.height + 0.5 * c.net), bouncing(0.1));
   builder.ground(bouncing(0.5));
   for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
     builder.half_space(normal, -4.0, bouncing(0.3));

@@ -40,30 +40,29 @@ void Sight::look(double time) {
 void Grip::close(std::size_t body, const pbd::Pose& hand, const GripSpec& spec) {
   const pbd::Pose& pose = controls_.scene().pose(body);
   for (std::size_t i = 0; i < kSprings; ++i) {
+    Spring& spring = springs_[i];
     const double angle = 2.0 * std::numbers::pi / 3.0 * static_cast<double>(i);
-    anchors_l_[i] = pbd::Vec3(std::cos(angle), std::sin(angle), 0.0).cwiseProduct(spec.spread);
-    const pbd::Vec3 anchor_w = hand.to_world(anchors_l_[i]);
-    attachments_l_[i] = pose.to_local(anchor_w);
+    spring.anchor_l = pbd::Vec3(std::cos(angle), std::sin(angle), 0.0).cwiseProduct(spec.spread);
+    const pbd::Vec3 anchor_w = hand.to_world(spring.anchor_l);
+    spring.attachment_l = pose.to_local(anchor_w);
     consensus::GrabDef def;
-    def.attachment_l = attachments_l_[i];
+    def.attachment_l = spring.attachment_l;
     def.anchor_w = anchor_w;
     def.stiffness = spec.stiffness;
     def.damping = spec.damping;
     def.max_force = spec.max_force;
-    springs_[i] = controls_.grab(body, def);
+    spring.id = controls_.grab(body, def);
   }
   body_ = body;
 }
 
 void Grip::move(const pbd::Pose& hand) {
-  for (std::size_t i = 0; i < kSprings; ++i) {
-    controls_.move(springs_[i], hand.to_world(anchors_l_[i]));
-  }
+  for (const Spring& spring : springs_) controls_.move(spring.id, hand.to_world(spring.anchor_l));
 }
 
 void Grip::open() {
   if (!body_) return;
-  for (const std::uint32_t spring : springs_) controls_.release(spring);
+  for (const Spring& spring : springs_) controls_.release(spring.id);
   body_.reset();
 }
 
@@ -71,8 +70,8 @@ double Grip::stretch(const pbd::Pose& hand) const {
   if (!body_) return 0.0;
   const pbd::Pose& pose = controls_.scene().pose(*body_);
   double sum = 0.0;
-  for (std::size_t i = 0; i < kSprings; ++i) {
-    sum += (pose.to_world(attachments_l_[i]) - hand.to_world(anchors_l_[i])).norm();
+  for (const Spring& spring : springs_) {
+    sum += (pose.to_world(spring.attachment_l) - hand.to_world(spring.anchor_l)).norm();
   }
   return sum / static_cast<double>(kSprings);
 }

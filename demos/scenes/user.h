@@ -92,13 +92,16 @@ class Grip {
   double stretch(const pbd::Pose& hand) const;
 
  private:
+  struct Spring {
+    std::uint32_t id = 0;                        ///< of Controls
+    pbd::Vec3 anchor_l = pbd::Vec3::Zero();      ///< m, frame of the hand
+    pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
+  };
   static constexpr std::size_t kSprings = 3;
 
   Controls& controls_;
   std::optional<std::size_t> body_;
-  std::array<std::uint32_t, kSprings> springs_{};
-  std::array<pbd::Vec3, kSprings> anchors_l_;      ///< m, frame of the hand
-  std::array<pbd::Vec3, kSprings> attachments_l_;  ///< m, frame of the body
+  std::array<Spring, kSprings> springs_;
 };
 
 /// What a scripted user decides when it is time for a task, from the world as it then is.

@@ -5,6 +5,8 @@
 
 #include "fixture.h"
 
+namespace box_sat_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 
@@ -174,3 +176,5 @@ TEST_CASE("capsule and box: the gap of a capsule outside is the distance, by bru
   }
   CHECK(compared > 300);
 }
+
+}  // namespace box_sat_test

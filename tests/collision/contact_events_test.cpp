@@ -9,6 +9,8 @@
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/solver.h"
 
+namespace contact_events_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using Catch::Contains;
@@ -266,3 +268,5 @@ TEST_CASE("contact_events: options out of range are refused by name", "[collisio
   CHECK_THROWS_WITH(ContactEvents({.hit_speed = 0.0}), Contains("hit_speed = 0"));
   CHECK_THROWS_WITH(ContactEvents({.release_gap = NAN}), Contains("release_gap = nan"));
 }
+
+}  // namespace contact_events_test

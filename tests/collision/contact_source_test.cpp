@@ -8,6 +8,8 @@
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
 
+namespace contact_source_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using Catch::Contains;
@@ -228,3 +230,5 @@ TEST_CASE("contact_source: a collider or a filter that makes sleeping bodies ove
     CHECK(f.world.pose(box).position.z() == Approx(0.3).margin(1e-3));
   }
 }
+
+}  // namespace contact_source_test

@@ -9,6 +9,8 @@
 #include "tandem/collision/compound.h"
 #include "tandem/pbd/solver.h"
 
+namespace convex_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using Catch::Contains;
@@ -491,3 +493,5 @@ TEST_CASE("convex: a part of a compound in no place is refused", "[collision][fa
   CHECK_THROWS_WITH(mass_properties(parts),
                     Catch::Contains("parts[0].local.orientation") && Catch::Contains("unit norm"));
 }
+
+}  // namespace convex_test

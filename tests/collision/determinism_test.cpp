@@ -6,6 +6,8 @@
 #include "scenes.h"
 #include "tandem/pbd/solver.h"
 
+namespace determinism_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using tandem::pbd::ByteReader;
@@ -285,3 +287,5 @@ TEST_CASE("determinism: bytes that are no snapshot of the scene are refused",
   smaller.scene.load(in);
   CHECK(in.failed());
 }
+
+}  // namespace determinism_test

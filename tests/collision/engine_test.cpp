@@ -12,7 +12,7 @@
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::collision::testing {
+namespace tandem::collision::testing::engine_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -275,4 +275,4 @@ TEST_CASE("engine: a heap has the same bits on one, two and three threads", "[co
   CHECK(hashes[2] == hashes[0]);
 }
 
-}  // namespace tandem::collision::testing
+}  // namespace tandem::collision::testing::engine_test

@@ -9,6 +9,8 @@
 #include "tandem/collision/compound.h"
 #include "tandem/pbd/solver.h"
 
+namespace extreme_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using tandem::pbd::Solver;
@@ -301,3 +303,5 @@ TEST_CASE("extreme: contacts that are asked for again allocate nothing", "[colli
   CHECK(f.scene.stats().queries > 40);
   CHECK(count == 0);
 }
+
+}  // namespace extreme_test

@@ -5,6 +5,8 @@
 #include "fixture.h"
 #include "support/forged.h"
 
+namespace forged_snapshot_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using tandem::testing::forged;
@@ -63,3 +65,5 @@ TEST_CASE("forged snapshot: a world with fewer bodies than the scene needs is re
   CHECK(survives(scene.f.world, bare.snapshot(), refused));
   CHECK(refused);
 }
+
+}  // namespace forged_snapshot_test

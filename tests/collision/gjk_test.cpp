@@ -4,6 +4,8 @@
 
 #include "fixture.h"
 
+namespace gjk_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 
@@ -138,3 +140,5 @@ TEST_CASE("gjk: a grazing cast keeps to the analytic contact time", "[collision]
   Proximity at;
   CHECK_FALSE(cast_core(a, b, Vec3::UnitX(), 20.0, travel, at));
 }
+
+}  // namespace gjk_test

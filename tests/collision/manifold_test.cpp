@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "fixture.h"
 
+namespace manifold_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 
@@ -408,3 +410,5 @@ TEST_CASE("manifold: the lowest of many corners of a hull is never left out",
     CHECK(found == Approx(least).margin(2e-5));
   }
 }
+
+}  // namespace manifold_test

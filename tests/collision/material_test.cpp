@@ -5,6 +5,8 @@
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
 
+namespace material_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using Catch::Contains;
@@ -108,3 +110,5 @@ TEST_CASE("material: a sensor makes no contacts", "[collision][unit]") {
                         .sensor = true});
   CHECK(f.collect().size() == 1);
 }
+
+}  // namespace material_test

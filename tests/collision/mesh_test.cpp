@@ -5,6 +5,8 @@
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
 
+namespace mesh_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using tandem::pbd::exp_map;
@@ -302,3 +304,5 @@ TEST_CASE("mesh: bodies slide and roll over a flat mesh as over a half-space",
     CHECK(highest[1] < 1e-3);
   }
 }
+
+}  // namespace mesh_test

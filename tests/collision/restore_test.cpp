@@ -11,6 +11,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
+namespace restore_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using namespace tandem::pbd;
@@ -269,3 +271,5 @@ TEST_CASE("restore: all that can be read of a world is as it was, and so is all 
   }
   CHECK(woke);
 }
+
+}  // namespace restore_test

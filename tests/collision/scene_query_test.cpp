@@ -9,6 +9,8 @@
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
 
+namespace scene_query_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using Catch::Contains;
@@ -504,3 +506,5 @@ TEST_CASE("scene_query: what has moved while nobody asked is found where it slee
   f.world.restore(bytes);
   CHECK(is_at_origin());
 }
+
+}  // namespace scene_query_test

@@ -6,6 +6,8 @@
 
 #include "fixture.h"
 
+namespace shape_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using Catch::Contains;
@@ -150,3 +152,5 @@ TEST_CASE("triangle_mesh: the search tree finds what looking at all triangles fi
     CHECK(found == expected);
   }
 }
+
+}  // namespace shape_test

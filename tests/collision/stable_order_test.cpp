@@ -11,6 +11,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
+namespace stable_order_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using namespace tandem::pbd;
@@ -279,3 +281,5 @@ TEST_CASE("order: a stable id that is taken is refused with its name, value and 
   CHECK(world.body_count() == 1);
   CHECK_NOTHROW(world.add_body({.stable_id = 4712}));
 }
+
+}  // namespace stable_order_test

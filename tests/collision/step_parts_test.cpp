@@ -5,6 +5,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
+namespace step_parts_test {
+
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using namespace tandem::pbd;
@@ -186,3 +188,5 @@ TEST_CASE("parts: describe() says what ran and what was left out", "[collision][
   CHECK(text.find("rows: contact ") != std::string::npos);
   CHECK(text.find("threads 2") != std::string::npos);
 }
+
+}  // namespace step_parts_test

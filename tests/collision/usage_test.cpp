@@ -7,6 +7,8 @@
 #include "tandem/collision/scene_query.h"
 #include "tandem/pbd/solver.h"
 
+namespace usage_test {
+
 using namespace tandem;
 
 TEST_CASE("usage: materials, filters and sensors", "[collision][usage]") {
@@ -82,3 +84,5 @@ TEST_CASE("usage: queries", "[collision][usage]") {
   REQUIRE(nearest);
   CHECK(nearest->distance == Approx(2.5));
 }
+
+}  // namespace usage_test

@@ -9,7 +9,7 @@
 #include "support/catch.h"
 #include "tandem/consensus/predictor.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::adaptive_test {
 namespace {
 
 using pbd::Vec3;
@@ -125,4 +125,4 @@ TEST_CASE("predictor: adaptive knows of a bounce that only the velocity shows ye
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::adaptive_test

@@ -7,6 +7,8 @@
 #include "support/catch.h"
 #include "tandem/consensus/aggregate.h"
 
+namespace aggregate_extremes_test {
+
 using namespace tandem;
 using namespace tandem::consensus;
 using namespace tandem::consensus::testing;
@@ -162,3 +164,5 @@ TEST_CASE("aggregate: an estimate without a share has no say, wherever it is",
   CHECK(with.pose.position == without.pose.position);
   CHECK(with.rotation_error == without.rotation_error);
 }
+
+}  // namespace aggregate_extremes_test

@@ -8,6 +8,8 @@
 #include "consensus/aggregate_fixture.h"
 #include "support/catch.h"
 
+namespace aggregate_test {
+
 using namespace tandem;
 using namespace tandem::consensus;
 using namespace tandem::consensus::testing;
@@ -235,3 +237,5 @@ TEST_CASE("aggregate: K peers that exchange with equal weights all find the same
     for (const Quat& q : found) CHECK(angle_between(q, found.front()) < 1e-12);
   }
 }
+
+}  // namespace aggregate_test

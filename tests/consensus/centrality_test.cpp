@@ -13,7 +13,7 @@
 #include "consensus/random.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::centrality_test {
 namespace {
 
 using testing::Dice;
@@ -186,4 +186,4 @@ TEST_CASE("majority: the fewer give way, of as many those without the lowest id"
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::centrality_test

@@ -8,6 +8,8 @@
 #include "support/catch.h"
 #include "tandem/consensus/compact.h"
 
+namespace compact_fault_test {
+
 using namespace tandem;
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
@@ -243,3 +245,5 @@ TEST_CASE("compact: whatever mutated bytes hold, what comes out is within bounds
   CHECK(accepted > 10000);
   CHECK(refusals > 10000);
 }
+
+}  // namespace compact_fault_test

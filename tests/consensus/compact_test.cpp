@@ -8,6 +8,8 @@
 #include "consensus/updates.h"
 #include "support/catch.h"
 
+namespace compact_test {
+
 using namespace tandem;
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
@@ -292,3 +294,5 @@ TEST_CASE("compact: anchors come back within half a quantum, others are named", 
     CHECK(std::abs(anchor.stamp - springs[i].stamp) <= 8192);
   }
 }
+
+}  // namespace compact_test

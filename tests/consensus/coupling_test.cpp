@@ -9,7 +9,7 @@
 #include "consensus/stub_transport.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::coupling_test {
 namespace {
 
 using namespace testing;
@@ -277,4 +277,4 @@ TEST_CASE("coupling: options outside of their rules are refused by name", "[cons
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::coupling_test

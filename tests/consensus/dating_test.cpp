@@ -13,7 +13,7 @@
 #include "support/catch.h"
 #include "tandem/consensus/sender_clocks.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::dating_test {
 namespace {
 
 using namespace testing;
@@ -226,4 +226,4 @@ TEST_CASE("dating: farewells and silence end what a peer with another clock held
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::dating_test

@@ -11,7 +11,7 @@
 #include "support/catch.h"
 #include "tandem/consensus/predictor.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::extrapolation_test {
 namespace {
 
 using pbd::Vec3;
@@ -203,4 +203,4 @@ TEST_CASE("predictor: pure local motion asks nobody how the body is moved", "[co
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::extrapolation_test

@@ -12,7 +12,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/math.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::extreme_test {
 namespace {
 
 using namespace testing;
@@ -188,4 +188,4 @@ TEST_CASE("extreme: sixteen peers in a ring agree, though each hears its neighbo
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::extreme_test

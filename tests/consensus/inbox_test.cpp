@@ -10,6 +10,8 @@
 #include "consensus/random.h"
 #include "support/catch.h"
 
+namespace inbox_test {
+
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
 
@@ -229,3 +231,5 @@ TEST_CASE("inbox: what rests holds as long as its sender is there", "[consensus]
   CHECK(holds_until(0) == kNow + 1890 * kMs);
   CHECK(inbox.offer(10, state(kBall, 0), kNow + 2000 * kMs) == InboxVerdict::Expired);
 }
+
+}  // namespace inbox_test

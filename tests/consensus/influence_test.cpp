@@ -8,6 +8,8 @@
 
 #include "support/catch.h"
 
+namespace influence_test {
+
 using namespace tandem::consensus;
 
 namespace {
@@ -143,3 +145,5 @@ TEST_CASE("influence: options out of range are refused by name", "[consensus][fa
   CHECK_THAT(message([](InfluenceOptions& o) { o.max_age = kNan; }), Catch::Contains("max_age"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.max_age = kInf; }), Catch::Contains("max_age"));
 }
+
+}  // namespace influence_test

@@ -11,7 +11,7 @@
 #include "consensus/peer_fixture.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::initiative_test {
 namespace {
 
 using namespace testing;
@@ -238,4 +238,4 @@ TEST_CASE("initiative: who acts later has it", "[consensus]") {
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::initiative_test

@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/math.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::jump_test {
 namespace {
 
 using namespace testing;
@@ -172,4 +172,4 @@ TEST_CASE("jump: an owner's jump passes through what is in between, and is no mo
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::jump_test

@@ -12,7 +12,7 @@
 #include "consensus/random.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::malicious_test {
 namespace {
 
 using namespace testing;
@@ -289,4 +289,4 @@ TEST_CASE("malicious: springs that no hand could pull are limited, refused and c
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::malicious_test

@@ -9,7 +9,7 @@
 #include "consensus/crowd_fixture.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::membership_test {
 namespace {
 
 using namespace testing;
@@ -207,4 +207,4 @@ TEST_CASE("membership: two halves that were apart for ten seconds come together"
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::membership_test

@@ -8,7 +8,7 @@
 #include "consensus/stub_transport.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::mode_test {
 namespace {
 
 using namespace testing;
@@ -185,4 +185,4 @@ TEST_CASE("mode: who becomes the owner of what it drags can still let go", "[con
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::mode_test

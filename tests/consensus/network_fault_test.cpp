@@ -8,7 +8,7 @@
 #include "consensus/crowd_fixture.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::network_fault_test {
 namespace {
 
 using namespace testing;
@@ -154,4 +154,4 @@ TEST_CASE("network: a clock that runs 100 ppm fast", "[consensus][fault]") {
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::network_fault_test

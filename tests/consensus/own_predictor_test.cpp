@@ -11,7 +11,7 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::own_predictor_test {
 namespace {
 
 using namespace testing;
@@ -102,4 +102,4 @@ TEST_CASE("own predictor: a gain that is no gain is refused by name", "[consensu
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::own_predictor_test

@@ -8,7 +8,7 @@
 #include "consensus/stub_transport.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::ownership_test {
 namespace {
 
 using namespace testing;
@@ -264,4 +264,4 @@ TEST_CASE("codec: ownership survives the round trip, and faults are refused", "[
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::ownership_test

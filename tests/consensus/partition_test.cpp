@@ -14,7 +14,7 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::partition_test {
 namespace {
 
 using namespace testing;
@@ -370,4 +370,4 @@ TEST_CASE("peer: a body that is shared no longer is nobody's business, and its s
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::partition_test

@@ -11,7 +11,7 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_agreement_test {
 namespace {
 
 using tandem::testing::kPi;
@@ -253,4 +253,4 @@ TEST_CASE("peer: cubes resting on different faces agree within 3 s, the lower id
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_agreement_test

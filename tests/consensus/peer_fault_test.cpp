@@ -13,7 +13,7 @@
 #include "consensus/updates.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_fault_test {
 namespace {
 
 using namespace testing;
@@ -301,4 +301,4 @@ TEST_CASE("peer: a leader that nobody can follow does not become an owner", "[co
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_fault_test

@@ -11,7 +11,7 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_motion_test {
 namespace {
 
 using tandem::testing::kPi;
@@ -190,4 +190,4 @@ TEST_CASE("agreement: what swings faster than news travels comes to agree all th
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_motion_test

@@ -9,7 +9,7 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_newcomer_test {
 namespace {
 
 using tandem::testing::angle_between;
@@ -78,4 +78,4 @@ TEST_CASE("peer: a newcomer with the lowest id does not impose its orientation",
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_newcomer_test

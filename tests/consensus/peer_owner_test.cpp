@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_owner_test {
 namespace {
 
 using namespace testing;
@@ -150,4 +150,4 @@ TEST_CASE("owner: a body given back is everybody's again", "[consensus]") {
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_owner_test

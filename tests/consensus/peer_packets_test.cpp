@@ -8,6 +8,8 @@
 #include "peer_fixture.h"
 #include "support/catch.h"
 
+namespace peer_packets_test {
+
 using namespace tandem::consensus;
 using namespace tandem::consensus::testing;
 using tandem::pbd::BodyId;
@@ -92,3 +94,5 @@ TEST_CASE("virtual link: states above the limit are refused, reliable packets ar
   CHECK(a.max_packet_bytes(Delivery::Newest) == 300);
   CHECK_THROWS_AS(network.set_link(1, 3, {.max_state_bytes = 0}), std::invalid_argument);
 }
+
+}  // namespace peer_packets_test

@@ -9,7 +9,7 @@
 #include "consensus/stub_transport.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_replay_test {
 namespace {
 
 using namespace testing;
@@ -130,4 +130,4 @@ TEST_CASE("peer: a recorded inbox played back gives the same bits", "[consensus]
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_replay_test

@@ -10,7 +10,7 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::peer_test {
 namespace {
 
 using namespace testing;
@@ -163,4 +163,4 @@ TEST_CASE("peer: an observer is told what was applied, and how old it was", "[co
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::peer_test

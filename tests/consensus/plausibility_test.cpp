@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "tandem/consensus/inbox.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::plausibility_test {
 namespace {
 
 using pbd::Quat;
@@ -85,4 +85,4 @@ TEST_CASE("plausible: a jump that is told of is believed, but not in every state
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::plausibility_test

@@ -7,7 +7,7 @@
 #include "consensus/peer_fixture.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::policy_test {
 namespace {
 
 using namespace testing;
@@ -137,4 +137,4 @@ TEST_CASE("policy: peers go by the rules they were given", "[consensus]") {
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::policy_test

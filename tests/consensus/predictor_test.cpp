@@ -10,7 +10,7 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::predictor_test {
 namespace {
 
 using pbd::Correction;
@@ -431,4 +431,4 @@ TEST_CASE("history: times outside are clamped to its ends, the oldest samples go
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::predictor_test

@@ -9,7 +9,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/joint.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::resync_test {
 namespace {
 
 using namespace testing;
@@ -72,4 +72,4 @@ TEST_CASE("resync: the fewer give way, whatever their ids", "[consensus]") {
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::resync_test

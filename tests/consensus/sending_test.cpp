@@ -12,6 +12,8 @@
 #include "support/catch.h"
 #include "tandem/consensus/compact.h"
 
+namespace sending_test {
+
 using namespace tandem::consensus;
 using namespace tandem::consensus::testing;
 using tandem::pbd::BodyId;
@@ -359,3 +361,5 @@ TEST_CASE("sending: options that are not valid are named", "[consensus][fault]")
   options.sending.angle_tolerance = 0.0;
   CHECK_THROWS_WITH(options.validate(), Catch::Contains("angle_tolerance"));
 }
+
+}  // namespace sending_test

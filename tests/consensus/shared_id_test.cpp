@@ -9,6 +9,8 @@
 #include "consensus/random.h"
 #include "support/catch.h"
 
+namespace shared_id_test {
+
 using tandem::consensus::SharedId;
 using tandem::consensus::testing::Dice;
 
@@ -62,3 +64,5 @@ TEST_CASE("shared_id: zeros name nothing", "[consensus][unit]") {
   CHECK(SharedId{0, 1}.valid());
   CHECK(SharedId{1, 0}.valid());
 }
+
+}  // namespace shared_id_test

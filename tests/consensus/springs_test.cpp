@@ -9,7 +9,7 @@
 #include "consensus/stub_transport.h"
 #include "support/catch.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::springs_test {
 namespace {
 
 using namespace testing;
@@ -357,4 +357,4 @@ TEST_CASE("springs: one's own are named by grab() until they are released", "[co
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::springs_test

@@ -13,7 +13,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/joint.h"
 
-namespace tandem::consensus {
+namespace tandem::consensus::swing_test {
 namespace {
 
 using namespace testing;
@@ -155,4 +155,4 @@ TEST_CASE("swing: chains of which one hung aside come to agree, and the swing st
 }
 
 }  // namespace
-}  // namespace tandem::consensus
+}  // namespace tandem::consensus::swing_test

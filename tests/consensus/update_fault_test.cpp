@@ -9,6 +9,8 @@
 #include "support/catch.h"
 #include "tandem/consensus/update.h"
 
+namespace update_fault_test {
+
 using namespace tandem;
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
@@ -284,3 +286,5 @@ TEST_CASE("codec: whatever random and mutated bytes hold, what comes out is with
   CHECK(accepted > 10000);
   CHECK(refusals > 50000);
 }
+
+}  // namespace update_fault_test

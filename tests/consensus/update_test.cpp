@@ -9,6 +9,8 @@
 #include "consensus/updates.h"
 #include "support/catch.h"
 
+namespace update_test {
+
 using namespace tandem;
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
@@ -229,3 +231,5 @@ TEST_CASE("codec: decoding into a used packet allocates nothing", "[consensus][u
   CHECK(packet.states.capacity() == capacity);
   CHECK(packet.states.size() == 100);
 }
+
+}  // namespace update_test

@@ -8,6 +8,8 @@
 #include "support/catch.h"
 #include "tandem/consensus/virtual_link.h"
 
+namespace virtual_link_fault_test {
+
 using namespace tandem::consensus;
 using namespace tandem::consensus::testing;
 
@@ -172,3 +174,5 @@ TEST_CASE("virtual_link: bad arguments are refused by name", "[consensus][fault]
   refused([](LinkOptions& o) { o.reorder_delay = 1e9; }, "reorder_delay");
   refused([](LinkOptions& o) { o.bandwidth = -5.0; }, "bandwidth");
 }
+
+}  // namespace virtual_link_fault_test

@@ -11,6 +11,8 @@
 #include "consensus/network_fixture.h"
 #include "support/catch.h"
 
+namespace virtual_link_test {
+
 using namespace tandem::consensus;
 using namespace tandem::consensus::testing;
 
@@ -288,3 +290,5 @@ TEST_CASE("virtual_link: peers are listed in order with what passed", "[consensu
   CHECK(of3[1].bytes_in == 20);
   CHECK(&network.transport(3) == &network.transport(3));
 }
+
+}  // namespace virtual_link_test

@@ -14,7 +14,7 @@
 #include "support/catch.h"
 #include "tandem/consensus/virtual_link.h"
 
-namespace tandem::demos {
+namespace tandem::demos::bullet_peer_test {
 namespace {
 
 constexpr double kStep = 1.0 / 60.0;
@@ -159,4 +159,4 @@ TEST_CASE("bullet peer: the balls of the cliff come to rest at both", "[demos][s
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::bullet_peer_test

@@ -9,7 +9,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::demos {
+namespace tandem::demos::cliff_test {
 namespace {
 
 using pbd::Vec3;
@@ -60,4 +60,4 @@ TEST_CASE("cliff: nothing is lost, nothing tunnels, and the peers agree across a
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::cliff_test

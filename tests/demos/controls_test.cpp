@@ -10,7 +10,7 @@
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::demos {
+namespace tandem::demos::controls_test {
 namespace {
 
 using pbd::Vec3;
@@ -124,4 +124,4 @@ TEST_CASE("signals: who comes later is told", "[demos][unit]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::controls_test

@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::demos {
+namespace tandem::demos::cubes_test {
 namespace {
 
 using pbd::Vec3;
@@ -88,4 +88,4 @@ TEST_CASE("cubes: measures that make no scene are refused by name", "[demos][fau
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::cubes_test

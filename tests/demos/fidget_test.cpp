@@ -8,7 +8,7 @@
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::demos {
+namespace tandem::demos::fidget_test {
 namespace {
 
 constexpr consensus::SessionTime kStep = 16'666'667;
@@ -69,4 +69,4 @@ TEST_CASE("fidget: takes one thing after the other, and nothing gets lost", "[de
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::fidget_test

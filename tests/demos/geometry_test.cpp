@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/math.h"
 
-namespace tandem::demos {
+namespace tandem::demos::geometry_test {
 namespace {
 
 using pbd::Pose;
@@ -62,4 +62,4 @@ TEST_CASE("geometry: each overlapping pair of a scene gives one number", "[demos
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::geometry_test

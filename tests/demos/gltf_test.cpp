@@ -15,7 +15,7 @@
 #include "scenes/cubes.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::gltf_test {
 namespace {
 
 std::vector<float> floats(const tinygltf::Model& model, int accessor) {
@@ -93,4 +93,4 @@ TEST_CASE("gltf: a file that cannot be written is named", "[demos]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::gltf_test

@@ -6,7 +6,7 @@
 
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::hand_test {
 namespace {
 
 using pbd::Vec3;
@@ -106,4 +106,4 @@ TEST_CASE("hand: a move meets position, velocity and acceleration at both ends",
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::hand_test

@@ -7,7 +7,7 @@
 
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::json_test {
 namespace {
 
 TEST_CASE("json: strings are escaped as RFC 8259 wants", "[demos][unit]") {
@@ -53,4 +53,4 @@ TEST_CASE("json: objects nest with commas where they belong", "[demos][unit]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::json_test

@@ -8,7 +8,7 @@
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/bytes.h"
 
-namespace tandem::demos {
+namespace tandem::demos::link_words_test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -83,4 +83,4 @@ TEST_CASE("link words: lies are bounded", "[demos][fault]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::link_words_test

@@ -9,7 +9,7 @@
 #include "common/link_probe.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::measures_test {
 namespace {
 
 using pbd::Vec3;
@@ -329,4 +329,4 @@ TEST_CASE("measures: a histogram counts everything once", "[demos][unit]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::measures_test

@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/math.h"
 
-namespace tandem::demos {
+namespace tandem::demos::metrics_test {
 namespace {
 
 using pbd::Vec3;
@@ -245,4 +245,4 @@ TEST_CASE("metrics: sums are over peers, rates for each", "[demos][unit]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::metrics_test

@@ -8,7 +8,7 @@
 
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::options_test {
 namespace {
 
 DemoOptions parse(const std::vector<std::string_view>& arguments) {
@@ -291,4 +291,4 @@ TEST_CASE("options: a page has any port where none is given, and no end but a gi
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::options_test

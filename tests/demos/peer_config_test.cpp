@@ -7,7 +7,7 @@
 #include "peer/config.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::peer_config_test {
 namespace {
 
 const std::string kNetwork = "[network]\nlisten = 7777\ninsecure = true\n";
@@ -152,4 +152,4 @@ TEST_CASE("peer config: the page has a port and an address of its own", "[demos]
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::peer_config_test

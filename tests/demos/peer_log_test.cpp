@@ -6,7 +6,7 @@
 #include "peer/log.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::peer_log_test {
 namespace {
 
 std::string value_of(std::string_view text) {
@@ -43,4 +43,4 @@ TEST_CASE("log: levels are known by their names alone", "[demos][unit]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::peer_log_test

@@ -12,7 +12,7 @@
 #include "processes.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::peer_process_test {
 namespace {
 
 /// What a web server on loopback answers; empty where there is none.
@@ -138,4 +138,4 @@ TEST_CASE("tandem-peer: a file that is not good ends it at once, with 2", "[demo
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::peer_process_test

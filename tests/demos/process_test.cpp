@@ -12,7 +12,7 @@
 #include "processes.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::process_test {
 namespace {
 
 class Demo : public Process {
@@ -152,4 +152,4 @@ TEST_CASE("processes: one that is killed and started again heals without a jump 
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::process_test

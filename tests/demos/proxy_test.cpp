@@ -19,7 +19,7 @@
 #include "processes.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::proxy_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -189,4 +189,4 @@ TEST_CASE("proxy: two clients are two to the other end, and each gets its own an
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::proxy_test

@@ -7,7 +7,7 @@
 
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::recent_quantiles_test {
 namespace {
 
 TEST_CASE("recent quantiles: of 1 to 1000 each is within a bin of the true one", "[demos][unit]") {
@@ -46,4 +46,4 @@ TEST_CASE("recent quantiles: no number is out of range", "[demos][fault]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::recent_quantiles_test

@@ -10,7 +10,7 @@
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/bytes.h"
 
-namespace tandem::demos {
+namespace tandem::demos::rendezvous_test {
 namespace {
 
 using consensus::SessionTime;
@@ -196,4 +196,4 @@ TEST_CASE("remote view: a hand that has let go is not brought back by what was u
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::rendezvous_test

@@ -7,7 +7,7 @@
 #include "common/json.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::report_test {
 namespace {
 
 TEST_CASE("report: every promised field is in the object, unknown ones as null", "[demos][unit]") {
@@ -96,4 +96,4 @@ TEST_CASE("report: the first fault of any peer makes the run unstable", "[demos]
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::report_test

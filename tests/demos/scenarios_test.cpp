@@ -19,7 +19,7 @@
 #include "support/catch.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::demos {
+namespace tandem::demos::scenarios_test {
 namespace {
 
 using pbd::Vec3;
@@ -269,4 +269,4 @@ TEST_CASE("piano: users who pull against each other across an ocean shake no dev
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::scenarios_test

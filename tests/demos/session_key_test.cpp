@@ -10,7 +10,7 @@
 
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::session_key_test {
 namespace {
 
 /// The rule that a file with this text breaks; empty where it holds a key.
@@ -59,4 +59,4 @@ TEST_CASE("session key: a name that begins like a loopback address is none", "[d
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::session_key_test

@@ -9,7 +9,7 @@
 
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::shape_mesh_test {
 namespace {
 
 using pbd::Vec3;
@@ -79,4 +79,4 @@ TEST_CASE("shape mesh: planes and height fields lie where they are", "[demos]") 
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::shape_mesh_test

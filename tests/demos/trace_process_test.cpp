@@ -9,7 +9,7 @@
 #include "processes.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::trace_process_test {
 namespace {
 
 /// What tandem-replay prints, and how it ends.
@@ -81,4 +81,4 @@ TEST_CASE("tandem-replay: what is no trace ends it with 2", "[demos][fault]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::trace_process_test

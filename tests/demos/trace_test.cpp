@@ -26,7 +26,7 @@
 #include "trace/replayer.h"
 #include "trace_support.h"
 
-namespace tandem::demos {
+namespace tandem::demos::trace_test {
 namespace {
 
 /// Half as many stacks on half a plate, to be quick.
@@ -537,4 +537,4 @@ TEST_CASE("trace: the words of a run's options are read back as the same options
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::trace_test

@@ -8,7 +8,7 @@
 #include "support/catch.h"
 #include "trace/transports.h"
 
-namespace tandem::demos {
+namespace tandem::demos::trace_transport_test {
 namespace {
 
 using consensus::Delivery;
@@ -127,4 +127,4 @@ TEST_CASE("trace: a transport that is replayed answers every call as it did", "[
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::trace_transport_test

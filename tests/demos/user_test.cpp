@@ -8,7 +8,7 @@
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/solver.h"
 
-namespace tandem::demos {
+namespace tandem::demos::user_test {
 namespace {
 
 using consensus::SessionTime;
@@ -103,4 +103,4 @@ TEST_CASE("user: lets go of what does not follow the hand", "[demos][unit]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::user_test

@@ -12,7 +12,7 @@
 #include "view/protocol.h"
 #include "view_frames.h"
 
-namespace tandem::demos::view {
+namespace tandem::demos::view::view_protocol_test {
 namespace {
 
 using pbd::Vec3;
@@ -375,4 +375,4 @@ TEST_CASE("command: whatever comes is understood or refused", "[demos][view][fuz
 }
 
 }  // namespace
-}  // namespace tandem::demos::view
+}  // namespace tandem::demos::view::view_protocol_test

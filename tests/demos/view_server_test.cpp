@@ -13,7 +13,7 @@
 #include "view/server.h"
 #include "view_frames.h"
 
-namespace tandem::demos::view {
+namespace tandem::demos::view::view_server_test {
 namespace {
 
 using testing::WebClient;
@@ -287,4 +287,4 @@ TEST_CASE("view server: where nothing moves, frames are few; settings reach all"
 }
 
 }  // namespace
-}  // namespace tandem::demos::view
+}  // namespace tandem::demos::view::view_server_test

@@ -7,7 +7,7 @@
 #include "support/catch.h"
 #include "view/live_session.h"
 
-namespace tandem::demos::view {
+namespace tandem::demos::view::view_session_test {
 namespace {
 
 using pbd::Vec3;
@@ -245,4 +245,4 @@ TEST_CASE("live session: a frame shows springs, contacts, beliefs and who is apa
 }
 
 }  // namespace
-}  // namespace tandem::demos::view
+}  // namespace tandem::demos::view::view_session_test

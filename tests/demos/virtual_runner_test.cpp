@@ -10,7 +10,7 @@
 #include "scenes/cubes.h"
 #include "support/catch.h"
 
-namespace tandem::demos {
+namespace tandem::demos::virtual_runner_test {
 namespace {
 
 /// Half as many stacks on half a plate, to be quick.
@@ -151,4 +151,4 @@ TEST_CASE("cubes: without agreement the peers drift apart", "[demos][soak]") {
 }
 
 }  // namespace
-}  // namespace tandem::demos
+}  // namespace tandem::demos::virtual_runner_test

@@ -14,6 +14,8 @@
 #include "protocol_support.h"
 #include "support/catch.h"
 
+namespace clock_sync_test {
+
 using namespace tandem::net;
 using namespace protocol;
 using tandem::consensus::PeerId;
@@ -382,3 +384,5 @@ TEST_CASE("clock filter: the interval holds the truth, and what contradicts it s
   CHECK(filter.size() == 1);
   CHECK(std::llabs(filter.at(now + 2 * kMs, 0.0).offset) <= 2 * kMs);
 }
+
+}  // namespace clock_sync_test

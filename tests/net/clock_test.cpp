@@ -10,6 +10,8 @@
 
 #include "support/catch.h"
 
+namespace clock_test {
+
 using namespace tandem::net;
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("clock: two session clocks of one host agree", "[net][unit]") {
   CHECK(first <= between);
   CHECK(between <= last);
 }
+
+}  // namespace clock_test

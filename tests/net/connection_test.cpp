@@ -9,6 +9,8 @@
 #include "support/catch.h"
 #include "tandem/pbd/bytes.h"
 
+namespace connection_test {
+
 using namespace tandem::net;
 using namespace protocol;
 using tandem::consensus::Delivery;
@@ -365,3 +367,5 @@ TEST_CASE("connection: a datagram is never longer than it may be, down to an MTU
     CHECK(longest == limit);
   }
 }
+
+}  // namespace connection_test

@@ -10,6 +10,8 @@
 #include "protocol_support.h"
 #include "support/catch.h"
 
+namespace handshake_test {
+
 using namespace tandem::net;
 using namespace protocol;
 
@@ -356,3 +358,5 @@ TEST_CASE("handshake: recorded proofs are answered alike and are bounded in numb
   }
   CHECK(two.responder.half_open() == HandshakeResponder::kMaxHalfOpen);
 }
+
+}  // namespace handshake_test

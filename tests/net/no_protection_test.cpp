@@ -6,6 +6,8 @@
 #include "support/catch.h"
 #include "tandem/net/keys.h"
 
+namespace no_protection_test {
+
 using namespace tandem::net;
 
 TEST_CASE("tcp: a key is refused where nothing can be encrypted, not passed over", "[net][fault]") {
@@ -15,3 +17,5 @@ TEST_CASE("tcp: a key is refused where nothing can be encrypted, not passed over
                     "TcpOptions: session_key is given, must be none in a build without libsodium");
   CHECK_THROWS_AS(make_key(), std::runtime_error);
 }
+
+}  // namespace no_protection_test

@@ -7,6 +7,8 @@
 #include "protocol_support.h"
 #include "support/catch.h"
 
+namespace noise_test {
+
 using namespace tandem::net;
 using namespace protocol;
 
@@ -148,3 +150,5 @@ TEST_CASE("noise: keys that make the secret known to everybody are refused", "[n
   one[0] = 1;
   CHECK_FALSE(crypto::agree(secret(1), one, shared));
 }
+
+}  // namespace noise_test

@@ -10,6 +10,8 @@
 #include "protocol_support.h"
 #include "support/catch.h"
 
+namespace packet_protection_test {
+
 using namespace tandem::net;
 using namespace protocol;
 
@@ -205,3 +207,5 @@ TEST_CASE("protection: junk is counted and nothing else", "[net][fault]") {
   CHECK(opener.epoch() == 0);
   CHECK(buffer.capacity() <= kMaxDatagram + kProtectedOverhead + kRelayHeader);
 }
+
+}  // namespace packet_protection_test

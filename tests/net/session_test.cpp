@@ -9,6 +9,8 @@
 #include "raw_peer.h"
 #include "support/catch.h"
 
+namespace session_test {
+
 using namespace tandem::net;
 
 TEST_CASE("session: addresses are read and written alike", "[net][unit]") {
@@ -43,3 +45,5 @@ TEST_CASE("session: a signal stops, and leaves nothing behind", "[net][unit]") {
   stop.request();
   CHECK(stop.requested());
 }
+
+}  // namespace session_test

@@ -7,6 +7,8 @@
 #include "support/catch.h"
 #include "wire.h"
 
+namespace stream_protection_test {
+
 using namespace tandem::net;
 
 namespace {
@@ -121,3 +123,5 @@ TEST_CASE("stream protection: the last number is used once and ends the connecti
   CHECK(out.empty());
   CHECK_FALSE(opener.open(wire));
 }
+
+}  // namespace stream_protection_test

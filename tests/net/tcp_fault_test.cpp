@@ -10,6 +10,8 @@
 #include "support/catch.h"
 #include "tandem/net/tcp.h"
 
+namespace tcp_fault_test {
+
 using namespace tandem::net;
 using raw::connected;
 using raw::eventually;
@@ -304,3 +306,5 @@ TEST_CASE("tcp: addresses told by a peer are tried, and forgotten if they are no
   CHECK(raw::receive(a, 1).size() == 1);
   CHECK(a.dials().size() <= 2 * TcpOptions{}.max_peers);
 }
+
+}  // namespace tcp_fault_test

@@ -13,6 +13,8 @@
 #include "support/catch.h"
 #include "tandem/net/keys.h"
 
+namespace tcp_protected_test {
+
 using namespace tandem::net;
 using raw::connected;
 using raw::eventually;
@@ -498,3 +500,5 @@ TEST_CASE("protected tcp: frames in the clear stay on this machine unless that i
   options.trusted[0].peer = 1;
   CHECK(error(options) == "TcpOptions: trusted is 1, must be ids of other peers");
 }
+
+}  // namespace tcp_protected_test

@@ -10,6 +10,8 @@
 #include "support/catch.h"
 #include "tandem/net/tcp.h"
 
+namespace tcp_queue_test {
+
 using namespace tandem::net;
 using raw::connected;
 using raw::eventually;
@@ -249,3 +251,5 @@ TEST_CASE("tcp: the end does not wait for a peer that hangs", "[net][socket]") {
   // The limit tells a hang (the socket would be read by nobody, ever) from flush_timeout, 250 ms.
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
 }
+
+}  // namespace tcp_queue_test

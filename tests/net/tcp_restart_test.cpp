@@ -10,6 +10,8 @@
 #include "support/catch.h"
 #include "tandem/net/tcp.h"
 
+namespace tcp_restart_test {
+
 using namespace tandem::net;
 using raw::connected;
 using raw::eventually;
@@ -216,3 +218,5 @@ TEST_CASE("tcp: a dropped peer is not dialled", "[net][socket]") {
   // Many times the longest back-off, 100 ms; on a slow machine this can only pass wrongly.
   CHECK_FALSE(there.readable(500));
 }
+
+}  // namespace tcp_restart_test

@@ -11,6 +11,8 @@
 #include "raw_peer.h"
 #include "support/catch.h"
 
+namespace tcp_test {
+
 using namespace tandem::net;
 using raw::connected;
 using raw::eventually;
@@ -275,3 +277,5 @@ TEST_CASE("tcp: options that cannot work are refused by name", "[net][fault]") {
   refused("drop_hold", [](TcpOptions& o) { o.drop_hold = milliseconds(-1); });
   refused("flush_timeout", [](TcpOptions& o) { o.flush_timeout = milliseconds(10001); });
 }
+
+}  // namespace tcp_test

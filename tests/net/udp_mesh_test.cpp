@@ -7,6 +7,8 @@
 #include "sim_world.h"
 #include "support/catch.h"
 
+namespace udp_mesh_test {
+
 using namespace tandem::net;
 using namespace protocol;
 using tandem::consensus::Delivery;
@@ -176,3 +178,5 @@ TEST_CASE("udp node: a member that tells nonsense of third peers costs a few sma
   CHECK(sent < 200);  // 16 addresses at a time, 8 questions in 5 s each
   CHECK(linked(world, 1, 2));
 }
+
+}  // namespace udp_mesh_test

@@ -14,6 +14,8 @@
 #include "support/catch.h"
 #include "tandem/pbd/bytes.h"
 
+namespace udp_node_test {
+
 using namespace tandem::net;
 using namespace protocol;
 using tandem::consensus::Delivery;
@@ -343,3 +345,5 @@ TEST_CASE("udp node: a member that begins connections and never goes on fills no
   world.run(kSecond);
   CHECK(linked(world, 1, 2));
 }
+
+}  // namespace udp_node_test

@@ -17,6 +17,8 @@
 
 #include "support/catch.h"
 
+namespace udp_test {
+
 using namespace tandem::net;
 using tandem::consensus::Delivery;
 using tandem::consensus::Packet;
@@ -293,3 +295,5 @@ TEST_CASE("udp: options that are not valid are named, a port in use is an error"
   taken.port = a.local_port();
   CHECK_THROWS_AS(UdpTransport(taken), std::system_error);
 }
+
+}  // namespace udp_test

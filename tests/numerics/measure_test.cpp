@@ -9,6 +9,8 @@
 #include "scenes/random.h"
 #include "support/catch.h"
 
+namespace measure_test {
+
 using namespace tandem::bench;
 
 namespace {
@@ -158,3 +160,5 @@ TEST_CASE("measure: the scenes have the bodies that other engines were given", "
     CHECK(random.u() == static_cast<double>(s >> 33) / 2147483648.0);
   }
 }
+
+}  // namespace measure_test

@@ -7,6 +7,8 @@
 #include "numerics/case.h"
 #include "support/catch.h"
 
+namespace numerics_test {
+
 using namespace tandem::bench;
 
 namespace {
@@ -54,3 +56,5 @@ TEST_CASE("numerics: the list of exceptions names cases that exist", "[numerics]
     CHECK(std::any_of(cases.begin(), cases.end(), [&](const Case& c) { return c.name == name; }));
   }
 }
+
+}  // namespace numerics_test

@@ -9,6 +9,8 @@
 
 #include "support/catch.h"
 
+namespace load_obj_test {
+
 using namespace tandem;
 using Catch::Contains;
 using collision::Mesh;
@@ -145,3 +147,5 @@ TEST_CASE("load_obj: a file, a stream and a string give the same mesh", "[obj]")
   }
   CHECK(file->bounds().max == Vec3(0.5, 0.5, 0.5));
 }
+
+}  // namespace load_obj_test

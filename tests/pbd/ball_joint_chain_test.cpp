@@ -4,6 +4,8 @@
 #include "support/catch.h"
 #include "tandem/pbd/joint.h"
 
+namespace ball_joint_chain_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -100,3 +102,5 @@ TEST_CASE("ball_joint chain: with 5 substeps a 100 times heavier end is still st
   CHECK(result.stretch < 0.056);
   CHECK(result.gained < 0.01 * chain.swing_energy());
 }
+
+}  // namespace ball_joint_chain_test

@@ -4,6 +4,8 @@
 #include "support/catch.h"
 #include "tandem/pbd/joint.h"
 
+namespace ball_joint_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -226,3 +228,5 @@ TEST_CASE("ball_joint: parts that start apart come together without gaining ener
   CHECK(joints.at(id).residual == report.blocks[0].residual);
   CHECK((world.pose(a).position - Vec3(0.5, 0.0, 0.0)).norm() < 1e-5);
 }
+
+}  // namespace ball_joint_test

@@ -9,6 +9,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 
+namespace body_control_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -270,3 +272,5 @@ TEST_CASE("refinement: a fast joint gets its substeps whichever of its bodies mo
   CHECK(substeps[0] > SolverOptions{}.substeps);
   CHECK(substeps[1] == substeps[0]);
 }
+
+}  // namespace body_control_test

@@ -9,6 +9,8 @@
 
 #include "support/catch.h"
 
+namespace bytes_test {
+
 using namespace tandem::pbd;
 
 namespace {
@@ -127,3 +129,5 @@ TEST_CASE("bytes: hash_bytes is 64-bit FNV-1a and chains", "[pbd][unit][golden]"
   CHECK(hash("foobar") == 0x85944171f73967e8ull);
   CHECK(hash("bar", hash("foo")) == hash("foobar"));
 }
+
+}  // namespace bytes_test

@@ -5,6 +5,8 @@
 #include "support/catch.h"
 #include "tandem/pbd/bytes.h"
 
+namespace contact_convergence_test {
+
 using namespace tandem::pbd;
 
 namespace {
@@ -75,3 +77,5 @@ TEST_CASE("a snapshot knows how long an island was unsolved", "[contact][snapsho
   CHECK(other.step(0.1) == kSweeps * 101);
   CHECK(other.step(0.1) == 0);
 }
+
+}  // namespace contact_convergence_test

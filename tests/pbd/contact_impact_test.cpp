@@ -5,6 +5,8 @@
 #include "support/toy_contacts.h"
 #include "tandem/pbd/contact.h"
 
+namespace contact_impact_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -350,3 +352,5 @@ TEST_CASE("contact: what lands on a stack without restitution stays there", "[pb
     CHECK(world.pose(upper).position.z() == Approx(1.5).margin(1e-3));
   }
 }
+
+}  // namespace contact_impact_test

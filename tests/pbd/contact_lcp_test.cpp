@@ -7,6 +7,8 @@
 
 #include "support/catch.h"
 
+namespace contact_lcp_test {
+
 using namespace tandem::pbd;
 
 namespace {
@@ -93,3 +95,5 @@ TEST_CASE("contact: points whose share of a load is open converge to one that ho
     }
   }
 }
+
+}  // namespace contact_lcp_test

@@ -4,6 +4,8 @@
 #include "support/catch.h"
 #include "support/toy_contacts.h"
 
+namespace contact_stack_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -111,3 +113,5 @@ TEST_CASE("contact stack: each contact carries the weight above it", "[pbd][cont
     CHECK(sum == Approx(kGravity * static_cast<double>(6 - i)).epsilon(1e-3));
   }
 }
+
+}  // namespace contact_stack_test

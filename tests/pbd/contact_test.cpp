@@ -6,6 +6,8 @@
 #include "support/catch.h"
 #include "support/toy_contacts.h"
 
+namespace contact_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -242,3 +244,5 @@ TEST_CASE("contact: a kinematic floor carries what lies on it along", "[pbd][uni
   CHECK(std::abs(world.pose(box).position.z() - 0.8) < 1e-3);
   CHECK((world.pose(lift).position - Vec3(0.6, 0.0, -0.2)).norm() < 1e-12);
 }
+
+}  // namespace contact_test

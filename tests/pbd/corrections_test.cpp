@@ -5,6 +5,8 @@
 #include "support/catch.h"
 #include "support/gradient.h"
 
+namespace corrections_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -103,3 +105,5 @@ TEST_CASE("corrections: a damped multiplier meets the damper's law", "[pbd][anal
 TEST_CASE("corrections: a row without mobility asks for nothing", "[pbd][unit]") {
   CHECK(row_multiplier(0.1, 0.0, 0.0, {}, 0.0) == 0.0);
 }
+
+}  // namespace corrections_test

@@ -9,6 +9,8 @@
 #include "support/catch.h"
 #include "support/gradient.h"
 
+namespace distance_joint_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -447,3 +449,5 @@ TEST_CASE("distance_joint: a soft range gives way by load times compliance", "[p
   def.range_compliance = 1e-320;
   CHECK(names(refusal([&] { joints.set(world, id, def); }), "range_compliance", "0.0", "1e-100"));
 }
+
+}  // namespace distance_joint_test

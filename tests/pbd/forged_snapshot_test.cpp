@@ -11,6 +11,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/tether.h"
 
+namespace forged_snapshot_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -110,3 +112,5 @@ TEST_CASE("forged snapshot: no byte anywhere breaks the world", "[pbd][fault]") 
   }
   CHECK(refusals > 500);
 }
+
+}  // namespace forged_snapshot_test

@@ -3,6 +3,8 @@
 #include "joint_fixture.h"
 #include "support/catch.h"
 
+namespace joint_axis_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -151,3 +153,5 @@ TEST_CASE("joint: a soft cone gives way by load times compliance, and its damper
   CHECK(swings[0] > 1e-3);
   CHECK(swings[1] < 1e-6);
 }
+
+}  // namespace joint_axis_test

@@ -6,6 +6,8 @@
 #include "support/catch.h"
 #include "support/targets.h"
 
+namespace joint_chain_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -369,3 +371,5 @@ TEST_CASE("joint chain: agreement moves it without motion and without parting it
     CHECK(world.kinetic_energy() < 1e-8);
   }
 }
+
+}  // namespace joint_chain_test

@@ -3,6 +3,8 @@
 #include "joint_fixture.h"
 #include "support/catch.h"
 
+namespace joint_motion_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -89,3 +91,5 @@ TEST_CASE("joint motion: a body with a locked axis swings on its joint", "[pbd][
   CHECK(lowest == Approx(-0.5).margin(1e-3));
   CHECK(std::abs(world.mechanical_energy() - energy) < 0.01 * kGravity);
 }
+
+}  // namespace joint_motion_test

@@ -9,6 +9,8 @@
 #include "support/catch.h"
 #include "support/gradient.h"
 
+namespace joint_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -397,3 +399,5 @@ TEST_CASE("joint: an axis may be of any length above 1e-9", "[pbd][joint][fault]
               }),
               "axis_w", "0.0", "1e-9"));
 }
+
+}  // namespace joint_test

@@ -7,6 +7,8 @@
 #include "support/targets.h"
 #include "support/toy_contacts.h"
 
+namespace locks_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -139,3 +141,5 @@ TEST_CASE("locks: agreement moves no locked axis", "[pbd][locks][consensus]") {
     CHECK(angle_between(world.pose(body).orientation, Quat::Identity()) > 0.1);
   }
 }
+
+}  // namespace locks_test

@@ -7,6 +7,8 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
+namespace math_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -182,3 +184,5 @@ TEST_CASE("math: the inverse of what is free is that of the free block alone", "
   CHECK(inverse_where_free(one_left) == Mat3(Vec3(0.0, 0.125, 0.0).asDiagonal()));
   CHECK(inverse_where_free(Mat3::Zero()).isZero(0.0));
 }
+
+}  // namespace math_test

@@ -7,6 +7,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/pose_target.h"
 
+namespace pose_target_contact_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -277,3 +279,5 @@ TEST_CASE("pose_target contact: bodies of other islands keep their very bits",
   }
   CHECK(shared.hash() != alone.hash());  // the first column did feel its target
 }
+
+}  // namespace pose_target_contact_test

@@ -6,6 +6,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/pose_target.h"
 
+namespace pose_target_energy_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -135,3 +137,5 @@ TEST_CASE("pose_target energy: displacement carries none, whatever turns and spi
     CHECK(world.kinetic_energy() - before == Approx(booked).margin(1e-9 * before));
   }
 }
+
+}  // namespace pose_target_energy_test

@@ -10,6 +10,8 @@
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/joint.h"
 
+namespace pose_target_group_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -106,3 +108,5 @@ TEST_CASE("pose_target: an island agrees as if no other group were solved",
   }
   CHECK((place[1] - place[0]).norm() < 1e-12);
 }
+
+}  // namespace pose_target_group_test

@@ -9,6 +9,8 @@
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/pose_target.h"
 
+namespace pose_target_joint_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -326,3 +328,5 @@ TEST_CASE("pose_target: two owned bodies that contradict their joint do no harm"
     CHECK(fastest < 1e-3);
   }
 }
+
+}  // namespace pose_target_joint_test

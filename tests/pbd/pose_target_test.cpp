@@ -10,6 +10,8 @@
 #include "support/catch.h"
 #include "support/targets.h"
 
+namespace pose_target_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -281,3 +283,5 @@ TEST_CASE("pose_target: bodies that do not move freely take no target", "[pbd][c
     CHECK(world.pose(body).position.norm() == 0.0);
   }
 }
+
+}  // namespace pose_target_test

@@ -9,6 +9,8 @@
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/tether.h"
 
+namespace sleep_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -110,3 +112,5 @@ TEST_CASE("sleep: a body that drifts towards a wall gets there", "[pbd][sleep][a
   run(world, solver, 2.0);
   CHECK(world.pose(ball).position.z() == Approx(0.5).margin(1e-4));
 }
+
+}  // namespace sleep_test

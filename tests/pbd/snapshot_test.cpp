@@ -11,6 +11,8 @@
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
+namespace snapshot_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -226,3 +228,5 @@ TEST_CASE("snapshot: an empty world has one too", "[pbd][unit]") {
   CHECK(other.gravity() == Vec3(1.0, 2.0, 3.0));
   CHECK(other.body_count() == 0);
 }
+
+}  // namespace snapshot_test

@@ -12,6 +12,8 @@
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/joint.h"
 
+namespace solver_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -303,3 +305,5 @@ TEST_CASE("solver: the order in which kinds of constraints were added does not m
   }
   CHECK(hashes[0] == hashes[1]);
 }
+
+}  // namespace solver_test

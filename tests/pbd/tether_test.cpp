@@ -9,6 +9,8 @@
 #include "support/catch.h"
 #include "support/gradient.h"
 
+namespace tether_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -202,3 +204,5 @@ TEST_CASE("tether: a bad definition is refused naming field, value and rule", "[
   CHECK(tethers.size() == 1);
   CHECK(tethers.def(id).stiffness == 500.0);
 }
+
+}  // namespace tether_test

@@ -7,6 +7,8 @@
 #include "tandem/pbd/corrections.h"
 #include "tandem/pbd/math.h"
 
+namespace typed_block_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -304,3 +306,5 @@ TEST_CASE("typed_block: a row keeps its bodies", "[pbd][fault]") {
   CHECK(shelves.def(id).body == body);
   CHECK(shelves.def(id).height == 1.0);
 }
+
+}  // namespace typed_block_test

@@ -5,6 +5,8 @@
 #include "support/catch.h"
 #include "support/oracles.h"
 
+namespace types_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -30,3 +32,5 @@ TEST_CASE("types: default poses and twists are the identity and rest", "[pbd][un
   CHECK(pose.to_world(Vec3(1.0, 2.0, 3.0)) == Vec3(1.0, 2.0, 3.0));
   CHECK((twist.linear.norm() == 0.0 && twist.angular.norm() == 0.0));
 }
+
+}  // namespace types_test

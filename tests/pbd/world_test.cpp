@@ -12,6 +12,8 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/tether.h"
 
+namespace world_test {
+
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
@@ -257,3 +259,5 @@ TEST_CASE("world: a moved world keeps its bodies and the references to its block
   CHECK(moved.blocks()[0].get() == &balls);
   CHECK(balls.size() == 1);
 }
+
+}  // namespace world_test
