@@ -69,8 +69,6 @@ void run(std::size_t balls, std::size_t panes, double seconds) {
   server.tell("end");
   page.join();
   const std::chrono::duration<double> wall = Clock::now() - start;
-  // The server looks at its thread's clock four times a second.
-  std::this_thread::sleep_for(std::chrono::milliseconds(600));
   const Server::Counters counters = server.counters();
   std::printf(
       "%zu balls, %zu panes: %zu of %d frames, %llu whole; %.2f Mbit/s at %.1f frames/s, "

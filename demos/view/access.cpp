@@ -46,6 +46,24 @@ std::optional<std::string_view> below(std::string_view token, std::string_view t
   return path.substr(length + 2);
 }
 
+bool is_name_of(std::string_view host, const boost::asio::ip::address& address,
+                std::uint16_t port) {
+  if (host.empty()) return false;
+  const std::size_t colon = host.rfind(':');
+  const bool bare = colon == std::string_view::npos || host.back() == ']';
+  const std::string digits = std::to_string(port);
+  if (bare ? digits != "80" : host.substr(colon + 1) != digits) return false;
+  std::string name(bare ? host : host.substr(0, colon));
+  if (name == "localhost") return address.is_loopback() || address.is_unspecified();
+  if (name.size() > 2 && name.front() == '[' && name.back() == ']') {
+    name = name.substr(1, name.size() - 2);
+  }
+  // A name that somebody else made point here is none of ours.
+  boost::system::error_code error;
+  const boost::asio::ip::address named = boost::asio::ip::make_address(name, error);
+  return !error && (named == address || address.is_unspecified());
+}
+
 bool Allowance::take(Clock::time_point now) {
   const std::chrono::duration<double> passed = now - last_;
   last_ = now;

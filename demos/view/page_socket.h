@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "view/access.h"
+#include "view/frame_encoder.h"
+#include "view/protocol.h"
+
+namespace tandem::demos::view {
+
+/// What a page's socket asks and tells; it is asked on the thread that the socket runs on.
+class PageHost {
+ public:
+  virtual ~PageHost() = default;
+  /// What pages are told first; "" = not known yet.
+  virtual const std::string& hello() const = 0;
+  virtual FrameEncoder& encoder() = 0;
+  virtual void heard(PageId page, Command command) = 0;
+  /// A page draws overlays from now on, or does no longer.
+  virtual void wants_changed() = 0;
+  /// A frame is on its way to a page.
+  virtual void sent(bool key, std::size_t bytes) = 0;
+  /// A page was not done with the last frame when there was another one.
+  virtual void missed() = 0;
+  /// @param opened  false: it was never there
+  virtual void gone(PageId page, bool opened) = 0;
+};
+
+/// One page's socket: words first, else the newest frame, where the page has not got it.
+/// @par Thread safety  One object: the thread of its socket.
+class PageSocket : public std::enable_shared_from_this<PageSocket> {
+ public:
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+
+  /// Host and layout must outlive it.
+  PageSocket(PageHost& host, PageId id, const Layout& layout, boost::beast::tcp_stream&& stream);
+
+  /// @param request  that asked for the upgrade
+  void start(Request request);
+  /// The words that come before all others; nothing is said before them.
+  void greet();
+  /// May close it.
+  void say(std::shared_ptr<const std::string> text);
+  /// There is a new frame.
+  void show();
+  void close();
+  bool wants_overlays() const { return overlays_; }
+
+ private:
+  void read();
+  void hear();
+  void write();
+  void send(boost::asio::const_buffer bytes);
+
+  PageHost& host_;
+  PageId id_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  Request request_;
+  CommandReader commands_;
+  Allowance allowance_;
+  boost::beast::flat_buffer incoming_{kMostBytes};
+  std::deque<std::shared_ptr<const std::string>> words_;
+  std::shared_ptr<const std::string> text_;  ///< being written
+  FrameEncoder::Bytes frame_;                ///< likewise
+  std::uint32_t sent_ = 0;                   ///< number of the last frame
+  bool open_ = false;
+  bool greeted_ = false;
+  bool writing_ = false;
+  bool closed_ = false;
+  bool overlays_ = false;
+};
+
+}  // namespace tandem::demos::view
