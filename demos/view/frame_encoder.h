@@ -26,6 +26,8 @@ class FrameEncoder {
   bool take(const Frame& frame, bool always);
   /// Number of the last frame, from 1; 0 = there was none.
   std::uint32_t number() const { return number_; }
+  /// As if there was none yet: what nobody has been shown for a while is old.
+  void forget() { number_ = 0; }
   /// The last frame, or what has changed since the one before. Overlays are in it where they are
   /// wanted and known. @pre number() > 0
   Bytes bytes(bool key, bool overlays);

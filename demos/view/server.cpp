@@ -391,6 +391,7 @@ void Server::Impl::note_pages() {
   for (const auto& [id, page] : pages_) wanted = wanted || page->wants_overlays();
   wants_overlays_ = wanted;
   page_count_ = pages_.size();
+  if (pages_.empty()) encoder_.forget();
 }
 
 const Asset* Server::Impl::asset_of(std::string_view path) const {

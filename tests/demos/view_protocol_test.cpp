@@ -128,6 +128,11 @@ TEST_CASE("frame: what has changed, on top of the frame before, is the whole fra
   CHECK(encoder.take(frame, true));
   follower.read(text_of(encoder.bytes(false, false)));
   CHECK(follower.panes[0].records + follower.panes[1].records == 0);
+  // Nobody has seen it any more, so that it is the first one again.
+  encoder.forget();
+  CHECK(encoder.number() == 0);
+  CHECK(encoder.take(frame, false));
+  CHECK(encoder.number() == 1);
 }
 
 TEST_CASE("frame: overlays come where they are asked for and known", "[demos][view][unit]") {

@@ -265,10 +265,38 @@ TEST_CASE("view server: pages see every frame, or the newest whole", "[demos][vi
   CHECK(late.panes[0].bodies[7].position.x() == Approx(3.0).margin(1e-4));
 }
 
+TEST_CASE("view server: who comes when all have left sees what is there now, not what was then",
+          "[demos][view][socket]") {
+  Fixture f;
+  auto first = f.page();
+  f.show(3, 1.0);
+  REQUIRE(first->hear(true));
+  first->close();
+  REQUIRE(f.events().size() == 1);
+  auto second = f.page();
+  // Words go before frames, so that an old one might come after any of them.
+  for (int i = 0; i < 10; ++i) {
+    second->say(R"({"type":"ping","time":1})");
+    const auto pong = second->hear();
+    REQUIRE(pong);
+    REQUIRE_FALSE(pong->binary);
+  }
+  f.show(3, 4.0);
+  const auto frame = second->hear();
+  REQUIRE(frame);
+  REQUIRE(frame->binary);
+  PageReader page(20.0 / 0x100000, 1, 3);
+  page.read(frame->bytes);
+  CHECK(page.key);
+  CHECK(page.time == 4.0);
+  CHECK(page.panes[0].bodies[2].position.x() == Approx(4.0).margin(1e-4));
+}
+
 TEST_CASE("view server: where nothing moves, frames are few; settings reach all",
           "[demos][view][socket]") {
   Fixture f;
   auto page = f.page();
+  auto other = f.page();
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) {
     f.show(3, 1.0);
@@ -276,10 +304,13 @@ TEST_CASE("view server: where nothing moves, frames are few; settings reach all"
   }
   f.server.tell("said");
   std::size_t frames = 0;
-  for (auto message = page->hear(); message; message = page->hear()) {
-    if (!message->binary) break;
-    ++frames;
-  }
+  auto message = page->hear();
+  for (; message && message->binary; message = page->hear()) ++frames;
+  REQUIRE(message);
+  CHECK(message->bytes == "said");
+  const auto heard = other->hear(false);
+  REQUIRE(heard);
+  CHECK(heard->bytes == "said");
   CHECK(frames >= 1);
   // One at once, and one more for each half second.
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
