@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Sets everything up, builds Release and runs a demo (cubes, cliff, piano, room or tennis; the first
-# where none is named) with the given arguments:
+# Sets everything up, builds Release and runs a demo (cubes, cliff, piano, pile, room or tennis; the
+# first where none is named) with the given arguments:
 #   demos/run.sh --profile 3 --seconds 20
 #   demos/run.sh tennis --profile 5
-# or draws key frames of all of them as PNG (needs Node.js, npm and Chromium):
+# or draws key frames of all of them as PNG (needs Chromium):
 #   demos/run.sh --pictures docs/img
 # Results go to standard output; what the build says goes to standard error.
 set -euo pipefail
@@ -30,10 +30,6 @@ build() {
 if [[ ${1:-} == --pictures ]]; then
   shift
   out=$(realpath -m "${1:-pictures}")
-  for tool in node npm; do
-    command -v "$tool" > /dev/null ||
-      { echo "demos/run.sh: pictures need $tool (Debian: nodejs, npm, chromium)" >&2; exit 1; }
-  done
   build cliff cubes piano pile room tennis
   npm --prefix "$root/tests/view" ci --no-audit --no-fund >&2
   TANDEM_BIN=$root/build/release/bin exec node "$root/tests/view/pictures.mjs" \
