@@ -18,7 +18,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::nanoseconds kFrameTime{16'666'667};
 /// s: where the machine is slower than the clock, the run is late by no more than this.
 constexpr double kLatest = 0.1;
 
@@ -41,6 +40,7 @@ class Runner {
       next = std::max(next + kFrameTime, Clock::now() - kFrameTime);
       hear();
       go_on();
+      if (server_.pages() == 0) continue;
       session_.show(frame_, server_.wants_overlays());
       server_.show(frame_);
     }

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -107,6 +108,9 @@ struct PaneFrame {
   std::vector<TargetMark> targets;
   std::vector<std::uint8_t> influence;  ///< of each body, 255 = 1; empty: not known
 };
+
+/// Of the clock: pages get no more than 60 frames a second.
+inline constexpr std::chrono::nanoseconds kFrameTime{16'666'667};
 
 struct Frame {
   double time = 0.0;  ///< s, session time since the start

@@ -21,8 +21,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::nanoseconds kFrameTime{16'666'667};
-
 /// The page's hands, which the peer's participant owns, as long as both are there.
 class Hands final : public User {
  public:
@@ -71,6 +69,7 @@ class OneWorld final : public WorldView {
     const Clock::time_point now = Clock::now();
     if (now < next_) return;
     next_ = std::max(next_ + kFrameTime, now - kFrameTime);
+    if (server_.pages() == 0) return;
     frame_.time = time;
     frame_.overlays = server_.wants_overlays();
     frame_.panes.resize(1);
