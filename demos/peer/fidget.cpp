@@ -59,14 +59,9 @@ void Fidget::grab(double time) {
   // Slow enough for a hand: 0.6 m/s on the average.
   const double travel = std::max(0.6, (to - from).norm() / 0.6);
 
-  const double mass = scene_.mass(body);
-  const GripSpec grip = GripSpec::for_load(mass, pbd::Vec3::Zero());
-  consensus::GrabDef def;
+  consensus::GrabDef def = single_spring(scene_.mass(body));
   def.body = scene_.bodies[body].id;
   def.anchor_w = from;
-  def.stiffness = 3.0 * grip.stiffness;
-  def.damping = 3.0 * grip.damping;
-  def.max_force = 3.0 * grip.max_force;
   spring_ = peer_.grab(def);
   if (spring_ == consensus::GrabId{}) return;
   body_ = body;

@@ -22,6 +22,15 @@ GripSpec GripSpec::for_load(double load, const pbd::Vec3& spread) {
   return spec;
 }
 
+consensus::GrabDef single_spring(double load) {
+  const GripSpec each = GripSpec::for_load(load, pbd::Vec3::Zero());
+  consensus::GrabDef def;
+  def.stiffness = 3.0 * each.stiffness;
+  def.damping = 3.0 * each.damping;
+  def.max_force = 3.0 * each.max_force;
+  return def;
+}
+
 void Sight::look(double time) {
   Frame frame;
   if (!frames_.empty() && frames_.size() > 1 && frames_[1].time <= time - reaction_) {

@@ -74,6 +74,9 @@ struct GripSpec {
   static GripSpec for_load(double load, const pbd::Vec3& spread);
 };
 
+/// One spring where a grip for the load (kg) would have three: as stiff and as strong as all of them.
+consensus::GrabDef single_spring(double load);
+
 /// A hand that holds one body by three springs ("loose springs" of [friston] Sec. 5.2). The anchors
 /// are fixed in the hand, the attachments in the body; they meet when the grip closes.
 class Grip {

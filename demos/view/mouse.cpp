@@ -54,15 +54,9 @@ void Mouse::update(consensus::SessionTime /*now*/) {
       controls_.move(grip.spring, grip.anchor_w);
       continue;
     }
-    const double mass = controls_.scene().mass(grip.body);
-    // One spring where a hand would have three.
-    const GripSpec spec = GripSpec::for_load(mass, pbd::Vec3::Zero());
-    consensus::GrabDef def;
+    consensus::GrabDef def = single_spring(controls_.scene().mass(grip.body));
     def.attachment_l = grip.attachment_l;
     def.anchor_w = grip.anchor_w;
-    def.stiffness = 3.0 * spec.stiffness;
-    def.damping = 3.0 * spec.damping;
-    def.max_force = 3.0 * spec.max_force;
     grip.spring = controls_.grab(grip.body, def);
   }
   std::erase_if(grips_, [](const Grip& grip) { return grip.released; });
