@@ -127,6 +127,15 @@ bool is_ball(const SceneBody& body) {
 
 }  // namespace
 
+Settings settings_of(const DemoOptions& options) {
+  Settings settings;
+  if (!options.over_network()) settings.profile = options.profile;
+  settings.influence = options.influence;
+  settings.predictor = options.predictor_kind();
+  settings.scheme = options.scheme;
+  return settings;
+}
+
 Layout make_layout(std::string name, const Scene& scene, double max_distance,
                    std::vector<PaneInfo> panes, bool live) {
   Layout layout;

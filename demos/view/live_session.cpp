@@ -29,10 +29,6 @@ bool same(const pbd::Vec3& attachment, std::size_t body, const consensus::GrabDe
 
 LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
     : scenario_(scenario), options_(options), replay_(replayed_inputs(options)) {
-  settings_.profile = options.profile;
-  settings_.influence = options.influence;
-  settings_.predictor = options.predictor_kind();
-  settings_.scheme = options.scheme;
   start();
   std::vector<PaneInfo> infos;
   for (std::size_t i = 0; i < actors_.size(); ++i) {
@@ -105,10 +101,17 @@ void LiveSession::advance_to(double time) {
 }
 
 void LiveSession::pass(double wall_s) {
-  if (!settings_.paused) advance_to(time() + settings_.speed * wall_s);
+  if (!paused_) advance_to(time() + speed_ * wall_s);
 }
 
 void LiveSession::restart() { start(); }
+
+Settings LiveSession::settings() const {
+  Settings settings = settings_of(options_);
+  settings.paused = paused_;
+  settings.speed = speed_;
+  return settings;
+}
 
 std::optional<std::string> LiveSession::apply(PageId page, const Command& command) {
   // Whatever was valid by the rules of commands may still not be for a peer.
@@ -120,9 +123,9 @@ std::optional<std::string> LiveSession::apply(PageId page, const Command& comman
     } else if (const auto* const release = std::get_if<Release>(&command)) {
       for (Pane& pane : panes_) pane.mouse->release(page, release->id);
     } else if (const auto* const paused = std::get_if<SetPaused>(&command)) {
-      settings_.paused = paused->paused;
+      paused_ = paused->paused;
     } else if (const auto* const speed = std::get_if<SetSpeed>(&command)) {
-      settings_.speed = speed->speed;
+      speed_ = speed->speed;
     } else if (const auto* const profile = std::get_if<SetProfile>(&command)) {
       set_profile(profile->profile);
     } else if (const auto* const influence = std::get_if<SetInfluence>(&command)) {
@@ -154,7 +157,6 @@ void LiveSession::leave(PageId page) {
 
 void LiveSession::set_profile(int profile) {
   options_.profile = profile;
-  settings_.profile = profile;
   for (std::size_t from = 1; from <= actors_.size(); ++from) {
     for (std::size_t to = 1; to <= actors_.size(); ++to) {
       if (from != to) network_->set_link(from, to, options_.link_options());
@@ -168,9 +170,6 @@ void LiveSession::change_rules(const DemoOptions& options) {
     options.peer_options(options.scheme_of(i)).validate();
   }
   options_ = options;
-  settings_.influence = options_.influence;
-  settings_.predictor = options_.predictor_kind();
-  settings_.scheme = options_.scheme;
   // States of the peers that were are none of the new ones'. What is sent reliably still comes: a
   // grip of the last moments may pull twice until it has not been heard of for a second.
   for (std::size_t from = 1; from <= actors_.size(); ++from) {

@@ -40,7 +40,7 @@ class LiveSession {
   /// From the beginning, with what is set now. Nobody holds anything then.
   void restart();
 
-  const Settings& settings() const { return settings_; }
+  Settings settings() const;
   /// What a page has asked for.
   /// @return a reason where it could not be done
   std::optional<std::string> apply(PageId page, const Command& command);
@@ -72,7 +72,8 @@ class LiveSession {
 
   const Scenario& scenario_;
   DemoOptions options_;
-  Settings settings_;
+  bool paused_ = false;
+  double speed_ = 1.0;  ///< session time over wall time
   Layout layout_;
   std::optional<std::vector<Input>> replay_;
   std::unique_ptr<consensus::VirtualNetwork> network_;

@@ -39,6 +39,8 @@ struct Settings {
   Scheme scheme = Scheme::OnePass;
   friend bool operator==(const Settings&, const Settings&) = default;
 };
+/// What a session begins with.
+Settings settings_of(const DemoOptions& options);
 
 // The limits of what a page may ask for.
 inline constexpr double kLeastSpeed = 0.05;

@@ -49,11 +49,7 @@ class OneWorld final : public WorldView {
         layout_(layout_of(context_, scene)),
         server_({.address = context_.options.view_address, .port = *context_.options.view}, layout_,
                 page_assets()) {
-    Settings settings;
-    settings.influence = context_.options.influence;
-    settings.predictor = context_.options.predictor_kind();
-    settings.scheme = context_.options.scheme;
-    server_.set_hello(hello_text(layout_, scene, settings));
+    server_.set_hello(hello_text(layout_, scene, settings_of(context_.options)));
     std::fprintf(stderr, "view: %s\n", server_.url().c_str());
   }
 
