@@ -166,6 +166,11 @@ void Participant::watch_steps_with(StepWatch* watch) {
   if (watch != nullptr) watch->attach(scene_, *peer_);
 }
 
+bool Participant::holds(std::size_t body, const pbd::Vec3& attachment_l) const {
+  return std::any_of(seats_.begin(), seats_.end(),
+                     [&](const Seat& seat) { return seat.controls->holds(body, attachment_l); });
+}
+
 void Participant::begin(consensus::SessionTime now) {
   if (!started_) {
     started_ = true;

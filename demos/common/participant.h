@@ -59,11 +59,8 @@ class Participant final : private consensus::PeerObserver {
   void change_rules(const DemoOptions& options);
 
   const Scene& scene() const { return scene_; }
-  /// What users here hold: visit(index of the body, its spring's definition).
-  template <class Visit>
-  void each_spring(Visit&& visit) const {
-    for (const Seat& seat : seats_) seat.controls->each_spring(visit);
-  }
+  /// Whether a user here holds a body by a spring at just this point (m, frame of the body).
+  bool holds(std::size_t body, const pbd::Vec3& attachment_l) const;
   const consensus::Peer& peer() const { return *peer_; }
   double step_hz() const { return record_.step_hz; }
   const std::string& fault() const { return record_.fault; }

@@ -143,11 +143,7 @@ class Session {
   /// The page on which this peer's world is seen and touched.
   void serve() {
     const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
-      bool own = false;
-      participant_.each_spring([&](std::size_t held, const consensus::GrabDef& def) {
-        own = own || (held == body && def.attachment_l == attachment_l);
-      });
-      return own;
+      return participant_.holds(body, attachment_l);
     };
     page_ = view::make_world_view({scenario_, options_, is_own}, participant_.scene(),
                                   participant_.peer());

@@ -181,11 +181,7 @@ class Node {
   /// The page on which this peer's world is seen and touched.
   void serve() {
     const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
-      bool own = false;
-      controls_->each_spring([&](std::size_t held, const consensus::GrabDef& def) {
-        own = own || (held == body && def.attachment_l == attachment_l);
-      });
-      return own;
+      return controls_->holds(body, attachment_l);
     };
     controls_.emplace(number(), scene_, peer_, began_, &signals_);
     controls_->keep_no_log();

@@ -112,4 +112,10 @@ bool Controls::holds(std::size_t body) const {
                      [body](const auto& entry) { return entry.second.body == body; });
 }
 
+bool Controls::holds(std::size_t body, const pbd::Vec3& attachment_l) const {
+  return std::any_of(springs_.begin(), springs_.end(), [&](const auto& entry) {
+    return entry.second.body == body && entry.second.def.attachment_l == attachment_l;
+  });
+}
+
 }  // namespace tandem::demos

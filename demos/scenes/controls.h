@@ -63,13 +63,10 @@ class Controls {
 
   /// Whether this user holds a body by a spring.
   bool holds(std::size_t body) const;
+  /// Likewise, by one at just this point (m, frame of the body).
+  bool holds(std::size_t body, const pbd::Vec3& attachment_l) const;
   /// The peer was replaced by another one at the same place: hold everything as before.
   void hold_again();
-  /// All springs that this user holds by, as they were last moved.
-  template <class Visit>
-  void each_spring(Visit&& visit) const {
-    for (const auto& [number, spring] : springs_) visit(spring.body, spring.def);
-  }
   /// Newest last.
   const std::vector<Input>& log() const { return log_; }
   /// Forget what was done, and what will be at each begin(): for sessions without an end.

@@ -74,7 +74,7 @@ struct GripSpec {
   static GripSpec for_load(double load, const pbd::Vec3& spread);
 };
 
-/// One spring where a grip for the load (kg) would have three: as stiff and as strong as all of them.
+/// One spring as stiff and as strong as the three of a grip for that load (kg) are together.
 consensus::GrabDef single_spring(double load);
 
 /// A hand that holds one body by three springs ("loose springs" of [friston] Sec. 5.2). The anchors

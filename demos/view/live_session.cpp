@@ -19,12 +19,6 @@ constexpr double kStepByHand = 1.0 / 60.0;  // s, of one step by hand
 
 SessionTime session_time(double seconds) { return kVirtualStart + std::llround(1e9 * seconds); }
 
-/// Whether two peers speak of one spring.
-bool same(const pbd::Vec3& attachment, std::size_t body, const consensus::GrabDef& def,
-          std::size_t of_body) {
-  return body == of_body && attachment == def.attachment_l;
-}
-
 }  // namespace
 
 LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
@@ -254,27 +248,17 @@ void LiveSession::show_divergence(Frame& out) {
 
 void LiveSession::show_springs(std::size_t pane, std::vector<SpringMark>& out) {
   const Participant& participant = panes_[pane].actor->participant();
-  const Scene& world = participant.scene();
   pulls_.clear();
   participant.peer().springs(pulls_);
-  for (const pbd::Tether::Def& pull : pulls_) {
-    SpringMark mark;
-    mark.anchor = pull.anchor_w;
-    mark.attachment = world.world->pose(pull.body).to_world(pull.anchor_l);
-    const auto body = std::find_if(world.bodies.begin(), world.bodies.end(),
-                                   [&](const SceneBody& b) { return b.body == pull.body; });
-    const auto index = static_cast<std::size_t>(body - world.bodies.begin());
-    // A peer does not tell whose a spring is, but whose it is has it as well, to the bit.
+  const auto holder = [this](std::size_t body, const pbd::Vec3& attachment_l) {
+    std::uint8_t whose = SpringMark::kElsewhere;
     for (std::size_t i = 0; i < panes_.size(); ++i) {
-      panes_[i].actor->participant().each_spring(
-          [&](std::size_t held, const consensus::GrabDef& def) {
-            if (!same(pull.anchor_l, index, def, held)) return;
-            mark.pane = static_cast<std::uint8_t>(std::min<std::size_t>(i, 254));
-          });
+      const Participant& other = panes_[i].actor->participant();
+      if (other.holds(body, attachment_l)) whose = static_cast<std::uint8_t>(i);
     }
-    mark.own = mark.pane == pane;
-    out.push_back(mark);
-  }
+    return whose;
+  };
+  append_springs(participant.scene(), pulls_, static_cast<std::uint8_t>(pane), holder, out);
 }
 
 RunResult LiveSession::result() {

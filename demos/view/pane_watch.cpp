@@ -105,6 +105,22 @@ void append_contacts(const pbd::World& world, std::vector<ContactMark>& out) {
   }
 }
 
+void append_springs(const Scene& scene, std::span<const pbd::Tether::Def> springs, std::uint8_t own,
+                    const std::function<std::uint8_t(std::size_t, const pbd::Vec3&)>& holder,
+                    std::vector<SpringMark>& out) {
+  for (const pbd::Tether::Def& spring : springs) {
+    const auto body =
+        std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                     [&spring](const SceneBody& each) { return each.body == spring.body; });
+    SpringMark mark;
+    mark.anchor = spring.anchor_w;
+    mark.attachment = scene.world->pose(spring.body).to_world(spring.anchor_l);
+    mark.pane = holder(static_cast<std::size_t>(body - scene.bodies.begin()), spring.anchor_l);
+    mark.own = mark.pane == own;
+    out.push_back(mark);
+  }
+}
+
 void put_divergence(std::vector<double>& lengths_m, PaneFrame& out) {
   out.divergence_p50_mm = out.divergence_max_mm = kNaN;
   if (lengths_m.empty()) return;

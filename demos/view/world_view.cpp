@@ -110,18 +110,10 @@ class OneWorld final : public WorldView {
     }
     pulls_.clear();
     peer_.springs(pulls_);
-    for (const pbd::Tether::Def& pull : pulls_) {
-      const auto body =
-          std::find_if(scene_.bodies.begin(), scene_.bodies.end(),
-                       [&pull](const SceneBody& each) { return each.body == pull.body; });
-      const auto index = static_cast<std::size_t>(body - scene_.bodies.begin());
-      SpringMark mark;
-      mark.anchor = pull.anchor_w;
-      mark.attachment = scene_.world->pose(pull.body).to_world(pull.anchor_l);
-      mark.own = context_.is_own(index, pull.anchor_l);
-      mark.pane = mark.own ? 0 : SpringMark::kElsewhere;
-      pane.springs.push_back(mark);
-    }
+    const auto holder = [this](std::size_t body, const pbd::Vec3& attachment_l) {
+      return context_.is_own(body, attachment_l) ? std::uint8_t{0} : SpringMark::kElsewhere;
+    };
+    append_springs(scene_, pulls_, 0, holder, pane.springs);
   }
 
   WorldViewContext context_;
