@@ -17,7 +17,6 @@ export class Connection {
     this.url = url;
     this.handlers = handlers;
     this.pause = FIRST_PAUSE;
-    this.bytes = 0;   // received, of all kinds
     this.errors = 0;  // messages that could not be understood
     this.open();
   }
@@ -36,14 +35,9 @@ export class Connection {
 
   receive(data) {
     try {
-      if (typeof data === 'string') {
-        this.bytes += data.length;
-        this.receiveText(JSON.parse(data));
-      } else {
-        this.bytes += data.byteLength;
-        // Without a hello nobody knows how many bodies there are.
-        if (this.decoder) this.handlers.frame(this.decoder.decode(data));
-      }
+      // Without a hello nobody knows how many bodies there are.
+      if (typeof data === 'string') this.receiveText(JSON.parse(data));
+      else if (this.decoder) this.handlers.frame(this.decoder.decode(data));
     } catch (error) {
       if (!(error instanceof ProtocolError) && !(error instanceof SyntaxError)) throw error;
       ++this.errors;

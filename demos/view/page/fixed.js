@@ -4,7 +4,7 @@
 // What does not move: solids, and half-spaces as a ground with a grid and as walls that are seen
 // from within only. World frame, z up, m.
 import * as THREE from './three.module.min.js';
-import {solidOf} from './geometry.js';
+import {perpendicular, solidOf} from './geometry.js';
 
 const FAR = 200;  // m, how far a ground goes
 
@@ -26,8 +26,7 @@ function cut(polygon, normal, offset) {
 /** Polygon of a plane that is left by all other half-spaces and a ceiling. */
 function planePolygon(plane, planes, height) {
   const {normal, offset} = plane;
-  const side = new THREE.Vector3(Math.abs(normal.z) < 0.9 ? 0 : 1, 0,
-                                 Math.abs(normal.z) < 0.9 ? 1 : 0).cross(normal).normalize();
+  const side = perpendicular(normal);
   const up = new THREE.Vector3().crossVectors(normal, side);
   const corner = (a, b) => normal.clone().multiplyScalar(offset)
     .addScaledVector(side, a * FAR).addScaledVector(up, b * FAR);

@@ -7,6 +7,12 @@ import * as THREE from './three.module.min.js';
 
 const MANY = 200;  // instances, from which on they have fewer triangles
 
+/** @param {THREE.Vector3} axis  unit @returns {THREE.Vector3}  unit, at a right angle to it */
+export function perpendicular(axis) {
+  const upright = Math.abs(axis.z) >= 0.9;
+  return new THREE.Vector3(upright ? 1 : 0, 0, upright ? 0 : 1).cross(axis).normalize();
+}
+
 /** Gives each triangle its own corners and a shade, so that one sees a round thing turn. */
 function twoTone(geometry, isDark) {
   const flat = geometry.index ? geometry.toNonIndexed() : geometry;

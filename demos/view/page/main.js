@@ -2,8 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Puts the page together. ?pane=0 one peer alone, ?overlay=1 all in one pane, ?still=1 for
-// pictures, ?marks=1 contacts, springs, targets and influence, ?theme=dark, ?look= (see camera.js),
-// ?until=7.5 pauses the session at that time (s).
+// pictures, ?marks=1 contacts, springs, targets and influence, ?theme=dark, ?look= (see camera.js).
 import * as THREE from './three.module.min.js';
 import {lookAt, Orbit, parseLook} from './camera.js';
 import {Connection} from './connection.js';
@@ -20,7 +19,6 @@ import {publish} from './state.js';
 const query = new URLSearchParams(location.search);
 const on = (name) => query.has(name) && query.get(name) !== '0';
 const only = query.has('pane') ? Number(query.get('pane')) : null;
-const until = query.has('until') ? Number(query.get('until')) : Infinity;
 const still = on('still');
 const darkness = matchMedia('(prefers-color-scheme: dark)');
 const byId = (id) => document.getElementById(id);
@@ -29,7 +27,7 @@ const byId = (id) => document.getElementById(id);
 const page = {
   hello: null, bodies: null, fixed: null, overlays: null, panes: [], frame: null, settings: {},
   frames: 0, drawn: 0, connected: false, overlay: on('overlay'), marks: on('marks'),
-  arrival: 0, interval: 1000 / 60, settled: true, dirty: true, stopped: false, messages: [],
+  arrival: 0, interval: 1000 / 60, settled: true, dirty: true, messages: [],
   drawnAt: 0, next: 0, justDrew: false,
 };
 document.body.classList.toggle('still', still);
@@ -135,10 +133,6 @@ function frame(next) {
   page.bodies.aim(next, still || !last || next.time < last.time);
   page.settled = false;
   if (!still) plots.push(next);
-  if (next.time >= until && !page.stopped) {
-    page.stopped = true;
-    send({type: 'set', name: 'paused', value: true});
-  }
   redraw();
 }
 
@@ -193,7 +187,7 @@ function draw(now) {
   ++page.drawn;
 }
 
-publish(window, {page, connection, orbit, canvas, stage, input});
+publish(window, {page, connection, orbit, canvas, input});
 darkness.addEventListener('change', theme);
 new ResizeObserver(arrange).observe(canvas.parentElement);
 canvas.addEventListener('pointerdown', () => byId('hint').classList.add('gone'));

@@ -3,6 +3,7 @@
 //
 // Sticks and dots in many instances: what overlays are drawn with.
 import * as THREE from './three.module.min.js';
+import {perpendicular} from './geometry.js';
 
 const UP = new THREE.Vector3(0, 0, 1);
 
@@ -88,8 +89,7 @@ export class Sticks extends Marks {
       return;
     }
     axis.divideScalar(length);
-    const side = new THREE.Vector3(Math.abs(axis.z) < 0.9 ? 0 : 1, 0,
-                                   Math.abs(axis.z) < 0.9 ? 1 : 0).cross(axis).normalize();
+    const side = perpendicular(axis);
     const other = new THREE.Vector3().crossVectors(axis, side);
     const turns = 8;
     const pieces = 12 * turns;

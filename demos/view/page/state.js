@@ -6,30 +6,24 @@ import * as THREE from './three.module.min.js';
 
 /**
  * @param {Window} window
- * @param {object} parts  page, connection, orbit, canvas, stage, input
+ * @param {object} parts  page, connection, orbit, canvas, input
  */
-export function publish(window, {page, connection, orbit, canvas, stage, input}) {
+export function publish(window, {page, connection, orbit, canvas, input}) {
   const indexOf = (body) => (typeof body === 'number'
     ? body : page.hello.bodies.findIndex((b) => b.name === body));
   const view = {
-    /** Frames received, pictures drawn, messages not understood, bytes received. */
+    /** Frames received, pictures drawn, messages not understood. */
     get frames() { return page.frames; },
     get drawn() { return page.drawn; },
     get errors() { return connection.errors; },
-    get bytes() { return connection.bytes; },
     get connected() { return page.connected; },
     get settled() { return page.settled && !page.dirty; },
     get scene() { return page.hello?.scene ?? null; },
-    get live() { return page.hello?.live ?? false; },
     get settings() { return {...page.settings}; },
     /** What the server refused. */
     get messages() { return [...page.messages]; },
-    /** s, session time of the last frame, and its number. */
+    /** s, session time of the last frame. */
     get time() { return page.frame?.time ?? NaN; },
-    get number() { return page.frame?.number ?? 0; },
-    get pixelRatio() { return stage.ratio; },
-    /** Pixels that WebGL draws triangles into, for a look at the load. */
-    get triangles() { return stage.renderer.info.render.triangles; },
     get panes() { return page.panes.map((pane) => ({...pane, peers: [...pane.peers]})); },
     /** Latency ms, step ms, divergence mm of each peer. */
     get peers() {
