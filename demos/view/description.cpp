@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // What a page is told in words.
-#include <array>
 #include <utility>
 
 #include "common/json.h"
@@ -11,12 +10,6 @@
 namespace tandem::demos::view {
 
 namespace {
-
-constexpr std::array kPredictors = {
-    consensus::PredictorKind::None,        consensus::PredictorKind::Euler,
-    consensus::PredictorKind::SecondOrder, consensus::PredictorKind::Kalman,
-    consensus::PredictorKind::LocalMotion, consensus::PredictorKind::Blend,
-    consensus::PredictorKind::Adaptive};
 
 void write(JsonWriter& json, const pbd::Vec3& v) {
   json.begin_array().value(v.x()).value(v.y()).value(v.z()).end_array();
@@ -109,7 +102,9 @@ void write_choices(JsonWriter& json) {
   json.begin_object().key("profile").begin_array();
   for (int profile = 0; profile <= kMostProfile; ++profile) json.value(profile);
   json.end_array().key("predictor").begin_array();
-  for (const consensus::PredictorKind kind : kPredictors) json.value(to_string(kind));
+  for (int kind = 0; kind <= static_cast<int>(consensus::PredictorKind::Adaptive); ++kind) {
+    json.value(to_string(static_cast<consensus::PredictorKind>(kind)));
+  }
   json.end_array().key("scheme").begin_array();
   for (int scheme = 0; scheme <= static_cast<int>(Scheme::Pd); ++scheme) {
     json.value(to_string(static_cast<Scheme>(scheme)));
