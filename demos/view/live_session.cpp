@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "scenes/random.h"
-
 namespace tandem::demos::view {
 
 using consensus::SessionTime;
@@ -25,7 +23,7 @@ LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
     : scenario_(scenario), options_(options), replay_(replayed_inputs(options)) {
   start();
   std::vector<PaneInfo> infos;
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
+  for (std::size_t i = 0; i < panes_.size(); ++i) {
     infos.push_back({i + 1, options.step_hz(i), std::string(to_string(options.engine(i)))});
   }
   layout_ = make_layout(scenario.name(), scene(0), scenario.bounds().max_distance, std::move(infos),
@@ -35,40 +33,21 @@ LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
 LiveSession::~LiveSession() { close_traces(); }
 
 void LiveSession::close_traces() {
-  for (const auto& trace : traces_) close_trace(trace.get());
+  if (session_) session_->close_traces();
 }
 
 void LiveSession::start() {
   now_ = kVirtualStart;
   panes_.clear();
-  actors_.clear();
   // What begins again begins its traces again.
   close_traces();
-  traces_.clear();
-  network_ = std::make_unique<consensus::VirtualNetwork>(
-      options_.link_options(), derived_seed(options_.seed, 5000), kVirtualStart);
-  const auto count = static_cast<std::size_t>(options_.peers);
-  // All join before the first of them looks around.
-  for (std::size_t i = 0; i < count; ++i) {
-    network_->transport(i + 1);
-    network_->set_clock(i + 1, clock_ahead(options_, i));
-  }
-  actors_.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    consensus::Transport& transport = network_->transport(i + 1);
-    const auto& trace =
-        traces_.emplace_back(open_trace(scenario_, options_, i + 1, i, transport, true));
-    actors_.emplace_back(scenario_, options_, i, trace ? trace->transport() : transport);
-    actors_.back().participant().watch_steps_with(trace.get());
-  }
-  for (std::size_t user = 0; user < scenario_.user_count() && !options_.no_script; ++user) {
-    actors_[seat_of(options_, user)].participant().add_user(
-        user, user_options(options_, user, kVirtualStart), replay_ ? &*replay_ : nullptr);
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    Participant& participant = actors_[i].participant();
+  session_.reset();
+  session_.emplace(scenario_, options_, replay_ ? &*replay_ : nullptr);
+  std::vector<Actor>& actors = session_->actors();
+  for (std::size_t i = 0; i < actors.size(); ++i) {
+    Participant& participant = actors[i].participant();
     Pane& pane = panes_.emplace_back();
-    pane.actor = &actors_[i];
+    pane.actor = &actors[i];
     pane.watch = std::make_unique<PaneWatch>(participant.scene());
     participant.watch_with(pane.watch.get());
     participant.add_user(scenario_.user_count() + i, kVirtualStart, [&pane](Controls& controls) {
@@ -84,12 +63,7 @@ double LiveSession::time() const { return 1e-9 * static_cast<double>(now_ - kVir
 
 void LiveSession::advance_to(double time) {
   const SessionTime end = session_time(time);
-  while (true) {
-    Actor& next = actors_[next_actor(actors_)];
-    const SessionTime now = std::get<0>(next.next());
-    if (now > end) break;
-    network_->advance_to(now);
-    next.act();
+  while (session_->act(end)) {
   }
   now_ = std::max(now_, end);
 }
@@ -151,26 +125,26 @@ void LiveSession::leave(PageId page) {
 
 void LiveSession::set_profile(int profile) {
   options_.profile = profile;
-  for (std::size_t from = 1; from <= actors_.size(); ++from) {
-    for (std::size_t to = 1; to <= actors_.size(); ++to) {
-      if (from != to) network_->set_link(from, to, options_.link_options());
+  for (std::size_t from = 1; from <= panes_.size(); ++from) {
+    for (std::size_t to = 1; to <= panes_.size(); ++to) {
+      if (from != to) session_->network().set_link(from, to, options_.link_options());
     }
   }
 }
 
 void LiveSession::change_rules(const DemoOptions& options) {
   // Nobody is left without a peer half way.
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
+  for (std::size_t i = 0; i < panes_.size(); ++i) {
     options.peer_options(options.scheme_of(i)).validate();
   }
   options_ = options;
   // States of the peers that were are none of the new ones'. What is sent reliably still comes: a
   // grip of the last moments may pull twice until it has not been heard of for a second.
-  for (std::size_t from = 1; from <= actors_.size(); ++from) {
-    for (std::size_t to = 1; to <= actors_.size(); ++to) {
+  for (std::size_t from = 1; from <= panes_.size(); ++from) {
+    for (std::size_t to = 1; to <= panes_.size(); ++to) {
       if (from == to) continue;
-      network_->cut(from, to);
-      network_->heal(from, to);
+      session_->network().cut(from, to);
+      session_->network().heal(from, to);
     }
   }
   for (Pane& pane : panes_) {
@@ -180,7 +154,7 @@ void LiveSession::change_rules(const DemoOptions& options) {
 }
 
 std::size_t LiveSession::pane_of(consensus::PeerId peer) const {
-  return peer >= 1 && peer <= actors_.size() ? static_cast<std::size_t>(peer - 1) : SIZE_MAX;
+  return peer >= 1 && peer <= panes_.size() ? static_cast<std::size_t>(peer - 1) : SIZE_MAX;
 }
 
 void LiveSession::show(Frame& out, bool overlays) {
@@ -263,7 +237,7 @@ void LiveSession::show_springs(std::size_t pane, std::vector<SpringMark>& out) {
 
 RunResult LiveSession::result() {
   RunResult run;
-  for (Actor& actor : actors_) run.peers.push_back(actor.participant().record());
+  for (Pane& pane : panes_) run.peers.push_back(pane.actor->participant().record());
   run.seconds = time();
   return run;
 }

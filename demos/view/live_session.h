@@ -8,10 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/actor.h"
 #include "common/virtual_runner.h"
-#include "tandem/consensus/virtual_link.h"
-#include "trace/peer_trace.h"
+#include "common/virtual_session.h"
 #include "view/mouse.h"
 #include "view/pane_watch.h"
 #include "view/protocol.h"
@@ -76,9 +74,7 @@ class LiveSession {
   double speed_ = 1.0;  ///< session time over wall time
   Layout layout_;
   std::optional<std::vector<Input>> replay_;
-  std::unique_ptr<consensus::VirtualNetwork> network_;
-  std::vector<std::unique_ptr<PeerTrace>> traces_;  ///< null where nobody asks for them
-  std::vector<Actor> actors_;
+  std::optional<VirtualSession> session_;  ///< there between calls
   std::vector<Pane> panes_;
   consensus::SessionTime now_ = kVirtualStart;
   // Scratch.
