@@ -77,6 +77,27 @@ TEST_CASE("controls: a driven body is at its pose after the step and says how fa
   CHECK(controls.log().size() == 1);
 }
 
+TEST_CASE("controls: a user holds what they grabbed, where they did, until they let go",
+          "[demos][unit]") {
+  consensus::VirtualNetwork network;
+  Scene scene = table_top({});
+  consensus::Peer peer(*scene.world, network.transport(1));
+  for (const SceneBody& body : scene.bodies) {
+    peer.share({.id = body.id, .body = body.body, .owner = std::nullopt});
+  }
+  Controls controls(0, scene, peer, 0);
+  controls.begin(0, 0.02);
+  const Vec3 corner(0.05, -0.05, 0.05);
+  const std::uint32_t spring = controls.grab(0, {.attachment_l = corner, .anchor_w = corner});
+  controls.move(spring, Vec3(1.0, 0.0, 1.0));
+  CHECK(controls.holds(0));
+  CHECK(controls.holds(0, corner));
+  CHECK_FALSE(controls.holds(0, Vec3::Zero()));
+  CHECK_FALSE(controls.holds(1, corner));
+  controls.release(spring);
+  CHECK_FALSE(controls.holds(0, corner));
+}
+
 TEST_CASE("controls: only the peer of its user drives a body", "[demos][unit]") {
   const Scene here = table_top({.users = 1});
   const Scene there = table_top({.users = 2});
