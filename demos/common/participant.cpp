@@ -187,8 +187,8 @@ void Participant::begin(consensus::SessionTime now) {
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
   peer_->before_step(now + clock_ahead_);
-  if (watch_ != nullptr) watch_->told();
   record_.cpu_s += thread_cpu_s() - cpu_before;
+  if (watch_ != nullptr) watch_->told();
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_->stats().updates_received > 0) record_.first_exchange = now;
 }
