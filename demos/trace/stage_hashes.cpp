@@ -94,17 +94,16 @@ void StageHashes::told() {
   springs_.clear();
   peer_->springs(springs_);
   for (const pbd::Tether::Def& spring : springs_) mix(of(spring.body), spring);
-  fold(targets_);
 }
 
 void StageHashes::collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) {
   const std::size_t first = out.size();
   inner_->collect(world, dt, out);
   for (std::size_t i = first; i < out.size(); ++i) mix(of(out[i].body), out[i]);
-  fold(targets_);
 }
 
 void StageHashes::solved() {
+  fold(targets_);
   start();
   fold(poses_);
 }
