@@ -133,32 +133,29 @@ void Participant::record_nothing() {
 void Participant::add_user(std::size_t user, const UserOptions& options,
                            const std::vector<Input>* replay) {
   record_.epoch = options.epoch;
-  Seat seat;
-  seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
-  seat.controls = std::make_unique<Controls>(user, scene_, *peer_, options.epoch, &signals_);
-  seat.controls->set_clock(clock_ahead_);
-  if (replay != nullptr) {
-    seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
-  } else {
-    seat.user = scenario_.make_user(user, *seat.controls, options);
-  }
-  sit_down(std::move(seat), user, options.epoch);
+  std::string prefix{static_cast<char>('a' + user % 26), '_'};
+  sit_down(user, options.epoch, std::move(prefix),
+           [&](Controls& controls) -> std::unique_ptr<User> {
+             if (replay != nullptr) return std::make_unique<ReplayUser>(user, *replay, controls);
+             return scenario_.make_user(user, controls, options);
+           });
 }
 
-void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
-                           const std::function<std::unique_ptr<User>(Controls&)>& make) {
+void Participant::add_user(std::size_t user, consensus::SessionTime epoch, const MakeUser& make) {
+  sit_down(user, epoch, "guest_", make);
+}
+
+void Participant::sit_down(std::size_t user, consensus::SessionTime epoch, std::string prefix,
+                           const MakeUser& make) {
+  // Whatever comes of it belongs to what it announces.
+  if (watch_ != nullptr) watch_->user(user, epoch);
   Seat seat;
-  seat.prefix = "guest_";
+  seat.prefix = std::move(prefix);
   seat.controls = std::make_unique<Controls>(user, scene_, *peer_, epoch, &signals_);
   seat.controls->set_clock(clock_ahead_);
   seat.user = make(*seat.controls);
-  sit_down(std::move(seat), user, epoch);
-}
-
-void Participant::sit_down(Seat seat, std::size_t user, consensus::SessionTime epoch) {
   if (!recording_) seat.controls->keep_no_log();
   seats_.push_back(std::move(seat));
-  if (watch_ != nullptr) watch_->user(user, epoch);
 }
 
 void Participant::watch_steps_with(StepWatch* watch) {

@@ -19,7 +19,7 @@ class StepWatch {
   virtual ~StepWatch() = default;
   /// Before all others, and again after rules(). Both outlive the calls that follow.
   virtual void attach(Scene& scene, consensus::Peer& peer) = 0;
-  /// A user sits down. @param epoch  ns, of the script's beginning
+  /// A user is to sit down. @param epoch  ns, of the script's beginning
   virtual void user(std::size_t user, consensus::SessionTime epoch) = 0;
   /// Another peer is put in the place of the one that was. @param options  of the new one
   virtual void rules(const DemoOptions& options) = 0;
