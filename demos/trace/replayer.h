@@ -76,15 +76,8 @@ class Replayer final : private StepWatch {
 
   // StepWatch
   void attach(Scene& scene, consensus::Peer& peer) override { hashes_.attach(scene, peer); }
-  void user(std::size_t, consensus::SessionTime) override {}
-  void rules(const DemoOptions&) override {}
-  void begin(consensus::SessionTime) override {}
-  void inputs(std::span<const Input>) override {}
   void told() override { hashes_.told(); }
-  void step(consensus::SessionTime) override {}
   void solved() override;
-  void finish(consensus::SessionTime) override {}
-  void leave(consensus::SessionTime) override {}
   void sent() override;
 
   TraceReader reader_;
