@@ -84,6 +84,7 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       number_(number),
       bounds_(scenario.bounds()),
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
+      bodies_(scene_),
       physics_(options.ablation.around(make_physics(
           options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
       // In virtual time all but the peers' own times are true ones.
@@ -98,9 +99,6 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
   for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
     const SceneBody& body = scene_.bodies[i];
     record_.owners.push_back(owner_of(options, body).value_or(0));
-    const std::uint32_t slot = body.body.index;
-    if (slot >= body_of_slot_.size()) body_of_slot_.resize(slot + 1, pbd::BodyId::kNone);
-    body_of_slot_[slot] = i;
     index_.emplace_back(body.id, i);
   }
   std::sort(index_.begin(), index_.end());
@@ -317,12 +315,9 @@ void Participant::record_contacts(consensus::SessionTime now) {
     return;
   }
   events_.update(*scene_.world, *scene_.contacts);
-  const auto body_at = [this](const pbd::BodyId& id) {
-    return id.index < body_of_slot_.size() ? body_of_slot_[id.index] : pbd::BodyId::kNone;
-  };
   for (const collision::ContactPair& pair : events_.touching()) {
-    const std::uint32_t a = body_at(pair.body_a);
-    const std::uint32_t b = body_at(pair.body_b);
+    const std::uint32_t a = bodies_.index_of(pair.body_a);
+    const std::uint32_t b = bodies_.index_of(pair.body_b);
     if (a == pbd::BodyId::kNone || b == pbd::BodyId::kNone) continue;
     frame.pairs.push_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b));
   }

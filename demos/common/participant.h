@@ -104,6 +104,7 @@ class Participant final : private consensus::PeerObserver {
   std::size_t number_;
   Bounds bounds_;
   Scene scene_;
+  BodiesBySlot bodies_;
   std::unique_ptr<Physics> physics_;
   Signals signals_;
   std::optional<consensus::Peer> peer_;         ///< always there; controls keep its address
@@ -113,7 +114,6 @@ class Participant final : private consensus::PeerObserver {
   std::unique_ptr<Referee> referee_;
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id
   collision::ContactEvents events_;
-  std::vector<std::uint32_t> body_of_slot_;  ///< index into the scene's bodies, by world slot
   std::vector<pbd::Vec3> moved_;  ///< m, by body: what two-step coupling did before the step
   PeerRecord record_;
   consensus::SessionTime epoch_ = 0;
