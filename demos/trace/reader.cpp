@@ -3,8 +3,6 @@
 #include "trace/reader.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <string>
 
 #include "tandem/pbd/bytes.h"
@@ -75,7 +73,7 @@ class TraceReader::In {
   }
   std::uint32_t u32(std::string_view what) { return pbd::ByteReader(bytes(what, 4)).u32(); }
   std::uint64_t u64(std::string_view what) { return pbd::ByteReader(bytes(what, 8)).u64(); }
-  double f64(std::string_view what) { return std::bit_cast<double>(u64(what)); }
+  double f64(std::string_view what) { return pbd::ByteReader(bytes(what, 8)).f64(); }
   std::string text(std::string_view what) {
     const auto content = bytes(what, varint(what, kMaxText, "at most 4096 bytes"));
     std::string result;
