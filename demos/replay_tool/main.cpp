@@ -188,7 +188,7 @@ int diff(const Trace& a, const Trace& b, double tolerance) {
   const bool one_scene = a.header.scene == b.header.scene &&
                          a.header.scene_hash == b.header.scene_hash &&
                          a.header.bodies == b.header.bodies;
-  if (!one_scene) throw std::runtime_error("of another scene than " + b.path);
+  if (!one_scene) throw std::runtime_error("of another scene than " + a.path);
   if (a.header.self == b.header.self) return diff_runs(a, b);
   return diff_views(a, b, tolerance);
 }
