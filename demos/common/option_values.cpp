@@ -6,6 +6,21 @@
 
 namespace tandem::demos {
 
+namespace {
+
+/// visit(item) of a list with commas between its items; an empty one has one item, which is empty.
+template <class Visit>
+void each_item(std::string_view list, Visit&& visit) {
+  while (true) {
+    const std::size_t comma = list.find(',');
+    visit(list.substr(0, comma));
+    if (comma == std::string_view::npos) return;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
 void refuse(std::string_view option, std::string_view value, std::string_view rule) {
   throw UsageError(std::string(option) + " = " + std::string(value) +
                    " breaks: " + std::string(rule));
@@ -60,20 +75,16 @@ std::string address(std::string_view text) {
 
 std::vector<double> rates(std::string_view text) {
   std::vector<double> result;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    result.push_back(number("--rates", text.substr(0, comma), 10.0, 1000.0,
-                            "numbers from 10 to 1000, with commas between them"));
-    if (comma == std::string_view::npos) return result;
-    text.remove_prefix(comma + 1);
-  }
+  each_item(text, [&result](std::string_view rate) {
+    result.push_back(
+        number("--rates", rate, 10.0, 1000.0, "numbers from 10 to 1000, with commas between them"));
+  });
+  return result;
 }
 
 std::vector<Engine> engines(std::string_view text) {
   std::vector<Engine> result;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view name = text.substr(0, comma);
+  each_item(text, [&result](std::string_view name) {
     if (name != "tandem" && name != "bullet") {
       refuse("--engines", name, "tandem and bullet, with commas between them");
     }
@@ -81,23 +92,19 @@ std::vector<Engine> engines(std::string_view text) {
       refuse("--engines", name, "built with Bullet (TANDEM_BULLET_PEER)");
     }
     result.push_back(name == "bullet" ? Engine::Bullet : Engine::Tandem);
-    if (comma == std::string_view::npos) return result;
-    text.remove_prefix(comma + 1);
-  }
+  });
+  return result;
 }
 
 Ablation ablation(std::string_view text) {
   Ablation result;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view name = text.substr(0, comma);
+  each_item(text, [&result](std::string_view name) {
     std::size_t part = 0;
     while (part < kParts && name != to_string(static_cast<Part>(part))) ++part;
     if (part == kParts) refuse("--ablate", name, "parts that --help lists, with commas between");
     result.leave_out(static_cast<Part>(part));
-    if (comma == std::string_view::npos) return result;
-    text.remove_prefix(comma + 1);
-  }
+  });
+  return result;
 }
 
 }  // namespace tandem::demos

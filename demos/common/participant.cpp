@@ -84,6 +84,7 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       number_(number),
       bounds_(scenario.bounds()),
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
+      bodies_(scene_),
       physics_(options.ablation.around(make_physics(
           options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
       // In virtual time all but the peers' own times are true ones.
@@ -98,9 +99,6 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
   for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
     const SceneBody& body = scene_.bodies[i];
     record_.owners.push_back(owner_of(options, body).value_or(0));
-    const std::uint32_t slot = body.body.index;
-    if (slot >= body_of_slot_.size()) body_of_slot_.resize(slot + 1, pbd::BodyId::kNone);
-    body_of_slot_[slot] = i;
     index_.emplace_back(body.id, i);
   }
   std::sort(index_.begin(), index_.end());
@@ -133,32 +131,29 @@ void Participant::record_nothing() {
 void Participant::add_user(std::size_t user, const UserOptions& options,
                            const std::vector<Input>* replay) {
   record_.epoch = options.epoch;
-  Seat seat;
-  seat.prefix = std::string(1, static_cast<char>('a' + user % 26)) + "_";
-  seat.controls = std::make_unique<Controls>(user, scene_, *peer_, options.epoch, &signals_);
-  seat.controls->set_clock(clock_ahead_);
-  if (replay != nullptr) {
-    seat.user = std::make_unique<ReplayUser>(user, *replay, *seat.controls);
-  } else {
-    seat.user = scenario_.make_user(user, *seat.controls, options);
-  }
-  sit_down(std::move(seat), user, options.epoch);
+  std::string prefix{static_cast<char>('a' + user % 26), '_'};
+  sit_down(user, options.epoch, std::move(prefix),
+           [&](Controls& controls) -> std::unique_ptr<User> {
+             if (replay != nullptr) return std::make_unique<ReplayUser>(user, *replay, controls);
+             return scenario_.make_user(user, controls, options);
+           });
 }
 
-void Participant::add_user(std::size_t user, consensus::SessionTime epoch,
-                           const std::function<std::unique_ptr<User>(Controls&)>& make) {
+void Participant::add_user(std::size_t user, consensus::SessionTime epoch, const MakeUser& make) {
+  sit_down(user, epoch, "guest_", make);
+}
+
+void Participant::sit_down(std::size_t user, consensus::SessionTime epoch, std::string prefix,
+                           const MakeUser& make) {
+  // Whatever comes of it belongs to what it announces.
+  if (watch_ != nullptr) watch_->user(user, epoch);
   Seat seat;
-  seat.prefix = "guest_";
+  seat.prefix = std::move(prefix);
   seat.controls = std::make_unique<Controls>(user, scene_, *peer_, epoch, &signals_);
   seat.controls->set_clock(clock_ahead_);
   seat.user = make(*seat.controls);
-  sit_down(std::move(seat), user, epoch);
-}
-
-void Participant::sit_down(Seat seat, std::size_t user, consensus::SessionTime epoch) {
   if (!recording_) seat.controls->keep_no_log();
   seats_.push_back(std::move(seat));
-  if (watch_ != nullptr) watch_->user(user, epoch);
 }
 
 void Participant::watch_steps_with(StepWatch* watch) {
@@ -192,8 +187,8 @@ void Participant::begin(consensus::SessionTime now) {
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
   peer_->before_step(now + clock_ahead_);
-  if (watch_ != nullptr) watch_->told();
   record_.cpu_s += thread_cpu_s() - cpu_before;
+  if (watch_ != nullptr) watch_->told();
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_->stats().updates_received > 0) record_.first_exchange = now;
 }
@@ -325,12 +320,9 @@ void Participant::record_contacts(consensus::SessionTime now) {
     return;
   }
   events_.update(*scene_.world, *scene_.contacts);
-  const auto body_at = [this](const pbd::BodyId& id) {
-    return id.index < body_of_slot_.size() ? body_of_slot_[id.index] : pbd::BodyId::kNone;
-  };
   for (const collision::ContactPair& pair : events_.touching()) {
-    const std::uint32_t a = body_at(pair.body_a);
-    const std::uint32_t b = body_at(pair.body_b);
+    const std::uint32_t a = bodies_.index_of(pair.body_a);
+    const std::uint32_t b = bodies_.index_of(pair.body_b);
     if (a == pbd::BodyId::kNone || b == pbd::BodyId::kNone) continue;
     frame.pairs.push_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b));
   }

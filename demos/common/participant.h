@@ -36,11 +36,11 @@ class Participant final : private consensus::PeerObserver {
   /// @param replay  null: the script; else what users did in another run
   void add_user(std::size_t user, const UserOptions& options,
                 const std::vector<Input>* replay = nullptr);
-  /// Somebody else, who acts by controls of their own.
-  /// @param user  above all of the scenario's  @param epoch  ns, session time their inputs count
+  using MakeUser = std::function<std::unique_ptr<User>(Controls&)>;
+  /// Somebody who acts as `make` has it: by hand, or as a trace says.
+  /// @param user  of nobody else in the session  @param epoch  ns, session time their inputs count
   /// from
-  void add_user(std::size_t user, consensus::SessionTime epoch,
-                const std::function<std::unique_ptr<User>(Controls&)>& make);
+  void add_user(std::size_t user, consensus::SessionTime epoch, const MakeUser& make);
 
   void begin(consensus::SessionTime now);
   void step(consensus::SessionTime now, consensus::SessionTime end);
@@ -94,12 +94,14 @@ class Participant final : private consensus::PeerObserver {
     std::unique_ptr<Controls> controls;
     std::unique_ptr<User> user;
   };
-  void sit_down(Seat seat, std::size_t user, consensus::SessionTime epoch);
+  void sit_down(std::size_t user, consensus::SessionTime epoch, std::string prefix,
+                const MakeUser& make);
 
   const Scenario& scenario_;
   std::size_t number_;
   Bounds bounds_;
   Scene scene_;
+  BodiesBySlot bodies_;
   std::unique_ptr<Physics> physics_;
   Signals signals_;
   std::optional<consensus::Peer> peer_;         ///< always there; controls keep its address
@@ -109,7 +111,6 @@ class Participant final : private consensus::PeerObserver {
   std::unique_ptr<Referee> referee_;
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id
   collision::ContactEvents events_;
-  std::vector<std::uint32_t> body_of_slot_;  ///< index into the scene's bodies, by world slot
   std::vector<pbd::Vec3> moved_;  ///< m, by body: what two-step coupling did before the step
   PeerRecord record_;
   consensus::SessionTime epoch_ = 0;

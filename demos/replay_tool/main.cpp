@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Runs a peer again as its trace has it. docs/trace.md
-#include <charconv>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/option_values.h"
 #include "scenes/scenario_list.h"
 #include "trace/build_facts.h"
 #include "trace/diff.h"
@@ -187,7 +188,7 @@ int diff(const Trace& a, const Trace& b, double tolerance) {
   const bool one_scene = a.header.scene == b.header.scene &&
                          a.header.scene_hash == b.header.scene_hash &&
                          a.header.bodies == b.header.bodies;
-  if (!one_scene) throw std::runtime_error("of another scene than " + b.path);
+  if (!one_scene) throw std::runtime_error("of another scene than " + a.path);
   if (a.header.self == b.header.self) return diff_runs(a, b);
   return diff_views(a, b, tolerance);
 }
@@ -199,8 +200,9 @@ struct Arguments {
   double tolerance = 0.05;  ///< m
 };
 
-/// @return what is wrong with them; empty where nothing is
-std::string read(std::span<const std::string_view> words, Arguments& result) {
+/// @throws UsageError
+Arguments read(std::span<const std::string_view> words) {
+  Arguments result;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--info") {
       result.info = true;
@@ -208,21 +210,19 @@ std::string read(std::span<const std::string_view> words, Arguments& result) {
       result.diff = true;
     } else if (words[i] == "--tolerance") {
       const std::string_view text = i + 1 < words.size() ? words[++i] : std::string_view();
-      const auto [end, error] =
-          std::from_chars(text.data(), text.data() + text.size(), result.tolerance);
-      const bool good = error == std::errc{} && end == text.data() + text.size() &&
-                        result.tolerance >= 0.0 && result.tolerance <= 1e6;
-      if (!good) return "--tolerance breaks: m, a number from 0 to 1e6";
+      result.tolerance = number("--tolerance", text, 0.0, 1e6, "m, a number from 0 to 1e6");
     } else if (words[i].starts_with("-")) {
-      return "argument = " + std::string(words[i]) + " breaks: one of those that --help lists";
+      refuse("argument", words[i], "one of those that --help lists");
     } else {
       result.files.emplace_back(words[i]);
     }
   }
   const std::size_t files = result.diff ? 2 : 1;
-  if (result.info && result.diff) return "--info breaks: without --diff";
-  if (result.files.size() != files) return result.diff ? "--diff breaks: two files" : "one file";
-  return {};
+  if (result.info && result.diff) throw UsageError("--info breaks: without --diff");
+  if (result.files.size() != files) {
+    refuse("files", std::to_string(result.files.size()), "two with --diff, else one");
+  }
+  return result;
 }
 
 }  // namespace
@@ -236,8 +236,10 @@ int main(int argc, char** argv) {
     }
   }
   Arguments arguments;
-  if (const std::string wrong = read(words, arguments); !wrong.empty()) {
-    std::fprintf(stderr, "tandem-replay: %s\n%s", wrong.c_str(), kUsage);
+  try {
+    arguments = read(words);
+  } catch (const UsageError& error) {
+    std::fprintf(stderr, "tandem-replay: %s\n%s", error.what(), kUsage);
     return 2;
   }
   std::string path;

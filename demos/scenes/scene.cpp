@@ -16,6 +16,11 @@ std::size_t Scene::index_of(std::string_view name) const {
                               " breaks: must name a shared body");
 }
 
+BodiesBySlot::BodiesBySlot(const Scene& scene)
+    : indices_(scene.world->slot_count(), pbd::BodyId::kNone) {
+  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) indices_[scene.bodies[i].body.index] = i;
+}
+
 std::uint64_t scene_hash(const Scene& scene) {
   std::vector<std::byte> bytes;
   pbd::ByteWriter out(bytes);

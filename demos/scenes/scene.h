@@ -64,6 +64,20 @@ struct Scene {
   double mass(std::size_t body) const { return world->props(bodies[body].body).mass; }
 };
 
+/// Finds a scene's shared bodies by their slots in its world.
+class BodiesBySlot {
+ public:
+  BodiesBySlot() = default;
+  explicit BodiesBySlot(const Scene& scene);
+  /// Its index into Scene::bodies; BodyId::kNone where it is not shared.
+  std::uint32_t index_of(const pbd::BodyId& body) const {
+    return body.index < indices_.size() ? indices_[body.index] : pbd::BodyId::kNone;
+  }
+
+ private:
+  std::vector<std::uint32_t> indices_;
+};
+
 /// A hash that peers compare before they play together: names and sizes of the shared bodies.
 std::uint64_t scene_hash(const Scene& scene);
 

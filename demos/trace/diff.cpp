@@ -25,58 +25,6 @@ bool same(const consensus::Packet& a, const consensus::Packet& b) {
   return a.from == b.from && a.received == b.received && a.bytes == b.bytes;
 }
 
-Departure packets_differ(const TraceRecord& a, const TraceRecord& b) {
-  Departure result;
-  result.stage = "packets";
-  const std::size_t both = std::min(a.packets.size(), b.packets.size());
-  for (std::size_t i = 0; i < both; ++i) {
-    const consensus::Packet& x = a.packets[i];
-    const consensus::Packet& y = b.packets[i];
-    if (same(x, y)) continue;
-    result.note = "packet " + std::to_string(i) + " from peer " + std::to_string(x.from) + ", ";
-    if (x.bytes == y.bytes) {
-      result.note += "its sender or when it came";
-      return result;
-    }
-    const auto at = std::mismatch(x.bytes.begin(), x.bytes.end(), y.bytes.begin(), y.bytes.end());
-    result.note += "byte " + std::to_string(at.first - x.bytes.begin()) + " of " +
-                   std::to_string(x.bytes.size());
-    return result;
-  }
-  result.note =
-      std::to_string(a.packets.size()) + " have come, or " + std::to_string(b.packets.size());
-  return result;
-}
-
-std::optional<Departure> inputs_differ(const TraceRecord& a, const TraceRecord& b) {
-  Departure result;
-  result.stage = "inputs";
-  result.note = "of user " + std::to_string(a.user);
-  if (a.user != b.user) return result;
-  const std::size_t both = std::min(a.inputs.size(), b.inputs.size());
-  for (std::size_t i = 0; i < both; ++i) {
-    if (same(a.inputs[i], b.inputs[i])) continue;
-    if (a.inputs[i].kind != Input::Kind::Signal) result.body = a.inputs[i].body;
-    return result;
-  }
-  if (a.inputs.size() == b.inputs.size()) return std::nullopt;
-  return result;
-}
-
-bool same_packets(const TraceRecord& a, const TraceRecord& b) {
-  return a.call == b.call &&
-         std::equal(a.packets.begin(), a.packets.end(), b.packets.begin(), b.packets.end(),
-                    [](const auto& x, const auto& y) { return same(x, y); });
-}
-
-std::optional<Departure> differ_if(bool differs, const char* stage, const char* note = "") {
-  if (!differs) return std::nullopt;
-  Departure result;
-  result.stage = stage;
-  result.note = note;
-  return result;
-}
-
 const char* stage_of(TraceKind kind) {
   switch (kind) {
     case TraceKind::Packets:
@@ -97,35 +45,82 @@ const char* stage_of(TraceKind kind) {
   }
 }
 
+std::optional<Departure> differ_if(bool differs, TraceKind kind, const char* note = "") {
+  if (!differs) return std::nullopt;
+  Departure result;
+  result.stage = stage_of(kind);
+  result.note = note;
+  return result;
+}
+
+std::optional<Departure> packets_differ(const TraceRecord& a, const TraceRecord& b) {
+  Departure result;
+  result.stage = stage_of(a.kind);
+  const std::size_t both = std::min(a.packets.size(), b.packets.size());
+  for (std::size_t i = 0; i < both; ++i) {
+    const consensus::Packet& x = a.packets[i];
+    const consensus::Packet& y = b.packets[i];
+    if (same(x, y)) continue;
+    result.note = "packet " + std::to_string(i) + " from peer " + std::to_string(x.from) + ", ";
+    if (x.bytes == y.bytes) {
+      result.note += "its sender or when it came";
+      return result;
+    }
+    const auto at = std::mismatch(x.bytes.begin(), x.bytes.end(), y.bytes.begin(), y.bytes.end());
+    result.note += "byte " + std::to_string(at.first - x.bytes.begin()) + " of " +
+                   std::to_string(x.bytes.size());
+    return result;
+  }
+  const bool as_many = a.packets.size() == b.packets.size();
+  if (as_many && a.call == b.call) return std::nullopt;
+  result.note = as_many ? "the call that they came with"
+                        : std::to_string(a.packets.size()) + " have come, or " +
+                              std::to_string(b.packets.size());
+  return result;
+}
+
+std::optional<Departure> inputs_differ(const TraceRecord& a, const TraceRecord& b) {
+  Departure result;
+  result.stage = stage_of(a.kind);
+  result.note = "of user " + std::to_string(a.user);
+  if (a.user != b.user) return result;
+  const std::size_t both = std::min(a.inputs.size(), b.inputs.size());
+  for (std::size_t i = 0; i < both; ++i) {
+    if (same(a.inputs[i], b.inputs[i])) continue;
+    if (a.inputs[i].kind != Input::Kind::Signal) result.body = a.inputs[i].body;
+    return result;
+  }
+  if (a.inputs.size() == b.inputs.size()) return std::nullopt;
+  return result;
+}
+
 /// Of two records of one kind.
 std::optional<Departure> difference(const TraceRecord& a, const TraceRecord& b) {
   switch (a.kind) {
     case TraceKind::Packets:
-      if (same_packets(a, b)) return std::nullopt;
       return packets_differ(a, b);
     case TraceKind::Inputs:
       return inputs_differ(a, b);
     case TraceKind::Peers:
-      return differ_if(a.call != b.call || !same_in_trace(a.peers, b.peers), "transport",
+      return differ_if(a.call != b.call || !same_in_trace(a.peers, b.peers), a.kind,
                        "what it said of other peers");
     case TraceKind::Limit:
-      return differ_if(a.call != b.call || a.delivery != b.delivery || a.bytes != b.bytes,
-                       "transport", "its longest packet");
+      return differ_if(a.call != b.call || a.delivery != b.delivery || a.bytes != b.bytes, a.kind,
+                       "its longest packet");
     case TraceKind::Refused:
-      return differ_if(a.call != b.call, "transport", "a packet that it did not take");
+      return differ_if(a.call != b.call, a.kind, "a packet that it did not take");
     case TraceKind::Solved: {
       std::optional<Departure> result = compare(a.targets, b.targets, "targets");
       return result ? result : compare(a.poses, b.poses, "poses");
     }
     case TraceKind::Sent:
-      return differ_if(a.sent != b.sent, "sent");
+      return differ_if(a.sent != b.sent, a.kind);
     case TraceKind::Rules:
-      return differ_if(a.arguments != b.arguments, "rules");
+      return differ_if(a.arguments != b.arguments, a.kind);
     case TraceKind::End:
       return std::nullopt;
     default:
-      return differ_if(a.time != b.time || (a.kind == TraceKind::User && a.user != b.user),
-                       stage_of(a.kind));
+      return differ_if(a.time != b.time || (a.kind == TraceKind::User && a.user != b.user), a.kind);
   }
 }
 
@@ -157,7 +152,7 @@ std::optional<Departure> first_difference(TraceReader& a, TraceReader& b) {
     } else if (x.kind != TraceKind::End && y.kind != TraceKind::End) {
       // Whatever comes in one of them alone is told by who has it: the phase goes on there.
       const TraceKind one = begins_phase(x.kind) ? y.kind : x.kind;
-      result = differ_if(true, stage_of(one), "in one of them alone");
+      result = differ_if(true, one, "in one of them alone");
     }
     if (x.kind == TraceKind::Begin) begun = x.time;
     if (result) {

@@ -3,8 +3,6 @@
 #include "trace/reader.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <string>
 
 #include "tandem/pbd/bytes.h"
@@ -19,7 +17,7 @@ constexpr std::size_t kHeaderBytes = kTraceMagic.size() + 1 + 4;  // before the 
 constexpr std::uint64_t kMaxRecord = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxText = 4096;
 constexpr std::uint64_t kMaxBodies = 1'000'000;
-constexpr std::uint64_t kMaxPackets = std::uint64_t{1} << 26;  // bytes, of one record
+constexpr std::uint64_t kMaxPackets = std::uint64_t{1} << 26;  // bytes, of one phase
 constexpr std::uint64_t kMinLimit = 128;                       // bytes, as --max-state has it
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 32;
 constexpr std::size_t kMaxUsers = 1024;
@@ -75,7 +73,7 @@ class TraceReader::In {
   }
   std::uint32_t u32(std::string_view what) { return pbd::ByteReader(bytes(what, 4)).u32(); }
   std::uint64_t u64(std::string_view what) { return pbd::ByteReader(bytes(what, 8)).u64(); }
-  double f64(std::string_view what) { return std::bit_cast<double>(u64(what)); }
+  double f64(std::string_view what) { return pbd::ByteReader(bytes(what, 8)).f64(); }
   std::string text(std::string_view what) {
     const auto content = bytes(what, varint(what, kMaxText, "at most 4096 bytes"));
     std::string result;
@@ -148,6 +146,7 @@ bool TraceReader::next(TraceRecord& record) {
   if (length > bytes_.size() - from) return false;
   In in(bytes_.subspan(from, static_cast<std::size_t>(length)), from);
   record.kind = static_cast<TraceKind>(kind);
+  if (begins_phase(record.kind)) phase_bytes_ = 0;
   read(in, record);
   in.require(in.remaining() == 0, "record", "nothing after its last field");
   follow(in, record);
@@ -205,8 +204,9 @@ void TraceReader::read(In& in, TraceRecord& record) {
 
 void TraceReader::read_packets(In& in, TraceRecord& record) {
   record.call = in.varint("call");
+  // What they held may have been told by few bytes: it must not add up over the records.
+  record.packets.clear();
   record.packets.resize(in.count("packets", 3));
-  std::uint64_t total = 0;
   for (consensus::Packet& packet : record.packets) {
     packet.from = in.varint("sender");
     packet.received = INT64_MIN;
@@ -216,8 +216,9 @@ void TraceReader::read_packets(In& in, TraceRecord& record) {
           static_cast<SessionTime>(static_cast<std::uint64_t>(in.signed_varint("arrival")) +
                                    static_cast<std::uint64_t>(last_time_));
     }
-    const std::uint64_t length = in.varint("packet", kMaxPackets - total, "at most 64 MiB in all");
-    total += length;
+    const std::uint64_t length =
+        in.varint("packet", kMaxPackets - phase_bytes_, "at most 64 MiB in its phase");
+    phase_bytes_ += length;
     if ((flags & kCoded) != 0) {
       const auto base = history_.like(packet.from, static_cast<std::size_t>(length));
       in.require(!base.empty(), "packet", "like one that has come");

@@ -21,8 +21,8 @@ class TraceReader {
   explicit TraceReader(std::span<const std::byte> bytes);
 
   const TraceHeader& header() const { return header_; }
-  /// The next record into `record`, whose memory is used again. False at the end, and where what is
-  /// left is too short for a record: then the trace was cut off there.
+  /// The next record into `record`, whose memory is used again but for packets. False at the end,
+  /// and where what is left is too short for a record: then the trace was cut off there.
   /// @throws TraceError
   bool next(TraceRecord& record);
   /// Whether the End has been read.
@@ -53,7 +53,8 @@ class TraceReader {
   std::size_t at_ = 0;
   std::size_t offset_ = 0;
   PacketHistory history_;
-  std::uint64_t checksum_;  ///< of all before at_
+  std::uint64_t phase_bytes_ = 0;  ///< of the packets of this phase so far
+  std::uint64_t checksum_;         ///< of all before at_
   std::uint64_t steps_ = 0;
   consensus::SessionTime last_time_ = 0;
   consensus::SessionTime begun_ = 0;

@@ -98,10 +98,9 @@ bool Replayer::next_step() {
 }
 
 void Replayer::load_phase() {
-  answer_count_ = 0;
+  answers_.clear();
   while ((more_ = reader_.next(next_)) && !begins_phase(next_.kind)) {
-    if (answer_count_ == answers_.size()) answers_.emplace_back();
-    std::swap(answers_[answer_count_++], next_);
+    answers_.push_back(std::exchange(next_, {}));
   }
 }
 

@@ -72,19 +72,12 @@ class Replayer final : private StepWatch {
   void run_driver();
   void depart(Departure departure);
   const TraceRecord* find(TraceKind kind) const;
-  std::span<const TraceRecord> answers() const { return {answers_.data(), answer_count_}; }
+  std::span<const TraceRecord> answers() const { return answers_; }
 
   // StepWatch
   void attach(Scene& scene, consensus::Peer& peer) override { hashes_.attach(scene, peer); }
-  void user(std::size_t, consensus::SessionTime) override {}
-  void rules(const DemoOptions&) override {}
-  void begin(consensus::SessionTime) override {}
-  void inputs(std::span<const Input>) override {}
   void told() override { hashes_.told(); }
-  void step(consensus::SessionTime) override {}
   void solved() override;
-  void finish(consensus::SessionTime) override {}
-  void leave(consensus::SessionTime) override {}
   void sent() override;
 
   TraceReader reader_;
@@ -94,8 +87,7 @@ class Replayer final : private StepWatch {
   TraceRecord driver_;                ///< begins the phase
   TraceRecord next_;                  ///< begins the one after it
   bool more_ = true;                  ///< whether next_ holds something
-  std::vector<TraceRecord> answers_;  ///< of the phase, kept for their memory
-  std::size_t answer_count_ = 0;
+  std::vector<TraceRecord> answers_;  ///< of the phase
   std::unique_ptr<Participant> participant_;
   std::optional<Departure> departure_;
   std::uint64_t steps_ = 0;

@@ -56,19 +56,14 @@ void StageHashes::attach(Scene& scene, consensus::Peer& peer) {
   peer_ = &peer;
   inner_ = scene.world->target_source();
   if (inner_ != nullptr) scene.world->set_target_source(this);
-  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) {
-    const std::uint32_t slot = scene.bodies[i].body.index;
-    if (slot >= body_of_slot_.size()) body_of_slot_.resize(slot + 1, pbd::BodyId::kNone);
-    body_of_slot_[slot] = i;
-  }
+  bodies_ = BodiesBySlot(scene);
   hashes_.resize(scene.bodies.size() + 1);
   targets_.bodies.resize(scene.bodies.size());
   poses_.bodies.resize(scene.bodies.size());
 }
 
 std::uint64_t& StageHashes::of(const pbd::BodyId& body) {
-  const std::uint32_t index =
-      body.index < body_of_slot_.size() ? body_of_slot_[body.index] : pbd::BodyId::kNone;
+  const std::uint32_t index = bodies_.index_of(body);
   return index < hashes_.size() ? hashes_[index] : hashes_.back();
 }
 
@@ -94,17 +89,16 @@ void StageHashes::told() {
   springs_.clear();
   peer_->springs(springs_);
   for (const pbd::Tether::Def& spring : springs_) mix(of(spring.body), spring);
-  fold(targets_);
 }
 
 void StageHashes::collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) {
   const std::size_t first = out.size();
   inner_->collect(world, dt, out);
   for (std::size_t i = first; i < out.size(); ++i) mix(of(out[i].body), out[i]);
-  fold(targets_);
 }
 
 void StageHashes::solved() {
+  fold(targets_);
   start();
   fold(poses_);
 }

@@ -43,8 +43,7 @@ class StageHashes final : private pbd::TargetSource {
   Scene* scene_ = nullptr;
   consensus::Peer* peer_ = nullptr;
   pbd::TargetSource* inner_ = nullptr;
-  std::vector<std::uint32_t>
-      body_of_slot_;                   ///< by world slot; BodyId::kNone where it is not shared
+  BodiesBySlot bodies_;
   std::vector<std::uint64_t> hashes_;  ///< under way, by body; the last one is of all others
   std::vector<pbd::Tether::Def> springs_;
   StageHash targets_, poses_;

@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "trace/writer.h"
 
-#include <bit>
-
 #include "tandem/pbd/bytes.h"
 
 namespace tandem::demos {
@@ -17,10 +15,11 @@ TraceWriter::TraceWriter(const TraceHeader& header) : checksum_(pbd::hash_bytes(
   u64(header.scene_hash);
   varint(header.bodies);
   text(header.build);
-  for (const char c : kTraceMagic) out_.push_back(static_cast<std::byte>(c));
-  out_.push_back(static_cast<std::byte>(kTraceVersion));
-  pbd::ByteWriter(out_).u32(static_cast<std::uint32_t>(payload_.size()));
-  out_.insert(out_.end(), payload_.begin(), payload_.end());
+  pbd::ByteWriter out(out_);
+  out.bytes(std::as_bytes(std::span(kTraceMagic)));
+  out.u8(kTraceVersion);
+  out.u32(static_cast<std::uint32_t>(payload_.size()));
+  out.bytes(payload_);
   payload_.clear();
   sum_up(0);
   targets_before_.assign(header.bodies, 0);
@@ -96,8 +95,7 @@ void TraceWriter::packet(const consensus::Packet& packet) {
                                             static_cast<std::uint64_t>(last_time_)));
   }
   varint(packet.bytes.size());
-  const std::vector<std::byte>& content = coded ? coded_ : packet.bytes;
-  payload_.insert(payload_.end(), content.begin(), content.end());
+  pbd::ByteWriter(payload_).bytes(coded ? coded_ : packet.bytes);
   history_.remember(packet.from, packet.bytes);
 }
 
@@ -144,11 +142,11 @@ void TraceWriter::signed_varint(std::int64_t value) {
 
 void TraceWriter::u64(std::uint64_t value) { pbd::ByteWriter(payload_).u64(value); }
 
-void TraceWriter::f64(double value) { u64(std::bit_cast<std::uint64_t>(value)); }
+void TraceWriter::f64(double value) { pbd::ByteWriter(payload_).f64(value); }
 
 void TraceWriter::text(std::string_view value) {
   varint(value.size());
-  for (const char c : value) u8(static_cast<std::uint8_t>(c));
+  pbd::ByteWriter(payload_).bytes(std::as_bytes(std::span(value)));
 }
 
 void TraceWriter::time(consensus::SessionTime value) {

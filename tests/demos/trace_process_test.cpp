@@ -14,14 +14,14 @@ namespace {
 
 /// What tandem-replay prints, and how it ends.
 struct Said {
-  int code = 0;
+  int code = 0;  ///< -1: by a signal
   std::string text;
 };
 
 Said tell(const Folder& folder, const std::vector<std::string>& arguments) {
   Process replay("tandem-replay", arguments, folder.file("said"));
   const int status = replay.wait();
-  return {WEXITSTATUS(status), folder.text("said")};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder.text("said")};
 }
 
 TEST_CASE("tandem-replay: two processes over UDP are replayed bit for bit, each by itself",
@@ -70,6 +70,7 @@ TEST_CASE("tandem-replay: a demo over TCP that is killed leaves a trace that is 
   const Said said = tell(folder, {folder.file("a")});
   INFO(said.text);
   CHECK(said.code == 0);
+  CHECK(said.text.find(" steps, bit-exact\n") != std::string::npos);
   CHECK(tell(folder, {"--info", folder.file("a")}).text.find("cut off") != std::string::npos);
 }
 

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,10 +16,12 @@
 #include "common/options.h"
 #include "common/track.h"
 #include "common/virtual_runner.h"
+#include "scenes/cubes.h"
 #include "scenes/scenario.h"
 #include "support/catch.h"
 #include "support/folder.h"
 #include "trace/reader.h"
+#include "trace/replayer.h"
 #include "trace/writer.h"
 
 namespace tandem::demos {
@@ -34,6 +38,9 @@ inline Bytes read_bytes(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// Half as many stacks on half a plate, to be quick.
+inline const CubesOptions kSmall{.stacks = 2, .height = 3, .plate = pbd::Vec3(0.8, 0.8, 0.04)};
+
 /// A run in virtual time and its traces, by peer.
 struct TracedRun {
   RunResult result;
@@ -49,6 +56,20 @@ inline TracedRun traced_run(const Scenario& scenario, DemoOptions options) {
     run.traces.push_back(read_bytes(options.trace + '.' + std::to_string(i + 1)));
   }
   return run;
+}
+
+/// A run of a trace to its end, or to where it departs.
+struct Replay {
+  std::uint64_t steps = 0;
+  std::optional<Departure> departure;
+  std::uint64_t hash = 0;  ///< of the world at the end
+};
+
+inline Replay replay(const Scenario& scenario, const Bytes& trace) {
+  Replayer replayer(scenario, trace);
+  while (replayer.next_step()) {
+  }
+  return {replayer.steps(), replayer.departure(), replayer.scene().world->hash()};
 }
 
 /// The records of a trace.

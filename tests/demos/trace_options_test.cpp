@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/options.h"
+#include "common/run_arguments.h"
+#include "support/catch.h"
+
+namespace tandem::demos::trace_options_test {
+namespace {
+
+/// Values other than the default one for all that a run has.
+struct Sample {
+  std::string_view name;
+  std::string_view value;  ///< "" = it takes none
+};
+constexpr Sample kVirtual[] = {{"--peers", "3"},
+                               {"--profile", "5"},
+                               {"--loss", "0.1"},
+                               {"--duplicate", "0.2"},
+                               {"--reorder", "0.30000000000000004"},
+                               {"--bandwidth", "1500"},
+                               {"--max-state", "502"},
+                               {"--clock-spread", "0.25"},
+                               {"--clock", "none"}};
+constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
+                                  {"--seed", "77"},
+                                  {"--influence", "0.123456789012345"},
+                                  {"--coupling", "two-step-paper"},
+                                  {"--pd-frequency", "0.7"},
+                                  {"--mode", "asymmetric"},
+                                  {"--predictor", "kalman"},
+                                  {"--extrapolation", "0.4"},
+                                  {"--spring-extrapolation", "0.2"},
+                                  {"--damped-start", "0.6"},
+                                  {"--modelled-error", "0.01"},
+                                  {"--sleeping-threshold", ""},
+                                  {"--compact", ""},
+                                  {"--budget", "64"},
+                                  {"--tolerance", "0.001"},
+                                  {"--update-hz", "30"},
+                                  {"--rates", "60,72.5"},
+                                  {"--engines", "tandem,tandem"},
+                                  {"--bullet-iterations", "20"},
+                                  {"--substeps", "7"},
+                                  {"--iterations", "2"},
+                                  {"--total-iterations", "3"},
+                                  {"--ablate", "masses,refine"},
+                                  {"--variant", "soft"}};
+/// What says where results go, who is met and how, or what another option says.
+constexpr std::string_view kOthers[] = {
+    "--transport", "--view",    "--view-address", "--no-script", "--listen",
+    "--connect",   "--peer-id", "--key",          "--insecure",  "--clock",
+    "--wait",      "--uneven",  "--replay",       "--json",      "--csv",
+    "--record",    "--trace",   "--quiet",        "--help",      "--reference"};
+
+TEST_CASE("trace: the words of a run's options are read back as the same options",
+          "[demos][unit]") {
+  std::vector<std::string_view> words;
+  const auto add = [&words](const Sample& sample) {
+    words.push_back(sample.name);
+    if (!sample.value.empty()) words.push_back(sample.value);
+  };
+  for (const Sample& sample : kVirtual) add(sample);
+  for (const Sample& sample : kEverywhere) add(sample);
+  const std::vector<std::string> written = run_arguments(parse_options(words));
+  std::vector<std::string> expected(words.begin(), words.end());
+  auto sorted = written;
+  std::sort(sorted.begin(), sorted.end());
+  std::sort(expected.begin(), expected.end());
+  CHECK(sorted == expected);
+  const std::vector<std::string_view> again(written.begin(), written.end());
+  CHECK(run_arguments(parse_options(again)) == written);
+  CHECK(run_arguments(DemoOptions{}).empty());
+
+  const std::vector<std::string_view> network{"--connect", "localhost:7", "--peer-id", "4",
+                                              "--key",     "secret",      "--budget",  "64"};
+  CHECK(
+      run_arguments(parse_options(network)) ==
+      std::vector<std::string>{"--listen", "0", "--peer-id", "4", "--insecure", "--budget", "64"});
+
+  // Who adds an option says whether a run depends on it.
+  std::set<std::string_view> known(std::begin(kOthers), std::end(kOthers));
+  for (const Sample& sample : kVirtual) known.emplace(sample.name);
+  for (const Sample& sample : kEverywhere) known.emplace(sample.name);
+  std::set<std::string_view> named;
+  const std::string help = usage("cubes");
+  for (std::size_t at = help.find("  --"); at != std::string::npos; at = help.find(" --", at + 3)) {
+    const std::size_t begin = help.find("--", at);
+    const std::size_t end = help.find_first_of(" ,:;)|\n", begin);
+    named.insert(std::string_view(help).substr(begin, end - begin));
+  }
+  CHECK(named == known);
+}
+
+}  // namespace
+}  // namespace tandem::demos::trace_options_test
