@@ -10,9 +10,7 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
+using namespace tandem::c;
 
 namespace {
 

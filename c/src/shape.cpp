@@ -8,10 +8,7 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
-using c::to_c;
+using namespace tandem::c;
 
 namespace {
 
@@ -67,8 +64,7 @@ collision::Shape shape_of(const tandem_shape& shape) {
     case TANDEM_HEIGHTS:
       return heights_of(shape);
   }
-  throw std::invalid_argument("shape.kind = " + std::to_string(static_cast<int>(shape.kind)) +
-                              ": must be one of tandem_shape_kind");
+  refuse_unlisted("shape.kind", shape.kind, "tandem_shape_kind");
 }
 
 }  // namespace
@@ -92,7 +88,7 @@ tandem_result tandem_shape_mass(const tandem_shape* shape, double density, tande
         collision::mass_properties(shape_of(required(shape, "shape")), density);
     out.mass = found.mass;
     out.centre_of_mass = to_c(found.com);
-    c::matrix_to_c(found.inertia_l, out.inertia);
+    matrix_to_c(found.inertia_l, out.inertia);
   });
 }
 
@@ -103,7 +99,7 @@ void tandem_collider_def_init(tandem_collider_def* def, tandem_shape_kind kind) 
   *def = {};
   def->body = TANDEM_NO_BODY;
   tandem_shape_init(&def->shape, kind);
-  def->local = c::kAtOrigin;
+  def->local = kAtOrigin;
   def->friction = material.friction;
   def->restitution = material.restitution;
   def->category = filter.category;

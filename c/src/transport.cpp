@@ -12,8 +12,7 @@
 #include "transport_impl.h"
 
 using namespace tandem;
-using c::guarded;
-using c::required;
+using namespace tandem::c;
 
 namespace {
 

@@ -9,10 +9,7 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
-using c::to_c;
+using namespace tandem::c;
 
 tandem_world::tandem_world(const tandem_world_def& def)
     : world({.gravity = from_c(def.gravity)}),
