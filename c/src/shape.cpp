@@ -12,11 +12,21 @@ using namespace tandem::c;
 
 namespace {
 
+/// A count that was once negative is named before it is read for.
+size_t checked_count(size_t count, const char* field) {
+  constexpr size_t kMost = size_t{1} << 28;
+  if (count >= kMost) {
+    throw std::invalid_argument(std::string(field) + " = " + std::to_string(count) +
+                                ": must be below 2^28");
+  }
+  return count;
+}
+
 std::vector<pbd::Vec3> points_of(const tandem_shape& shape) {
   std::vector<pbd::Vec3> points;
   if (shape.point_count == 0) return points;
   const tandem_vec3* const from = &required(shape.points, "shape.points");
-  points.reserve(shape.point_count);
+  points.reserve(checked_count(shape.point_count, "shape.point_count"));
   for (size_t i = 0; i < shape.point_count; ++i) points.push_back(from_c(from[i]));
   return points;
 }
@@ -25,7 +35,7 @@ collision::Mesh mesh_of(const tandem_shape& shape) {
   std::vector<collision::TriangleMesh::Triangle> triangles;
   if (shape.triangle_count > 0) {
     const uint32_t* const from = &required(shape.triangles, "shape.triangles");
-    triangles.reserve(shape.triangle_count);
+    triangles.reserve(checked_count(shape.triangle_count, "shape.triangle_count"));
     for (size_t i = 0; i < shape.triangle_count; ++i) {
       triangles.push_back({from[3 * i], from[3 * i + 1], from[3 * i + 2]});
     }

@@ -6,6 +6,7 @@
 
 #include "convert.h"
 #include "guard.h"
+#include "tandem/pbd/typed_block.h"
 #include "world_impl.h"
 
 using namespace tandem;
@@ -46,9 +47,7 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
                                 tandem_error* error) {
   return guarded(error, [&] {
     tandem_world& w = required(world, "world");
-    if (!(dt > 0.0) || dt > 1e6) {
-      throw std::invalid_argument("dt = " + std::to_string(dt) + ": must be above 0 and finite");
-    }
+    pbd::detail::require(dt > 0.0 && dt <= 1e6, "tandem_world_step", "dt", dt, "above 0 to 1e6 s");
     const pbd::StepReport& done = w.solver.step(w.world, dt);
     if (w.events) w.events->update(w.world, w.scene);
     if (report != nullptr) {
