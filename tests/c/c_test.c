@@ -123,6 +123,53 @@ static void snapshot_goes_on_as_before(void) {
   tandem_world_destroy(world);
 }
 
+enum { kWatched = 40 };
+
+/* What begins, ends and touches after each of the next steps. */
+static void watch(tandem_world* world, size_t seen[kWatched]) {
+  for (int i = 0; i < kWatched; ++i) {
+    CHECK(tandem_world_step(world, kStep, NULL, NULL) == TANDEM_OK);
+    seen[i] = 100 * tandem_world_contacts(world, TANDEM_BEGUN, NULL, 0) +
+              10 * tandem_world_contacts(world, TANDEM_ENDED, NULL, 0) +
+              tandem_world_contacts(world, TANDEM_TOUCHING, NULL, 0);
+  }
+}
+
+/* What went back in time tells what happens as it told it before. */
+static void snapshot_brings_its_events_back(void) {
+  tandem_world* world = make_world(1);
+  const tandem_body ground = add_body(world, TANDEM_STATIC, 0.0, 0.0);
+  const tandem_body ball = add_body(world, TANDEM_DYNAMIC, 0.0, 0.7);
+  add_shape(world, ground, TANDEM_HALF_SPACE);
+  add_shape(world, ball, TANDEM_SPHERE);
+  CHECK(tandem_world_step(world, kStep, NULL, NULL) == TANDEM_OK);
+  char bytes[16384];
+  size_t size = sizeof bytes;
+  CHECK(tandem_world_snapshot(world, bytes, &size, NULL) == TANDEM_OK);
+  size_t first[kWatched], second[kWatched];
+  watch(world, first);
+  CHECK(first[0] == 0 && first[kWatched - 1] == 1); /* it has come to rest in between */
+  CHECK(tandem_world_restore(world, bytes, size, NULL) == TANDEM_OK);
+  CHECK(tandem_world_contacts(world, TANDEM_TOUCHING, NULL, 0) == 0);
+  watch(world, second);
+  CHECK(memcmp(first, second, sizeof first) == 0);
+
+  /* Bytes that were cut, or of a world without events, are none of this world's. */
+  const uint64_t before = tandem_world_hash(world);
+  for (size_t cut = 0; cut < size; cut += cut < 16 ? 1 : 37) {
+    CHECK(tandem_world_restore(world, bytes, cut, NULL) == TANDEM_INVALID_ARGUMENT);
+    CHECK(tandem_world_restore(world, bytes + size - cut, cut, NULL) == TANDEM_INVALID_ARGUMENT);
+  }
+  tandem_world* mute = make_world(0);
+  size = sizeof bytes;
+  CHECK(tandem_world_snapshot(mute, bytes, &size, NULL) == TANDEM_OK);
+  CHECK(tandem_world_restore(world, bytes, size, NULL) == TANDEM_INVALID_ARGUMENT);
+  CHECK(tandem_world_hash(world) == before);
+  CHECK(tandem_world_contacts(world, TANDEM_TOUCHING, NULL, 0) == 1);
+  tandem_world_destroy(mute);
+  tandem_world_destroy(world);
+}
+
 /* A site: a world, a body in it, its peer. */
 typedef struct site {
   tandem_world* world;
@@ -291,6 +338,7 @@ int main(void) {
   shapes_weigh_what_they_are();
   what_is_wrong_is_refused();
   snapshot_goes_on_as_before();
+  snapshot_brings_its_events_back();
   two_peers_meet_in_the_middle();
   a_transport_of_ones_own_carries_a_session();
   if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
