@@ -213,6 +213,21 @@ static void a_transport_that_makes_things_up(void) {
   tandem_transport_destroy(transport);
 }
 
+/* The text has room for 255 characters: rule and value must not get lost in digits. */
+static void values_of_any_size(void) {
+  tandem_error error;
+  tandem_world_def def;
+  tandem_world_def_init(&def);
+  def.sleep_after = 1e300;
+  CHECK(tandem_world_create(&def, &error) == NULL);
+  CHECK(refused(error.result, &error, "sleep_after", "1e+300"));
+  CHECK(strstr(error.text, "breaks the rule: from 0") != NULL);
+  tandem_world* world = make_world(0);
+  CHECK(refused(tandem_world_step(world, -1e-12, NULL, &error), &error, "dt", "-1e-12"));
+  CHECK(refused(tandem_world_step(world, 1e300, NULL, &error), &error, "1e+300", "1e6 s"));
+  tandem_world_destroy(world);
+}
+
 /* Of nothing, and to nowhere. */
 static void nothing_at_all(void) {
   tandem_error error;
@@ -245,6 +260,7 @@ void what_is_wrong_is_refused(void) {
   values_that_no_enum_lists();
   counts_beyond_all_memory();
   times_that_no_session_has();
+  values_of_any_size();
   a_transport_that_makes_things_up();
   nothing_at_all();
 }
