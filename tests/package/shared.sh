@@ -3,7 +3,8 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # Shared libraries: they show what is public and nothing else, the tests of pbd and of the C
-# interface pass on them, and types and exceptions go through their walls.
+# interface pass on them, C's structs are laid out as its version has them, and types and exceptions
+# go through their walls.
 #   tests/package/shared.sh [BUILD]   default build/shared; configured and built where missing
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh" shared shared "$@"
@@ -45,6 +46,8 @@ END
 c++ -shared -fPIC "$scratch/probe.cpp" -o "$scratch/probe.so"
 python3 "$here/exports.py" "$prefix/include" "$scratch/probe.so" >"$scratch/log" && fail "blind"
 [[ $(grep -c 'seen()' "$scratch/log") -eq 3 ]] || fail_with_log "the check of symbols is broken"
+
+python3 "$here/binding.py" "$folder/libtandem_c.so" || fail "the C interface is of another version"
 
 # An application with hidden symbols, by each compiler there is; without what libraries have inside.
 for compiler in c++ clang++; do
