@@ -4,7 +4,7 @@
 # Packages for Debian: cpack in the build folder of the preset "shared" makes
 #   libtandem0.1    the shared libraries
 #   libtandem-dev   headers, CMake and pkg-config files, the libraries' links
-#   tandem-demos    tandem-peer, tandem-key, tandem-demo and what it runs
+#   tandem-demos    tandem-peer, tandem-key, tandem-replay, tandem-demo and what it runs
 find_program(TANDEM_DPKG_DEB dpkg-deb)
 mark_as_advanced(TANDEM_DPKG_DEB)
 if(NOT TANDEM_DPKG_DEB OR NOT BUILD_SHARED_LIBS)

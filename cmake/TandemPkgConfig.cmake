@@ -5,24 +5,17 @@
 #                   [LIBS <flag>...])
 #
 # tandem-<name>.pc beside the library. PRIVATE packages and LIBS are those of the library's insides:
-# who links a shared one does without them. Paths are relative to the file, so that the tree may be
+# of shared ones there is no word, as pkg-config would want to have private packages too. Paths are relative to the file, so that the tree may be
 # moved.
 function(tandem_pkg_config name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "DESCRIPTION" "REQUIRES;PRIVATE;LIBS")
+  set(libs "-L\${libdir}" -ltandem_${name})
   if(NOT BUILD_SHARED_LIBS)
     list(APPEND arg_REQUIRES ${arg_PRIVATE})
-    set(arg_PRIVATE)
+    list(APPEND libs ${arg_LIBS} -lstdc++ -lm)
   endif()
   list(JOIN arg_REQUIRES ", " requires)
-  list(JOIN arg_PRIVATE ", " requires_private)
-  set(libs "-L\${libdir} -ltandem_${name}")
-  list(JOIN arg_LIBS " " more)
-  if(BUILD_SHARED_LIBS)
-    set(libs_private "${more}")
-  else()
-    string(APPEND libs " ${more} -lstdc++ -lm")
-    set(libs_private)
-  endif()
+  list(JOIN libs " " libs)
   set(folder "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
   # Back from the folder of the file, whatever the depth of the library's.
   file(RELATIVE_PATH up "/${folder}" "/")
@@ -35,9 +28,7 @@ Name: tandem-${name}
 Description: ${arg_DESCRIPTION}
 Version: ${PROJECT_VERSION}
 Requires: ${requires}
-Requires.private: ${requires_private}
 Libs: ${libs}
-Libs.private: ${libs_private}
 Cflags: -I\${includedir}
 ")
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/tandem-${name}.pc" DESTINATION "${folder}" COMPONENT dev)

@@ -5,10 +5,7 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
-using c::to_c;
+using namespace tandem::c;
 
 namespace {
 
@@ -21,8 +18,7 @@ pbd::BodyType type_of(tandem_body_type type) {
     case TANDEM_DYNAMIC:
       return pbd::BodyType::Dynamic;
   }
-  throw std::invalid_argument("type = " + std::to_string(static_cast<int>(type)) +
-                              ": must be one of tandem_body_type");
+  refuse_unlisted("type", type, "tandem_body_type");
 }
 
 /// A call of the world's, on a body.
@@ -46,7 +42,7 @@ void tandem_body_def_init(tandem_body_def* def) {
           .angular_damping = defaults.angular_damping,
           .bullet = 0,
           .can_sleep = 1};
-  c::matrix_to_c(defaults.inertia, def->inertia);
+  matrix_to_c(defaults.inertia, def->inertia);
 }
 
 tandem_result tandem_body_add(tandem_world* world, const tandem_body_def* def, tandem_body* body,
@@ -59,7 +55,7 @@ tandem_result tandem_body_add(tandem_world* world, const tandem_body_def* def, t
                                     .pose = from_c(d.pose),
                                     .twist = from_c(d.twist),
                                     .mass = d.mass,
-                                    .inertia = c::matrix_from_c(d.inertia),
+                                    .inertia = matrix_from_c(d.inertia),
                                     .gravity_scale = d.gravity_scale,
                                     .linear_damping = d.linear_damping,
                                     .angular_damping = d.angular_damping,

@@ -2,8 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
 #include "tandem/c/tandem.h"
 #include "tandem/collision/contact_source.h"
+#include "tandem/consensus/update.h"
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/joint.h"
 
@@ -49,5 +54,15 @@ inline void matrix_to_c(const pbd::Mat3& from, double (&m)[9]) {
 }
 
 inline constexpr tandem_pose kAtOrigin = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
+
+/// A time of a session. Sums of two of them must fit: half of the range is given away.
+inline std::int64_t checked_time(const char* field, std::int64_t time, std::int64_t least) {
+  if (time < least || time > consensus::kMaxStamp) {
+    throw std::invalid_argument(std::string(field) + " = " + std::to_string(time) + ": must be " +
+                                std::to_string(least) + " to " +
+                                std::to_string(consensus::kMaxStamp));
+  }
+  return time;
+}
 
 }  // namespace tandem::c

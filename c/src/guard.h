@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -45,6 +46,12 @@ template <class T>
 T& required(T* pointer, const char* name) {
   if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " = null: must be given");
   return *pointer;
+}
+
+/// Throws std::invalid_argument: `type` lists no such value.
+[[noreturn]] inline void refuse_unlisted(const char* field, std::int32_t value, const char* type) {
+  throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) +
+                              ": must be one of " + type);
 }
 
 }  // namespace tandem::c

@@ -5,10 +5,7 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
-using c::to_c;
+using namespace tandem::c;
 
 namespace {
 
@@ -21,8 +18,7 @@ pbd::MotorMode mode_of(tandem_motor_mode mode) {
     case TANDEM_MOTOR_POSITION:
       return pbd::MotorMode::Position;
   }
-  throw std::invalid_argument("motor = " + std::to_string(static_cast<int>(mode)) +
-                              ": must be one of tandem_motor_mode");
+  refuse_unlisted("motor", mode, "tandem_motor_mode");
 }
 
 pbd::JointMotor motor_of(tandem_motor_mode mode, double target, double max_force) {
@@ -68,8 +64,7 @@ pbd::SixDofJointDef joint_of(const pbd::World& world, const tandem_joint_def& de
       return mounted(slider, def);
     }
   }
-  throw std::invalid_argument("kind = " + std::to_string(static_cast<int>(def.kind)) +
-                              ": must be one of tandem_joint_kind");
+  refuse_unlisted("kind", def.kind, "tandem_joint_kind");
 }
 
 /// The coordinate that a hinge (3) or a slider (0) leaves; -1 of others.

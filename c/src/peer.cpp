@@ -10,20 +10,13 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
+using namespace tandem::c;
 
 namespace {
 
 consensus::SharedId id_of(tandem_shared_id id) { return {id.high, id.low}; }
 
-std::int64_t checked_time(std::int64_t now) {
-  if (now <= 0 || now > consensus::kMaxStamp) {
-    throw std::invalid_argument("now_ns = " + std::to_string(now) + ": must be above 0");
-  }
-  return now;
-}
+std::int64_t checked_now(std::int64_t now_ns) { return checked_time("now_ns", now_ns, 1); }
 
 }  // namespace
 
@@ -80,15 +73,15 @@ tandem_result tandem_peer_unshare(tandem_peer* peer, tandem_shared_id id, tandem
 }
 
 tandem_result tandem_peer_before_step(tandem_peer* peer, int64_t now_ns, tandem_error* error) {
-  return guarded(error, [&] { required(peer, "peer").peer.before_step(checked_time(now_ns)); });
+  return guarded(error, [&] { required(peer, "peer").peer.before_step(checked_now(now_ns)); });
 }
 
 tandem_result tandem_peer_after_step(tandem_peer* peer, int64_t now_ns, tandem_error* error) {
-  return guarded(error, [&] { required(peer, "peer").peer.after_step(checked_time(now_ns)); });
+  return guarded(error, [&] { required(peer, "peer").peer.after_step(checked_now(now_ns)); });
 }
 
 tandem_result tandem_peer_leave(tandem_peer* peer, int64_t now_ns, tandem_error* error) {
-  return guarded(error, [&] { required(peer, "peer").peer.leave(checked_time(now_ns)); });
+  return guarded(error, [&] { required(peer, "peer").peer.leave(checked_now(now_ns)); });
 }
 
 void tandem_grab_def_init(tandem_grab_def* def) {
@@ -120,7 +113,7 @@ tandem_result tandem_peer_grab(tandem_peer* peer, const tandem_grab_def* def, ui
 tandem_result tandem_peer_move(tandem_peer* peer, uint32_t grab, tandem_vec3 anchor, int64_t now_ns,
                                tandem_error* error) {
   return guarded(error, [&] {
-    required(peer, "peer").peer.move({grab}, from_c(anchor), checked_time(now_ns));
+    required(peer, "peer").peer.move({grab}, from_c(anchor), checked_now(now_ns));
   });
 }
 
@@ -129,7 +122,9 @@ tandem_result tandem_peer_release(tandem_peer* peer, uint32_t grab, tandem_error
 }
 
 void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats) {
-  if (peer == nullptr || stats == nullptr) return;
+  if (stats == nullptr) return;
+  *stats = {};
+  if (peer == nullptr) return;
   const consensus::PeerStats& from = peer->peer.stats();
   *stats = {.updates_received = from.updates_received,
             .packets_received = from.packets_received,

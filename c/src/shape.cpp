@@ -8,18 +8,25 @@
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
-using c::to_c;
+using namespace tandem::c;
 
 namespace {
+
+/// A count that was once negative is named before it is read for.
+size_t checked_count(size_t count, const char* field) {
+  constexpr size_t kMost = size_t{1} << 28;
+  if (count >= kMost) {
+    throw std::invalid_argument(std::string(field) + " = " + std::to_string(count) +
+                                ": must be below 2^28");
+  }
+  return count;
+}
 
 std::vector<pbd::Vec3> points_of(const tandem_shape& shape) {
   std::vector<pbd::Vec3> points;
   if (shape.point_count == 0) return points;
   const tandem_vec3* const from = &required(shape.points, "shape.points");
-  points.reserve(shape.point_count);
+  points.reserve(checked_count(shape.point_count, "shape.point_count"));
   for (size_t i = 0; i < shape.point_count; ++i) points.push_back(from_c(from[i]));
   return points;
 }
@@ -28,7 +35,7 @@ collision::Mesh mesh_of(const tandem_shape& shape) {
   std::vector<collision::TriangleMesh::Triangle> triangles;
   if (shape.triangle_count > 0) {
     const uint32_t* const from = &required(shape.triangles, "shape.triangles");
-    triangles.reserve(shape.triangle_count);
+    triangles.reserve(checked_count(shape.triangle_count, "shape.triangle_count"));
     for (size_t i = 0; i < shape.triangle_count; ++i) {
       triangles.push_back({from[3 * i], from[3 * i + 1], from[3 * i + 2]});
     }
@@ -67,8 +74,7 @@ collision::Shape shape_of(const tandem_shape& shape) {
     case TANDEM_HEIGHTS:
       return heights_of(shape);
   }
-  throw std::invalid_argument("shape.kind = " + std::to_string(static_cast<int>(shape.kind)) +
-                              ": must be one of tandem_shape_kind");
+  refuse_unlisted("shape.kind", shape.kind, "tandem_shape_kind");
 }
 
 }  // namespace
@@ -92,7 +98,7 @@ tandem_result tandem_shape_mass(const tandem_shape* shape, double density, tande
         collision::mass_properties(shape_of(required(shape, "shape")), density);
     out.mass = found.mass;
     out.centre_of_mass = to_c(found.com);
-    c::matrix_to_c(found.inertia_l, out.inertia);
+    matrix_to_c(found.inertia_l, out.inertia);
   });
 }
 
@@ -103,7 +109,7 @@ void tandem_collider_def_init(tandem_collider_def* def, tandem_shape_kind kind) 
   *def = {};
   def->body = TANDEM_NO_BODY;
   tandem_shape_init(&def->shape, kind);
-  def->local = c::kAtOrigin;
+  def->local = kAtOrigin;
   def->friction = material.friction;
   def->restitution = material.restitution;
   def->category = filter.category;

@@ -6,14 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "convert.h"
 #include "guard.h"
-#include "tandem/consensus/update.h"
 #include "tandem/consensus/virtual_link.h"
 #include "transport_impl.h"
 
 using namespace tandem;
-using c::guarded;
-using c::required;
+using namespace tandem::c;
 
 namespace {
 
@@ -103,7 +102,7 @@ tandem_network* tandem_network_create(const tandem_link* link, uint64_t seed, in
     made = new tandem_network{
         .network = consensus::VirtualNetwork(
             {.latency = l.latency, .jitter = l.jitter, .loss = l.loss, .bandwidth = l.bandwidth},
-            seed, start_ns),
+            seed, checked_time("start_ns", start_ns, -consensus::kMaxStamp)),
         .transports = {}};
   });
   return made;
@@ -129,5 +128,8 @@ tandem_transport* tandem_network_transport(tandem_network* network, uint64_t pee
 
 tandem_result tandem_network_advance(tandem_network* network, int64_t time_ns,
                                      tandem_error* error) {
-  return guarded(error, [&] { required(network, "network").network.advance_to(time_ns); });
+  return guarded(error, [&] {
+    required(network, "network")
+        .network.advance_to(checked_time("time_ns", time_ns, -consensus::kMaxStamp));
+  });
 }

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include <algorithm>
 #include <cstring>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "convert.h"
 #include "guard.h"
+#include "tandem/pbd/bytes.h"
+#include "tandem/pbd/typed_block.h"
 #include "world_impl.h"
 
 using namespace tandem;
-using c::from_c;
-using c::guarded;
-using c::required;
-using c::to_c;
+using namespace tandem::c;
 
 tandem_world::tandem_world(const tandem_world_def& def)
     : world({.gravity = from_c(def.gravity)}),
@@ -49,9 +50,7 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
                                 tandem_error* error) {
   return guarded(error, [&] {
     tandem_world& w = required(world, "world");
-    if (!(dt > 0.0) || dt > 1e6) {
-      throw std::invalid_argument("dt = " + std::to_string(dt) + ": must be above 0 and finite");
-    }
+    pbd::detail::require(dt > 0.0 && dt <= 1e6, "tandem_world_step", "dt", dt, "above 0 to 1e6 s");
     const pbd::StepReport& done = w.solver.step(w.world, dt);
     if (w.events) w.events->update(w.world, w.scene);
     if (report != nullptr) {
@@ -72,12 +71,46 @@ uint64_t tandem_world_hash(const tandem_world* world) {
   return world != nullptr ? world->world.hash() : 0;
 }
 
+namespace {
+
+/// With the events behind it, and then where they begin, so that what began and ended after it is
+/// told again after restore().
+std::vector<std::byte> snapshot_of(const tandem_world& w) {
+  std::vector<std::byte> bytes = w.world.snapshot();
+  if (!w.events) return bytes;
+  const std::size_t begin = bytes.size();
+  pbd::ByteWriter out(bytes);
+  w.events->save(out);
+  out.u64(begin);
+  return bytes;
+}
+
+void restore(tandem_world& w, std::span<const std::byte> bytes) {
+  if (!w.events) {
+    w.world.restore(bytes);
+    return;
+  }
+  constexpr std::size_t kTail = 8;
+  const std::size_t most = bytes.size() - std::min(bytes.size(), kTail);
+  const std::uint64_t begin = pbd::ByteReader(bytes.subspan(most)).u64();
+  pbd::ByteReader in(begin < most ? bytes.subspan(begin, most - begin) : bytes.first(0));
+  collision::ContactEvents events;
+  events.load(in);
+  if (in.failed() || in.remaining() > 0) {
+    throw std::invalid_argument("bytes: must be a snapshot of a world that collects events");
+  }
+  w.world.restore(bytes.first(begin));
+  w.events = std::move(events);
+}
+
+}  // namespace
+
 tandem_result tandem_world_snapshot(const tandem_world* world, void* buffer, size_t* size,
                                     tandem_error* error) {
   bool fits = true;
   const tandem_result result = guarded(error, [&] {
     size_t& room = required(size, "size");
-    const std::vector<std::byte> bytes = required(world, "world").world.snapshot();
+    const std::vector<std::byte> bytes = snapshot_of(required(world, "world"));
     fits = buffer != nullptr && bytes.size() <= room;
     if (fits) std::memcpy(buffer, bytes.data(), bytes.size());
     room = bytes.size();
@@ -90,7 +123,7 @@ tandem_result tandem_world_restore(tandem_world* world, const void* bytes, size_
                                    tandem_error* error) {
   return guarded(error, [&] {
     const auto& first = required(static_cast<const std::byte*>(bytes), "bytes");
-    required(world, "world").world.restore(std::span(&first, size));
+    restore(required(world, "world"), std::span(&first, size));
   });
 }
 

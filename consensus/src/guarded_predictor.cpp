@@ -10,9 +10,11 @@ namespace tandem::consensus::detail {
 
 namespace {
 
+/// Lengths as well: they are what a rotation and a distance are made from.
 bool finite(const Prediction& p) {
-  return p.translation.allFinite() && p.rotation.allFinite() && p.twist.linear.allFinite() &&
-         p.twist.angular.allFinite() && std::isfinite(p.variance);
+  return std::isfinite(p.translation.squaredNorm()) && std::isfinite(p.rotation.squaredNorm()) &&
+         std::isfinite(p.twist.linear.squaredNorm()) &&
+         std::isfinite(p.twist.angular.squaredNorm()) && std::isfinite(p.variance);
 }
 
 /// An application's predictor: no number of its own gets into a world unseen.

@@ -35,9 +35,10 @@ class Track {
   bool empty() const { return samples_.empty(); }
   const std::vector<TrackSample>& samples() const { return samples_; }
 
-  /// The state at `time`: position, speed and velocity interpolated linearly, orientation on the
-  /// sphere, the rest as at the sample before. Nothing before the first sample, after the last one,
-  /// and between two that are more than `max_gap` (ns) apart.
+  /// The state at `time`: position by the cubic that has the velocities of both samples, or
+  /// straight there and straight away where a hit came between them; speed and velocity linearly,
+  /// orientation on the sphere, the rest as at the sample before. Nothing before the first sample,
+  /// after the last one, and between two that are more than `max_gap` (ns) apart.
   std::optional<TrackSample> at(consensus::SessionTime time,
                                 consensus::SessionTime max_gap = INT64_MAX) const;
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tandem/pbd/typed_block.h"
+#include "value_text.h"
 
 namespace tandem::pbd {
 
@@ -83,7 +84,7 @@ void require(bool ok, std::string_view kind, std::string_view field, double valu
              std::string_view rule) {
   if (ok) return;
   throw std::invalid_argument(std::string(kind) + ": " + std::string(field) + " = " +
-                              std::to_string(value) + " breaks the rule: " + std::string(rule));
+                              value_text(value) + " breaks the rule: " + std::string(rule));
 }
 
 void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {

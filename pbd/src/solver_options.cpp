@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tandem/pbd/solver.h"
+#include "value_text.h"
 
 namespace tandem::pbd {
 namespace {
@@ -11,8 +12,9 @@ namespace {
 bool in_range(double value, double low, double high, const char* field, std::string* error) {
   if (std::isfinite(value) && value >= low && value <= high) return true;
   if (error != nullptr) {
-    *error = std::string("SolverOptions: ") + field + " = " + std::to_string(value) +
-             " breaks the rule: from " + std::to_string(low) + " to " + std::to_string(high);
+    *error = std::string("SolverOptions: ") + field + " = " + detail::value_text(value) +
+             " breaks the rule: from " + detail::value_text(low) + " to " +
+             detail::value_text(high);
   }
   return false;
 }

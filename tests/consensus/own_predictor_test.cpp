@@ -3,8 +3,11 @@
 //
 // PeerOptions::own_predictor: an application's predictor in place of one of ours.
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "consensus/peer_fixture.h"
@@ -23,25 +26,29 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// Says what another one says, or nothing of sense.
 class Forwarding final : public Predictor {
  public:
-  explicit Forwarding(PredictorKind kind, double spoilt = 0.0)
-      : inner_(make_predictor(kind)), spoilt_(spoilt) {}
+  using Spoil = std::function<void(Prediction&)>;
+  explicit Forwarding(PredictorKind kind, Spoil spoil = {}, double gain = 1.0)
+      : inner_(make_predictor(kind)), spoil_(std::move(spoil)), gain_(gain) {}
 
   Prediction predict(const StateUpdate& update, const MotionHistory& own,
                      const PredictionContext& context) const override {
     ++asked;
     Prediction said = inner_->predict(update, own, context);
-    said.twist.angular.y() += spoilt_;
+    if (spoil_) spoil_(said);
     return said;
   }
   double gain() const override { return inner_->gain(); }
-  double gain_for(const StateUpdate& update) const override { return inner_->gain_for(update); }
+  double gain_for(const StateUpdate& update) const override {
+    return gain_ * inner_->gain_for(update);
+  }
   bool remembers() const override { return inner_->remembers(); }
 
   mutable int asked = 0;
 
  private:
   std::unique_ptr<Predictor> inner_;
-  double spoilt_;
+  Spoil spoil_;
+  double gain_;
 };
 
 /// After each step of two peers whose copies of a ball move differently.
@@ -71,10 +78,32 @@ TEST_CASE("own predictor: one that says what ours says is ours, bit for bit", "[
 TEST_CASE("own predictor: where it says what is no number, the state counts as it was stamped",
           "[consensus][fault]") {
   const std::vector<std::uint64_t> none = hashes({.predictor = PredictorKind::None});
-  for (const double spoilt : {kNan, std::numeric_limits<double>::infinity()}) {
-    CHECK(hashes({.own_predictor = std::make_shared<Forwarding>(PredictorKind::Euler, spoilt)}) ==
-          none);
+  for (const double spoilt : {kNan, std::numeric_limits<double>::infinity(), 1e200}) {
+    // 1e200 is a number, and its square is none: nobody can turn by such an angle.
+    for (const Forwarding::Spoil& spoil : std::initializer_list<Forwarding::Spoil>{
+             [&](Prediction& p) { p.translation.x() = spoilt; },
+             [&](Prediction& p) { p.rotation.z() = spoilt; },
+             [&](Prediction& p) { p.twist.linear.x() = spoilt; },
+             [&](Prediction& p) { p.twist.angular.y() = spoilt; }}) {
+      CHECK(hashes({.own_predictor = std::make_shared<Forwarding>(PredictorKind::Euler, spoil)}) ==
+            none);
+    }
   }
+  CHECK(hashes({.own_predictor = std::make_shared<Forwarding>(
+                    PredictorKind::Euler, [](Prediction& p) { p.variance = kNan; })}) == none);
+}
+
+TEST_CASE("own predictor: a gain for one state that is no gain is the predictor's",
+          "[consensus][fault]") {
+  const std::vector<std::uint64_t> euler = hashes({.predictor = PredictorKind::Euler});
+  const auto with_gain = [](double gain) {
+    return hashes({.own_predictor = std::make_shared<Forwarding>(PredictorKind::Euler,
+                                                                 Forwarding::Spoil{}, gain)});
+  };
+  for (const double gain : {kNan, 0.0, -1.0, std::numeric_limits<double>::infinity()}) {
+    CHECK(with_gain(gain) == euler);
+  }
+  CHECK(with_gain(0.01) != euler);
 }
 
 TEST_CASE("own predictor: a gain that is no gain is refused by name", "[consensus]") {

@@ -6,22 +6,12 @@
 #   tests/package/deb.sh [BUILD]   default build/shared; configured where missing
 # Exits with 77 where there is no dpkg-deb, and says so.
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd "$here/../.." && pwd)
-build=$(realpath -m "${1:-$root/build/shared}")
-
-fail() {
-  echo "deb: $*" >&2
-  exit 1
-}
 command -v dpkg-deb >/dev/null || {
   echo "SKIPPED: there is no dpkg-deb"
   exit 77
 }
 
-if [[ ! -f $build/CMakeCache.txt ]]; then
-  (cd "$root" && cmake --preset shared -B "$build" >/dev/null)
-fi
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh" deb shared "$@"
 # What is packed, and nothing else.
 targets=(tandem_net tandem_obj tandem_c)
 known=$(cmake --build "$build" --target help)
@@ -30,13 +20,8 @@ for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-
 done
 cmake --build "$build" --target "${targets[@]}"
 
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-(cd "$build" && cpack -G DEB -B "$scratch/packages") \
-  >"$scratch/log" 2>&1 || {
-  cat "$scratch/log" >&2
-  fail "cpack fails"
-}
+(cd "$build" && cpack -G DEB -B "$scratch/packages") >"$scratch/log" 2>&1 ||
+  fail_with_log "cpack fails"
 packages=("$scratch"/packages/*.deb)
 [[ ${#packages[@]} -eq 3 ]] || fail "these are not three packages: ${packages[*]}"
 for package in "${packages[@]}"; do
@@ -76,21 +61,13 @@ dpkg-deb -f "$scratch"/packages/libtandem-dev_*.deb Depends | grep -q "$librarie
 usr=$scratch/unpacked/usr
 folder=$(dirname "$(find "$usr" -name libtandem_pbd.so)")
 export LD_LIBRARY_PATH=$folder
-cmake -S "$here" -B "$scratch/net" -DCOMPONENT=net -DCMAKE_PREFIX_PATH="$usr" >"$scratch/log" 2>&1 &&
-  cmake --build "$scratch/net" >>"$scratch/log" 2>&1 || {
-  cat "$scratch/log" >&2
-  fail "the consumer of net does not build"
-}
-"$scratch/net/consumer"
+consumer net "$usr"
 "$usr/bin/tandem-demo" cubes --seconds 1 --quiet || fail "a demo does not run"
 "$usr/bin/tandem-key" >/dev/null || fail "tandem-key does not run"
 if command -v lintian >/dev/null; then
   # Errors alone. Who packages them is told when they are published.
   lintian --fail-on error --suppress-tags bogus-mail-host,no-changelog "${packages[@]}" \
-    >"$scratch/log" 2>&1 || {
-    cat "$scratch/log" >&2
-    fail "lintian has errors"
-  }
+    >"$scratch/log" 2>&1 || fail_with_log "lintian has errors"
   echo "deb: lintian has no error and $(grep -c '^W:' "$scratch/log" || true) warnings"
 fi
 echo "deb: the packages can be used"

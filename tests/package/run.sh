@@ -6,47 +6,16 @@
 # it, and looks into the results: who does without a module carries nothing of its dependencies.
 #   tests/package/run.sh [BUILD]     default build/release; configured and built where missing
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd "$here/../.." && pwd)
-build=$(realpath -m "${1:-$root/build/release}")
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh" package release "$@"
 
-if [[ ! -f $build/CMakeCache.txt ]]; then
-  (cd "$root" && cmake --preset release -B "$build")
-fi
 cmake --build "$build"
-
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
 prefix=$scratch/prefix
 cmake --install "$build" --prefix "$prefix" >/dev/null
-
-fail() {
-  echo "package: $*" >&2
-  exit 1
-}
 
 # Names that a dependency leaves in an executable, defined or wanted.
 fcl='(^|[^A-Za-z_])(fcl::|octomap::|ccd[A-Z]|_ccd)'
 asio='(^|[^A-Za-z_])asio::'
 obj='(^|[^A-Za-z_])tinyobj::|NEEDED libtinyobj'
-
-# consumer COMPONENT PACKAGE...: configure (with these packages out of reach), build and run.
-consumer() {
-  local component=$1 package
-  shift
-  local hidden=()
-  for package in "$@"; do
-    hidden+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
-  done
-  cmake -S "$here" -B "$scratch/$component" -DCOMPONENT="$component" \
-    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release "${hidden[@]}" >"$scratch/log" 2>&1 &&
-    cmake --build "$scratch/$component" >>"$scratch/log" 2>&1 ||
-    {
-      cat "$scratch/log" >&2
-      fail "the consumer of $component does not build"
-    }
-  "$scratch/$component/consumer" || fail "the consumer of $component fails"
-}
 
 # symbols COMPONENT: everything its executable defines or wants, and the libraries it loads.
 symbols() {
@@ -68,29 +37,29 @@ with() {
     fail "no $what in the consumer of $component: the check for its absence sees nothing"
 }
 
-consumer pbd fcl ccd octomap tinyobjloader Asio
+consumer pbd "$prefix" fcl ccd octomap tinyobjloader Asio
 without pbd FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without pbd Asio "$asio"
 
-consumer consensus fcl ccd octomap tinyobjloader Asio
+consumer consensus "$prefix" fcl ccd octomap tinyobjloader Asio
 without consensus FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without consensus Asio "$asio"
 
-consumer collision tinyobjloader Asio
+consumer collision "$prefix" tinyobjloader Asio
 without collision Asio "$asio"
 without collision tinyobjloader "$obj"
 with collision FCL "$fcl"
 with collision FCL "NEEDED libfcl"
 
-consumer obj Asio
+consumer obj "$prefix" Asio
 without obj Asio "$asio"
 with obj tinyobjloader "$obj"
 
-consumer net fcl ccd octomap tinyobjloader Asio
+consumer net "$prefix" fcl ccd octomap tinyobjloader Asio
 without net FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 with net Asio "$asio"
 
-consumer c tinyobjloader Asio
+consumer c "$prefix" tinyobjloader Asio
 without c Asio "$asio"
 
 # The same without CMake, and from a tree that was moved.
@@ -115,10 +84,8 @@ mv "$scratch/moved" "$prefix"
 # The ladder of examples, and the tutorial as it stands: each says what it claims, and ends with 0
 # where that holds.
 cmake -S "$root/demos/examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$prefix" \
-  >"$scratch/log" 2>&1 && cmake --build "$scratch/examples" >>"$scratch/log" 2>&1 || {
-  cat "$scratch/log" >&2
-  fail "the examples do not build"
-}
+  >"$scratch/log" 2>&1 && cmake --build "$scratch/examples" >>"$scratch/log" 2>&1 ||
+  fail_with_log "the examples do not build"
 ctest --test-dir "$scratch/examples" --no-tests=error --output-on-failure ||
   fail "an example does not hold"
 long=$(wc -l "$root"/demos/examples/*.cpp | awk '$2 != "total" && $1 >= 100')
@@ -131,10 +98,8 @@ if cmake -S "$here" -B "$scratch/absent" -DCOMPONENT=collision -DCMAKE_PREFIX_PA
   -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON >"$scratch/log" 2>&1; then
   fail "a missing component was found"
 fi
-grep -q "Tandem was built without collision" "$scratch/log" || {
-  cat "$scratch/log" >&2
-  fail "a missing component is not named"
-}
+grep -q "Tandem was built without collision" "$scratch/log" ||
+  fail_with_log "a missing component is not named"
 
 # Writable data: whatever lies in .data, .bss or their thread-local kin under a name. Relocated
 # constants (.data.rel.ro: tables of virtual functions) and the reference to the exception

@@ -10,6 +10,7 @@
 #include <typeinfo>
 #include <vector>
 
+#include "support/bodies.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
@@ -20,6 +21,7 @@
 #include "tandem/pbd/tether.h"
 
 using namespace tandem;
+using tandem::testing::refusal;
 
 namespace {
 
@@ -28,16 +30,6 @@ void check(bool holds, const char* what) {
   if (holds) return;
   std::printf("shared: does not hold: %s\n", what);
   ++failures;
-}
-
-template <class Call>
-std::string refusal(Call&& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
 }
 
 /// An exception that no library has heard of.

@@ -3,26 +3,15 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # Shared libraries: they show what is public and nothing else, the tests of pbd and of the C
-# interface pass on them, and types and exceptions go through their walls.
+# interface pass on them, C's structs are laid out as its version has them, and types and exceptions
+# go through their walls.
 #   tests/package/shared.sh [BUILD]   default build/shared; configured and built where missing
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd "$here/../.." && pwd)
-build=$(realpath -m "${1:-$root/build/shared}")
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh" shared shared "$@"
 
-fail() {
-  echo "shared: $*" >&2
-  exit 1
-}
-
-if [[ ! -f $build/CMakeCache.txt ]]; then
-  (cd "$root" && cmake --preset shared -B "$build" >/dev/null)
-fi
 cmake --build "$build" --target tandem_net tandem_obj pbd_test pbd_allocation_test c_test
 ctest --test-dir "$build" -R '^(pbd|pbd_allocation|c)_test$' --no-tests=error --output-on-failure
 
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
 prefix=$scratch/prefix
 for component in runtime dev; do
   cmake --install "$build" --prefix "$prefix" --component "$component" >/dev/null
@@ -56,36 +45,33 @@ void seen() {}
 END
 c++ -shared -fPIC "$scratch/probe.cpp" -o "$scratch/probe.so"
 python3 "$here/exports.py" "$prefix/include" "$scratch/probe.so" >"$scratch/log" && fail "blind"
-[[ $(grep -c 'seen()' "$scratch/log") -eq 3 ]] || {
-  cat "$scratch/log" >&2
-  fail "the check of symbols is broken"
-}
+[[ $(grep -c 'seen()' "$scratch/log") -eq 3 ]] || fail_with_log "the check of symbols is broken"
+
+python3 "$here/binding.py" "$folder/libtandem_c.so" || fail "the C interface is of another version"
 
 # An application with hidden symbols, by each compiler there is; without what libraries have inside.
 for compiler in c++ clang++; do
   command -v "$compiler" >/dev/null || continue
   for link in '' -Wl,--as-needed; do
     "$compiler" -std=c++20 -O1 -fvisibility=hidden -fvisibility-inlines-hidden $link \
-      "$here/shared.cpp" -o "$scratch/shared" \
+      "$here/shared.cpp" -o "$scratch/shared" -I"$root/tests" \
       $(PKG_CONFIG_PATH=$folder/pkgconfig pkg-config --cflags --libs tandem-net \
         tandem-obj) -Wl,-rpath,"$folder" || fail "$compiler does not build it"
-    "$scratch/shared" >"$scratch/log" || {
-      cat "$scratch/log" >&2
-      fail "types or exceptions do not get through ($compiler $link)"
-    }
+    "$scratch/shared" >"$scratch/log" ||
+      fail_with_log "types or exceptions do not get through ($compiler $link)"
   done
 done
 cat "$scratch/log"
 
 # Who links a shared library needs nothing that is inside it.
-for component in c net; do
-  cmake -S "$here" -B "$scratch/$component" -DCOMPONENT="$component" \
-    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON \
-    -DCMAKE_DISABLE_FIND_PACKAGE_ccd=ON -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON \
-    >"$scratch/log" 2>&1 && cmake --build "$scratch/$component" >>"$scratch/log" 2>&1 || {
-    cat "$scratch/log" >&2
-    fail "the consumer of $component does not build"
-  }
-  "$scratch/$component/consumer" >/dev/null || fail "the consumer of $component fails"
+for component in c net obj; do
+  consumer "$component" "$prefix" fcl ccd tinyobjloader PkgConfig >/dev/null
+done
+# By pkg-config likewise: of other packages' files there is Eigen's alone.
+mkdir "$scratch/pc"
+cp "$folder"/pkgconfig/*.pc "$(pkg-config --variable=pcfiledir eigen3)/eigen3.pc" "$scratch/pc"
+for component in pbd collision obj consensus net c; do
+  PKG_CONFIG_LIBDIR=$scratch/pc pkg-config --cflags --libs "tandem-$component" >"$scratch/log" 2>&1 ||
+    fail_with_log "tandem-$component wants more than Eigen"
 done
 echo "shared: all libraries show what is public"

@@ -196,7 +196,7 @@ TEST_CASE("tether: a bad definition is refused naming field, value and rule", "[
   refused("anchor_velocity", "nan", "finite", [&](Def& d) { d.anchor_velocity.z() = kNan; });
   refused("stiffness", "0.0", "1e-9 to 1e15", [&](Def& d) { d.stiffness = 0.0; });
   refused("stiffness", "inf", "1e-9 to 1e15", [&](Def& d) { d.stiffness = kInf; });
-  refused("stiffness", "0.0", "1e-9 to 1e15", [&](Def& d) { d.stiffness = 1e-310; });
+  refused("stiffness", "1e-310", "1e-9 to 1e15", [&](Def& d) { d.stiffness = 1e-310; });
   refused("damping", "-1.0", "0 to 1e15", [&](Def& d) { d.damping = -1.0; });
   refused("damping", "nan", "0 to 1e15", [&](Def& d) { d.damping = kNan; });
   refused("max_force", "0.0", "> 0", [&](Def& d) { d.max_force = 0.0; });

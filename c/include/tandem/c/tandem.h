@@ -12,11 +12,13 @@
  * are nanoseconds.
  *
  * Defs are filled by their `_init` function and then changed, so that what a program does not know
- * has its default. Handles are values that carry a generation: one of something that was removed is
+ * has its default; what has no such function is filled with zeros first. Enums and truth values are
+ * of 32 bits. Handles are values that carry a generation: one of something that was removed is
  * an error and never something else.
  *
  * Errors: whatever can fail returns a tandem_result and writes field, value and rule to `error`,
- * which may be null. What failed has changed nothing. No function lets a C++ exception out.
+ * which may be null. What failed has changed nothing. No function lets a C++ exception out. What
+ * returns no result says 0 of a null object and of a handle that is stale.
  *
  * Threads: distinct objects may be used at the same time, one object by one thread at a time. A
  * peer and its world count as one, a network with all its transports and their peers as well.
@@ -125,14 +127,15 @@ TANDEM_C_API void tandem_world_def_init(tandem_world_def* def);
 TANDEM_C_API tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error);
 /** After all its peers. Null: nothing happens. */
 TANDEM_C_API void tandem_world_destroy(tandem_world* world);
-/** @param dt  s, finite and > 0     @param report  may be null */
+/** @param dt  s, above 0 to 1e6     @param report  may be null */
 TANDEM_C_API tandem_result tandem_world_step(tandem_world* world, double dt,
                                              tandem_step_report* report, tandem_error* error);
 TANDEM_C_API tandem_result tandem_world_set_gravity(tandem_world* world, tandem_vec3 gravity,
                                                     tandem_error* error);
 /** Equal bits, equal hash. */
 TANDEM_C_API uint64_t tandem_world_hash(const tandem_world* world);
-/** Everything that the next step depends on. @param size  in: bytes of `buffer`, out: needed */
+/** Everything that the next step and its events depend on.
+ * @param size  in: bytes of `buffer`, out: needed */
 TANDEM_C_API tandem_result tandem_world_snapshot(const tandem_world* world, void* buffer,
                                                  size_t* size, tandem_error* error);
 /** Of a world that was built the same way. The bytes may be anybody's. */
@@ -278,9 +281,9 @@ typedef struct tandem_joint_def {
   /* Of hinges (rad, N m) and sliders (m, N): */
   int32_t limited; /**< not 0: between lower and upper; 0 */
   double lower, upper;
-  tandem_motor_mode motor; /**< TANDEM_MOTOR_OFF */
-  double motor_target, motor_max_force;
-  double break_force, break_torque; /**< N, N m; 0 = never */
+  tandem_motor_mode motor;              /**< TANDEM_MOTOR_OFF */
+  double motor_target, motor_max_force; /**< 0; infinite */
+  double break_force, break_torque;     /**< N, N m; 0 = never */
 } tandem_joint_def;
 
 TANDEM_C_API void tandem_joint_def_init(tandem_joint_def* def, tandem_joint_kind kind);
@@ -304,6 +307,7 @@ typedef struct tandem_contact {
   tandem_body body_a, body_b;
 } tandem_contact;
 
+/** Faster than 1 m/s. */
 typedef struct tandem_hit {
   tandem_contact contact;
   tandem_vec3 point;  /**< m, world */
@@ -342,11 +346,11 @@ typedef void (*tandem_receive)(void* inbox, uint64_t from, const void* bytes, si
 typedef void (*tandem_list_peer)(void* list, uint64_t peer, int32_t connected);
 
 /** A transport of the caller's. The functions are called during tandem_peer_ functions alone, by
- * their thread, and must not call back into the peer. They may be given nothing to do. */
+ * their thread, and must not call back into the peer or its world. */
 typedef struct tandem_transport_def {
   void* user;    /**< first argument of all of them */
   uint64_t self; /**< this peer; unique in the session, never 0 */
-  /** Not 0 where the bytes were taken. Must not wait. */
+  /** Not 0 where the bytes, 61440 of them at most, were taken. Must not wait. */
   int32_t (*post)(void* user, uint64_t to, const void* bytes, size_t size,
                   tandem_delivery delivery);
   /** Calls receive(inbox, ...) for each packet that has come since, as it was posted. */
