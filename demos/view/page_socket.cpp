@@ -16,7 +16,7 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Error = boost::system::error_code;
 
-constexpr std::chrono::seconds kPatience{10};  // with a page that is gone
+constexpr std::chrono::seconds kIdle{10};      // with a page that is gone
 constexpr std::chrono::seconds kHandshake{3};  // at the beginning and at the end of a socket
 constexpr std::size_t kMostWords = 256;        // waiting for one page
 constexpr int kSocketBytes = 64 * 1024;        // what waits in the system is old when it is seen
@@ -31,7 +31,7 @@ void PageSocket::start(Request request) {
   beast::get_lowest_layer(socket_).expires_never();
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = kHandshake;
-  timeout.idle_timeout = kPatience;
+  timeout.idle_timeout = kIdle;
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
   socket_.read_message_max(kMostBytes);
