@@ -93,12 +93,15 @@ export class Observer {
  * @param {number} axis  0..2
  * @param {number} from  m
  * @param {number} to    m
- * @returns {number[]}  s, session time
+ * @returns {{times: number[], unsure: number}}  s, session time; and by how much a difference of two
+ *   of them may be off, as no frame came between: where the machine is busy, frames are left out
  */
 export function halfWay(places, axis, from, to) {
   const middle = (from + to) / 2;
-  return places[0].at.map((_, peer) => places.find(
-    ({at}) => (to > from) === (at[peer][axis] > middle))?.time ?? Infinity);
+  const first = places[0].at.map((_, peer) => places.findIndex(
+    ({at}) => (to > from) === (at[peer][axis] > middle)));
+  const gaps = first.map((i) => (i > 0 ? places[i].time - places[i - 1].time : Infinity));
+  return {times: first.map((i) => places[i]?.time ?? Infinity), unsure: Math.max(...gaps)};
 }
 
 /** @param {number[]} a @param {number[]} b @returns {number} */

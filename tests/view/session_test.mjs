@@ -15,6 +15,7 @@ const BODY = 'pillar/3';  // the uppermost cube of the pillar
 const UP = 130;           // CSS pixels
 const LIFT = 0.08;        // m, that a cube is lifted by this at least
 const AGREE = 1e-3;       // m, at rest
+const FRAME = 1 / 60;     // s, from one to the next where none is left out
 
 const view = (page, expression) => page.evaluate(`window.tandemView.${expression}`);
 
@@ -46,7 +47,11 @@ describe('a session', {timeout: 900000}, () => {
     await until(() => view(which, `drawn > ${drawn} + 1`), 'two pictures');
   }
 
-  /** Pulls the cube up in one pane; says when it was half way there in each, s. */
+  /**
+   * Pulls the cube up in one pane.
+   * @returns {Promise<{late: number, unsure: number}>}  s, by how much the other pane was half way
+   *   there later; see halfWay
+   */
   async function pull(pane) {
     const low = observer.places(BODY)[pane][2];
     const places = observer.watch(BODY);
@@ -54,7 +59,8 @@ describe('a session', {timeout: 900000}, () => {
     await until(() => places.at(-1)?.at.every((at) => at[2] > low + LIFT), 'the lift', 60);
     await observer.pass(1);
     await page.mouse.up();
-    return halfWay(places, 2, low, low + LIFT);
+    const {times, unsure} = halfWay(places, 2, low, low + LIFT);
+    return {late: times[1 - pane] - times[pane], unsure};
   }
 
   /** Waits until the cube lies still at both. @returns {Promise<number[][]>}  m, where */
@@ -78,10 +84,15 @@ describe('a session', {timeout: 900000}, () => {
       await page.selectOption('#profile', String(profile));
       await until(() => observer.settings.profile === profile, 'the profile');
       for (const pane of [0, 1]) {
-        await restart();
-        const times = await pull(pane);
-        const late = times[1 - pane] - times[pane];
-        assert.ok(late > 0 && late <= ONE_WAY[profile] + MARGIN, `${late} s late`);
+        let late, unsure;
+        // Again where the machine was busy just then; in the end, what was seen has to do.
+        for (let tries = 0; tries === 0 || (unsure > 1.5 * FRAME && tries < 4); ++tries) {
+          await restart();
+          ({late, unsure} = await pull(pane));
+        }
+        const more = Math.max(0, unsure - FRAME);
+        assert.ok(late > -more && late <= ONE_WAY[profile] + MARGIN + more,
+                  `${late} s late, give or take ${more} s`);
         const places = await rest();
         const apart = distance(...places);
         console.error(`profile ${profile}, pane ${pane}: ${(1000 * late).toFixed(0)} ms late, ` +
