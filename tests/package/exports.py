@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What a shared library shows is public: exports.py INCLUDE LIBRARY...
+"""What shared libraries show is public, and enough: exports.py INCLUDE [--users BUILD] LIBRARY...
 
 Each dynamic symbol that a library defines belongs to a name that a header in INCLUDE declares, and
-to no class that a header only mentions. Ends with 1 and the symbols where that does not hold.
+to no class that a header only mentions. With --users, each public symbol that an object of the build
+tree BUILD wants, made from a source outside the libraries' own src folders, is one of those. Ends
+with 1 and the symbols where that does not hold.
 """
+import argparse
+import json
 import pathlib
 import re
 import subprocess
@@ -49,22 +53,81 @@ def complaint(symbol, names, mentioned):
     return None
 
 
-def main():
-    names, mentioned = headers(pathlib.Path(sys.argv[1]))
-    status = 0
-    for library in sys.argv[2:]:
-        listed = subprocess.run(["nm", "-D", "-C", "--defined-only", library], check=True,
+def of_libraries(libraries):
+    """By library: its dynamic symbols, mangled, without their versions; the version itself is one,
+    absolute."""
+    out = {}
+    for library in libraries:
+        listed = subprocess.run(["nm", "-D", "--defined-only", library], check=True,
                                 capture_output=True, text=True).stdout
-        # Symbols have the version of their library behind them; the version itself is one, absolute.
-        symbols = [re.sub(r"@@?TANDEM_[\d.]+$", "", line.split(" ", 2)[2])
-                   for line in listed.splitlines() if line.split(" ", 2)[1] != "A"]
-        found = [(symbol, why) for symbol in symbols
+        out[library] = [re.sub(r"@@?TANDEM_[\d.]+$", "", line.split(" ", 2)[2])
+                        for line in listed.splitlines() if line.split(" ", 2)[1] != "A"]
+    return out
+
+
+def readable(symbols):
+    """Mangled to demangled."""
+    listed = subprocess.run(["c++filt"], input="\n".join(symbols), check=True, capture_output=True,
+                            text=True).stdout
+    return dict(zip(symbols, listed.split("\n")))
+
+
+def of_users(build):
+    """What objects of users of the libraries want and do not have themselves; how many they are."""
+    build = pathlib.Path(build)
+    objects = []
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        made = pathlib.Path(entry["directory"]) / entry["output"]
+        # Libraries' folders are named as their targets are; only what has been built is looked at.
+        library = re.search(r"(?:^|/)(\w+)/CMakeFiles/tandem_\1\.dir/", entry["output"])
+        if not library and made.exists():
+            objects.append(str(made))
+    if not objects:
+        return set(), 0
+    wanted, own = set(), set()
+    listed = subprocess.run(["nm", "-A", "-P", *objects], check=True, capture_output=True,
+                            text=True).stdout
+    for line in listed.splitlines():
+        symbol, kind = line.split(": ", 1)[1].split()[:2]
+        (wanted if kind == "U" else own).add(symbol)
+    return wanted - own, len(objects)
+
+
+def report(found):
+    for symbol, why in found[:20]:
+        print(f"  {symbol}: {why}")
+    if len(found) > 20:
+        print(f"  and {len(found) - 20} more")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("include", type=pathlib.Path)
+    parser.add_argument("--users", metavar="BUILD")
+    parser.add_argument("libraries", nargs="+", metavar="library")
+    arguments = parser.parse_args()
+    names, mentioned = headers(arguments.include)
+    status = 0
+    shown = of_libraries(arguments.libraries)
+    for library, symbols in shown.items():
+        found = [(symbol, why) for symbol in readable(symbols).values()
                  if (why := complaint(symbol, names, mentioned)) is not None]
         print(f"exports: {pathlib.Path(library).name}: {len(symbols)} symbols, "
               f"{len(found)} of them not public")
-        for symbol, why in found[:20]:
-            print(f"  {symbol}: {why}")
+        report(found)
         if found or not symbols:
+            status = 1
+    if arguments.users:
+        wanted, objects = of_users(arguments.users)
+        public = {mangled: symbol for mangled, symbol in readable(sorted(wanted)).items()
+                  if complaint(symbol, names, mentioned) is None}
+        every = {symbol for symbols in shown.values() for symbol in symbols}
+        absent = [(symbol, "wanted and not shown") for mangled, symbol in public.items()
+                  if mangled not in every]
+        print(f"exports: {objects} objects want {len(public)} public symbols, "
+              f"{len(absent)} of them not shown")
+        report(absent)
+        if absent or not public:
             status = 1
     return status
 

@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Shared libraries: they show what is public and nothing else, the tests of pbd and of the C
-# interface pass on them, C's structs are laid out as its version has them, and types and exceptions
-# go through their walls.
+# Shared libraries: they show what is public, nothing else, and all that tests, demos and benchmarks
+# want; the tests of the C interface pass on them, C's structs are laid out as its version has them,
+# and types and exceptions go through their walls.
 #   tests/package/shared.sh [BUILD]   default build/shared; configured and built where missing
+# What is wanted is seen from build/release, which has to be there.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh" shared shared "$@"
 
-cmake --build "$build" --target tandem_net tandem_obj pbd_test pbd_allocation_test c_test
-ctest --test-dir "$build" -R '^(pbd|pbd_allocation|c)_test$' --no-tests=error --output-on-failure
+users=$root/build/release
+[[ -x $users/bin/pbd_test ]] || fail "preset release has not been built"
+
+cmake --build "$build" --target tandem_net tandem_obj c_test
+ctest --test-dir "$build" -R '^c_test$' --no-tests=error --output-on-failure
 
 prefix=$scratch/prefix
 for component in runtime dev; do
@@ -32,7 +36,8 @@ for library in "${libraries[@]}"; do
   [[ $soname == "$(basename "$library").$abi" ]] || fail "$library has the soname $soname"
 done
 
-python3 "$here/exports.py" "$prefix/include" "${libraries[@]}" || fail "insides are shown"
+python3 "$here/exports.py" "$prefix/include" --users "$users" "${libraries[@]}" ||
+  fail "insides are shown, or what is public is not"
 # The check of the check: it sees what is not ours, what no header has, and what one only mentions.
 cat >"$scratch/probe.cpp" <<'END'
 namespace tandem::pbd {
@@ -46,6 +51,10 @@ END
 c++ -shared -fPIC "$scratch/probe.cpp" -o "$scratch/probe.so"
 python3 "$here/exports.py" "$prefix/include" "$scratch/probe.so" >"$scratch/log" && fail "blind"
 [[ $(grep -c 'seen()' "$scratch/log") -eq 3 ]] || fail_with_log "the check of symbols is broken"
+python3 "$here/exports.py" "$prefix/include" --users "$users" "$folder"/libtandem_{pbd,obj}.so \
+  >"$scratch/log" && fail "what is wanted of the others is not missed"
+grep -q 'objects want .* public symbols, [1-9]' "$scratch/log" ||
+  fail_with_log "the check of what is wanted is broken"
 
 python3 "$here/binding.py" "$folder/libtandem_c.so" || fail "the C interface is of another version"
 
