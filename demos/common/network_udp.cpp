@@ -61,6 +61,10 @@ class UdpNetwork final : public Network {
   std::uint16_t local_port() const override { return transport_.local_port(); }
   std::string trouble() const override {
     std::string text;
+    for (const net::UdpLookup& lookup : transport_.lookups()) {
+      if (!lookup.reason.empty())
+        text += "; " + net::to_string(lookup.address) + ": " + lookup.reason;
+    }
     for (const consensus::PeerStatus& peer : transport_.peers()) {
       if (!peer.reason.empty()) text += "; peer " + std::to_string(peer.id) + ": " + peer.reason;
     }

@@ -152,6 +152,8 @@ consensus::PeerId UdpTransport::relay_of(consensus::PeerId peer) const {
                             [peer](UdpNode& node, std::int64_t) { return node.relay_of(peer); });
 }
 
+std::vector<UdpLookup> UdpTransport::lookups() const { return impl_->socket.lookups(); }
+
 UdpStrangers UdpTransport::strangers() const {
   return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
     const auto& counters = node.strangers();

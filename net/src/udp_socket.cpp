@@ -48,6 +48,10 @@ UdpSocket::UdpSocket(const UdpOptions& options, const UdpNodeOptions& node)
       node_(
           started(node), crypto::system_random(),
           [this](std::span<const std::byte> datagram, const Address& to) { send(datagram, to); }) {
+  lookups_.reserve(options_.connect.size());
+  for (const HostPort& address : options_.connect) {
+    lookups_.push_back({{.address = address}, asio::steady_timer(context_)});
+  }
   bind();
   receive();
   thread_ = std::thread([this] { run(); });
@@ -103,7 +107,7 @@ void UdpSocket::bind() {
 
 void UdpSocket::run() {
   try {
-    dial();
+    for (Lookup& lookup : lookups_) look_up(lookup);
   } catch (const std::exception&) {
     // No memory: who cannot be dialled may still dial us.
   }
@@ -119,19 +123,58 @@ void UdpSocket::run() {
   }
 }
 
-void UdpSocket::dial() {
-  asio::ip::udp::resolver resolver(context_);
-  for (const HostPort& peer : options_.connect) {
-    std::error_code error;
-    const auto found = resolver.resolve(peer.host, std::to_string(peer.port), error);
-    if (error) continue;
-    const auto usable = std::find_if(found.begin(), found.end(), [this](const auto& entry) {
-      return is_v6_ || entry.endpoint().address().is_v4();
-    });
-    if (usable == found.end()) continue;
-    const std::scoped_lock lock(mutex_);
-    node_.dial(address_of(usable->endpoint()), now());
+void UdpSocket::look_up(Lookup& lookup) {
+  const auto& [host, port] = lookup.status.address;
+  std::error_code no_number;
+  const auto address = asio::ip::make_address(host, no_number);
+  if (!no_number) {
+    const Endpoint endpoint(address, port);
+    return dial(lookup, {&endpoint, 1});
   }
+  resolver_.async_resolve(host, std::to_string(port),
+                          [this, &lookup](const std::error_code& error,
+                                          const asio::ip::udp::resolver::results_type& results) {
+                            if (error == asio::error::operation_aborted) return;
+                            if (error) {
+                              return look_up_again(lookup,
+                                                   "cannot look up the host: " + error.message());
+                            }
+                            std::vector<Endpoint> found;
+                            for (const auto& result : results) found.push_back(result.endpoint());
+                            dial(lookup, found);
+                          });
+}
+
+void UdpSocket::dial(Lookup& lookup, std::span<const Endpoint> found) {
+  const auto usable = std::find_if(found.begin(), found.end(), [this](const Endpoint& endpoint) {
+    return is_v6_ || endpoint.address().is_v4();
+  });
+  if (usable == found.end()) return look_up_again(lookup, "host has no IPv4 address");
+  const std::scoped_lock lock(mutex_);
+  ++lookup.status.attempts;
+  lookup.status.found = true;
+  lookup.status.reason.clear();
+  node_.dial(address_of(*usable), now());
+  wake();
+}
+
+void UdpSocket::look_up_again(Lookup& lookup, const std::string& reason) {
+  {
+    const std::scoped_lock lock(mutex_);
+    ++lookup.status.attempts;
+    lookup.status.reason = reason;
+  }
+  lookup.again.expires_after(options_.backoff_max);
+  lookup.again.async_wait([this, &lookup](const std::error_code& error) {
+    if (!error) look_up(lookup);
+  });
+}
+
+std::vector<UdpLookup> UdpSocket::lookups() {
+  const std::scoped_lock lock(mutex_);
+  std::vector<UdpLookup> out;
+  for (const Lookup& lookup : lookups_) out.push_back(lookup.status);
+  return out;
 }
 
 void UdpSocket::wake() {

@@ -7,8 +7,10 @@
 #include <asio/steady_timer.hpp>
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "datagram_batch.h"
 #include "tandem/net/udp.h"
@@ -26,6 +28,7 @@ class UdpSocket {
   UdpSocket& operator=(const UdpSocket&) = delete;
 
   std::uint16_t local_port() const { return local_port_; }
+  std::vector<UdpLookup> lookups();
 
   /// Calls `use(node, now)` under the lock; then the network thread looks what is to be done.
   template <class Use>
@@ -40,12 +43,19 @@ class UdpSocket {
  private:
   using Endpoint = asio::ip::udp::endpoint;
 
+  struct Lookup {
+    UdpLookup status;  // written by the network thread alone, with the lock
+    asio::steady_timer again;
+  };
+
   static std::int64_t now();
   static UdpNodeOptions started(UdpNodeOptions node);
   void follow_system_clock(std::int64_t time);
   void bind();
   void run();
-  void dial();
+  void look_up(Lookup& lookup);
+  void dial(Lookup& lookup, std::span<const Endpoint> found);
+  void look_up_again(Lookup& lookup, const std::string& reason);
   void wake();  // with the lock
   void receive();
   void on_readable();
@@ -54,11 +64,13 @@ class UdpSocket {
   Endpoint endpoint_of(const Address& address) const;
 
   const UdpOptions options_;
-  std::mutex mutex_;  // of the node, held for memory and arithmetic only
+  std::mutex mutex_;  // of the node and the lookups, held for memory and arithmetic only
   UdpNode node_;
   asio::io_context context_{1};
   asio::ip::udp::socket socket_{context_};
   asio::steady_timer timer_{context_};
+  asio::ip::udp::resolver resolver_{context_};
+  std::vector<Lookup> lookups_;  // as many as options_.connect has, for good
   bool wake_posted_ = false;
   bool waiting_ = false;  // for the socket
   bool is_v6_ = false;

@@ -247,6 +247,26 @@ TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net
   }
 }
 
+TEST_CASE("udp: names are looked up until they are found, and none holds up the others",
+          "[net][socket]") {
+  UdpTransport a(options(1));
+  auto own = options(2);
+  own.backoff_max = std::chrono::milliseconds(100);
+  // Longer than a name can be: no server of names is asked.
+  own.connect = {{std::string(300, 'x'), 9}, {"localhost", a.local_port()}};
+  const UdpTransport b(own);
+  REQUIRE(eventually([&] { return status(b, 1).connected; }));
+  REQUIRE(eventually([&] { return b.lookups()[0].attempts >= 3; }));
+  const auto lookups = b.lookups();
+  REQUIRE(lookups.size() == 2);
+  CHECK(lookups[0].address.port == 9);
+  CHECK_FALSE(lookups[0].found);
+  CHECK(lookups[0].reason.starts_with("cannot look up the host: "));
+  CHECK(lookups[1].found);
+  CHECK(lookups[1].attempts == 1);
+  CHECK(lookups[1].reason.empty());
+}
+
 TEST_CASE("udp: a peer with IPv4 alone and one with IPv6 alone meet through one that has both",
           "[net][socket]") {
   auto both = options(2);

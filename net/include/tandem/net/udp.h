@@ -29,7 +29,7 @@ struct TANDEM_API UdpOptions {
   std::uint64_t scene_hash = 0;     ///< peers with another one are refused
   std::uint16_t port = 0;           ///< one socket for all; 0 takes a free one (local_port())
   std::string address = "0.0.0.0";  ///< numeric; "::" for IPv6 and IPv4
-  std::vector<HostPort> connect;    ///< one is enough; names are looked up once
+  std::vector<HostPort> connect;    ///< one is enough; names are looked up until they are found
 
   UdpKey session_key{};             ///< the same for all members, not zero
   std::optional<UdpKey> identity;   ///< secret of this peer; none: a new one
@@ -67,6 +67,14 @@ struct TANDEM_API UdpStrangers {
   std::uint64_t bad_proof = 0;   ///< do not have the session key
   std::uint64_t refused = 0;     ///< members, but wrong scene, id or key; full; on hold
   std::uint64_t unknown = 0;     ///< packets of no connection
+};
+
+/// What has become of one of UdpOptions::connect.
+struct TANDEM_API UdpLookup {
+  HostPort address;
+  bool found = false;          ///< and dialled since; it is not looked up again
+  std::uint64_t attempts = 0;  ///< backoff_max apart
+  std::string reason;          ///< why the last one failed; empty where found
 };
 
 /// What was passed on for peers that have no route to each other: whole datagrams, sealed with keys
@@ -116,6 +124,8 @@ class TANDEM_API UdpTransport final : public consensus::Transport {
   ClockStatus clock() const;
 
   std::uint16_t local_port() const;
+  /// In the order of UdpOptions::connect.
+  std::vector<UdpLookup> lookups() const;
   UdpStrangers strangers() const;
   UdpRelayed relayed() const;
   /// Through whom packets to `peer` go; 0: straight there, or nowhere.
