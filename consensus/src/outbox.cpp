@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "packet_limit.h"
 #include "session_time.h"
 #include "tandem/pbd/math.h"
 
@@ -102,7 +103,7 @@ Outbox::Link& Outbox::link_to(PeerId peer, PeerStats& stats) {
 }
 
 void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
-                  std::span<const std::byte> anchors, const Interest* interest, SessionTime now,
+                  const AnchorMessages& anchors, const Interest* interest, SessionTime now,
                   PeerStats& stats) {
   // Times of the session never come again: no table of a predecessor has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
@@ -124,16 +125,11 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
     link.sent.resize(names_.size());
     look(link, states, interest, now, counters);
     const std::uint64_t before = counters.bytes;
-    const bool takes_anchors = !anchors.empty() && has_room(link, anchors.size(), now);
-    if (takes_anchors) {
-      link.anchor_room -= static_cast<double>(anchors.size());
-      link.anchored = now;
-    }
-    choose(link, states, takes_anchors ? anchors.size() : 0, counters);
+    choose(link, states, take_anchors(link, anchors, now), counters);
     if (options_.format == StateFormat::Compact) post_names(link, states, stats, counters);
     post_states(link, states, {}, true, now, stats, counters);
-    post_states(link, states, takes_anchors ? anchors : std::span<const std::byte>(), false, now,
-                stats, counters);
+    post_states(link, states, post_anchors(link, anchors, stats, counters), false, now, stats,
+                counters);
     withdraw(link, stats, counters);
     if (counters.bytes > before) link.posted = now;
     if (options_.tolerance > 0.0 && kNs * static_cast<double>(now - link.posted) >= kAliveEvery) {
@@ -145,11 +141,31 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
   }
 }
 
-bool Outbox::has_room(const Link& link, std::size_t anchors, SessionTime now) const {
+bool Outbox::has_room(const Link& link, double anchors, SessionTime now) const {
   if (link.kbit_per_s == 0.0) return true;
-  if (link.anchor_room < static_cast<double>(anchors)) return false;
+  if (link.anchor_room < anchors) return false;
   return link.room >= kWorthwhile * options_.packet_overhead ||
          kNs * static_cast<double>(now - link.anchored) >= kAnchorsWait;
+}
+
+double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now) {
+  taken_.clear();
+  double along = 0.0;
+  const std::size_t count = anchors.ends.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t turn = (link.turn + i) % count;
+    // The last packet's headers are those of states that go with it.
+    const double headers = taken_.empty() ? 0.0 : options_.packet_overhead;
+    const double bytes = headers + static_cast<double>(anchors[turn].size());
+    if (!has_room(link, bytes, now)) break;
+    link.anchor_room -= bytes;
+    along += bytes;
+    taken_.push_back(turn);
+  }
+  if (taken_.empty()) return 0.0;
+  link.anchored = now;
+  link.turn = (taken_.back() + 1) % count;
+  return along;
 }
 
 void Outbox::refill(Link& link, SessionTime now) const {
@@ -262,12 +278,12 @@ double Outbox::size_of(const StateUpdate& update) const {
   return update.oriented ? whole : whole - kOrientationBytes;
 }
 
-void Outbox::choose(Link& link, std::span<const OutgoingState> states, std::size_t along,
+void Outbox::choose(Link& link, std::span<const OutgoingState> states, double along,
                     LinkStats& stats) {
   if (link.kbit_per_s == 0.0 || due_.empty()) return;
-  const double room = link.room - static_cast<double>(along);
+  const double room = link.room - along;
   const double headers = options_.packet_overhead + kMessageBytes;
-  const double packet = static_cast<double>(max_bytes(Delivery::Newest));
+  const double packet = static_cast<double>(packet_limit(transport_, Delivery::Newest));
   const auto unnamed = [&](const Due& due) {
     return options_.format == StateFormat::Compact && !link.sent[states[due.at].name].named;
   };
@@ -285,7 +301,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, std::size
   }
   if (with_headers(total, reliable) <= room) return;
   // What goes along with something else need not be worth the headers.
-  if (along == 0 && room < kWorthwhile * options_.packet_overhead) {
+  if (along == 0.0 && room < kWorthwhile * options_.packet_overhead) {
     stats.deferred += due_.size();
     due_.clear();
     return;

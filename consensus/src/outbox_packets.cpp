@@ -5,12 +5,9 @@
 #include <algorithm>
 
 #include "outbox.h"
+#include "packet_limit.h"
 
 namespace tandem::consensus {
-
-std::size_t Outbox::max_bytes(Delivery delivery) const {
-  return std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
-}
 
 bool Outbox::post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters) {
   if (!transport_.post(link.to, packet_, delivery)) return false;
@@ -24,7 +21,11 @@ bool Outbox::post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& co
 
 void Outbox::post_names(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
                         LinkStats& counters) {
-  constexpr std::size_t kRun = 256;  // ids of one message
+  constexpr std::size_t kRun = 256;                        // ids of one message
+  constexpr std::size_t kLongest = kIdBytes * (kRun + 1);  // bytes of it, about
+  const std::size_t most = packet_limit(transport_, Delivery::Reliable);
+  // A further message is begun where there is room for a long one, or half the packet.
+  const std::size_t least = std::min(kLongest, most / 2);
   packet_.clear();
   places_.clear();
   const auto flush = [&] {
@@ -36,8 +37,10 @@ void Outbox::post_names(Link& link, std::span<const OutgoingState> states, PeerS
   std::size_t i = 0;
   while (i < due_.size()) {
     ids_.clear();
+    // One in any case: where packets are too short for it, the transport says so.
+    const std::size_t run = std::clamp<std::size_t>(names_in(most - packet_.size()), 1, kRun);
     const std::uint32_t first = states[due_[i].at].name;
-    for (; i < due_.size() && ids_.size() < kRun; ++i) {
+    for (; i < due_.size() && ids_.size() < run; ++i) {
       const std::uint32_t name = states[due_[i].at].name;
       if (link.sent[name].named) {
         if (ids_.empty()) ++i;
@@ -49,12 +52,22 @@ void Outbox::post_names(Link& link, std::span<const OutgoingState> states, PeerS
     }
     if (ids_.empty()) continue;
     encode_names(table_, static_cast<std::uint16_t>(first), ids_, packet_);
-    constexpr std::size_t kLongest = 16 * (kRun + 1);
-    if (packet_.size() + kLongest > max_bytes(Delivery::Reliable)) flush();
+    if (packet_.size() + least > most) flush();
   }
   flush();
   // A state without a name belongs to nobody.
   std::erase_if(due_, [&](const Due& due) { return !link.sent[states[due.at].name].named; });
+}
+
+std::span<const std::byte> Outbox::post_anchors(Link& link, const AnchorMessages& anchors,
+                                                PeerStats& stats, LinkStats& counters) {
+  if (taken_.empty()) return {};
+  for (std::size_t i = 0; i + 1 < taken_.size(); ++i) {
+    const std::span<const std::byte> message = anchors[taken_[i]];
+    packet_.assign(message.begin(), message.end());
+    post(link, Delivery::Newest, stats, counters);
+  }
+  return anchors[taken_.back()];
 }
 
 void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
@@ -75,7 +88,7 @@ void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
   }
   if (reliable && !places_.empty()) link.committed = now;
   const Delivery delivery = reliable ? Delivery::Reliable : Delivery::Newest;
-  const std::size_t most = max_bytes(delivery);
+  const std::size_t most = packet_limit(transport_, delivery);
   packet_.assign(anchors.begin(), anchors.end());
   std::size_t next = 0;
   while (next < places_.size()) {
@@ -119,7 +132,7 @@ void Outbox::withdraw(Link& link, PeerStats& stats, LinkStats& counters) {
     packet_.clear();
     std::size_t count = 1;
     if (options_.format == StateFormat::Compact) {
-      count = encode_compact(left, table_, max_bytes(Delivery::Reliable), packet_);
+      count = encode_compact(left, table_, packet_limit(transport_, Delivery::Reliable), packet_);
     } else {
       encode(std::span<const StateUpdate>(&left.front().update, 1), packet_);
     }
