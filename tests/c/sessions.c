@@ -97,6 +97,7 @@ typedef struct wire {
     int count;
     struct end* peer;
     int dropped;
+    size_t max_packet, longest; /* bytes: what is said, and of what was posted */
   } ends[2];
 } wire;
 
@@ -105,6 +106,7 @@ static int32_t wire_post(void* user, uint64_t to, const void* bytes, size_t size
   struct end* from = user;
   struct end* other = from->peer;
   (void)delivery;
+  if (size > from->longest) from->longest = size;
   if (to != from->other || other->count == kSlots || size > kBytes) return 0;
   memcpy(other->bytes[other->count], bytes, size);
   other->size[other->count++] = size;
@@ -135,16 +137,23 @@ static tandem_transport* wire_transport(struct end* end) {
                                     .post = wire_post,
                                     .drain = wire_drain,
                                     .peers = wire_peers,
-                                    .drop = wire_drop};
+                                    .drop = wire_drop,
+                                    .max_packet = end->max_packet};
   return tandem_transport_create(&def, NULL);
 }
 
-static void a_transport_of_ones_own_carries_a_session(void) {
+static wire* make_wire(size_t max_packet) {
   wire* w = calloc(1, sizeof *w);
   w->ends[0].self = w->ends[1].other = 1;
   w->ends[1].self = w->ends[0].other = 2;
   w->ends[0].peer = &w->ends[1];
   w->ends[1].peer = &w->ends[0];
+  w->ends[0].max_packet = w->ends[1].max_packet = max_packet;
+  return w;
+}
+
+static void a_transport_of_ones_own_carries_a_session(void) {
+  wire* w = make_wire(0);
   tandem_transport* one = wire_transport(&w->ends[0]);
   tandem_transport* two = wire_transport(&w->ends[1]);
   const int64_t start = 1000000000, step = 16666667;
@@ -170,7 +179,55 @@ static void a_transport_of_ones_own_carries_a_session(void) {
   free(w);
 }
 
+/* Twenty bodies are too much for one packet of 512 bytes, and so are ten springs. */
+static void packets_are_no_longer_than_was_said(void) {
+  enum { kShared = 20, kHeld = 10, kMost = 512 };
+  wire* w = make_wire(kMost);
+  tandem_transport* transports[2] = {wire_transport(&w->ends[0]), wire_transport(&w->ends[1])};
+  site sites[2];
+  tandem_body bodies[2][kShared];
+  for (int s = 0; s < 2; ++s) {
+    sites[s] = make_site(transports[s], 0.0);
+    for (int i = 0; i < kShared; ++i) {
+      const char name[2] = {(char)('a' + i), 0};
+      bodies[s][i] = add_body(sites[s].world, TANDEM_DYNAMIC, 0.0, 3.0 * (i + 1));
+      CHECK(tandem_peer_share(sites[s].peer, tandem_shared_id_of(name), bodies[s][i], 0, NULL) ==
+            TANDEM_OK);
+    }
+  }
+  for (int i = 0; i < kHeld; ++i) {
+    const char name[2] = {(char)('a' + i), 0};
+    tandem_grab_def grab;
+    uint32_t id = 0;
+    tandem_grab_def_init(&grab);
+    grab.body = tandem_shared_id_of(name);
+    grab.anchor = (tandem_vec3){1.0, 0.0, 3.0 * (i + 1)};
+    CHECK(tandem_peer_grab(sites[0].peer, &grab, &id, NULL) == TANDEM_OK);
+  }
+  const int64_t start = 1000000000, step = 16666667;
+  for (int64_t k = 0; k < 240; ++k) {
+    for (int s = 0; s < 2; ++s) step_site(&sites[s], start + k * step, start + (k + 1) * step);
+  }
+  for (int s = 0; s < 2; ++s) {
+    CHECK(w->ends[s].longest <= kMost && w->ends[s].longest > kMost - 93);
+    tandem_peer_stats stats;
+    tandem_peer_get_stats(sites[s].peer, &stats);
+    CHECK(stats.packets_rejected == 0 && stats.updates_received > 200 * (kShared + 1));
+    for (int i = 0; i < kShared; ++i) {
+      tandem_state state;
+      CHECK(tandem_body_state(sites[s].world, bodies[s][i], &state, NULL) == TANDEM_OK);
+      CHECK(i < kHeld ? state.pose.position.x > 0.9 : fabs(state.pose.position.x) < 1e-6);
+    }
+  }
+  for (int s = 0; s < 2; ++s) {
+    destroy_site(&sites[s]);
+    tandem_transport_destroy(transports[s]);
+  }
+  free(w);
+}
+
 void peers_share(void) {
   two_peers_meet_in_the_middle();
   a_transport_of_ones_own_carries_a_session();
+  packets_are_no_longer_than_was_said();
 }
