@@ -21,6 +21,9 @@ using consensus::Packet;
 using consensus::PeerId;
 using consensus::PeerStatus;
 
+/// Bytes: the least that all single records fit into, with room to spare.
+constexpr std::size_t kLeastMaxPacket = 512;
+
 /// The caller's functions as a transport.
 class Callbacks final : public consensus::Transport {
  public:
@@ -30,6 +33,9 @@ class Callbacks final : public consensus::Transport {
   bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) override {
     const tandem_delivery how = delivery == Delivery::Reliable ? TANDEM_RELIABLE : TANDEM_NEWEST;
     return def_.post(def_.user, to, bytes.data(), bytes.size(), how) != 0;
+  }
+  std::size_t max_packet_bytes(Delivery /*delivery*/) const override {
+    return def_.max_packet > 0 ? def_.max_packet : consensus::kMaxPacketBytes;
   }
   void drain(std::vector<Packet>& out) override {
     if (def_.drain != nullptr) def_.drain(def_.user, receive, &out);
@@ -80,6 +86,12 @@ tandem_transport* tandem_transport_create(const tandem_transport_def* def, tande
     if (d.self == 0) throw std::invalid_argument("self = 0: must not be 0");
     if (d.post == nullptr || d.drain == nullptr || d.peers == nullptr) {
       throw std::invalid_argument("post, drain, peers: must be given");
+    }
+    if (d.max_packet != 0 &&
+        (d.max_packet < kLeastMaxPacket || d.max_packet > consensus::kMaxPacketBytes)) {
+      throw std::invalid_argument("max_packet = " + std::to_string(d.max_packet) +
+                                  ": must be 0 or " + std::to_string(kLeastMaxPacket) + " to " +
+                                  std::to_string(consensus::kMaxPacketBytes));
     }
     auto result = std::make_unique<tandem_transport>();
     result->owned = std::make_unique<Callbacks>(d);

@@ -21,10 +21,17 @@ constexpr SessionTime kMostDelay = 0xffff;   // units
 constexpr double kMostAnchor = 32767.0;      // m
 constexpr double kMostAnchorSpeed = 127.0;   // m/s
 
+/// Whether an anchor has a place in a message of that stamp.
+bool is_near(const SpringUpdate& spring, SessionTime newest) {
+  return check(spring).ok() && spring.anchor_w.cwiseAbs().maxCoeff() < kMostAnchor &&
+         spring.anchor_velocity.cwiseAbs().maxCoeff() < kMostAnchorSpeed &&
+         newest - spring.stamp < kStampUnit * kMostDelay;
+}
+
 }  // namespace
 
-std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::vector<std::size_t>& others,
-                           std::vector<std::byte>& out) {
+std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::size_t max_bytes,
+                           std::vector<SpringUpdate>& others, std::vector<std::byte>& out) {
   const std::size_t start = out.size();
   SessionTime newest = std::numeric_limits<SessionTime>::min();
   for (const SpringUpdate& spring : springs) {
@@ -34,16 +41,14 @@ std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::vector<st
   ByteWriter bytes(out);
   bytes.i64(newest);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < springs.size(); ++i) {
-    const SpringUpdate& spring = springs[i];
-    const bool fits = count < kMaxRecords && check(spring).ok() &&
-                      spring.anchor_w.cwiseAbs().maxCoeff() < kMostAnchor &&
-                      spring.anchor_velocity.cwiseAbs().maxCoeff() < kMostAnchorSpeed &&
-                      newest - spring.stamp < kStampUnit * kMostDelay;
-    if (!fits) {
-      others.push_back(i);
+  std::size_t done = 0;
+  for (; done < springs.size() && count < kMaxRecords; ++done) {
+    const SpringUpdate& spring = springs[done];
+    if (!is_near(spring, newest)) {
+      others.push_back(spring);
       continue;
     }
+    if (out.size() + kAnchorBytes > max_bytes) break;
     bytes.u32(spring.spring);
     bytes.u16(static_cast<std::uint16_t>((newest - spring.stamp + kStampUnit / 2) / kStampUnit));
     for (int k = 0; k < 3; ++k) {
@@ -58,7 +63,7 @@ std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::vector<st
   }
   if (count == 0) out.resize(start);
   if (count > 0) put_u16(out, start + kHeaderBytes - 2, count);
-  return count;
+  return done;
 }
 
 CodecResult decode_anchors(ByteReader& in, std::size_t count, std::vector<AnchorUpdate>& out) {
@@ -106,7 +111,6 @@ void encode(const Alive& alive, std::vector<std::byte>& out) {
 }
 
 CodecResult decode_names(ByteReader& in, std::size_t count, std::vector<NameUpdate>& out) {
-  constexpr std::size_t kIdBytes = 16;
   const std::uint32_t table = in.u32();
   const std::size_t first = in.u16();
   if (in.failed() || in.remaining() < count * kIdBytes) {

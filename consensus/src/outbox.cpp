@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+//
+// What is due to whom, and what of it the budget has room for.
 #include "outbox.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "packet_limit.h"
 #include "session_time.h"
 #include "tandem/pbd/math.h"
 
@@ -99,12 +102,8 @@ Outbox::Link& Outbox::link_to(PeerId peer, PeerStats& stats) {
   return *it;
 }
 
-std::size_t Outbox::max_bytes(Delivery delivery) const {
-  return std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
-}
-
 void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
-                  std::span<const std::byte> anchors, const Interest* interest, SessionTime now,
+                  const AnchorMessages& anchors, const Interest* interest, SessionTime now,
                   PeerStats& stats) {
   // Times of the session never come again: no table of a predecessor has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
@@ -126,16 +125,11 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
     link.sent.resize(names_.size());
     look(link, states, interest, now, counters);
     const std::uint64_t before = counters.bytes;
-    const bool takes_anchors = !anchors.empty() && has_room(link, anchors.size(), now);
-    if (takes_anchors) {
-      link.anchor_room -= static_cast<double>(anchors.size());
-      link.anchored = now;
-    }
-    choose(link, states, takes_anchors ? anchors.size() : 0, counters);
+    choose(link, states, take_anchors(link, anchors, now), counters);
     if (options_.format == StateFormat::Compact) post_names(link, states, stats, counters);
     post_states(link, states, {}, true, now, stats, counters);
-    post_states(link, states, takes_anchors ? anchors : std::span<const std::byte>(), false, now,
-                stats, counters);
+    post_states(link, states, post_anchors(link, anchors, stats, counters), false, now, stats,
+                counters);
     withdraw(link, stats, counters);
     if (counters.bytes > before) link.posted = now;
     if (options_.tolerance > 0.0 && kNs * static_cast<double>(now - link.posted) >= kAliveEvery) {
@@ -147,11 +141,31 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
   }
 }
 
-bool Outbox::has_room(const Link& link, std::size_t anchors, SessionTime now) const {
+bool Outbox::has_room(const Link& link, double anchors, SessionTime now) const {
   if (link.kbit_per_s == 0.0) return true;
-  if (link.anchor_room < static_cast<double>(anchors)) return false;
+  if (link.anchor_room < anchors) return false;
   return link.room >= kWorthwhile * options_.packet_overhead ||
          kNs * static_cast<double>(now - link.anchored) >= kAnchorsWait;
+}
+
+double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now) {
+  taken_.clear();
+  double along = 0.0;
+  const std::size_t count = anchors.ends.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t turn = (link.turn + i) % count;
+    // The last packet's headers are those of states that go with it.
+    const double headers = taken_.empty() ? 0.0 : options_.packet_overhead;
+    const double bytes = headers + static_cast<double>(anchors[turn].size());
+    if (!has_room(link, bytes, now)) break;
+    link.anchor_room -= bytes;
+    along += bytes;
+    taken_.push_back(turn);
+  }
+  if (taken_.empty()) return 0.0;
+  link.anchored = now;
+  link.turn = (taken_.back() + 1) % count;
+  return along;
 }
 
 void Outbox::refill(Link& link, SessionTime now) const {
@@ -254,22 +268,6 @@ void Outbox::look(Link& link, std::span<const OutgoingState> states, const Inter
   }
 }
 
-void Outbox::withdraw(Link& link, PeerStats& stats, LinkStats& counters) {
-  std::span<IndexedState> left(withdrawn_);
-  while (!left.empty()) {
-    packet_.clear();
-    std::size_t count = 1;
-    if (options_.format == StateFormat::Compact) {
-      count = encode_compact(left, table_, max_bytes(Delivery::Reliable), packet_);
-    } else {
-      encode(std::span<const StateUpdate>(&left.front().update, 1), packet_);
-    }
-    if (count == 0) return;
-    if (!packet_.empty()) post(link, Delivery::Reliable, stats, counters);
-    left = left.subspan(count);
-  }
-}
-
 void Outbox::charge(double bytes) {
   for (Link& link : links_) link.room -= bytes;
 }
@@ -280,12 +278,12 @@ double Outbox::size_of(const StateUpdate& update) const {
   return update.oriented ? whole : whole - kOrientationBytes;
 }
 
-void Outbox::choose(Link& link, std::span<const OutgoingState> states, std::size_t along,
+void Outbox::choose(Link& link, std::span<const OutgoingState> states, double along,
                     LinkStats& stats) {
   if (link.kbit_per_s == 0.0 || due_.empty()) return;
-  const double room = link.room - static_cast<double>(along);
+  const double room = link.room - along;
   const double headers = options_.packet_overhead + kMessageBytes;
-  const double packet = static_cast<double>(max_bytes(Delivery::Newest));
+  const double packet = static_cast<double>(packet_limit(transport_, Delivery::Newest));
   const auto unnamed = [&](const Due& due) {
     return options_.format == StateFormat::Compact && !link.sent[states[due.at].name].named;
   };
@@ -303,7 +301,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, std::size
   }
   if (with_headers(total, reliable) <= room) return;
   // What goes along with something else need not be worth the headers.
-  if (along == 0 && room < kWorthwhile * options_.packet_overhead) {
+  if (along == 0.0 && room < kWorthwhile * options_.packet_overhead) {
     stats.deferred += due_.size();
     due_.clear();
     return;
@@ -325,107 +323,6 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, std::size
   stats.deferred += due_.size() - kept;
   due_.resize(kept);
   std::sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.at < b.at; });
-}
-
-bool Outbox::post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters) {
-  if (!transport_.post(link.to, packet_, delivery)) return false;
-  stats.bytes_sent += packet_.size();
-  counters.bytes += packet_.size();
-  if (link.kbit_per_s > 0.0) {
-    link.room -= static_cast<double>(packet_.size()) + options_.packet_overhead;
-  }
-  return true;
-}
-
-void Outbox::post_names(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
-                        LinkStats& counters) {
-  constexpr std::size_t kRun = 256;  // ids of one message
-  packet_.clear();
-  places_.clear();
-  const auto flush = [&] {
-    const bool told = packet_.empty() || post(link, Delivery::Reliable, stats, counters);
-    for (const std::uint32_t name : places_) link.sent[name].named = told;
-    packet_.clear();
-    places_.clear();
-  };
-  std::size_t i = 0;
-  while (i < due_.size()) {
-    ids_.clear();
-    const std::uint32_t first = states[due_[i].at].name;
-    for (; i < due_.size() && ids_.size() < kRun; ++i) {
-      const std::uint32_t name = states[due_[i].at].name;
-      if (link.sent[name].named) {
-        if (ids_.empty()) ++i;
-        break;
-      }
-      if (name != first + ids_.size()) break;
-      ids_.push_back(names_[name]);
-      places_.push_back(name);
-    }
-    if (ids_.empty()) continue;
-    encode_names(table_, static_cast<std::uint16_t>(first), ids_, packet_);
-    constexpr std::size_t kLongest = 16 * (kRun + 1);
-    if (packet_.size() + kLongest > max_bytes(Delivery::Reliable)) flush();
-  }
-  flush();
-  // A state without a name belongs to nobody.
-  std::erase_if(due_, [&](const Due& due) { return !link.sent[states[due.at].name].named; });
-}
-
-void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
-                         std::span<const std::byte> anchors, bool reliable, SessionTime now,
-                         PeerStats& stats, LinkStats& counters) {
-  const bool compact = options_.format == StateFormat::Compact;
-  places_.clear();
-  compact_.clear();
-  full_.clear();
-  for (const Due& due : due_) {
-    if (due.reliable != reliable) continue;
-    const OutgoingState& state = states[due.at];
-    StateUpdate update = state.update;
-    update.flags.teleported = link.sent[state.name].jumped > 0;
-    places_.push_back(due.at);
-    if (compact) compact_.push_back({state.name, update});
-    if (!compact) full_.push_back(update);
-  }
-  if (reliable && !places_.empty()) link.committed = now;
-  const Delivery delivery = reliable ? Delivery::Reliable : Delivery::Newest;
-  const std::size_t most = max_bytes(delivery);
-  packet_.assign(anchors.begin(), anchors.end());
-  std::size_t next = 0;
-  while (next < places_.size()) {
-    std::size_t count = 0;
-    if (compact) {
-      count = encode_compact(std::span(compact_).subspan(next), table_, most, packet_);
-    } else {
-      const std::size_t room = most > packet_.size() ? most - packet_.size() : 0;
-      // Beside anchors there may be room for none; a packet of its own takes what there is.
-      const bool fits = packet_.empty() || room >= kHeaderBytes + kStateBytes;
-      count = std::min({kMaxRecords, records_in(room, kStateBytes), places_.size() - next});
-      if (!fits) count = 0;
-      encode(std::span<const StateUpdate>(full_).subspan(next, count), packet_);
-    }
-    if (packet_.empty() && count == 0) return;  // packets too short for any state
-    const bool gone = packet_.empty() || post(link, delivery, stats, counters);
-    packet_.clear();
-    for (std::size_t k = next; k < next + count && gone; ++k) {
-      const OutgoingState& state = states[places_[k]];
-      Sent& sent = link.sent[state.name];
-      const StateUpdate& there = compact ? compact_[k].update : full_[k];
-      sent.stamp = now;
-      sent.pose = there.pose;
-      sent.twist = there.twist;
-      sent.flags = state.update.flags;
-      sent.influence = state.update.influence;
-      sent.committed = state.update.flags.resting && (reliable || sent.committed);
-      sent.news = sent.news > 0 ? static_cast<std::uint8_t>(sent.news - 1) : std::uint8_t{0};
-      sent.jumped = sent.jumped > 0 ? static_cast<std::uint8_t>(sent.jumped - 1) : std::uint8_t{0};
-      sent.priority = 0.0;
-    }
-    counters.states += gone ? count : 0;
-    next += count;
-  }
-  if (!packet_.empty()) post(link, delivery, stats, counters);  // anchors alone
 }
 
 }  // namespace tandem::consensus

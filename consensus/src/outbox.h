@@ -20,6 +20,22 @@ struct OutgoingState {
   StateUpdate update;
 };
 
+/// Messages with anchors, one behind the other. Each fits a packet, and says nothing of the hands
+/// in the others.
+struct AnchorMessages {
+  std::vector<std::byte> bytes;
+  std::vector<std::size_t> ends;  ///< of each message in `bytes`
+
+  void clear() {
+    bytes.clear();
+    ends.clear();
+  }
+  std::span<const std::byte> operator[](std::size_t i) const {
+    const std::size_t begin = i > 0 ? ends[i - 1] : 0;
+    return std::span(bytes).subspan(begin, ends[i] - begin);
+  }
+};
+
 /// Chooses which states go to whom, within a budget, and puts them into packets: see SendOptions.
 ///
 /// For each of the others it keeps what was last sent of each body, and with it what the other side
@@ -39,10 +55,10 @@ class Outbox {
 
   /// @param company   all that the transport knows
   /// @param states    by ascending name, stamped `now`
-  /// @param anchors   a message that goes along where the budget allows; may be empty
+  /// @param anchors   go along where the budget allows, in turn where it does not for all of them
   /// @param interest  may be null
   void send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
-            std::span<const std::byte> anchors, const Interest* interest, SessionTime now,
+            const AnchorMessages& anchors, const Interest* interest, SessionTime now,
             PeerStats& stats);
   /// Something else was sent to everybody, bytes with headers.
   void charge(double bytes);
@@ -77,6 +93,7 @@ class Outbox {
     SessionTime committed = 0;  ///< ns, when what rests was last said
     SessionTime anchored = 0;   ///< ns, when anchors were last sent
     SessionTime told = 0;       ///< ns, when all was told again
+    std::size_t turn = 0;       ///< of the messages with anchors, which is the next
     std::vector<Sent> sent;     ///< by name
   };
   struct Due {
@@ -88,7 +105,10 @@ class Outbox {
   Link& link_to(PeerId peer, PeerStats& stats);
   void refill(Link& link, SessionTime now) const;
   /// Whether anchors of so many bytes may go now.
-  bool has_room(const Link& link, std::size_t anchors, SessionTime now) const;
+  bool has_room(const Link& link, double anchors, SessionTime now) const;
+  /// Which messages with anchors go now, into taken_.
+  /// @return bytes, with the headers of packets beyond the first
+  double take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now);
   /// Which states are due, into due_.
   void look(Link& link, std::span<const OutgoingState> states, const Interest* interest,
             SessionTime now, LinkStats& stats);
@@ -102,19 +122,20 @@ class Outbox {
   double missed(const Sent& sent, const OutgoingState& state, SessionTime now) const;
   /// Leave in due_ what the budget has room for, by ascending name.
   /// @param along  bytes that go in any case
-  void choose(Link& link, std::span<const OutgoingState> states, std::size_t along,
-              LinkStats& stats);
+  void choose(Link& link, std::span<const OutgoingState> states, double along, LinkStats& stats);
   /// Of bodies that are shared no longer, or do not concern the peer: that they rest is not
   /// promised any more.
   void withdraw(Link& link, PeerStats& stats, LinkStats& counters);
   void post_names(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
                   LinkStats& counters);
+  /// All of taken_ but the last message, which is returned: states have room behind it.
+  std::span<const std::byte> post_anchors(Link& link, const AnchorMessages& anchors,
+                                          PeerStats& stats, LinkStats& counters);
   void post_states(Link& link, std::span<const OutgoingState> states,
                    std::span<const std::byte> anchors, bool reliable, SessionTime now,
                    PeerStats& stats, LinkStats& counters);
   bool post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters);
   double size_of(const StateUpdate& update) const;
-  std::size_t max_bytes(Delivery delivery) const;
 
   SendOptions options_;
   Transport& transport_;
@@ -125,6 +146,7 @@ class Outbox {
   // Scratch, kept for its capacity.
   std::vector<Due> due_;
   std::vector<IndexedState> withdrawn_;
+  std::vector<std::size_t> taken_;
   std::vector<SharedId> ids_;
   std::vector<IndexedState> compact_;
   std::vector<StateUpdate> full_;

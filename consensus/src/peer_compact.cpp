@@ -4,6 +4,7 @@
 // Sending of what is due alone, and what the receiver makes of states that are rounded or rest.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "peer_impl.h"
 #include "tandem/pbd/math.h"
@@ -130,6 +131,20 @@ bool Peer::Impl::lies_still(Shared& shared, const pbd::BodyState& state, Session
   return kNs * static_cast<double>(now - shared.lies_since) >= kLyingFor;
 }
 
+void Peer::Impl::encode_own_anchors() {
+  const std::size_t most = packet_limit(transport_, Delivery::Newest);
+  told_in_full_.clear();
+  std::span<const SpringUpdate> left(spring_states_);
+  while (!left.empty()) {
+    const std::size_t before = anchors_.bytes.size();
+    const std::size_t count = encode_anchors(left, before + most, told_in_full_, anchors_.bytes);
+    if (count == 0) break;  // packets too short for any anchor
+    if (anchors_.bytes.size() > before) anchors_.ends.push_back(anchors_.bytes.size());
+    left = left.subspan(count);
+  }
+  spring_states_.assign(told_in_full_.begin(), told_in_full_.end());
+}
+
 void Peer::Impl::send_selected(SessionTime now) {
   const auto renew = [this](std::size_t most) {
     if (!outbox_->renew(most)) return;
@@ -164,14 +179,7 @@ void Peer::Impl::send_selected(SessionTime now) {
   const bool in_full = options_.sending.format == StateFormat::Full || !newcomers_.empty() ||
                        kNs * static_cast<double>(now - springs_told_) >= kSpringsEvery;
   if (in_full) springs_told_ = now;
-  if (!in_full && !spring_states_.empty()) {
-    told_in_full_.clear();
-    encode_anchors(spring_states_, told_in_full_, anchors_);
-    for (std::size_t i = 0; i < told_in_full_.size(); ++i) {
-      spring_states_[i] = spring_states_[told_in_full_[i]];
-    }
-    spring_states_.resize(told_in_full_.size());
-  }
+  if (!in_full) encode_own_anchors();
   double beside = 0.0;
   const auto post = [&](Delivery delivery) {
     beside += static_cast<double>(outgoing_.size()) + options_.sending.packet_overhead;

@@ -19,6 +19,7 @@
 #include "names.h"
 #include "outbox.h"
 #include "ownership.h"
+#include "packet_limit.h"
 #include "session_time.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
@@ -229,12 +230,14 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   bool lies_still(Shared& shared, const pbd::BodyState& state, SessionTime now) const;
   /// By the outbox: what is due, to each of the others.
   void send_selected(SessionTime now);
+  /// The anchors of spring_states_ into anchors_. What is left there is to be told in full.
+  void encode_own_anchors();
   /// Encode into outgoing_, packets that the transport takes, and call post() for each.
   template <class Record, class Post>
   void post_records(std::span<const Record> records, std::size_t record_bytes, Delivery delivery,
                     Post&& post) {
     // What decode() takes, and what the transport does.
-    const std::size_t packet = std::min(kMaxPacketBytes, transport_.max_packet_bytes(delivery));
+    const std::size_t packet = packet_limit(transport_, delivery);
     const std::size_t most = std::min(kMaxRecords, records_in(packet, record_bytes));
     while (!records.empty()) {
       const std::size_t count = std::min(most, records.size());
@@ -317,10 +320,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   std::vector<SpringUpdate> spring_states_;
   std::vector<SpringUpdate> spring_events_;
   std::vector<std::byte> outgoing_;
-  std::vector<std::byte> anchors_;
+  AnchorMessages anchors_;
   StateUpdate meant_;
   std::vector<OutgoingState> selectable_;
-  std::vector<std::size_t> told_in_full_;
+  std::vector<SpringUpdate> told_in_full_;
 };
 
 }  // namespace tandem::consensus

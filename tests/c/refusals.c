@@ -213,6 +213,32 @@ static void a_transport_that_makes_things_up(void) {
   tandem_transport_destroy(transport);
 }
 
+/* Too short for what must be said at once, or longer than what a peer reads. */
+static void packets_of_no_use(void) {
+  const struct {
+    size_t max_packet;
+    const char* text;
+  } wrong[] = {{1, "max_packet = 1:"},
+               {511, "max_packet = 511:"},
+               {61441, "max_packet = 61441:"},
+               {(size_t)-1, "max_packet = "}};
+  const size_t right[] = {0, 512, 61440};
+  tandem_transport_def wire = {
+      .self = 1, .post = nothing_posted, .drain = nonsense_drained, .peers = peers_in_no_order};
+  tandem_error error;
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+    wire.max_packet = wrong[i].max_packet;
+    CHECK(tandem_transport_create(&wire, &error) == NULL);
+    CHECK(refused(error.result, &error, wrong[i].text, "0 or 512 to 61440"));
+  }
+  for (size_t i = 0; i < sizeof right / sizeof *right; ++i) {
+    wire.max_packet = right[i];
+    tandem_transport* transport = tandem_transport_create(&wire, &error);
+    CHECK(transport != NULL);
+    tandem_transport_destroy(transport);
+  }
+}
+
 /* The text has room for 255 characters: rule and value must not get lost in digits. */
 static void values_of_any_size(void) {
   tandem_error error;
@@ -262,5 +288,6 @@ void what_is_wrong_is_refused(void) {
   times_that_no_session_has();
   values_of_any_size();
   a_transport_that_makes_things_up();
+  packets_of_no_use();
   nothing_at_all();
 }

@@ -43,8 +43,8 @@ Bytes everything() {
   encode(NamesWanted{4}, bytes);
   encode(Alive{5}, bytes);
   SpringUpdate spring = some_spring(dice);
-  std::vector<std::size_t> others;
-  encode_anchors(std::span(&spring, 1), others, bytes);
+  std::vector<SpringUpdate> others;
+  encode_anchors(std::span(&spring, 1), 8192, others, bytes);
   return bytes;
 }
 

@@ -277,9 +277,10 @@ TEST_CASE("compact: anchors come back within half a quantum, others are named", 
   springs[5].anchor_velocity.y() = -128.0;
   springs[6].stamp = -1'000'000'000;
   Bytes bytes;
-  std::vector<std::size_t> others;
-  REQUIRE(encode_anchors(springs, others, bytes) == 17);
-  CHECK(others == std::vector<std::size_t>{4, 5, 6});
+  std::vector<SpringUpdate> others;
+  REQUIRE(encode_anchors(springs, 4096, others, bytes) == 20);
+  REQUIRE(others.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(others[i].spring == springs[4 + i].spring);
   DecodedPacket packet;
   REQUIRE(decode(bytes, packet).ok());
   REQUIRE(packet.anchors.size() == 17);
@@ -292,6 +293,57 @@ TEST_CASE("compact: anchors come back within half a quantum, others are named", 
     CHECK((anchor.anchor_velocity - springs[i].anchor_velocity).cwiseAbs().maxCoeff() <=
           0.5 / 256.0 + 1e-12);
     CHECK(std::abs(anchor.stamp - springs[i].stamp) <= 8192);
+  }
+}
+
+TEST_CASE("compact: anchors are cut where the packet ends, and none is lost", "[consensus]") {
+  Dice dice(49);
+  std::vector<SpringUpdate> springs;
+  for (int i = 0; i < 30; ++i) springs.push_back(some_spring(dice));
+  for (SpringUpdate& spring : springs) spring.stamp = 1'000'000'000;
+  springs[7].anchor_w.x() = 4e4;
+  constexpr std::size_t kBefore = 5;     // bytes in the packet already
+  constexpr std::size_t kOne = 14 + 24;  // header, stamp, one anchor
+  for (const std::size_t room : {kOne, kOne + 1, 2 * kOne, std::size_t{502}, std::size_t{4096}}) {
+    INFO("room " << room);
+    std::vector<std::uint32_t> told;
+    std::vector<SpringUpdate> others;
+    for (std::span<const SpringUpdate> left(springs); !left.empty();) {
+      Bytes bytes(kBefore);
+      const std::size_t count = encode_anchors(left, kBefore + room, others, bytes);
+      REQUIRE(count > 0);
+      REQUIRE(bytes.size() <= kBefore + room);
+      // Another one would not have fitted.
+      if (count < left.size()) CHECK(bytes.size() + 24 > kBefore + room);
+      left = left.subspan(count);
+      DecodedPacket packet;
+      REQUIRE(decode(std::span(bytes).subspan(kBefore), packet).ok());
+      for (const AnchorUpdate& anchor : packet.anchors) told.push_back(anchor.spring);
+    }
+    REQUIRE(others.size() == 1);
+    CHECK(others[0].spring == springs[7].spring);
+    REQUIRE(told.size() == 29);
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      CHECK(told[i] == springs[i < 7 ? i : i + 1].spring);
+    }
+  }
+  std::vector<SpringUpdate> others;
+  Bytes bytes(kBefore);
+  CHECK(encode_anchors(springs, kBefore + kOne - 1, others, bytes) == 0);
+  CHECK(bytes.size() == kBefore);
+}
+
+TEST_CASE("compact: names fill what there is room for", "[consensus]") {
+  const std::vector<SharedId> ids(40, SharedId{1, 2});
+  for (std::size_t room = 0; room < 600; ++room) {
+    const std::size_t count = names_in(room);
+    Bytes bytes;
+    encode_names(1, 0, std::span(ids).first(count + 1), bytes);
+    REQUIRE(bytes.size() > room);
+    if (count == 0) continue;
+    bytes.clear();
+    encode_names(1, 0, std::span(ids).first(count), bytes);
+    REQUIRE(bytes.size() <= room);
   }
 }
 

@@ -2,6 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Packets that fit what the transport takes.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,6 +62,87 @@ Outcome fly(std::size_t max_state_bytes, const PeerOptions& options = {}) {
   return outcome;
 }
 
+/// Another transport whose packets, reliable ones too, must be short.
+class NarrowTransport final : public Transport {
+ public:
+  explicit NarrowTransport(Transport& below) : below_(below) {}
+  std::size_t longest = 0;  ///< bytes, of what was offered
+
+  PeerId self() const override { return below_.self(); }
+  bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) override {
+    longest = std::max(longest, bytes.size());
+    return bytes.size() <= kSmall && below_.post(to, bytes, delivery);
+  }
+  std::size_t max_packet_bytes(Delivery) const override { return kSmall; }
+  void drain(std::vector<Packet>& out) override { below_.drain(out); }
+  void drop(PeerId peer, const std::string& reason) override { below_.drop(peer, reason); }
+  std::vector<PeerStatus> peers() const override { return below_.peers(); }
+
+ private:
+  Transport& below_;
+};
+
+constexpr double kHandSpeed = 0.3;  // m/s
+
+SharedId crowd_id(int i) { return SharedId::from_name("crowd/" + std::to_string(i)); }
+Vec3 hand_at(int i, double t) { return {0.5 * i, kHandSpeed * t, 0.0}; }
+
+struct Crowd {
+  int held = 0;             ///< hands that peer 2 has had all the time
+  double worst_lag = 0.0;   ///< m, of any hand at peer 2
+  int heard = 0;            ///< bodies of which peer 2 has a new state in the end
+  std::size_t longest = 0;  ///< bytes, of packets that were offered
+};
+
+/// Peer 1 of two holds the first `hands` of `bodies` bodies, and its hands move.
+Crowd gather(int bodies, int hands, double kbit_per_s) {
+  PeerOptions options;
+  options.sending.format = StateFormat::Compact;
+  options.sending.kbit_per_s = kbit_per_s;
+  std::vector<std::unique_ptr<NarrowTransport>> narrow;  // outlive the peers
+  Session session({.latency = 0.02});
+  for (const PeerId id : {PeerId{1}, PeerId{2}}) {
+    narrow.push_back(std::make_unique<NarrowTransport>(session.network.transport(id)));
+    auto& site =
+        session.sites.emplace_back(std::make_unique<Site>(*narrow.back(), options, kWeightless));
+    site->first = kStart + ns(id == 1 ? 0.0 : 0.005);
+    for (int i = 0; i < bodies; ++i) {
+      site->peer->share({.id = crowd_id(i), .body = site->world.add_body(ball(hand_at(i, 0.0)))});
+    }
+  }
+  std::vector<GrabId> grabs;
+  for (int i = 0; i < hands; ++i) {
+    grabs.push_back(session[0].peer->grab(
+        {.body = crowd_id(i), .anchor_w = hand_at(i, 0.0), .stiffness = 50.0, .damping = 5.0}));
+  }
+  session[0].user = [&](Site& site, SessionTime now) {
+    const double t = 1e-9 * static_cast<double>(now - kStart);
+    for (int i = 0; i < hands; ++i) {
+      site.peer->move(grabs[static_cast<std::size_t>(i)], hand_at(i, t), now);
+    }
+  };
+  session.run(0.5);
+  Crowd crowd{.held = hands};
+  std::vector<tandem::pbd::Tether::Def> springs;
+  session.after = [&](Site& site) {
+    if (site.id != 2) return;
+    springs.clear();
+    site.peer->springs(springs);
+    crowd.held = std::min(crowd.held, static_cast<int>(springs.size()));
+    const double t = 1e-9 * static_cast<double>(site.world_time() - kStart);
+    for (const auto& spring : springs) {
+      crowd.worst_lag = std::max(crowd.worst_lag, std::abs(spring.anchor_w.y() - kHandSpeed * t));
+    }
+  };
+  session.run(3.0);  // longer than springs are kept in silence, and than until all is said again
+  for (int i = 0; i < bodies; ++i) {
+    const auto stamp = session[1].peer->heard(crowd_id(i), 1);
+    if (stamp && *stamp > session.network.now() - ns(0.1)) ++crowd.heard;
+  }
+  for (const auto& transport : narrow) crowd.longest = std::max(crowd.longest, transport->longest);
+  return crowd;
+}
+
 }  // namespace
 
 TEST_CASE("peer: packets are cut to what the transport takes, and say the same", "[consensus]") {
@@ -72,6 +157,23 @@ TEST_CASE("peer: packets are cut to what the transport takes, and say the same",
   CHECK(small.bytes_in == small.bytes_sent);
   // And it matters: the balls of a session whose packets are lost stay apart.
   CHECK(std::abs(small.positions[kBalls - 1].y() - small.positions[2 * kBalls - 1].y()) < 0.01);
+}
+
+TEST_CASE("peer: names and hands get through where reliable packets are short, too",
+          "[consensus]") {
+  const Crowd crowd = gather(70, 30, 0.0);
+  CHECK(crowd.longest <= kSmall);
+  CHECK(crowd.longest > kSmall - 30);  // and are full
+  CHECK(crowd.heard == 70);
+  CHECK(crowd.held == 30);
+  CHECK(crowd.worst_lag < 0.002);
+}
+
+TEST_CASE("peer: hands take turns where the budget has no room for all", "[consensus]") {
+  const Crowd crowd = gather(60, 60, 300.0);
+  CHECK(crowd.longest <= kSmall);
+  CHECK(crowd.held == 60);
+  CHECK(crowd.worst_lag < 0.002);
 }
 
 TEST_CASE("virtual link: states above the limit are refused, reliable packets are not",

@@ -61,7 +61,7 @@ Drain = CFUNCTYPE(None, c_void_p, Receive, c_void_p)
 Peers = CFUNCTYPE(None, c_void_p, ListPeer, c_void_p)
 Drop = CFUNCTYPE(None, c_void_p, c_uint64, c_void_p)
 TransportDef = struct("TransportDef", user=c_void_p, self=c_uint64, post=Post, drain=Drain,
-                      peers=Peers, drop=Drop)
+                      peers=Peers, drop=Drop, max_packet=c_size_t)
 
 failures = []
 
@@ -174,7 +174,11 @@ def session(library, world, body):
         return 1
 
     wire = TransportDef(None, 1, post, Drain(lambda *_: None),
-                        Peers(lambda _user, list_peer, into: list_peer(into, 2, 1)), Drop())
+                        Peers(lambda _user, list_peer, into: list_peer(into, 2, 1)), Drop(), 511)
+    error = Watched(Error)
+    check(library.call("transport_create", byref(wire), byref(error.it), result=c_void_p) is None and
+          b"max_packet = 511" in error.it.text, "packets that are too short")
+    wire.max_packet = 512
     transport = c_void_p(library.call("transport_create", byref(wire), None, result=c_void_p))
     definition = library.made(PeerDef, "peer_def_init")
     check((definition.update_hz, definition.influence, definition.authority_ramp) ==

@@ -350,7 +350,7 @@ typedef void (*tandem_list_peer)(void* list, uint64_t peer, int32_t connected);
 typedef struct tandem_transport_def {
   void* user;    /**< first argument of all of them */
   uint64_t self; /**< this peer; unique in the session, never 0 */
-  /** Not 0 where the bytes, 61440 of them at most, were taken. Must not wait. */
+  /** Not 0 where the bytes, max_packet of them at most, were taken. Must not wait. */
   int32_t (*post)(void* user, uint64_t to, const void* bytes, size_t size,
                   tandem_delivery delivery);
   /** Calls receive(inbox, ...) for each packet that has come since, as it was posted. */
@@ -359,6 +359,9 @@ typedef struct tandem_transport_def {
   void (*peers)(void* user, tandem_list_peer list, void* into);
   /** Cut a peer off: what it sends cannot be understood. May be null. */
   void (*drop)(void* user, uint64_t peer, const char* reason);
+  /** Bytes of the longest packet that post takes, reliable or not: 512 to 61440; 0 is 61440. What a
+   * peer has to say is cut to it. */
+  size_t max_packet;
 } tandem_transport_def;
 
 TANDEM_C_API tandem_transport* tandem_transport_create(const tandem_transport_def* def,

@@ -43,13 +43,20 @@ struct TANDEM_API IndexedState {
 TANDEM_API std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
                                       std::size_t max_bytes, std::vector<std::byte>& out);
 
-/// Append a message with the anchors that the format can hold, up to kMaxRecords. The places of the
-/// others are appended to `others`: they are to be told in full.
-/// @return how many it holds
-TANDEM_API std::size_t encode_anchors(std::span<const SpringUpdate> springs,
-                                      std::vector<std::size_t>& others,
+/// Append one message with the anchors of as many of these springs as bring the packet to
+/// `max_bytes`, and up to kMaxRecords; nothing where not even one fits. Springs that the format
+/// cannot hold are appended to `others`: they are to be told in full.
+/// @return how many of `springs` are dealt with, one way or the other
+TANDEM_API std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::size_t max_bytes,
+                                      std::vector<SpringUpdate>& others,
                                       std::vector<std::byte>& out);
 
+inline constexpr std::size_t kNamesHeaderBytes = kHeaderBytes + 4 + 2;  ///< table, first index
+inline constexpr std::size_t kIdBytes = 16;
+/// Ids that fit into a message of so many bytes; 0 where none does.
+constexpr std::size_t names_in(std::size_t bytes) {
+  return bytes < kNamesHeaderBytes ? 0 : (bytes - kNamesHeaderBytes) / kIdBytes;
+}
 /// Append a message with the names of consecutive indices. @pre 1 to kMaxRecords ids, none zero;
 /// first + ids.size() <= 65536
 TANDEM_API void encode_names(std::uint32_t table, std::uint16_t first,
