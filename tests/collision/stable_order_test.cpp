@@ -169,7 +169,8 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("order: a scene built in another order moves alike bit for bit", "[collision][golden]") {
+TEST_CASE("order: a scene built in another order moves alike bit for bit",
+          "[collision][golden][long]") {
   Scene straight(0, true);
   std::vector<Scene> others;
   others.reserve(2);
@@ -190,7 +191,7 @@ TEST_CASE("order: a scene built in another order moves alike bit for bit", "[col
 }
 
 TEST_CASE("order: without stable ids it does not, so that the test above can fail",
-          "[collision][golden]") {
+          "[collision][golden][long]") {
   Scene straight(0, false);
   Scene other(1, false);
   straight.steps(120);
@@ -224,7 +225,7 @@ TEST_CASE("order: stable ids in the order of slots, and bodies without any, chan
 }
 
 TEST_CASE("order: bodies and joints that come and go later keep the others' places",
-          "[collision][golden]") {
+          "[collision][golden][long]") {
   Scene straight(0, true);
   Scene other(5, true);
   const auto change = [](Scene& s, bool reverse) {

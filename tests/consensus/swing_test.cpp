@@ -137,7 +137,7 @@ Apart chain_of(double delay) {
 }
 
 TEST_CASE("swing: chains of which one hung aside come to agree, and the swing stays",
-          "[consensus]") {
+          "[consensus][long]") {
   const double frames = GENERATE(0.0, 3.0, 8.0, 15.0);
   CAPTURE(frames);
   const Apart apart = chain_of(frames / 60.0);

@@ -64,7 +64,7 @@ Swing swing(Chain& chain, int substeps) {
 }  // namespace
 
 TEST_CASE("ball_joint chain: 20 even links stretch by less than 0.13 % and gain no energy",
-          "[pbd][ball_joint][regression]") {
+          "[pbd][ball_joint][regression][long]") {
   Chain chain(1.0);
   const Swing result = swing(chain, 10);
   INFO("stretch " << 100.0 * result.stretch << " %, gained " << result.gained << " J of "
@@ -75,7 +75,7 @@ TEST_CASE("ball_joint chain: 20 even links stretch by less than 0.13 % and gain 
 }
 
 TEST_CASE("ball_joint chain: with a 100 times heavier end the stretch stays within its bound",
-          "[pbd][ball_joint][regression]") {
+          "[pbd][ball_joint][regression][long]") {
   struct Case {
     int substeps;
     double bound;

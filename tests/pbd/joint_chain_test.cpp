@@ -12,7 +12,7 @@ using namespace tandem::pbd;
 using namespace tandem::testing;
 
 TEST_CASE("joint chain: 50 links and a ball of any mass swing down without parting",
-          "[pbd][joint][analytic]") {
+          "[pbd][joint][analytic][long]") {
   for (const double mass : {1.0, 100.0, 1000.0, 1e5}) {
     for (const double compliance : {0.0, 1e-12}) {
       Rope rope(50, mass, compliance);
@@ -160,7 +160,7 @@ TEST_CASE("joint chain: the sparse solve of a step is the dense one", "[pbd][joi
   }
 }
 
-TEST_CASE("joint chain: arms on a hub hold, and momentum stays", "[pbd][joint][unit]") {
+TEST_CASE("joint chain: arms on a hub hold, and momentum stays", "[pbd][joint][unit][long]") {
   // Twenty arms of two links each on one body: the hub becomes an unknown of its own.
   World world(weightless());
   auto& joints = world.add_block<JointBlock>();
@@ -195,7 +195,8 @@ TEST_CASE("joint chain: arms on a hub hold, and momentum stays", "[pbd][joint][u
   CHECK((angular_momentum(world) - l).norm() < 1e-9 * l.norm());
 }
 
-TEST_CASE("joint chain: a rope between two hooks hangs as a catenary", "[pbd][joint][analytic]") {
+TEST_CASE("joint chain: a rope between two hooks hangs as a catenary",
+          "[pbd][joint][analytic][long]") {
   // 50 links of 0.2 m over a span of 8 m. a sinh(s / a) = half the length, s = 4 m.
   constexpr int kCount = 50;
   const double half_length = 0.5 * kCount * Rope::kLink;

@@ -97,7 +97,7 @@ TEST_CASE("joint: one projection follows the numerical gradient, whatever is loc
 }
 
 TEST_CASE("joint: a free pair keeps linear and angular momentum, in either order of its bodies",
-          "[pbd][joint][analytic]") {
+          "[pbd][joint][analytic][long]") {
   for (const int kind : {0, 1, 2, 3}) {
     for (const bool swapped : {false, true}) {
       World world(weightless());
