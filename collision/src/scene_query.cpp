@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "box_sweep.h"
 #include "collider_query.h"
 #include "query_colliders.h"
 #include "query_input.h"
+#include "refuse.h"
 
 namespace tandem::collision {
 namespace {
@@ -160,7 +160,7 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
     check_distance(max_distance);
     if (id.index >= colliders.size() || !colliders.present(id.index) ||
         colliders.id(id.index) != id) {
-      refuse_query("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
+      refuse("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
     }
     SurfaceHit hit;
     const Collider& c = colliders.collider(id.index);
