@@ -25,13 +25,13 @@ constexpr double kOutside = 1e-7;
 constexpr double kFlat = 1e-4;
 constexpr double kCoplanar = 1e-6;
 
-struct Plane {
+struct HullPlane {
   Vec3 normal;
   double offset;
   double above(const Vec3& p) const { return normal.dot(p) - offset; }
 };
 
-Plane plane_of(std::span<const Vec3> points, const Triangle& t) {
+HullPlane hull_plane(std::span<const Vec3> points, const Triangle& t) {
   const Vec3& a = points[t[0]];
   const Vec3 n = (points[t[1]] - a).cross(points[t[2]] - a).normalized();
   return {n, n.dot(a)};
@@ -72,11 +72,11 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
 
 std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
   std::vector<Triangle> faces = first_tetrahedron(points, extent);
-  std::vector<Plane> planes;
+  std::vector<HullPlane> planes;
   planes.reserve(faces.size());
-  for (const Triangle& t : faces) planes.push_back(plane_of(points, t));
+  for (const Triangle& t : faces) planes.push_back(hull_plane(points, t));
   std::vector<Triangle> kept;
-  std::vector<Plane> kept_planes;
+  std::vector<HullPlane> kept_planes;
   std::vector<std::array<std::uint32_t, 2>> seen;  // directed edges of the faces that see the point
   for (std::size_t round = 0; round <= points.size(); ++round) {
     // A corner that goes in may be swallowed later, but not so many of them.
@@ -86,7 +86,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
     std::uint32_t next = 0;
     double most = kOutside * extent;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
-      for (const Plane& plane : planes) {
+      for (const HullPlane& plane : planes) {
         const double above = plane.above(points[i]);
         if (above <= most) continue;
         most = above;
@@ -112,7 +112,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
                       [from = from, to = to](const auto& e) { return e[0] == to && e[1] == from; });
       if (inner) continue;
       kept.push_back({from, to, next});
-      kept_planes.push_back(plane_of(points, kept.back()));
+      kept_planes.push_back(hull_plane(points, kept.back()));
     }
     faces.swap(kept);
     planes.swap(kept_planes);
@@ -170,9 +170,9 @@ void ConvexHull::build(std::span<const Vec3> points) {
 }
 
 void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tolerance) {
-  std::vector<Plane> planes;
+  std::vector<HullPlane> planes;
   planes.reserve(triangles.size());
-  for (const Triangle& t : triangles) planes.push_back(plane_of(arms_, t));
+  for (const Triangle& t : triangles) planes.push_back(hull_plane(arms_, t));
   // The triangle across each directed edge.
   const auto across = [&](std::uint32_t from, std::uint32_t to) {
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
@@ -199,7 +199,7 @@ void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tole
   for (const std::uint32_t seed : order) {
     if (owner[seed] != kFree) continue;
     const auto number = static_cast<std::uint32_t>(faces_.size());
-    const Plane plane = planes[seed];
+    const HullPlane plane = planes[seed];
     owner[seed] = number;
     members.assign(1, seed);
     border.clear();
