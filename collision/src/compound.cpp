@@ -47,11 +47,21 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
     all.com += p.mass * p.com;
     placed.push_back(p);
   }
+  // Of parts that each are within the rules the sum may be beyond them.
+  if (!(all.mass > 0.0) || !std::isfinite(all.mass)) {
+    refuse("mass_properties: mass of all parts", all.mass, "finite and > 0");
+  }
   all.com /= all.mass;
+  if (!all.com.allFinite()) {
+    refuse("mass_properties: centre of mass of all parts", all.com.sum(), "finite");
+  }
   for (const MassProperties& p : placed) {
     const Vec3 d = p.com - all.com;
     all.inertia_l +=
         p.inertia_l + p.mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+  }
+  if (!all.inertia_l.allFinite()) {
+    refuse("mass_properties: inertia of all parts", all.inertia_l.trace(), "finite");
   }
   return all;
 }

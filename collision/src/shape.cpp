@@ -172,7 +172,11 @@ MassProperties mass_properties(const Shape& shape, double density) {
   if (!(density > 0.0) || !std::isfinite(density)) {
     refuse("mass_properties: density", density, "finite and > 0");
   }
-  return std::visit(Weigher{density}, shape);
+  MassProperties p = std::visit(Weigher{density}, shape);
+  if (!std::isfinite(p.mass) || !p.inertia_l.allFinite()) {
+    refuse("mass_properties: density", density, "mass and inertia of the shape are finite");
+  }
+  return p;
 }
 
 }  // namespace tandem::collision
