@@ -10,17 +10,13 @@
 #include <array>
 #include <cmath>
 
+#include "axis_rules.h"
+
 namespace tandem::collision {
 namespace {
 
 /// Sine below which two edges have no direction across both.
 constexpr double kMinSine = 1e-3;
-// As for choose_axis(): what an edge must be better by.
-constexpr double kFaceShare = 0.05;
-constexpr double kFaceSize = 5e-4;
-// As for will_meet() of convex_manifold.cpp.
-constexpr double kPassBy = 5e-3;
-constexpr double kAcross = 0.9;
 
 ConvexCore core_of(const Vec3& centre, const Mat3& axes, const Vec3& half) {
   ConvexCore core;

@@ -7,28 +7,23 @@
 #include <stdexcept>
 
 #include "contact_source_impl.h"
+#include "refuse.h"
 
 namespace tandem::collision {
 
-[[noreturn]] void refuse_def(const std::string& field, double value, const std::string& rule) {
-  std::ostringstream text;
-  text << "ColliderDef: " << field << " = " << value << " breaks the rule: " << rule;
-  throw std::invalid_argument(text.str());
-}
-
 void check_def(const pbd::World& world, const ColliderDef& def) {
   if (!world.contains(def.body)) {
-    refuse_def("body", static_cast<double>(def.body.index), "a body of this world");
+    refuse("ColliderDef: body", static_cast<double>(def.body.index), "a body of this world");
   }
   std::string error;
   if (!validate(def.shape, &error)) throw std::invalid_argument("ColliderDef: shape: " + error);
   for (int i = 0; i < 3; ++i) {
     const double value = def.local.position[i];
-    if (!std::isfinite(value)) refuse_def("local.position", value, "finite");
+    if (!std::isfinite(value)) refuse("ColliderDef: local.position", value, "finite");
   }
   const double norm = def.local.orientation.norm();
   if (!(std::abs(norm - 1.0) < 1e-3)) {
-    refuse_def("local.orientation", norm, "a quaternion of unit norm (within 1e-3)");
+    refuse("ColliderDef: local.orientation", norm, "a quaternion of unit norm (within 1e-3)");
   }
   if (!def.material.validate(&error)) throw std::invalid_argument("ColliderDef: " + error);
 }

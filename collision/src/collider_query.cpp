@@ -59,7 +59,8 @@ void for_pieces(const Collider& c, const ConvexCore& probe, const Vec3& origin,
 }
 
 /// Earlier, or as early and of a lower number: what is found must not depend on the order.
-bool better(double value, std::uint32_t triangle, double best, std::uint32_t best_triangle) {
+bool better_triangle(double value, std::uint32_t triangle, double best,
+                     std::uint32_t best_triangle) {
   return value != best ? value < best : triangle < best_triangle;
 }
 
@@ -120,7 +121,7 @@ bool ray_surface(const Surface& surface, const MeshPose& pose, const Vec3& direc
                  for (int k = 0; k < 3; ++k) corners[k] = surface.vertex(ids[k]) - start;
                  double distance = 0.0;
                  if (!ray_triangle(corners, front, d, best, distance)) return;
-                 if (!better(distance, t, best, out.triangle)) return;
+                 if (!better_triangle(distance, t, best, out.triangle)) return;
                  best = distance;
                  out.triangle = t;
                  out.normal = pose.rotation * (facing > 0.0 ? Vec3(-front) : front);
@@ -230,8 +231,8 @@ bool cast_collider(const Collider& c, const ConvexCore& probe, const Vec3& origi
     if (back && !(at.gap < 0.0)) return;
     const SurfaceHit hit = seen(at, probe, piece, t, sides);
     const bool deeper = found && travel == 0.0 && best == 0.0
-                            ? better(-hit.depth, t, -out.depth, out.triangle)
-                            : !found || better(travel, t, best, out.triangle);
+                            ? better_triangle(-hit.depth, t, -out.depth, out.triangle)
+                            : !found || better_triangle(travel, t, best, out.triangle);
     if (!deeper) return;
     found = true;
     best = travel;
@@ -274,7 +275,7 @@ bool nearest_on_collider(const Collider& c, const ConvexCore& probe, const Vec3&
     if (at.gap > limit) return;
     const SurfaceHit hit = seen(at, probe, piece, t, MeshSides::Both);
     const double value = hit.distance - hit.depth;
-    if (found && !better(value, t, best, out.triangle)) return;
+    if (found && !better_triangle(value, t, best, out.triangle)) return;
     found = true;
     best = value;
     out = hit;

@@ -3,9 +3,10 @@
 #include "tandem/collision/compound.h"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "refuse.h"
 
 namespace tandem::collision {
 
@@ -15,27 +16,20 @@ using pbd::Vec3;
 namespace {
 
 void check_local(const pbd::Pose& local, const std::string& part) {
-  const auto refuse = [&](const char* field, double value, const char* rule) {
-    std::ostringstream text;
-    text << "mass_properties: " << part << ".local." << field << " = " << value
-         << " breaks the rule: " << rule;
-    throw std::invalid_argument(text.str());
-  };
+  const std::string field = "mass_properties: " + part + ".local.";
   for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(local.position[i])) refuse("position", local.position[i], "finite");
+    if (!std::isfinite(local.position[i])) refuse(field + "position", local.position[i], "finite");
   }
   const double norm = local.orientation.norm();
   if (!(std::abs(norm - 1.0) < 1e-3)) {
-    refuse("orientation", norm, "a quaternion of unit norm (within 1e-3)");
+    refuse(field + "orientation", norm, "a quaternion of unit norm (within 1e-3)");
   }
 }
 
 }  // namespace
 
 MassProperties mass_properties(std::span<const CompoundPart> parts) {
-  if (parts.empty()) {
-    throw std::invalid_argument("mass_properties: parts = none breaks the rule: at least one");
-  }
+  if (parts.empty()) refuse("mass_properties: parts = none", "at least one");
   std::vector<MassProperties> placed;
   MassProperties all;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -53,11 +47,21 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
     all.com += p.mass * p.com;
     placed.push_back(p);
   }
+  // Of parts that each are within the rules the sum may be beyond them.
+  if (!(all.mass > 0.0) || !std::isfinite(all.mass)) {
+    refuse("mass_properties: mass of all parts", all.mass, "finite and > 0");
+  }
   all.com /= all.mass;
+  if (!all.com.allFinite()) {
+    refuse("mass_properties: centre of mass of all parts", all.com.sum(), "finite");
+  }
   for (const MassProperties& p : placed) {
     const Vec3 d = p.com - all.com;
     all.inertia_l +=
         p.inertia_l + p.mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+  }
+  if (!all.inertia_l.allFinite()) {
+    refuse("mass_properties: inertia of all parts", all.inertia_l.trace(), "finite");
   }
   return all;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contact_source_impl.h"
+#include "refuse.h"
 #include "sphere_contact.h"
 
 namespace tandem::collision {
@@ -24,7 +25,9 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   std::uint32_t index = 0;
   if (free_.empty()) {
     index = static_cast<std::uint32_t>(colliders_.size());
-    if (index >= (1u << kIndexBits)) refuse_def("count", index, "fewer than 2^26 colliders");
+    if (index >= (1u << kIndexBits)) {
+      refuse("ColliderDef: count", index, "fewer than 2^26 colliders");
+    }
     colliders_.emplace_back();
     free_.reserve(colliders_.capacity());
   } else {

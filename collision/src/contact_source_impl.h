@@ -23,7 +23,6 @@ inline constexpr std::size_t kColliderGrain = 128;
 
 /// @throws std::invalid_argument naming field, value and rule
 void check_def(const pbd::World& world, const ColliderDef& def);
-[[noreturn]] void refuse_def(const std::string& field, double value, const std::string& rule);
 
 /// In contact_source.cpp what makes contacts, in motion_limit.cpp what stops bodies on their way,
 /// in cache_io.cpp snapshots.

@@ -8,8 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
+
+#include "refuse.h"
 
 namespace tandem::collision {
 namespace {
@@ -24,17 +25,13 @@ constexpr double kOutside = 1e-7;
 constexpr double kFlat = 1e-4;
 constexpr double kCoplanar = 1e-6;
 
-[[noreturn]] void refuse(const std::string& what, const std::string& rule) {
-  throw std::invalid_argument("ConvexHull: " + what + " breaks the rule: " + rule);
-}
-
-struct Plane {
+struct HullPlane {
   Vec3 normal;
   double offset;
   double above(const Vec3& p) const { return normal.dot(p) - offset; }
 };
 
-Plane plane_of(std::span<const Vec3> points, const Triangle& t) {
+HullPlane hull_plane(std::span<const Vec3> points, const Triangle& t) {
   const Vec3& a = points[t[0]];
   const Vec3 n = (points[t[1]] - a).cross(points[t[2]] - a).normalized();
   return {n, n.dot(a)};
@@ -63,31 +60,33 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
   const std::uint32_t c =
       furthest(points.size(), [&](std::uint32_t i) { return u.cross(from_a(i)).squaredNorm(); });
   const char* rule = "points that span a volume (1e-4 of their extent in each direction)";
-  if (!(u.cross(from_a(c)).norm() > kFlat * extent)) refuse("points on a line", rule);
+  if (!(u.cross(from_a(c)).norm() > kFlat * extent)) refuse("ConvexHull: points on a line", rule);
   const Vec3 n = u.cross(from_a(c)).normalized();
   const std::uint32_t d =
       furthest(points.size(), [&](std::uint32_t i) { return std::abs(n.dot(from_a(i))); });
   const double height = n.dot(from_a(d));
-  if (!(std::abs(height) > kFlat * extent)) refuse("points in a plane", rule);
+  if (!(std::abs(height) > kFlat * extent)) refuse("ConvexHull: points in a plane", rule);
   if (height > 0.0) return {{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}};
   return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
 
 std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
   std::vector<Triangle> faces = first_tetrahedron(points, extent);
-  std::vector<Plane> planes;
+  std::vector<HullPlane> planes;
   planes.reserve(faces.size());
-  for (const Triangle& t : faces) planes.push_back(plane_of(points, t));
+  for (const Triangle& t : faces) planes.push_back(hull_plane(points, t));
   std::vector<Triangle> kept;
-  std::vector<Plane> kept_planes;
+  std::vector<HullPlane> kept_planes;
   std::vector<std::array<std::uint32_t, 2>> seen;  // directed edges of the faces that see the point
   for (std::size_t round = 0; round <= points.size(); ++round) {
     // A corner that goes in may be swallowed later, but not so many of them.
-    if (round > 2 * ConvexHull::kMaxVertices) refuse("corners = more", "at most 128 corners");
+    if (round > 2 * ConvexHull::kMaxVertices) {
+      refuse("ConvexHull: corners = more", "at most 128 corners");
+    }
     std::uint32_t next = 0;
     double most = kOutside * extent;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
-      for (const Plane& plane : planes) {
+      for (const HullPlane& plane : planes) {
         const double above = plane.above(points[i]);
         if (above <= most) continue;
         most = above;
@@ -113,7 +112,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
                       [from = from, to = to](const auto& e) { return e[0] == to && e[1] == from; });
       if (inner) continue;
       kept.push_back({from, to, next});
-      kept_planes.push_back(plane_of(points, kept.back()));
+      kept_planes.push_back(hull_plane(points, kept.back()));
     }
     faces.swap(kept);
     planes.swap(kept_planes);
@@ -124,10 +123,12 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
 }  // namespace
 
 std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points) {
-  if (points.size() < 4) refuse("points = " + std::to_string(points.size()), "at least 4");
+  if (points.size() < 4) {
+    refuse("ConvexHull: points = " + std::to_string(points.size()), "at least 4");
+  }
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite() || !(points[i].norm() < 1e6)) {
-      refuse("points[" + std::to_string(i) + "]", "finite and within 1e6 m");
+      refuse("ConvexHull: points[" + std::to_string(i) + "]", "finite and within 1e6 m");
     }
   }
   const std::shared_ptr<ConvexHull> hull(new ConvexHull);
@@ -144,7 +145,7 @@ void ConvexHull::build(std::span<const Vec3> points) {
   }
   bounds_ = {low, high};
   const double extent = (high - low).maxCoeff();
-  if (!(extent > 0.0)) refuse("points in one place", "points that span a volume");
+  if (!(extent > 0.0)) refuse("ConvexHull: points in one place", "points that span a volume");
   // About the middle, so that no digits are lost where the points are far from the origin.
   centre_ = 0.5 * (low + high);
   std::vector<Vec3> local;
@@ -157,7 +158,9 @@ void ConvexHull::build(std::span<const Vec3> points) {
       if (index[v] == kMaxVertices) {
         index[v] = static_cast<std::uint32_t>(arms_.size());
         arms_.push_back(local[v]);
-        if (arms_.size() > kMaxVertices) refuse("corners = more", "at most 128 corners");
+        if (arms_.size() > kMaxVertices) {
+          refuse("ConvexHull: corners = more", "at most 128 corners");
+        }
       }
       v = index[v];
     }
@@ -167,9 +170,9 @@ void ConvexHull::build(std::span<const Vec3> points) {
 }
 
 void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tolerance) {
-  std::vector<Plane> planes;
+  std::vector<HullPlane> planes;
   planes.reserve(triangles.size());
-  for (const Triangle& t : triangles) planes.push_back(plane_of(arms_, t));
+  for (const Triangle& t : triangles) planes.push_back(hull_plane(arms_, t));
   // The triangle across each directed edge.
   const auto across = [&](std::uint32_t from, std::uint32_t to) {
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
@@ -177,7 +180,7 @@ void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tole
         if (triangles[t][k] == to && triangles[t][(k + 1) % 3] == from) return t;
       }
     }
-    refuse("points too near to each other", "corners further apart than round-off");
+    refuse("ConvexHull: points too near to each other", "corners further apart than round-off");
   };
   constexpr std::uint32_t kFree = 0xffffffffu;
   std::vector<std::uint32_t> owner(triangles.size(), kFree);
@@ -196,7 +199,7 @@ void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tole
   for (const std::uint32_t seed : order) {
     if (owner[seed] != kFree) continue;
     const auto number = static_cast<std::uint32_t>(faces_.size());
-    const Plane plane = planes[seed];
+    const HullPlane plane = planes[seed];
     owner[seed] = number;
     members.assign(1, seed);
     border.clear();
@@ -232,13 +235,15 @@ void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tole
       corners_.push_back(at);
       const auto step =
           std::find_if(border.begin(), border.end(), [&](const auto& e) { return e[0] == at; });
-      if (step == border.end()) refuse("points too near to each other", "a hull of simple faces");
+      if (step == border.end()) {
+        refuse("ConvexHull: points too near to each other", "a hull of simple faces");
+      }
       at = (*step)[1];
       if (at == border[0][0]) break;
     }
     face.count = static_cast<std::uint32_t>(corners_.size()) - face.begin;
     if (face.count != border.size()) {
-      refuse("points too near to each other", "a hull of simple faces");
+      refuse("ConvexHull: points too near to each other", "a hull of simple faces");
     }
     faces_.push_back(face);
   }

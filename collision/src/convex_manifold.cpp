@@ -7,22 +7,14 @@
 #include <numbers>
 #include <utility>
 
+#include "axis_rules.h"
+
 namespace tandem::collision {
 namespace {
 
-/// A face is taken where its separation is within this share of the depth ...
-constexpr double kFaceShare = 0.05;
-/// ... or within this share of the smaller part's size of the best. Bodies without radius only:
-/// round ones touch at one point, whose direction is exact.
-constexpr double kFaceSize = 5e-4;
 constexpr double kRoundTolerance = 1e-9;  // m
 /// Cosine above which the library's direction is a face normal and not merely near to one.
 constexpr double kSameDirection = 1.0 - 1e-9;
-/// Share of the smaller part's size by which two boxes must overlap beside the direction in which
-/// they are apart.
-constexpr double kPassBy = 5e-3;
-/// Cosine between two directions above which they count as one for that.
-constexpr double kAcross = 0.9;
 /// Sine below which two edges have no common normal.
 constexpr double kMinCross = 1e-4;
 

@@ -31,7 +31,7 @@ using Transform = fcl::Transform3<double>;
 using Contacts = std::vector<fcl::ContactPoint<double>>;
 
 /// Nearer cores count as touching, where GJK's direction is noise; a share of the lesser size.
-constexpr double kTouching = 1e-7;
+constexpr double kNearlyTouching = 1e-7;
 /// m: beyond this sizes stand for "no bound" (triangles).
 constexpr double kLargest = 1e3;
 
@@ -97,7 +97,7 @@ Direction distance(const ConvexCore& a, const ConvexCore& b, double reach) {
   const double gap =
       fcl::detail::libccd_extension::ccdGJKDist2(&object_a, &object_b, &ccd, &on_a, &on_b);
   if (gap > scale * reach) return {};
-  if (!(gap > kTouching)) return {Direction::Status::Unknown, Vec3::UnitZ()};
+  if (!(gap > kNearlyTouching)) return {Direction::Status::Unknown, Vec3::UnitZ()};
   Direction direction =
       found(Vec3(on_b.v[0] - on_a.v[0], on_b.v[1] - on_a.v[1], on_b.v[2] - on_a.v[2]) / gap);
   // Of cores that just overlap it sometimes says that they are apart.

@@ -45,7 +45,7 @@ struct Simplex {
 /// Weights of the nearest point to the origin; zero for corners that it does not need.
 using Weights = std::array<double, 4>;
 
-Weights nearest_on_segment(const Simplex& s, int i, int j) {
+Weights weights_on_segment(const Simplex& s, int i, int j) {
   const Vec3 d = s.w[j] - s.w[i];
   const double length2 = d.squaredNorm();
   const double t = length2 > 0.0 ? std::clamp(-s.w[i].dot(d) / length2, 0.0, 1.0) : 0.0;
@@ -62,7 +62,7 @@ double norm2(const Simplex& s, const Weights& weights) {
 }
 
 /// Of the inside of the triangle where the origin projects into it, else of its nearest edge.
-Weights nearest_on_triangle(const Simplex& s, int i, int j, int k) {
+Weights weights_on_triangle(const Simplex& s, int i, int j, int k) {
   const Vec3 n = (s.w[j] - s.w[i]).cross(s.w[k] - s.w[i]);
   const double n2 = n.squaredNorm();
   const std::array<int, 3> corner{i, j, k};
@@ -79,9 +79,9 @@ Weights nearest_on_triangle(const Simplex& s, int i, int j, int k) {
     for (const int c : corner) out[c] /= sum;
     return out;
   }
-  out = nearest_on_segment(s, i, j);
+  out = weights_on_segment(s, i, j);
   for (const auto& [p, q] : {std::pair(j, k), std::pair(i, k)}) {
-    const Weights other = nearest_on_segment(s, p, q);
+    const Weights other = weights_on_segment(s, p, q);
     if (norm2(s, other) < norm2(s, out)) out = other;
   }
   return out;
@@ -105,7 +105,7 @@ bool nearest_on_tetrahedron(const Simplex& s, Weights& out) {
     const bool known =
         std::abs(side) > doubt * up.norm() && std::abs(origin) > doubt * s.w[i].norm();
     if (known && side * origin > 0.0) continue;
-    const Weights weights = nearest_on_triangle(s, i, j, k);
+    const Weights weights = weights_on_triangle(s, i, j, k);
     const double distance2 = norm2(s, weights);
     if (distance2 >= best) continue;
     best = distance2;
@@ -122,10 +122,10 @@ bool reduce(Simplex& s) {
       weights[0] = 1.0;
       break;
     case 2:
-      weights = nearest_on_segment(s, 0, 1);
+      weights = weights_on_segment(s, 0, 1);
       break;
     case 3:
-      weights = nearest_on_triangle(s, 0, 1, 2);
+      weights = weights_on_triangle(s, 0, 1, 2);
       break;
     default:
       if (!nearest_on_tetrahedron(s, weights)) return false;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "refuse.h"
 
 namespace tandem::collision {
 namespace {
@@ -14,32 +14,29 @@ using pbd::Vec3;
 
 constexpr std::uint32_t kMaxSide = 16384;
 
-[[noreturn]] void refuse(const std::string& field, double value, const std::string& rule) {
-  std::ostringstream text;
-  text << "HeightField: " << field << " = " << value << " breaks the rule: " << rule;
-  throw std::invalid_argument(text.str());
-}
-
 }  // namespace
 
 std::shared_ptr<const HeightField> HeightField::make(std::uint32_t columns, std::uint32_t rows,
                                                      double spacing_x, double spacing_y,
                                                      std::span<const double> heights) {
-  if (columns < 2 || columns > kMaxSide) refuse("columns", columns, "2 to 16384");
-  if (rows < 2 || rows > kMaxSide) refuse("rows", rows, "2 to 16384");
+  if (columns < 2 || columns > kMaxSide) refuse("HeightField: columns", columns, "2 to 16384");
+  if (rows < 2 || rows > kMaxSide) refuse("HeightField: rows", rows, "2 to 16384");
   for (const double spacing : {spacing_x, spacing_y}) {
-    if (!(spacing > 0.0 && spacing < 1e6)) refuse("spacing", spacing, "> 0 and below 1e6 m");
+    if (!(spacing > 0.0 && spacing < 1e6)) {
+      refuse("HeightField: spacing", spacing, "> 0 and below 1e6 m");
+    }
   }
   const std::size_t count = std::size_t{columns} * rows;
   if (heights.size() != count) {
-    refuse("heights.size", static_cast<double>(heights.size()), "columns * rows");
+    refuse("HeightField: heights.size", static_cast<double>(heights.size()), "columns * rows");
   }
   const std::shared_ptr<HeightField> field(new HeightField);
   double low = HUGE_VAL;
   double high = -HUGE_VAL;
   for (std::size_t i = 0; i < count; ++i) {
     if (!(std::abs(heights[i]) < 1e6)) {
-      refuse("heights[" + std::to_string(i) + "]", heights[i], "finite and within 1e6 m");
+      refuse("HeightField: heights[" + std::to_string(i) + "]", heights[i],
+             "finite and within 1e6 m");
     }
     low = std::min(low, heights[i]);
     high = std::max(high, heights[i]);

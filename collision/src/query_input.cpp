@@ -3,32 +3,26 @@
 #include "query_input.h"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "collider_query.h"
 #include "gjk.h"
+#include "refuse.h"
 
 namespace tandem::collision {
 namespace {
 
 void require_finite(const Vec3& value, const char* field) {
   for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(value[i])) refuse_query(field, value[i], "finite");
+    if (!std::isfinite(value[i])) refuse(field, value[i], "finite");
   }
 }
 
 }  // namespace
 
-void refuse_query(const std::string& field, double value, const std::string& rule) {
-  std::ostringstream text;
-  text << field << " = " << value << " breaks the rule: " << rule;
-  throw std::invalid_argument(text.str());
-}
-
 void check_distance(double max_distance) {
   if (!(max_distance >= 0.0) || !std::isfinite(max_distance)) {
-    refuse_query("query: max_distance", max_distance, "finite and >= 0");
+    refuse("query: max_distance", max_distance, "finite and >= 0");
   }
 }
 
@@ -36,9 +30,9 @@ CheckedRay::CheckedRay(const Ray& ray) : origin(ray.origin), limit(ray.max_dista
   require_finite(ray.origin, "Ray.origin");
   require_finite(ray.direction, "Ray.direction");
   const double length = ray.direction.stableNorm();
-  if (!(length > 0.0)) refuse_query("Ray.direction", length, "longer than 0");
+  if (!(length > 0.0)) refuse("Ray.direction", length, "longer than 0");
   if (!(limit > 0.0) || !std::isfinite(limit)) {
-    refuse_query("Ray.max_distance", limit, "finite and > 0");
+    refuse("Ray.max_distance", limit, "finite and > 0");
   }
   direction = (ray.direction / length).normalized();
 }
@@ -55,11 +49,11 @@ Probe::Probe(const Shape& shape, const pbd::Pose& pose) : origin(pose.position) 
   require_finite(pose.position, "query: pose.position");
   const double norm = pose.orientation.norm();
   if (!(std::abs(norm - 1.0) < 1e-3)) {
-    refuse_query("query: pose.orientation", norm, "a quaternion of unit norm (within 1e-3)");
+    refuse("query: pose.orientation", norm, "a quaternion of unit norm (within 1e-3)");
   }
   Collider collider = make_collider({.shape = shape}, {});
   if (!collider.is_convex()) {
-    refuse_query("query: shape", static_cast<double>(shape.index()), "a convex shape");
+    refuse("query: shape", static_cast<double>(shape.index()), "a convex shape");
   }
   collider.position = pose.position;
   collider.rotation = pose.orientation.normalized().toRotationMatrix();

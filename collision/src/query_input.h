@@ -5,14 +5,10 @@
 // value and rule.
 #pragma once
 
-#include <string>
-
 #include "collider.h"
 #include "tandem/collision/scene_query.h"
 
 namespace tandem::collision {
-
-[[noreturn]] void refuse_query(const std::string& field, double value, const std::string& rule);
 
 void check_distance(double max_distance);
 

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "box_sweep.h"
 #include "collider_query.h"
 #include "query_colliders.h"
 #include "query_input.h"
+#include "refuse.h"
 
 namespace tandem::collision {
 namespace {
@@ -25,7 +25,7 @@ MeshSides sides_of(const QueryFilter& filter) {
 bool keep_order(const Aabb&, const Aabb&) { return false; }
 
 /// Of two hits of equal distance the lower collider is better.
-bool better(double value, std::uint32_t index, double best, ColliderId best_id) {
+bool better_collider(double value, std::uint32_t index, double best, ColliderId best_id) {
   return value != best ? value < best : index < best_id.index;
 }
 
@@ -148,7 +148,7 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
       const Collider& c = colliders.collider(i);
       if (!nearest_on_collider(c, probe.core, probe.origin, std::max(0.0, limit), hit)) return;
       const double distance = hit.distance - hit.depth;
-      if (best && !better(distance, i, best->distance, best->collider)) return;
+      if (best && !better_collider(distance, i, best->distance, best->collider)) return;
       best = closest_hit(i, probe, hit);
       limit = std::min(limit, distance);
     });
@@ -160,7 +160,7 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
     check_distance(max_distance);
     if (id.index >= colliders.size() || !colliders.present(id.index) ||
         colliders.id(id.index) != id) {
-      refuse_query("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
+      refuse("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
     }
     SurfaceHit hit;
     const Collider& c = colliders.collider(id.index);
@@ -186,7 +186,7 @@ std::optional<RayHit> SceneQuery::ray_cast(const Ray& ray, const QueryFilter& fi
   std::optional<RayHit> best;
   double limit = checked.limit;
   impl_->rays(checked, limit, filter, [&](std::uint32_t i, const SurfaceHit& hit) {
-    if (best && !better(hit.distance, i, best->distance, best->collider)) return;
+    if (best && !better_collider(hit.distance, i, best->distance, best->collider)) return;
     best = impl_->ray_hit(i, checked, hit);
     limit = hit.distance;
   });
@@ -228,7 +228,7 @@ std::optional<CastHit> SceneQuery::shape_cast(const Shape& shape, const Pose& st
     const CastHit found = impl_->cast_hit(i, probe, way.length, hit);
     if (best) {
       const bool tied = found.fraction == best->fraction;
-      if (tied ? !better(-found.depth, i, -best->depth, best->collider)
+      if (tied ? !better_collider(-found.depth, i, -best->depth, best->collider)
                : found.fraction > best->fraction) {
         return;
       }

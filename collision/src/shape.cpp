@@ -7,6 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "refuse.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -122,17 +124,14 @@ struct Weigher {
     return {density * h->volume(), h->centre(), covariance.trace() * Mat3::Identity() - covariance};
   }
   MassProperties operator()(const Field&) const {
-    throw std::invalid_argument(
-        "mass_properties: shape = HeightField breaks the rule: a shape with a finite volume");
+    refuse("mass_properties: shape = HeightField", "a shape with a finite volume");
   }
   MassProperties operator()(const HalfSpace&) const {
-    throw std::invalid_argument(
-        "mass_properties: shape = HalfSpace breaks the rule: a shape with a finite volume");
+    refuse("mass_properties: shape = HalfSpace", "a shape with a finite volume");
   }
   MassProperties operator()(const Mesh& m) const {
     if (!m->closed()) {
-      throw std::invalid_argument(
-          "mass_properties: shape = Mesh with a border breaks the rule: a closed mesh");
+      refuse("mass_properties: shape = Mesh with a border", "a closed mesh");
     }
     // Sum of signed tetrahedra from a corner of the mesh, which keeps round-off small far away.
     const Vec3 origin = m->vertices()[0];
@@ -152,9 +151,8 @@ struct Weigher {
                 (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
     }
     if (!(volume > 0.0)) {
-      throw std::invalid_argument("mass_properties: shape = Mesh of volume " +
-                                  std::to_string(volume) +
-                                  " m^3 breaks the rule: > 0 (fronts point outwards)");
+      refuse("mass_properties: shape = Mesh of volume " + std::to_string(volume) + " m^3",
+             "> 0 (fronts point outwards)");
     }
     const Vec3 com = first / volume;
     const Mat3 covariance = density * (second - volume * com * com.transpose());
@@ -172,10 +170,13 @@ MassProperties mass_properties(const Shape& shape, double density) {
   std::string error;
   if (!validate(shape, &error)) throw std::invalid_argument("mass_properties: " + error);
   if (!(density > 0.0) || !std::isfinite(density)) {
-    throw std::invalid_argument("mass_properties: density = " + std::to_string(density) +
-                                " breaks the rule: finite and > 0");
+    refuse("mass_properties: density", density, "finite and > 0");
   }
-  return std::visit(Weigher{density}, shape);
+  MassProperties p = std::visit(Weigher{density}, shape);
+  if (!std::isfinite(p.mass) || !p.inertia_l.allFinite()) {
+    refuse("mass_properties: density", density, "mass and inertia of the shape are finite");
+  }
+  return p;
 }
 
 }  // namespace tandem::collision

@@ -10,7 +10,7 @@ namespace tandem::collision {
 namespace {
 
 /// m: nearer than this a difference of two points has no direction.
-constexpr double kTouching = 1e-9;
+constexpr double kNoDirection = 1e-9;
 
 /// All in the shape's frame: the nearest point of the core, the unit normal out of the core, and
 /// the distance along it.
@@ -23,14 +23,14 @@ struct Nearest {
 Nearest from_point(const Vec3& p, const Vec3& point, const Vec3& fallback) {
   const Vec3 d = p - point;
   const double distance = d.norm();
-  if (distance < kTouching) return {point, fallback, 0.0};
+  if (distance < kNoDirection) return {point, fallback, 0.0};
   return {point, d / distance, distance};
 }
 
 Nearest on_box(const Vec3& p, const Vec3& half) {
   const Vec3 inside = p.cwiseMax(-half).cwiseMin(half);
   const double distance2 = (p - inside).squaredNorm();
-  if (distance2 > kTouching * kTouching) {
+  if (distance2 > kNoDirection * kNoDirection) {
     const double distance = std::sqrt(distance2);
     return {inside, (p - inside) / distance, distance};
   }
@@ -50,7 +50,7 @@ struct Flat {
 /// round to the axis, counter-clockwise with r to the right; the axis is no side.
 Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
   const double r = std::hypot(p.x(), p.y());
-  const Vec3 radial = r > kTouching ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::UnitX());
+  const Vec3 radial = r > kNoDirection ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::UnitX());
   bool inside = true;
   double best = HUGE_VAL;
   Flat point{0.0, 0.0};
@@ -71,7 +71,7 @@ Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
     point = q;
     normal = out;
   }
-  if (!inside && best > kTouching) {
+  if (!inside && best > kNoDirection) {
     normal = {(r - point.r) / best, (p.z() - point.z) / best};
   }
   return {point.r * radial + Vec3(0, 0, point.z), normal.r * radial + Vec3(0, 0, normal.z),
@@ -96,7 +96,7 @@ SphereContact sphere_contact(const Vec3& centre, const Collider& b) {
     contact.radius_b = std::get<Sphere>(b.def.shape).radius;
     contact.distance = distance;
     contact.on_b = -between;
-    if (distance > kTouching) contact.normal = -between / distance;
+    if (distance > kNoDirection) contact.normal = -between / distance;
     return contact;
   }
   const Vec3 p = b.rotation.transpose() * between;

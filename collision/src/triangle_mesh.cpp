@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 #include <string>
+
+#include "refuse.h"
 
 namespace tandem::collision {
 namespace {
@@ -17,10 +18,6 @@ using pbd::Vec3;
 constexpr std::uint32_t kLeafSize = 4;
 /// Twice the area over the square of the longest edge, below which a triangle is a line.
 constexpr double kMinArea = 1e-9;
-
-[[noreturn]] void refuse(const std::string& what, const std::string& rule) {
-  throw std::invalid_argument("TriangleMesh: " + what + " breaks the rule: " + rule);
-}
 
 bool before(const Vec3& l, const Vec3& r) {
   return std::lexicographical_compare(l.data(), l.data() + 3, r.data(), r.data() + 3);
@@ -37,19 +34,21 @@ struct HalfEdge {
 
 std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vec3> vertices,
                                                        std::span<const Triangle> triangles) {
-  if (triangles.empty()) refuse("triangles = none", "at least one");
-  if (triangles.size() >= (1u << 28)) refuse("triangles = too many", "fewer than 2^28");
+  if (triangles.empty()) refuse("TriangleMesh: triangles = none", "at least one");
+  if (triangles.size() >= (1u << 28)) {
+    refuse("TriangleMesh: triangles = too many", "fewer than 2^28");
+  }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const pbd::Vec3& v = vertices[i];
     if (v.allFinite()) continue;
-    refuse("vertices[" + std::to_string(i) + "] = (" + std::to_string(v.x()) + ", " +
+    refuse("TriangleMesh: vertices[" + std::to_string(i) + "] = (" + std::to_string(v.x()) + ", " +
                std::to_string(v.y()) + ", " + std::to_string(v.z()) + ")",
            "finite");
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t v : triangles[t]) {
       if (v >= vertices.size()) {
-        refuse("triangles[" + std::to_string(t) + "] = corner " + std::to_string(v),
+        refuse("TriangleMesh: triangles[" + std::to_string(t) + "] = corner " + std::to_string(v),
                "an index below " + std::to_string(vertices.size()));
       }
     }
@@ -95,7 +94,8 @@ void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Triangle
     const double area2 = cross.norm();
     const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
     if (!(area2 > kMinArea * longest2) || !std::isfinite(area2)) {
-      refuse("triangles[" + std::to_string(t) + "] = area " + std::to_string(0.5 * area2),
+      refuse("TriangleMesh: triangles[" + std::to_string(t) + "] = area " +
+                 std::to_string(0.5 * area2),
              "an area above 0");
     }
     triangles_.push_back(corners);
@@ -129,7 +129,7 @@ void TriangleMesh::find_neighbours() {
     }
     const bool pair = end - i == 2 && halves[i].ascending != halves[i + 1].ascending;
     if (end - i > 1 && !pair) {
-      refuse("triangles[" + std::to_string(halves[i + 1].triangle) + "]",
+      refuse("TriangleMesh: triangles[" + std::to_string(halves[i + 1].triangle) + "]",
              "an edge has at most one triangle on each side");
     }
     const auto id = static_cast<std::uint32_t>(edges.size());

@@ -23,7 +23,7 @@ constexpr double kAdaptation = 0.1;  ///< of each update
 constexpr double kMostSurprise = 10.0;
 
 /// m: a body that is so far from where it was expected was put there.
-constexpr double kJump = 0.5;
+constexpr double kUnforeseen = 0.5;
 
 /// Position and velocity of a body whose acceleration is gravity where it is free, and noise. The
 /// three axes have one covariance. The noise is estimated as well, so that the variance is true.
@@ -66,7 +66,7 @@ class KalmanPredictor final : public Predictor {
     if (!first) carry(dt, push, m);
     const Vec3 missed = update.pose.position - m.position;
     const Vec3 slower = update.twist.linear - m.velocity;
-    if (first || update.flags.teleported || missed.norm() > kJump) {
+    if (first || update.flags.teleported || missed.norm() > kUnforeseen) {
       m.position = update.pose.position;
       m.velocity = update.twist.linear;
       m.position_variance = kPositionVariance;

@@ -8,7 +8,7 @@ namespace tandem::consensus {
 namespace {
 
 /// ns: names come reliably and may be late by some resends.
-constexpr SessionTime kPatience = 500'000'000;
+constexpr SessionTime kNamePatience = 500'000'000;
 
 }  // namespace
 
@@ -60,7 +60,7 @@ bool NameTables::should_ask(PeerId from, bool missed, SessionTime now) {
     return false;
   }
   if (table->missing_since == 0) table->missing_since = now;
-  if (now - table->missing_since < kPatience) return false;
+  if (now - table->missing_since < kNamePatience) return false;
   table->missing_since = now;
   return true;
 }

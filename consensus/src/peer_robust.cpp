@@ -25,7 +25,7 @@ constexpr double kMoreThanOthers = 4.0;
 
 /// Part of the ramp of authority in which a newcomer is put elsewhere where others correct what it
 /// was told first, and how far (m) that has to be.
-constexpr double kLearning = 0.3;
+constexpr double kNewcomerPart = 0.3;
 constexpr double kWrongPlace = 0.03;
 
 /// Nobody sees that a body moved so far (m) in 1/60 s of itself, nor this part of its way, nor that
@@ -134,7 +134,7 @@ void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newes
   if (estimate == estimates_.end()) return;
   // A newcomer took over what it heard first, which may have been a lie.
   const bool newcomer =
-      confidence() < kLearning && leaders_.empty() && to->way.norm() > kWrongPlace;
+      confidence() < kNewcomerPart && leaders_.empty() && to->way.norm() > kWrongPlace;
   if (newcomer && shared.joined) {
     place(shared, estimate->pose, estimate->twist, now);
     return;

@@ -18,7 +18,7 @@ constexpr SessionTime kAstray = 250'000'000;
 constexpr std::size_t kAstrayCount = 8;
 constexpr SessionTime kAstrayFor = 1'000'000'000;
 /// ns: as long the shift follows at once.
-constexpr SessionTime kFirst = 1'000'000'000;
+constexpr SessionTime kAtOnce = 1'000'000'000;
 /// ns: no round trip is longer.
 constexpr SessionTime kLongestWay = 10'000'000'000;
 
@@ -120,7 +120,7 @@ void SenderClocks::close(Sender& sender, SessionTime half, SessionTime received)
   // At first the mean of all medians, then one that forgets.
   const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
   double step = std::min(part, 1.0) * missing;
-  if (difference(received, sender.began) > kFirst)
+  if (difference(received, sender.began) > kAtOnce)
     step = std::clamp(step, -kSlew * passed, kSlew * passed);
   sender.shift += std::llround(step);
 }

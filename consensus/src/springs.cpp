@@ -30,15 +30,7 @@ std::uint32_t first_id(SessionTime now) {
 Springs::Springs(pbd::World& world, const PeerOptions& options)
     : world_(world), options_(options), tethers_(world.add_block<pbd::Tethers>()) {}
 
-Springs::~Springs() {
-  const auto remove = [this](pbd::ConstraintId tether) {
-    if (tethers_.contains(tether)) tethers_.remove(tether);
-  };
-  for (const Own& own : own_) remove(own.tether);
-  for (const Remote& remote : remote_) {
-    if (remote.live) remove(remote.tether);
-  }
-}
+Springs::~Springs() { world_.remove_block(tethers_); }
 
 GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   auto place = own_.end();

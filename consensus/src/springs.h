@@ -20,7 +20,8 @@ class Springs {
   static constexpr std::size_t kMaxPerPeer = 256;
 
   Springs(pbd::World& world, const PeerOptions& options);
-  /// Nothing pulls any more; the world may get another peer.
+  /// Nothing pulls any more, and the world has the blocks again that it had before: snapshots from
+  /// then fit it, and it may get another peer.
   ~Springs();
   Springs(const Springs&) = delete;
   Springs& operator=(const Springs&) = delete;

@@ -107,7 +107,7 @@ bool attach_filter(int socket, std::uint16_t prefix) {
   // Offsets count from the UDP header; numbers are read most significant byte first. A load beyond
   // the end drops the datagram.
   constexpr std::uint32_t kType = 8;
-  constexpr std::uint32_t kMagic = 9;
+  constexpr std::uint32_t kMagicAt = 9;
   constexpr std::uint32_t kReceiverTop = 11;
   constexpr std::uint32_t kMagicRead = (kUdpMagic & 0xff) << 24 | (kUdpMagic >> 8 & 0xff) << 16 |
                                        (kUdpMagic >> 16 & 0xff) << 8 | kUdpMagic >> 24;
@@ -117,7 +117,7 @@ bool attach_filter(int socket, std::uint16_t prefix) {
       {BPF_ALU | BPF_AND | BPF_K, 0, 0, 0xf0},
       {BPF_JMP | BPF_JEQ | BPF_K, 3, 0, kProtectedType},
       {BPF_JMP | BPF_JEQ | BPF_K, 2, 0, kRelayType},
-      {BPF_LD | BPF_W | BPF_ABS, 0, 0, kMagic},
+      {BPF_LD | BPF_W | BPF_ABS, 0, 0, kMagicAt},
       {BPF_JMP | BPF_JEQ | BPF_K, 2, 3, kMagicRead},
       {BPF_LD | BPF_H | BPF_ABS, 0, 0, kReceiverTop},
       {BPF_JMP | BPF_JEQ | BPF_K, 0, 1, top},

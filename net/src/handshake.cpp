@@ -23,7 +23,7 @@ constexpr double kProofBurst = 16.0;
 constexpr double kProofTotal = 1000.0;
 
 /// Both ends hash what they believe to be doing.
-std::vector<std::uint8_t> prologue(std::uint64_t nonce) {
+std::vector<std::uint8_t> udp_prologue(std::uint64_t nonce) {
   constexpr std::string_view kLabel = "tandem udp";
   std::vector<std::uint8_t> out(kLabel.begin(), kLabel.end());
   out.push_back(static_cast<std::uint8_t>(kUdpVersion));
@@ -82,7 +82,7 @@ HandshakeInitiator::HandshakeInitiator(const HandshakeConfig& config, const cryp
       due_(now),
       interval_(kFirstResend),
       reason_("no answer") {
-  noise_.emplace(config.session_key, config.identity, prologue(nonce_), random);
+  noise_.emplace(config.session_key, config.identity, udp_prologue(nonce_), random);
   first_message_ = noise_->first_message(encode(introduce(config, local_receiver)));
 }
 
@@ -234,7 +234,7 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
     }
   }
 
-  NoiseResponder noise(config_.session_key, prologue(packet.nonce));
+  NoiseResponder noise(config_.session_key, udp_prologue(packet.nonce));
   const auto first = noise.first_message(packet.noise);
   const auto remote = first ? decode_introduction(first->payload) : std::nullopt;
   if (!remote || remote->receiver == 0) {

@@ -23,7 +23,7 @@ asio::ip::address from_bytes(const std::array<std::uint8_t, 16>& ip) {
   return v6;
 }
 
-PeerAddress address_of(const TcpLink& link) {
+PeerAddress peer_address_of(const TcpLink& link) {
   const asio::ip::address ip = plain(link.remote);
   const asio::ip::address_v6 v6 =
       ip.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, ip.to_v4()) : ip.to_v6();
@@ -198,11 +198,11 @@ void TcpMesh::introduce(TcpLink& newcomer) {
   const auto send = [](TcpLink& link, std::span<const PeerAddress> addresses) {
     link.send(FrameType::Addresses, [&](pbd::ByteWriter& writer) { encode(writer, addresses); });
   };
-  const PeerAddress own = address_of(newcomer);
+  const PeerAddress own = peer_address_of(newcomer);
   std::vector<PeerAddress> others;
   for (const auto& link : snapshot()) {
     if (link.get() == &newcomer || link->phase != TcpLink::Phase::Attached) continue;
-    if (link->hello.listen_port != 0) others.push_back(address_of(*link));
+    if (link->hello.listen_port != 0) others.push_back(peer_address_of(*link));
     if (own.port != 0) send(*link, std::span(&own, 1));
   }
   for (std::size_t at = 0; at < others.size(); at += kMaxAddresses) {

@@ -24,7 +24,7 @@ constexpr double kBurst = 32.0;
 constexpr double kTotal = 1000.0;  // per s
 
 /// Both ends hash what they believe to be doing: nothing of UDP, nor of another version, fits.
-std::vector<std::uint8_t> prologue() {
+std::vector<std::uint8_t> tcp_prologue() {
   constexpr std::string_view kLabel = "tandem tcp";
   std::vector<std::uint8_t> out(kLabel.begin(), kLabel.end());
   out.push_back(static_cast<std::uint8_t>(kKeyVersion));
@@ -54,7 +54,7 @@ class Exchange final : public KeyExchange {
  public:
   Exchange(const crypto::Secret& session_key, const crypto::KeyPair& identity,
            const crypto::Random& random)
-      : noise_(session_key, identity, prologue(), random), message_(noise_.first_message({})) {}
+      : noise_(session_key, identity, tcp_prologue(), random), message_(noise_.first_message({})) {}
 
   std::span<const std::byte> message() const override { return as_bytes(message_); }
   std::optional<LinkKeys> finish(std::span<const std::byte> answer, std::int64_t now) override {
@@ -94,7 +94,7 @@ class Security final : public TcpSecurity {
   }
 
   std::optional<LinkKeys> answer(std::span<const std::byte> question, std::int64_t now) override {
-    NoiseResponder noise(session_key_, prologue());
+    NoiseResponder noise(session_key_, tcp_prologue());
     const auto first = noise.first_message(octets(question));
     if (!first || !first->payload.empty()) return {};
     const auto second = noise.second_message(identity_, random_, {});

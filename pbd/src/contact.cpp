@@ -96,7 +96,7 @@ void finish_contact(Contact& contact, std::span<const SolverBody> bodies, Residu
 }
 
 /// Whether what the next step takes from it is made of numbers.
-bool is_sound(const Contact& contact) {
+bool contact_is_sound(const Contact& contact) {
   const Manifold& m = contact.manifold;
   bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.carried_share >= 0.0 &&
                contact.carried_share <= 1.0;
@@ -378,7 +378,7 @@ void ContactBlock::load(ByteReader& in) {
     }
     impl_->any_friction = impl_->any_friction || m.friction > 0.0;
     impl_->any_restitution = impl_->any_restitution || m.restitution > 0.0;
-    if (!is_sound(contact)) in.fail();
+    if (!contact_is_sound(contact)) in.fail();
   }
 }
 

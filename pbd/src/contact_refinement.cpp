@@ -16,7 +16,7 @@ namespace {
 /// rock otherwise. Up to a limit.
 constexpr double kSubstepsPerLoad = 4.0 / 11.0;
 constexpr double kFallShare = 0.08;
-constexpr double kMost = 32.0;
+constexpr double kMostSubsteps = 32.0;
 /// An island whose last sweep still changes this share of what gravity adds in a substep has not
 /// been solved, at the start of a tall pile for one: it gets this many times the substeps.
 constexpr double kUnsolved = 0.1;
@@ -64,7 +64,7 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
   }
   const double share = std::min(1.0, kWorthRefining / std::max(1.0, wanting));
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    wanted[i] = std::max(wanted[i], std::min(kMost, share * loads[i].wanted));
+    wanted[i] = std::max(wanted[i], std::min(kMostSubsteps, share * loads[i].wanted));
   }
 }
 

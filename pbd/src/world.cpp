@@ -30,6 +30,19 @@ class Waker final : public LinkVisitor {
   std::vector<std::uint32_t>& found_;
 };
 
+/// Collects every body that rows name.
+class BodyCollector final : public LinkVisitor {
+ public:
+  explicit BodyCollector(std::vector<std::uint32_t>& named) : named_(named) {}
+  void link(std::uint32_t a, std::uint32_t b) override {
+    if (a != BodyId::kNone) named_.push_back(a);
+    if (b != BodyId::kNone) named_.push_back(b);
+  }
+
+ private:
+  std::vector<std::uint32_t>& named_;
+};
+
 }  // namespace
 
 World::World(const WorldDef& def) { set_gravity(def.gravity); }
@@ -286,6 +299,30 @@ void World::insert_block(std::unique_ptr<ConstraintBlock> block) {
                                         return order < other->order();
                                       });
   blocks_.insert(after, std::move(block));
+}
+
+void World::remove_block(const ConstraintBlock& block) {
+  const auto refuse = [](const std::string& value, const char* rule) {
+    throw std::invalid_argument("World::remove_block: block = " + value +
+                                " breaks the rule: " + rule);
+  };
+  const auto at = std::find_if(
+      blocks_.begin(), blocks_.end(),
+      [&](const std::unique_ptr<ConstraintBlock>& own) { return own.get() == &block; });
+  // It may have been removed before: nothing of it is read.
+  if (at == blocks_.end()) refuse("unknown", "one of the world's blocks()");
+  if (&block == contacts_) refuse("that of contacts", "one that add_block() made");
+  std::vector<std::uint32_t> named;
+  BodyCollector collector(named);
+  block.links(collector);
+  // Rows that were removed since the last step have nobody else to tell of it.
+  (*at)->take_changed(named);
+  blocks_.erase(at);
+  for (const std::uint32_t body : named) {
+    if (body >= activity_.size()) continue;  // a snapshot's list of changes may name any number
+    activity_[body].awake = true;
+    activity_[body].still = 0.0;
+  }
 }
 
 void World::set_contact_source(ContactSource* source) {

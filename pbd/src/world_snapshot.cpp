@@ -88,7 +88,7 @@ void load_state(ByteReader& in, BodyState& state) {
 }
 
 /// Whether a body can be like this; what is written of an empty slot passes as well.
-bool is_sound(const BodyProps& props, const BodyActivity& activity, const BodyState& state) {
+bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const BodyState& state) {
   const bool dynamic = props.type == BodyType::Dynamic;
   if (props.type > BodyType::Dynamic || activity.level > Groups::kMaxLevel ||
       !(activity.still >= 0.0) || dynamic != (props.inverse_mass > 0.0) ||
@@ -215,7 +215,7 @@ bool World::read(ByteReader& in) {
     load_props(in, props_[i]);
     load_activity(in, activity_[i]);
     load_state(in, states_[i]);
-    if (!is_sound(props_[i], activity_[i], states_[i])) return false;
+    if (!body_is_sound(props_[i], activity_[i], states_[i])) return false;
     if (!props_[i].stable_id) continue;
     if (alive_[i] == 0 || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
   }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "fixture.h"
+#include "tandem/collision/compound.h"
 
 namespace shape_test {
 
@@ -100,6 +101,67 @@ TEST_CASE("shape: what has no volume has no mass", "[collision][fault]") {
   for (auto& t : turned) std::swap(t[0], t[1]);
   CHECK_THROWS_WITH(mass_properties(TriangleMesh::make(box->vertices(), turned), 1.0),
                     Contains("-8"));
+}
+
+TEST_CASE("shape: a density that gives no finite mass or inertia is refused",
+          "[collision][fault]") {
+  const Vec3 half = Vec3::Constant(0.9);
+  std::vector<Vec3> corners;
+  for (const double x : {-0.9, 0.9}) {
+    for (const double y : {-0.9, 0.9}) {
+      for (const double z : {-0.9, 0.9}) corners.emplace_back(x, y, z);
+    }
+  }
+  const Hull hull = ConvexHull::make(corners);
+  for (const Shape& shape :
+       {Shape(Sphere{0.9}), Shape(Box{half}), Shape(Capsule{0.9, 0.9}), Shape(Cylinder{0.9, 0.9}),
+        Shape(Cone{0.9, 0.9}), Shape(hull), Shape(box_mesh(half))}) {
+    CAPTURE(shape.index());
+    // The same shape of a density that is merely large weighs what it must: mass is linear in it.
+    const MassProperties light = mass_properties(shape, 1.0);
+    const MassProperties heavy = mass_properties(shape, 1e300);
+    CHECK(heavy.mass / 1e300 == Approx(light.mass));
+    CHECK(close(heavy.inertia_l / 1e300, light.inertia_l, 1e-12));
+    CHECK_THROWS_WITH(mass_properties(shape, 1e308),
+                      Contains("mass_properties: density") && Contains("1e+308") &&
+                          Contains("mass and inertia of the shape are finite"));
+  }
+  // At 8e303 kg the mass is a number, and the inertia of 5e313 kg m^2 is none.
+  const Box large{Vec3::Constant(1e5)};
+  CHECK(mass_properties(large, 1e278).inertia_l(0, 0) == Approx(16.0 / 3.0 * 1e303));
+  CHECK_THROWS_WITH(mass_properties(large, 1e288),
+                    Contains("mass_properties: density") && Contains("1e+288"));
+}
+
+TEST_CASE("compound: parts whose sum is not finite are refused", "[collision][fault]") {
+  const auto boxes = [](std::size_t count, double density, double apart) {
+    std::vector<CompoundPart> parts;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = apart * (static_cast<double>(i) - 0.5 * static_cast<double>(count - 1));
+      parts.push_back({Box{Vec3::Constant(0.5)}, at(x, 0, 0), density});
+    }
+    return parts;
+  };
+  // A cubic metre each: eight of 2e307 kg stay below the largest number, 1.8e308, ten do not.
+  CHECK(mass_properties(boxes(8, 2e307, 1e-3)).mass == Approx(1.6e308));
+  CHECK_THROWS_WITH(
+      mass_properties(boxes(10, 2e307, 1e-3)),
+      Contains("mass_properties: mass of all parts") && Contains("inf") && Contains("finite"));
+  CHECK_THROWS_WITH(
+      mass_properties(boxes(2, 1e300, 1e5)),
+      Contains("mass_properties: inertia of all parts") && Contains("inf") && Contains("finite"));
+  std::vector<CompoundPart> far = boxes(1, 1e300, 0.0);
+  far[0].local.position.x() = 1e10;
+  CHECK_THROWS_WITH(mass_properties(far), Contains("centre of mass of all parts") &&
+                                              Contains("inf") && Contains("finite"));
+  // Nothing at all has no centre.
+  std::vector<CompoundPart> dust{{Box{Vec3::Constant(1e-3)}, {}, 1e-320}};
+  CHECK_THROWS_WITH(mass_properties(dust), Contains("mass of all parts = 0") && Contains("> 0"));
+  // A part that is none by itself is named.
+  std::vector<CompoundPart> parts = boxes(2, 1.0, 1.0);
+  parts[1].density = 1e308;
+  CHECK_THROWS_WITH(mass_properties(parts),
+                    Contains("parts[1]") && Contains("density") && Contains("1e+308"));
 }
 
 TEST_CASE("triangle_mesh: input that is no surface is refused by name", "[collision][fault]") {

@@ -113,4 +113,40 @@ TEST_CASE("sleep: a body that drifts towards a wall gets there", "[pbd][sleep][a
   CHECK(world.pose(ball).position.z() == Approx(0.5).margin(1e-4));
 }
 
+TEST_CASE("sleep: bodies that a block held wake and fall when it is removed",
+          "[pbd][sleep][analytic]") {
+  // Its rows name the body, or did so since the last step.
+  const bool emptied = GENERATE(false, true);
+  CAPTURE(emptied);
+  World world;
+  auto& rods = world.add_block<DistanceJoints>();
+  auto& balls = world.add_block<JointBlock>();
+  const auto hang = [&](double x) {
+    return world.add_body(box_def(1.0, kHalf, Vec3(x, 0.0, 0.0)));
+  };
+  const BodyId held = hang(0.0);
+  const BodyId joined = hang(1.0);
+  const BodyId apart = hang(5.0);
+  const JointId joint = balls.add(world, fixed_joint_at(world, {}, held, Vec3::Zero()));
+  rods.add(world, {.a = held, .b = joined, .rest_length = 1.0});
+  auto& more = world.add_block<JointBlock>();
+  more.add(world, fixed_joint_at(world, {}, joined, Vec3(1.0, 0.0, 0.0)));
+  more.add(world, fixed_joint_at(world, {}, apart, Vec3(5.0, 0.0, 0.0)));
+  Solver solver;
+  run(world, solver, 3.0);
+  for (const BodyId id : {held, joined, apart}) REQUIRE_FALSE(world.awake(id));
+  const Vec3 start = world.pose(held).position;
+
+  if (emptied) balls.remove(joint);
+  world.remove_block(balls);
+  CHECK(world.awake(held));
+  CHECK_FALSE(world.awake(apart));
+  solver.step(world, kFrame);
+  CHECK(world.awake(joined));  // what the others join to it wakes with it
+  CHECK_FALSE(world.awake(apart));
+  run(world, solver, 0.2);
+  CHECK(world.pose(held).position.z() < start.z() - 0.1);
+  CHECK(world.pose(apart).position.z() == Approx(0.0).margin(1e-5));
+}
+
 }  // namespace sleep_test

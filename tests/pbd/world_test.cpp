@@ -230,6 +230,77 @@ TEST_CASE("world: blocks are kept in the order in which they are solved", "[pbd]
   CHECK(order == std::vector<std::string>{"tether", "distance_joint", "joint", "contact"});
 }
 
+TEST_CASE("world: a removed block is solved no more, the others keep their order and rows",
+          "[pbd][unit][analytic]") {
+  World world;
+  auto& rods = world.add_block<DistanceJoints>();
+  auto& balls = world.add_block<JointBlock>();
+  auto& first = world.add_block<Tethers>();
+  auto& removed = world.add_block<Tethers>();
+  auto& last = world.add_block<Tethers>();
+  const BodyId body = world.add_body({});
+  const BodyId other = world.add_body({.pose = {Vec3(5.0, 0.0, 0.0), Quat::Identity()}});
+  removed.add(world, {.body = body, .stiffness = 1e4, .damping = 100.0});
+  const ConstraintId kept = balls.add(world, ball_joint_at(world, {}, other, Vec3(5.0, 0.0, 0.0)));
+  Solver solver;
+  run(world, solver, 0.5);
+  CHECK(world.pose(body).position.z() == Approx(0.0).margin(1e-2));
+  const double z = world.pose(body).position.z();
+  const double v = world.twist(body).linear.z();
+
+  world.remove_block(removed);
+  const std::vector<const ConstraintBlock*> expected{&rods, &first, &last, &balls};
+  std::vector<const ConstraintBlock*> order;
+  for (const auto& block : world.blocks()) order.push_back(block.get());
+  CHECK(order == expected);
+  CHECK(balls.contains(kept));
+  run(world, solver, 0.5);
+  // Velocities are taken first and poses with the new ones: h = 1/240 s of the substeps shows.
+  const double t = 0.5;
+  const double fall = v * t - 0.5 * kGravity * t * (t + kFrame / 4.0);
+  CHECK(world.pose(body).position.z() == Approx(z + fall).epsilon(1e-9));
+  CHECK(world.pose(other).position.z() == Approx(0.0).margin(1e-6));
+  // A block may come again, at its place behind those of the same order.
+  const auto& again = world.add_block<Tethers>();
+  REQUIRE(world.blocks().size() == 5);
+  CHECK(world.blocks()[3].get() == &again);
+}
+
+TEST_CASE("world: a block that is not the world's to give away is refused", "[pbd][fault]") {
+  World world;
+  World other;
+  ToyContacts contacts;
+  world.set_contact_source(&contacts);
+  auto& mine = world.add_block<Tethers>();
+  const auto& foreign = other.add_block<Tethers>();
+  const auto before = world.snapshot();
+  CHECK(names(refusal([&] { world.remove_block(foreign); }), "World::remove_block: block",
+              "unknown", "one of the world's blocks()"));
+  CHECK(names(refusal([&] { world.remove_block(*world.contacts()); }), "World::remove_block: block",
+              "that of contacts", "one that add_block() made"));
+  CHECK(world.snapshot() == before);
+  CHECK(other.blocks().size() == 1);
+  world.remove_block(mine);
+  // Its memory is free: nothing of it may be read.
+  CHECK(names(refusal([&] { world.remove_block(mine); }), "World::remove_block: block", "unknown",
+              "one of the world's blocks()"));
+}
+
+TEST_CASE("world: with a block go the snapshots that have it, without it fit those from before",
+          "[pbd][unit]") {
+  World world;
+  const BodyId body = world.add_body({});
+  const auto before = world.snapshot();
+  auto& tethers = world.add_block<Tethers>();
+  tethers.add(world, {.body = body});
+  const auto with = world.snapshot();
+  CHECK(names(refusal([&] { world.restore(before); }), "World::restore", "bytes", "same blocks"));
+  world.remove_block(tethers);
+  world.restore(before);
+  CHECK(world.snapshot() == before);
+  CHECK(names(refusal([&] { world.restore(with); }), "World::restore", "bytes", "same blocks"));
+}
+
 TEST_CASE("world: kinetic and mechanical energy are those of the textbook",
           "[pbd][unit][analytic]") {
   World world;

@@ -18,7 +18,8 @@ struct TANDEM_API CompoundPart {
 };
 
 /// Of all parts together, in the compound's frame; where parts overlap they count twice.
-/// @throws std::invalid_argument  as for a single shape, naming the part; or where there is none
+/// @throws std::invalid_argument  as for a single shape, naming the part; where there is none; or
+///   where mass, centre or inertia of all parts together is not finite
 TANDEM_API MassProperties mass_properties(std::span<const CompoundPart> parts);
 
 /// Add the parts to a body as colliders that have everything but shape and place in common.

@@ -68,9 +68,9 @@ struct TANDEM_API MassProperties {
 };
 
 /// @param density  kg/m^3, > 0
-/// @throws std::invalid_argument  where the shape does not validate, the density is not positive,
-///   or the shape has no finite volume (half-space, height field, mesh with a border or turned
-///   inside out)
+/// @throws std::invalid_argument  where the shape does not validate, the density is not positive or
+///   gives no finite mass and inertia, or the shape has no finite volume (half-space, height field,
+///   mesh with a border or turned inside out)
 TANDEM_API MassProperties mass_properties(const Shape& shape, double density);
 
 }  // namespace tandem::collision

@@ -87,7 +87,7 @@ class TANDEM_API World {
   std::span<const BodyProps> all_props() const { return props_; }
 
   /// Add a block of constraints: `auto& joints = world.add_block<JointBlock>();`. References stay
-  /// valid as long as the world lives (moves included).
+  /// valid until the block is removed or the world dies (moves keep them).
   template <class Block, class... Args>
   Block& add_block(Args&&... args) {
     auto block = std::make_unique<Block>(std::forward<Args>(args)...);
@@ -95,6 +95,11 @@ class TANDEM_API World {
     insert_block(std::move(block));
     return reference;
   }
+  /// Removes a block with all its rows and wakes the bodies that they named; the others keep their
+  /// order. The reference is dead after that. Not during a step.
+  /// @throws std::invalid_argument where it is none of blocks(), or is the one of contacts(), which
+  ///   stays as long as the world
+  void remove_block(const ConstraintBlock& block);
   /// In the order in which they are solved.
   std::span<const std::unique_ptr<ConstraintBlock>> blocks() const { return blocks_; }
 

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The solver's threads: who does what changes no bit, and under the thread sanitizer no two of them
+// touch the same thing. Data that they share here is plain on purpose.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/catch.h"
+#include "support/targets.h"
+#include "support/toy_contacts.h"
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/joint.h"
+#include "tandem/pbd/solver.h"
+#include "tandem/pbd/workers.h"
+
+namespace threads_test {
+
+using namespace tandem::pbd;
+using namespace tandem::testing;
+
+namespace {
+
+const Vec3 kHalf = Vec3::Constant(0.1);  ///< m
+
+/// Columns of two boxes in a field, wider than what the solver gives to one worker: 256 bodies, 64
+/// rows, and levels of 16 rows. Every other column lies there and falls asleep, the others are
+/// dropped sliding.
+struct Columns {
+  static constexpr int kCount = 360;
+  World world;
+  ToyContacts contacts;
+  FixedTargets agreed;
+  std::vector<BodyId> lower;
+  std::vector<BodyId> upper;
+  Solver solver;
+
+  explicit Columns(int threads)
+      : solver({.substeps = 2, .refine = false, .sleep_after = 0.05, .threads = threads}) {
+    const BodyId ground = add_ground(world);
+    auto& joints = world.add_block<JointBlock>();
+    for (int i = 0; i < kCount; ++i) {
+      const bool lies = i % 2 == 0;
+      const Vec3 foot(1.0 * (i % 20), 1.0 * (i / 20), lies ? 0.1 : 0.1 + 0.0005 * i);
+      BodyDef def = box_def(1.0, kHalf, foot);
+      if (!lies) def.twist = {Vec3(0.2, 0.001 * i, 0.0), Vec3(0.0, 0.0, 0.5)};
+      lower.push_back(world.add_body(def));
+      def.pose.position.z() += 0.2;
+      upper.push_back(world.add_body(def));
+      contacts.box_on_plane(ground, Vec3::UnitZ(), 0.0, lower.back(), kHalf, {});
+      contacts.box_on_box(lower.back(), kHalf, upper.back(), kHalf, {});
+    }
+    for (const std::size_t i : {1u, 3u}) {
+      joints.add(world, ball_joint_at(world, upper[i], upper[i + 2],
+                                      world.pose(upper[i]).position + Vec3(1.0, 0.0, 0.0)));
+      agreed.targets.push_back({.body = lower[i + 4],
+                                .pose = {world.pose(lower[i + 4]).position, Quat::Identity()},
+                                .share = 0.05});
+    }
+    world.set_contact_source(&contacts);
+    world.set_target_source(&agreed);
+  }
+
+  /// The columns that sleep are hit, one in five.
+  void kick() {
+    for (std::size_t i = 0; i < upper.size(); i += 10) {
+      world.apply_impulse(upper[i], Vec3(0.5, 0.0, 0.0), world.pose(upper[i]).position);
+    }
+  }
+  int asleep() const {
+    int count = 0;
+    for (std::uint32_t i = 0; i < world.slot_count(); ++i) count += world.awake_at(i) ? 0 : 1;
+    return count;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("threads: every worker is called once, every index given out once", "[pbd][unit]") {
+  for (const int count : {1, 2, 3}) {
+    Workers workers(count);
+    CHECK(workers.count() == count);
+    std::array<int, 3> calls{};
+    workers.run([&](int worker) { ++calls[static_cast<std::size_t>(worker)]; });
+    for (int i = 0; i < 3; ++i) CHECK(calls[static_cast<std::size_t>(i)] == (i < count ? 1 : 0));
+    for (const std::size_t size : {0u, 1u, 7u, 8u, 1000u}) {
+      std::vector<int> taken(size, 0);
+      std::vector<int> fits(size, 0);
+      workers.for_chunks(size, 7, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+          ++taken[i];
+          fits[i] = count == 1 || end - begin <= 7 ? 1 : 0;
+        }
+      });
+      CAPTURE(count, size);
+      CHECK(taken == std::vector<int>(size, 1));
+      CHECK(fits == std::vector<int>(size, 1));
+    }
+  }
+  CHECK(names(refusal([] { Workers none(0); }), "Workers: count", "0", "1 to 64"));
+  CHECK(names(refusal([] { Workers many(65); }), "Workers: count", "65", "1 to 64"));
+}
+
+TEST_CASE("threads: what was done before a meeting is seen after it", "[pbd][unit]") {
+  constexpr std::size_t kCells = 96;
+  constexpr std::size_t kRounds = 50;
+  Workers workers(3);
+  // Each round every cell takes over its right neighbour's number, which another worker wrote: a
+  // ring that turns by one cell a round.
+  std::array<std::vector<std::size_t>, 2> ring;
+  for (std::size_t i = 0; i < kCells; ++i) ring[0].push_back(i);
+  ring[1].resize(kCells);
+  workers.run([&](int worker) {
+    for (std::size_t round = 0; round < kRounds; ++round) {
+      const auto& from = ring[round % 2];
+      auto& to = ring[(round + 1) % 2];
+      for (auto i = static_cast<std::size_t>(worker); i < kCells; i += 3) {
+        to[i] = from[(i + 1) % kCells];
+      }
+      workers.meet();
+    }
+  });
+  for (std::size_t i = 0; i < kCells; ++i) CHECK(ring[0][i] == (i + kRounds) % kCells);
+}
+
+TEST_CASE("threads: a field of columns has the same bits on one, two and three threads",
+          "[pbd][sleep][unit]") {
+  constexpr int kSteps = 12;
+  constexpr int kKick = 8;
+  std::vector<std::vector<std::byte>> expected;
+  for (const int threads : {1, 2, 3}) {
+    Columns scene(threads);
+    int most_asleep = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const int before = scene.asleep();
+      if (i == kKick) scene.kick();
+      const StepReport& report = scene.solver.step(scene.world, kFrame);
+      REQUIRE(report.status == StepStatus::Ok);
+      if (i == 0) {
+        // More than all groups can have without one being shared out.
+        CHECK(report.awake == 2 * Columns::kCount);
+        CHECK(report.awake > 256 * report.groups);
+        CHECK(scene.world.contacts()->contacts().size() >= Columns::kCount);
+      }
+      if (i == kKick) CHECK(scene.asleep() < before);
+      most_asleep = std::max(most_asleep, scene.asleep());
+      // All that the next step depends on, forces included.
+      const auto bytes = scene.world.snapshot();
+      if (threads == 1) {
+        expected.push_back(bytes);
+      } else if (bytes != expected[static_cast<std::size_t>(i)]) {
+        FAIL(threads << " threads part from one in step " << i);
+      }
+    }
+    CHECK(most_asleep >= Columns::kCount / 2);
+    CHECK(most_asleep < 2 * Columns::kCount);
+  }
+}
+
+}  // namespace threads_test
