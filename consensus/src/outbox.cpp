@@ -41,6 +41,7 @@ constexpr double kTellAgain = 1.0;
 
 /// Of what the transport says the link bears: it has other things to carry, too.
 constexpr double kOfBorne = 0.9;
+constexpr double kBytesPerKbit = 125.0;
 /// s of the budget that may be saved up: more would only wait on the line.
 constexpr double kBurst = 0.04;
 /// At small budgets more is saved up: so many headers.
@@ -143,7 +144,8 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
 
 bool Outbox::has_room(const Link& link, double anchors, SessionTime now) const {
   if (link.kbit_per_s == 0.0) return true;
-  if (link.anchor_room < anchors) return false;
+  // What is longer than can be saved up goes on credit.
+  if (link.anchor_room < std::min(anchors, most_saved(link))) return false;
   return link.room >= kWorthwhile * options_.packet_overhead ||
          kNs * static_cast<double>(now - link.anchored) >= kAnchorsWait;
 }
@@ -168,11 +170,21 @@ double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTi
   return along;
 }
 
+double Outbox::most_saved(const Link& link) const {
+  return std::max(
+      {kBurst * kBytesPerKbit * link.kbit_per_s, kSaved * options_.packet_overhead, 300.0});
+}
+
 void Outbox::refill(Link& link, SessionTime now) const {
   const double dt = std::max(0.0, kNs * static_cast<double>(now - link.last));
   link.last = now;
-  const double rate = 125.0 * link.kbit_per_s;  // bytes per second
-  const double most = std::max({kBurst * rate, kSaved * options_.packet_overhead, 300.0});
+  if (link.kbit_per_s == 0.0) {
+    // Nothing is saved without a budget, and nothing owed where there is one later.
+    link.room = link.anchor_room = 0.0;
+    return;
+  }
+  const double rate = kBytesPerKbit * link.kbit_per_s;
+  const double most = most_saved(link);
   link.room = std::min(link.room + dt * rate, most);
   link.anchor_room = std::min(link.anchor_room + kAnchorPart * dt * rate, most);
 }

@@ -86,7 +86,7 @@ class Outbox {
     PeerId to = 0;
     bool up = false;
     double kbit_per_s = 0.0;    ///< budget; 0 = none
-    double room = 0.0;          ///< bytes that may be sent now
+    double room = 0.0;          ///< bytes that may be sent now; below 0 they are owed
     double anchor_room = 0.0;   ///< of these, for anchors
     SessionTime last = 0;       ///< ns, of the last send()
     SessionTime posted = 0;     ///< ns, when something was last sent
@@ -103,6 +103,8 @@ class Outbox {
   };
 
   Link& link_to(PeerId peer, PeerStats& stats);
+  /// bytes
+  double most_saved(const Link& link) const;
   void refill(Link& link, SessionTime now) const;
   /// Whether anchors of so many bytes may go now.
   bool has_room(const Link& link, double anchors, SessionTime now) const;

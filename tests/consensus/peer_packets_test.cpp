@@ -65,21 +65,27 @@ Outcome fly(std::size_t max_state_bytes, const PeerOptions& options = {}) {
 /// Another transport whose packets, reliable ones too, must be short.
 class NarrowTransport final : public Transport {
  public:
-  explicit NarrowTransport(Transport& below) : below_(below) {}
+  NarrowTransport(Transport& below, std::size_t most) : below_(below), most_(most) {}
   std::size_t longest = 0;  ///< bytes, of what was offered
+  double kbit_per_s = 0.0;  ///< that it says it bears; 0: says nothing
 
   PeerId self() const override { return below_.self(); }
   bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) override {
     longest = std::max(longest, bytes.size());
-    return bytes.size() <= kSmall && below_.post(to, bytes, delivery);
+    return bytes.size() <= most_ && below_.post(to, bytes, delivery);
   }
-  std::size_t max_packet_bytes(Delivery) const override { return kSmall; }
+  std::size_t max_packet_bytes(Delivery) const override { return most_; }
   void drain(std::vector<Packet>& out) override { below_.drain(out); }
   void drop(PeerId peer, const std::string& reason) override { below_.drop(peer, reason); }
-  std::vector<PeerStatus> peers() const override { return below_.peers(); }
+  std::vector<PeerStatus> peers() const override {
+    std::vector<PeerStatus> out = below_.peers();
+    for (PeerStatus& status : out) status.kbit_per_s = kbit_per_s;
+    return out;
+  }
 
  private:
   Transport& below_;
+  std::size_t most_;
 };
 
 constexpr double kHandSpeed = 0.3;  // m/s
@@ -94,15 +100,24 @@ struct Crowd {
   std::size_t longest = 0;  ///< bytes, of packets that were offered
 };
 
-/// Peer 1 of two holds the first `hands` of `bodies` bodies, and its hands move.
-Crowd gather(int bodies, int hands, double kbit_per_s) {
+struct Setting {
+  int bodies = 0;
+  int hands = 0;
+  double kbit_per_s = 0.0;        ///< budget; 0: none
+  double known_kbit_per_s = 0.0;  ///< what the transport says after 3 s; 0: nothing
+  std::size_t packet = kSmall;    ///< bytes, the longest
+};
+
+/// Peer 1 of two holds the first of the bodies, and its hands move.
+Crowd gather(const Setting& setting) {
+  const auto [bodies, hands, kbit_per_s, known_kbit_per_s, packet] = setting;
   PeerOptions options;
   options.sending.format = StateFormat::Compact;
   options.sending.kbit_per_s = kbit_per_s;
   std::vector<std::unique_ptr<NarrowTransport>> narrow;  // outlive the peers
   Session session({.latency = 0.02});
   for (const PeerId id : {PeerId{1}, PeerId{2}}) {
-    narrow.push_back(std::make_unique<NarrowTransport>(session.network.transport(id)));
+    narrow.push_back(std::make_unique<NarrowTransport>(session.network.transport(id), packet));
     auto& site =
         session.sites.emplace_back(std::make_unique<Site>(*narrow.back(), options, kWeightless));
     site->first = kStart + ns(id == 1 ? 0.0 : 0.005);
@@ -122,6 +137,10 @@ Crowd gather(int bodies, int hands, double kbit_per_s) {
     }
   };
   session.run(0.5);
+  if (known_kbit_per_s > 0.0) {
+    session.run(2.5);
+    for (const auto& transport : narrow) transport->kbit_per_s = known_kbit_per_s;
+  }
   Crowd crowd{.held = hands};
   std::vector<tandem::pbd::Tether::Def> springs;
   session.after = [&](Site& site) {
@@ -161,7 +180,7 @@ TEST_CASE("peer: packets are cut to what the transport takes, and say the same",
 
 TEST_CASE("peer: names and hands get through where reliable packets are short, too",
           "[consensus]") {
-  const Crowd crowd = gather(70, 30, 0.0);
+  const Crowd crowd = gather({.bodies = 70, .hands = 30});
   CHECK(crowd.longest <= kSmall);
   CHECK(crowd.longest > kSmall - 30);  // and are full
   CHECK(crowd.heard == 70);
@@ -170,10 +189,28 @@ TEST_CASE("peer: names and hands get through where reliable packets are short, t
 }
 
 TEST_CASE("peer: hands take turns where the budget has no room for all", "[consensus]") {
-  const Crowd crowd = gather(60, 60, 300.0);
+  const Crowd crowd = gather({.bodies = 60, .hands = 60, .kbit_per_s = 300.0});
   CHECK(crowd.longest <= kSmall);
   CHECK(crowd.held == 60);
   CHECK(crowd.worst_lag < 0.002);
+}
+
+TEST_CASE("peer: more hands in one message than a budget saves up for go on credit",
+          "[consensus]") {
+  const Crowd crowd = gather({.bodies = 45, .hands = 45, .kbit_per_s = 100.0, .packet = 1154});
+  CHECK(crowd.longest > 900);
+  CHECK(crowd.held == 45);
+  // A quarter of the budget has room for three such messages a second.
+  CHECK(crowd.worst_lag < kHandSpeed * 0.4);
+}
+
+TEST_CASE("peer: what went while there was no budget is not owed once there is one",
+          "[consensus]") {
+  const Crowd crowd =
+      gather({.bodies = 30, .hands = 30, .known_kbit_per_s = 300.0, .packet = 1154});
+  CHECK(crowd.held == 30);
+  CHECK(crowd.worst_lag < 0.002);
+  CHECK(crowd.heard == 30);
 }
 
 TEST_CASE("virtual link: states above the limit are refused, reliable packets are not",
