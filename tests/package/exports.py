@@ -77,9 +77,10 @@ def of_users(build):
     build = pathlib.Path(build)
     objects = []
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        made = pathlib.Path(entry["directory"]) / entry["output"]
+        output = re.search(r" -o (\S+)", entry["command"]).group(1)
+        made = pathlib.Path(entry["directory"]) / output
         # Libraries' folders are named as their targets are; only what has been built is looked at.
-        library = re.search(r"(?:^|/)(\w+)/CMakeFiles/tandem_\1\.dir/", entry["output"])
+        library = re.search(r"(?:^|/)(\w+)/CMakeFiles/tandem_\1\.dir/", output)
         if not library and made.exists():
             objects.append(str(made))
     if not objects:
