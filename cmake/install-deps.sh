@@ -28,7 +28,7 @@ for argument in "$@"; do
   case "$argument" in
     --with-view) with_view ;;
     --with-checks)
-      packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git)
+      packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git iproute2)
       with_view
       command -v chromium >/dev/null || packages+=(chromium)
       ;;

@@ -32,6 +32,7 @@ trap cleanup EXIT
 
 ip netns add "$a" 2>"$folder/why" || skip "no network namespaces here: $(cat "$folder/why")"
 ip netns add "$b"
+ip netns exec "$a" true 2>"$folder/why" || skip "no command runs in one here: $(cat "$folder/why")"
 ip link add name veth0 netns "$a" type veth peer name veth0 netns "$b" 2>"$folder/why" ||
   skip "no veth pairs here: $(cat "$folder/why")"
 ip -n "$a" addr add 10.77.0.1/24 dev veth0
