@@ -255,24 +255,4 @@ TEST_CASE("engine: a locked body is not thrown by what it cannot follow", "[coll
 }
 
 }  // namespace
-TEST_CASE("engine: a heap has the same bits on one, two and three threads", "[collision][unit]") {
-  std::vector<std::uint64_t> hashes;
-  for (const int threads : {1, 2, 3}) {
-    Fixture f;
-    ground(f, 0.5, 0.0);
-    Random random(5);
-    for (int i = 0; i < 150; ++i) {
-      const Vec3 p(0.24 * (i % 5), 0.24 * (i / 5 % 5), 0.2 + 0.24 * (i / 25));
-      const BodyId box = f.world.add_body({.pose = {p, random.quat()}});
-      f.scene.add(f.world, {.body = box, .shape = Box{Vec3::Constant(0.1)}});
-    }
-    f.world.set_contact_source(&f.scene);
-    pbd::Solver solver({.threads = threads});
-    for (int step = 0; step < 90; ++step) (void)solver.step(f.world, kDt);
-    hashes.push_back(f.world.hash());
-  }
-  CHECK(hashes[1] == hashes[0]);
-  CHECK(hashes[2] == hashes[0]);
-}
-
 }  // namespace tandem::collision::testing::engine_test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Fast, small, large and far away; and many workers.
+// Fast, small, large and far away.
 #include <algorithm>
 
 #include "allocation_count.h"
@@ -14,27 +14,8 @@ namespace extreme_test {
 using namespace tandem::collision;
 using namespace tandem::collision::testing;
 using tandem::pbd::Solver;
-using tandem::pbd::Workers;
 
 namespace {
-
-Hull cube_hull(double half) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < 8; ++i) {
-    points.emplace_back((i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half,
-                        (i & 4) != 0 ? half : -half);
-  }
-  return ConvexHull::make(points);
-}
-
-std::vector<Shape> convex_shapes(double scale) {
-  return {Sphere{0.5 * scale},
-          Capsule{0.3 * scale, 0.4 * scale},
-          Box{scale * Vec3(0.4, 0.5, 0.3)},
-          Cylinder{0.4 * scale, 0.5 * scale},
-          Cone{0.5 * scale, 0.6 * scale},
-          cube_hull(0.4 * scale)};
-}
 
 /// A wall at x = 0 that faces -x, bumpy where asked.
 Mesh wall_mesh(double depth) {
@@ -238,40 +219,6 @@ TEST_CASE("extreme: a millimetre and a hundred metres rest in one scene", "[coll
     INFO("body " << i);
     CHECK((f.world.pose(ids[i]).position - before[i]).norm() < (i == 0 ? 1e-3 : 1e-4));
   }
-}
-
-TEST_CASE("extreme: contacts are the same bits for any number of workers", "[collision][golden]") {
-  std::vector<std::vector<std::byte>> found;
-  for (const int count : {1, 2, 3}) {
-    Fixture f;
-    Workers workers(count);
-    f.fixed(flat_mesh(20.0, 19));
-    Random random(8);
-    const std::vector<Shape> shapes = convex_shapes(0.5);
-    std::vector<BodyId> ids;
-    for (int i = 0; i < 240; ++i) {
-      const Vec3 p = random.vec(1.4) + Vec3(0, 0, 1.3);
-      ids.push_back(f.add(shapes[static_cast<std::size_t>(i) % shapes.size()], {p, random.quat()}));
-    }
-    std::vector<std::byte> all;
-    for (int step = 0; step < 25; ++step) {
-      f.manifolds.clear();
-      f.scene.collect(f.world, kDt, workers, f.manifolds);
-      const auto bytes = bytes_of(f.manifolds);
-      all.insert(all.end(), bytes.begin(), bytes.end());
-      for (const BodyId id : ids) {  // some far, some hardly, some not at all
-        if (id.index % 3 == 0) continue;
-        Pose pose = f.world.pose(id);
-        pose.position += (id.index % 3 == 1 ? 1e-3 : 3e-2) * random.vec(1.0);
-        pose.orientation = (tandem::pbd::exp_map(random.vec(0.02)) * pose.orientation).normalized();
-        f.world.set_pose(id, pose);
-      }
-    }
-    CHECK(f.manifolds.size() > 500);
-    found.push_back(all);
-  }
-  CHECK(found[0] == found[1]);
-  CHECK(found[0] == found[2]);
 }
 
 TEST_CASE("extreme: contacts that are asked for again allocate nothing", "[collision][unit]") {

@@ -10,6 +10,25 @@
 
 namespace tandem::collision::testing {
 
+inline Hull cube_hull(double half) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 8; ++i) {
+    points.emplace_back((i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half,
+                        (i & 4) != 0 ? half : -half);
+  }
+  return ConvexHull::make(points);
+}
+
+/// One of each kind, about `scale` large. m
+inline std::vector<Shape> convex_shapes(double scale) {
+  return {Sphere{0.5 * scale},
+          Capsule{0.3 * scale, 0.4 * scale},
+          Box{scale * Vec3(0.4, 0.5, 0.3)},
+          Cylinder{0.4 * scale, 0.5 * scale},
+          Cone{0.5 * scale, 0.6 * scale},
+          cube_hull(0.4 * scale)};
+}
+
 /// Every bit of the manifolds.
 inline std::vector<std::byte> bytes_of(const std::vector<Manifold>& manifolds) {
   std::vector<std::byte> bytes;
