@@ -23,6 +23,19 @@ asio::ip::address from_bytes(const std::array<std::uint8_t, 16>& ip) {
   return v6;
 }
 
+/// Who dials a port of his own machine where nobody listens may be given that very port to dial
+/// from, and TCP then joins the socket to itself. Such a socket is told to leave nothing behind, so
+/// that somebody may come to listen there.
+bool is_joined_to_itself(asio::ip::tcp::socket& socket) {
+  std::error_code error;
+  const auto here = socket.local_endpoint(error);
+  if (error) return false;
+  const auto there = socket.remote_endpoint(error);
+  if (error || here != there) return false;
+  socket.set_option(asio::socket_base::linger(true, 0), error);
+  return true;
+}
+
 PeerAddress peer_address_of(const TcpLink& link) {
   const asio::ip::address ip = plain(link.remote);
   const asio::ip::address_v6 v6 =
@@ -124,6 +137,9 @@ void TcpMesh::connect(Dial& dial, const std::vector<Endpoint>& endpoints) {
                       [this, link](const std::error_code& error, const Endpoint&) {
                         if (link->phase == TcpLink::Phase::Closed) return;
                         if (error) return link->close("cannot connect: " + error.message());
+                        if (is_joined_to_itself(link->socket())) {
+                          return link->close("cannot connect: nobody listens");
+                        }
                         link->phase = security_ ? TcpLink::Phase::Keying : TcpLink::Phase::Greeting;
                         link->deadline = Clock::now() + options_.handshake_timeout;
                         link->start(options_.socket_buffer_bytes);
