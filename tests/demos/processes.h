@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -18,26 +17,14 @@
 
 #include "support/catch.h"
 #include "support/folder.h"
+#include "support/free_port.h"
 
 extern char** environ;
 
 namespace tandem::demos {
 
 using testing::Folder;
-
-/// A port that was free a moment ago. @param kind  SOCK_STREAM or SOCK_DGRAM
-inline int free_port(int kind = SOCK_STREAM) {
-  const int fd = socket(AF_INET, kind, 0);
-  REQUIRE(fd >= 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0);
-  REQUIRE(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  close(fd);
-  return ntohs(address.sin_port);
-}
+using testing::free_port;
 
 /// A running program of the build. It ends with the object.
 class Process {

@@ -8,6 +8,7 @@
 
 #include "raw_peer.h"
 #include "support/catch.h"
+#include "support/free_port.h"
 #include "tandem/net/tcp.h"
 
 namespace tcp_restart_test {
@@ -20,6 +21,7 @@ using raw::options;
 using raw::status;
 using tandem::consensus::Delivery;
 using tandem::consensus::Packet;
+using tandem::testing::free_port;
 
 TEST_CASE("tcp: a peer that ends and starts again is met again", "[net][socket]") {
   const raw::LeakCheck leaks;
@@ -40,9 +42,9 @@ TEST_CASE("tcp: a peer that ends and starts again is met again", "[net][socket]"
 
 TEST_CASE("tcp: the one that is dialled may restart as well", "[net][socket]") {
   const raw::LeakCheck leaks;
-  auto a = std::make_unique<TcpTransport>(options(1));
   auto again = options(1);
-  again.listen_port = a->local_port();
+  again.listen_port = free_port();
+  auto a = std::make_unique<TcpTransport>(again);
   TcpTransport b(options(2, {a->local_port()}));
   TcpTransport c(options(3, {a->local_port()}));
   for (int life = 0; life < 3; ++life) {

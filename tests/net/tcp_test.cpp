@@ -10,6 +10,7 @@
 
 #include "raw_peer.h"
 #include "support/catch.h"
+#include "support/free_port.h"
 
 namespace tcp_test {
 
@@ -21,6 +22,7 @@ using raw::options;
 using raw::status;
 using tandem::consensus::Delivery;
 using tandem::consensus::Packet;
+using tandem::testing::free_port;
 
 namespace {
 
@@ -168,10 +170,8 @@ TEST_CASE("tcp: peers that dial each other keep one connection", "[net][socket]"
     return descriptors();
   }();
   for (int round = 0; round < 20; ++round) {
-    auto first = std::make_unique<TcpTransport>(options(1));
-    // A second process at the first one's port tells it nothing new: both dial what they are given.
-    const std::uint16_t port_a = first->local_port();
-    first.reset();
+    // Both dial what they are given.
+    const std::uint16_t port_a = free_port();
     TcpTransport b(options(2, {port_a}));
     auto for_a = options(1, {b.local_port()});
     for_a.listen_port = port_a;
@@ -214,7 +214,7 @@ TEST_CASE("tcp: different scenes are refused with the reason on both sides", "[n
 
 TEST_CASE("tcp: a peer that dials itself finds out", "[net][socket]") {
   const raw::LeakCheck leaks;
-  const std::uint16_t port = TcpTransport(options(1)).local_port();
+  const std::uint16_t port = free_port();
   auto own = options(1, {port});
   own.listen_port = port;
   TcpTransport a(own);
@@ -226,7 +226,7 @@ TEST_CASE("tcp: a peer that dials itself finds out", "[net][socket]") {
 
 TEST_CASE("tcp: an address where nobody listens is dialled on and on", "[net][socket]") {
   const raw::LeakCheck leaks;
-  const std::uint16_t port = TcpTransport(options(1)).local_port();
+  const std::uint16_t port = free_port();
   TcpTransport b(options(2, {port}));
   CHECK(eventually([&] { return b.dials()[0].attempts >= 3; }));
   CHECK(b.dials()[0].reason.find("cannot connect") != std::string::npos);
