@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -30,7 +31,13 @@ std::uint32_t first_id(SessionTime now) {
 Springs::Springs(pbd::World& world, const PeerOptions& options)
     : world_(world), options_(options), tethers_(world.add_block<pbd::Tethers>()) {}
 
-Springs::~Springs() { world_.remove_block(tethers_); }
+Springs::~Springs() {
+  try {
+    world_.remove_block(tethers_);
+  } catch (const std::exception&) {
+    // The world was moved or assigned to, and its blocks are somewhere else or gone.
+  }
+}
 
 GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   auto place = own_.end();

@@ -356,45 +356,5 @@ TEST_CASE("springs: one's own are named by grab() until they are released", "[co
   CHECK_THROWS_AS(site.peer->release(grab), std::invalid_argument);
 }
 
-TEST_CASE("springs: a peer that is gone leaves the world's blocks as it found them",
-          "[consensus]") {
-  StubTransport transport(1);
-  pbd::World world(kWeightless);
-  world.add_block<pbd::JointBlock>();  // it stays
-  const pbd::BodyId held = world.add_body(ball(Vec3::Zero(), Vec3(0.1, 0.0, 0.0)));
-  pbd::Solver solver{without_clock()};
-  const auto run = [&] {
-    for (int i = 0; i < 30; ++i) solver.step(world, kFrame);
-    return world.hash();
-  };
-  const auto before = world.snapshot();
-  const std::uint64_t expected = run();
-
-  auto peer = std::make_unique<Peer>(world, transport, springs_only());
-  peer->share({.id = kBody, .body = held});
-  CHECK_THROWS_AS(world.restore(before), std::invalid_argument);  // it has one block more
-  peer->before_step(kStart);
-  peer->grab({.body = kBody, .anchor_w = Vec3(0.0, 0.0, 1.0)});
-  transport.deliver(2, SpringUpdate{.spring = 7,
-                                    .revision = 1,
-                                    .event = SpringEvent::Create,
-                                    .body = kBody,
-                                    .anchor_w = Vec3(0.0, 1.0, 0.0),
-                                    .stiffness = 100.0,
-                                    .max_force = 10.0,
-                                    .stamp = kStart});
-  peer->before_step(kStart + ns(kFrame));
-  solver.step(world, kFrame);
-  peer.reset();
-  // Both springs pulled, and neither does any more.
-  const pbd::Twist twist = world.twist(held);
-  CHECK(twist.linear.tail<2>().minCoeff() > 0.0);
-  run();
-  CHECK((world.twist(held).linear - twist.linear).norm() < 1e-12);
-
-  world.restore(before);
-  CHECK(run() == expected);
-}
-
 }  // namespace
 }  // namespace tandem::consensus::springs_test

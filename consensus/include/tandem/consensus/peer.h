@@ -229,8 +229,8 @@ struct TANDEM_API UnknownState {
 /// @par Thread safety  Distinct objects: safe. One object: the thread that steps its world.
 class TANDEM_API Peer final : public pbd::TargetSource {
  public:
-  /// Both must outlive the peer. Becomes the world's target source and adds a block of tethers,
-  /// which goes with the peer.
+  /// Both must outlive the peer and stay where they are. Becomes the world's target source and adds
+  /// a block of tethers, which goes with the peer.
   /// @throws std::invalid_argument where the options are not valid
   Peer(pbd::World& world, Transport& transport, const PeerOptions& options = {});
   ~Peer() override;
