@@ -110,14 +110,16 @@ struct Setting {
 
 /// Peer 1 of two holds the first of the bodies, and its hands move.
 Crowd gather(const Setting& setting) {
-  const auto [bodies, hands, kbit_per_s, known_kbit_per_s, packet] = setting;
+  const int bodies = setting.bodies;
+  const int hands = setting.hands;
   PeerOptions options;
   options.sending.format = StateFormat::Compact;
-  options.sending.kbit_per_s = kbit_per_s;
+  options.sending.kbit_per_s = setting.kbit_per_s;
   std::vector<std::unique_ptr<NarrowTransport>> narrow;  // outlive the peers
   Session session({.latency = 0.02});
   for (const PeerId id : {PeerId{1}, PeerId{2}}) {
-    narrow.push_back(std::make_unique<NarrowTransport>(session.network.transport(id), packet));
+    narrow.push_back(
+        std::make_unique<NarrowTransport>(session.network.transport(id), setting.packet));
     auto& site =
         session.sites.emplace_back(std::make_unique<Site>(*narrow.back(), options, kWeightless));
     site->first = kStart + ns(id == 1 ? 0.0 : 0.005);
@@ -137,9 +139,9 @@ Crowd gather(const Setting& setting) {
     }
   };
   session.run(0.5);
-  if (known_kbit_per_s > 0.0) {
+  if (setting.known_kbit_per_s > 0.0) {
     session.run(2.5);
-    for (const auto& transport : narrow) transport->kbit_per_s = known_kbit_per_s;
+    for (const auto& transport : narrow) transport->kbit_per_s = setting.known_kbit_per_s;
   }
   Crowd crowd{.held = hands};
   std::vector<tandem::pbd::Tether::Def> springs;
