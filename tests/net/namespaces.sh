@@ -10,35 +10,17 @@ set -euo pipefail
 
 bin=$1
 way=$2
-skip() {
-  echo "SKIPPED: $1"
-  exit 77
-}
-
-[[ $(id -u) -eq 0 ]] || skip "network namespaces need root"
-command -v ip >/dev/null || skip "there is no ip command (Debian: iproute2)"
+source "$(dirname "${BASH_SOURCE[0]}")/hosts.sh"
 [[ -x $bin/tandem-key ]] || skip "built without libsodium: no UDP"
 
 a=tandem-a-$$ b=tandem-b-$$
-folder=$(mktemp -d)
-pids=()
-cleanup() {
-  [[ ${#pids[@]} -eq 0 ]] || kill "${pids[@]}" 2>/dev/null || true
-  ip netns delete "$a" 2>/dev/null || true
-  ip netns delete "$b" 2>/dev/null || true
-  rm -rf "$folder"
-}
-trap cleanup EXIT
-
-ip netns add "$a" 2>"$folder/why" || skip "no network namespaces here: $(cat "$folder/why")"
-ip netns add "$b"
-ip netns exec "$a" true 2>"$folder/why" || skip "no command runs in one here: $(cat "$folder/why")"
+add_host "$a"
+add_host "$b"
 ip link add name veth0 netns "$a" type veth peer name veth0 netns "$b" 2>"$folder/why" ||
   skip "no veth pairs here: $(cat "$folder/why")"
 ip -n "$a" addr add 10.77.0.1/24 dev veth0
 ip -n "$b" addr add 10.77.0.2/24 dev veth0
 for host in "$a" "$b"; do
-  ip -n "$host" link set lo up
   ip -n "$host" link set veth0 up
   [[ $way == netem ]] || continue
   command -v tc >/dev/null || skip "there is no tc command (Debian: iproute2)"
@@ -48,13 +30,10 @@ done
 
 (umask 077 && "$bin/tandem-key" >"$folder/key")
 common=(--key "$folder/key" --seconds 8 --wait 20 --quiet)
-ip netns exec "$a" "$bin/cubes" --listen 7777 "${common[@]}" --json "$folder/a.json" &
-pids+=($!)
-ip netns exec "$b" "$bin/cubes" --connect 10.77.0.1:7777 "${common[@]}" --json "$folder/b.json" &
-pids+=($!)
+on_host "$a" "$bin/cubes" --listen 7777 "${common[@]}" --json "$folder/a.json"
+on_host "$b" "$bin/cubes" --connect 10.77.0.1:7777 "${common[@]}" --json "$folder/b.json"
 # 0: the worlds stayed whole.
-for pid in "${pids[@]}"; do wait "$pid"; done
-pids=()
+wait_for_all
 
 # The first number of a key after an object's begin.
 number() {

@@ -10,37 +10,18 @@
 set -euo pipefail
 
 bin=$1
-skip() {
-  echo "SKIPPED: $1"
-  exit 77
-}
+source "$(dirname "${BASH_SOURCE[0]}")/hosts.sh"
 
-[[ $(id -u) -eq 0 ]] || skip "network namespaces need root"
-command -v ip >/dev/null || skip "there is no ip command (Debian: iproute2)"
 host=tandem-self-$$
-why=$(mktemp)
-pids=()
-cleanup() {
-  [[ ${#pids[@]} -eq 0 ]] || kill "${pids[@]}" 2>/dev/null || true
-  ip netns delete "$host" 2>/dev/null || true
-  rm -f "$why"
-}
-trap cleanup EXIT
-
-ip netns add "$host" 2>"$why" || skip "no network namespaces here: $(cat "$why")"
-ip netns exec "$host" true 2>"$why" || skip "no command runs in one here: $(cat "$why")"
-ip -n "$host" link set lo up
+add_host "$host"
 # Four ports; of these the kernel takes those that are even as the first one to dial from.
-ip netns exec "$host" sh -c 'echo 45000 45003 >/proc/sys/net/ipv4/ip_local_port_range' 2>"$why" ||
-  skip "the ports to dial from cannot be chosen: $(cat "$why")"
+ip netns exec "$host" sh -c 'echo 45000 45003 >/proc/sys/net/ipv4/ip_local_port_range' \
+  2>"$folder/why" || skip "the ports to dial from cannot be chosen: $(cat "$folder/why")"
 
 common=(--seconds 2 --wait 20 --quiet)
-ip netns exec "$host" "$bin/cubes" --connect localhost:45002 "${common[@]}" &
-pids+=($!)
+on_host "$host" "$bin/cubes" --connect localhost:45002 "${common[@]}"
 # Time to dial about ten times.
 sleep 8
-ip netns exec "$host" "$bin/cubes" --listen 45002 "${common[@]}" &
-pids+=($!)
-for pid in "${pids[@]}"; do wait "$pid"; done
-pids=()
+on_host "$host" "$bin/cubes" --listen 45002 "${common[@]}"
+wait_for_all
 echo "self_dial: who dialled himself met the other"
