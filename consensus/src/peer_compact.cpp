@@ -142,7 +142,7 @@ void Peer::Impl::encode_own_anchors() {
     if (anchors_.bytes.size() > before) anchors_.ends.push_back(anchors_.bytes.size());
     left = left.subspan(count);
   }
-  spring_states_.assign(told_in_full_.begin(), told_in_full_.end());
+  spring_states_.swap(told_in_full_);
 }
 
 void Peer::Impl::send_selected(SessionTime now) {

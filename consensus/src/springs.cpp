@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -34,7 +33,7 @@ Springs::Springs(pbd::World& world, const PeerOptions& options)
 Springs::~Springs() {
   try {
     world_.remove_block(tethers_);
-  } catch (const std::exception&) {
+  } catch (const std::invalid_argument&) {
     // The world was moved or assigned to, and its blocks are somewhere else or gone.
   }
 }

@@ -16,7 +16,12 @@
 namespace tandem::pbd {
 namespace {
 
-/// Wakes what rows join to one body.
+void wake_up(BodyActivity& activity) {
+  activity.awake = true;
+  activity.still = 0.0;
+}
+
+/// Collects what rows join to one body.
 class Waker final : public LinkVisitor {
  public:
   Waker(std::uint32_t body, std::vector<std::uint32_t>& found) : body_(body), found_(found) {}
@@ -268,8 +273,7 @@ bool World::awake(BodyId id) const { return activity_[checked_index(id, "awake")
 
 void World::wake(BodyId id) {
   const std::uint32_t index = checked_index(id, "wake");
-  activity_[index].awake = true;
-  activity_[index].still = 0.0;
+  wake_up(activity_[index]);
   if (props_[index].type != BodyType::Dynamic) wake_joined(index);
 }
 
@@ -277,19 +281,13 @@ void World::wake_joined(std::uint32_t index) {
   std::vector<std::uint32_t> joined;
   Waker waker(index, joined);
   for (const auto& block : blocks_) block->links(waker);
-  for (const std::uint32_t other : joined) {
-    activity_[other].awake = true;
-    activity_[other].still = 0.0;
-  }
+  for (const std::uint32_t other : joined) wake_up(activity_[other]);
 }
 
 void World::set_gravity(const Vec3& gravity) {
   detail::require_finite(gravity, "World", "gravity");
   gravity_ = gravity;
-  for (BodyActivity& activity : activity_) {
-    activity.awake = true;
-    activity.still = 0.0;
-  }
+  for (BodyActivity& activity : activity_) wake_up(activity);
 }
 
 void World::insert_block(std::unique_ptr<ConstraintBlock> block) {
@@ -319,9 +317,8 @@ void World::remove_block(const ConstraintBlock& block) {
   (*at)->take_changed(named);
   blocks_.erase(at);
   for (const std::uint32_t body : named) {
-    if (body >= activity_.size()) continue;  // a snapshot's list of changes may name any number
-    activity_[body].awake = true;
-    activity_[body].still = 0.0;
+    // A snapshot's list of changes may name any number.
+    if (body < activity_.size()) wake_up(activity_[body]);
   }
 }
 

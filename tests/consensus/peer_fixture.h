@@ -178,6 +178,9 @@ inline void put_ball_on_plane(Site& site, double restitution) {
   site.world.set_contact_source(&site.contacts);
 }
 
+/// States do not count, so that only springs hold peers together.
+inline PeerOptions springs_only() { return {.influence = {.baseline = 0.0}}; }
+
 inline const pbd::WorldDef kWeightless{.gravity = Vec3::Zero()};
 
 }  // namespace tandem::consensus::testing

@@ -16,9 +16,6 @@ using namespace testing;
 
 constexpr double kFrame = 1.0 / 60.0;
 
-/// States do not count, so that only springs move anything.
-PeerOptions springs_only() { return {.influence = {.baseline = 0.0}}; }
-
 TEST_CASE("peer lifetime: a peer that is gone leaves the world's blocks as it found them",
           "[consensus]") {
   StubTransport transport(1);

@@ -18,9 +18,6 @@ constexpr double kFrame = 1.0 / 60.0;
 constexpr double kMass = 1.0;
 constexpr double kG = 9.81;
 
-/// States do not count, so that only the springs hold the peers together.
-PeerOptions springs_only() { return {.influence = {.baseline = 0.0}}; }
-
 /// Two peers with a ball each.
 std::unique_ptr<Session> pair_of_peers(const LinkOptions& link, const PeerOptions& options,
                                        const pbd::WorldDef& def = kWeightless) {
