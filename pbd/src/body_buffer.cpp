@@ -55,7 +55,7 @@ class TurnMarker final : public LinkVisitor {
 }  // namespace
 
 void BodyBuffer::aim_kinematic(World& world, double dt) {
-  for (const World::KinematicTarget& target : world.kinematic_targets_) {
+  for (const KinematicTarget& target : world.kinematic_targets_) {
     const Pose& pose = world.states_[target.index].pose;
     world.states_[target.index].twist = {
         (target.pose.position - pose.position) / dt,
@@ -170,7 +170,7 @@ void BodyBuffer::store_kinematic(World& world, double dt, StepReport& report) {
       refuse(world, i, report);
     }
   }
-  for (const World::KinematicTarget& target : world.kinematic_targets_) {
+  for (const KinematicTarget& target : world.kinematic_targets_) {
     world.states_[target.index] = {target.pose, {}};
   }
   world.kinematic_targets_.clear();

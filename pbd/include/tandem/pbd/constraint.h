@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -155,6 +156,13 @@ class TANDEM_API ConstraintBlock {
   virtual void load(ByteReader& in) = 0;
   /// After load(): whether all that rows name is in the world, and their parameters keep the rules.
   virtual bool fits(const World&) const { return true; }
+
+  /// A block of the same kind without rows, for WorldCopy; null where the kind cannot be copied.
+  virtual std::unique_ptr<ConstraintBlock> make_empty() const { return nullptr; }
+  /// Become a deep copy of a block of the same kind: rows, ids, carried state, options. What never
+  /// changes may be shared. Memory is used again: allocates only where the source has grown.
+  /// @return false, and this block is as it was, where the source is of another kind
+  virtual bool assign(const ConstraintBlock& /*source*/) { return false; }
 };
 
 }  // namespace tandem::pbd

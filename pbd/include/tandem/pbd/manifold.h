@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -88,6 +89,14 @@ class TANDEM_API ContactSource {
   virtual void load(ByteReader& in) = 0;
   /// After load(): whether all bodies that it names are in the world.
   virtual bool fits(const World&) const { return true; }
+
+  /// A source of the same kind and options that knows of no body, for WorldCopy; null where the
+  /// kind cannot be copied.
+  virtual std::unique_ptr<ContactSource> make_empty() const { return nullptr; }
+  /// Become a deep copy of a source of the same kind: what it looks at, ids, caches, options. What
+  /// never changes may be shared. Memory is used again: allocates only where the source has grown.
+  /// @return false, and this source is as it was, where the other one is of another kind
+  virtual bool assign(const ContactSource& /*source*/) { return false; }
 };
 
 }  // namespace tandem::pbd

@@ -20,6 +20,13 @@ namespace tandem::pbd {
 
 class BodyBuffer;
 class ContactBlock;
+class WorldCopy;
+
+/// Where a kinematic body is to be after the next step.
+struct TANDEM_API KinematicTarget {
+  std::uint32_t index = 0;  ///< slot
+  Pose pose;                ///< m, world
+};
 
 struct TANDEM_API WorldDef {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
@@ -75,6 +82,11 @@ class TANDEM_API World {
   /// Change a dynamic body's velocity at once. @param impulse  N s, world
   void apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w);
   void apply_angular_impulse(BodyId id, const Vec3& impulse);  ///< N m s, world
+  /// By slot: the sum of what apply_force() and apply_torque() collected for the next step. Empty
+  /// where nothing was applied since the last one.
+  std::span<const Wrench> wrenches() const { return wrenches_; }
+  /// What set_kinematic_target() collected for the next step, at most one for each body.
+  std::span<const KinematicTarget> kinematic_targets() const { return kinematic_targets_; }
 
   /// Whether the body is solved; a sleeping one stands still until something disturbs its island.
   /// Every mutator that changes a body wakes it.
@@ -82,6 +94,9 @@ class TANDEM_API World {
   void wake(BodyId id);
   /// By slot, without the generation check; immovable bodies count as awake where they move.
   bool awake_at(std::uint32_t index) const { return activity_[index].awake; }
+  /// Another number than before where WorldCopy::set_state() has moved a body and let it sleep: a
+  /// contact source that passes over sleeping bodies looks at all of them then.
+  std::uint64_t sleepers_moved() const { return sleepers_moved_; }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
   std::span<const BodyProps> all_props() const { return props_; }
@@ -141,6 +156,7 @@ class TANDEM_API World {
  private:
   friend class BodyBuffer;
   friend class Solver;
+  friend class WorldCopy;
 
   void insert_block(std::unique_ptr<ConstraintBlock> block);
   std::uint32_t checked_index(BodyId id, const char* what) const;
@@ -152,11 +168,6 @@ class TANDEM_API World {
   void wake_joined(std::uint32_t index);
   /// What snapshot() wrote after its head. @return false where it cannot be a world's
   bool read(ByteReader& in);
-
-  struct KinematicTarget {
-    std::uint32_t index = 0;
-    Pose pose;
-  };
 
   Vec3 gravity_;
   double time_ = 0.0;
@@ -173,7 +184,8 @@ class TANDEM_API World {
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
   std::vector<BodyActivity> activity_;    ///< by slot
-  std::vector<Wrench> wrenches_;          ///< by slot, for the next step; empty where none acts
+  std::uint64_t sleepers_moved_ = 0;
+  std::vector<Wrench> wrenches_;  ///< by slot, for the next step; empty where none acts
   std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   ContactBlock* contacts_ = nullptr;  ///< one of blocks_
