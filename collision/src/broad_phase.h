@@ -68,6 +68,8 @@ class BroadPhase {
   /// Of no effect for anything but a half-space.
   void remember_plane(std::uint32_t index, const Aabb& plane);
   ColliderPair& append_pair(std::uint32_t low, std::uint32_t high);
+  /// Become a copy; scratch memory stays.
+  void assign(const BroadPhase& source);
 
  private:
   /// In a leaf's handle: it is one of fixed_tree_.

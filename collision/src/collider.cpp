@@ -159,7 +159,7 @@ bool same_state(const Collider& c, const pbd::BodyState& state) {
 void update_collider(Collider& c, const pbd::World& world, double dt) {
   const pbd::BodyState& state = world.states()[c.def.body.index];
   const bool asleep = !world.awake_at(c.def.body.index);
-  // Whatever moves a body wakes it.
+  // Whatever moves a body wakes it, or World::sleepers_moved() tells.
   if (asleep && c.asleep) {
     c.still = true;
     return;

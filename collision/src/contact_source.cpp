@@ -150,6 +150,9 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
                                    std::vector<pbd::Manifold>& out) {
   const std::size_t first = out.size();
   update_order(world);
+  if (std::exchange(sleepers_moved_, world.sleepers_moved()) != world.sleepers_moved()) {
+    for (Collider& collider : colliders_) collider.asleep = false;
+  }
   workers_.resize(static_cast<std::size_t>(workers.count()));
   for (Worker& worker : workers_) {
     worker.stats = {};

@@ -25,7 +25,7 @@ inline constexpr std::size_t kColliderGrain = 128;
 void check_def(const pbd::World& world, const ColliderDef& def);
 
 /// In contact_source.cpp what makes contacts, in motion_limit.cpp what stops bodies on their way,
-/// in cache_io.cpp snapshots.
+/// in cache_io.cpp snapshots, in scene_copy.cpp copies.
 class __attribute__((visibility("hidden"))) CollisionScene::Impl {
  public:
   explicit Impl(const CollisionOptions& options) : options_(options), broad_(options.aabb_margin) {}
@@ -47,6 +47,7 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl {
   void save(pbd::ByteWriter& out) const;
   bool load(pbd::ByteReader& in);
   void forget();
+  void assign(const Impl& source);
 
   const CollisionOptions& options() const { return options_; }
   const CollisionStats& stats() const { return stats_; }
@@ -75,6 +76,7 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl {
                     std::span<const pbd::Pose> after, Worker& worker) const;
   void guard(std::uint32_t index, std::uint32_t near);
   void update_order(const pbd::World& world);
+  void assign_caches(const std::vector<PairCache>& source);
   void collect_pair(ColliderPair& entry, double dt, Worker& worker,
                     std::vector<pbd::Manifold>& out);
   void collect_pairs(std::size_t begin, std::size_t end, double dt, Worker& worker,
@@ -90,6 +92,7 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl {
   bool natural_order_ = true;
   /// What is known was loaded, in the order of the world that comes with it.
   bool restored_ = false;
+  std::uint64_t sleepers_moved_ = 0;  ///< see World::sleepers_moved()
   BroadPhase broad_;
   PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot

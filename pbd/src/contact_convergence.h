@@ -33,6 +33,8 @@ class ContactConvergence {
   void remove_body(std::uint32_t slot);
   void save(ByteWriter& out) const;
   void load(ByteReader& in);
+  /// What the next step depends on, as save() and load() do.
+  void assign(const ContactConvergence& source) { unsolved_ = source.unsolved_; }
 
   /// Sweep what needs it of the places.
   /// @param reverse  the direction of the first sweep

@@ -404,4 +404,17 @@ bool JointBlock::fits(const World& world) const {
   return true;
 }
 
+std::unique_ptr<ConstraintBlock> JointBlock::make_empty() const {
+  return std::make_unique<JointBlock>();
+}
+
+bool JointBlock::assign(const ConstraintBlock& source) {
+  const auto* other = dynamic_cast<const JointBlock*>(&source);
+  if (other == nullptr) return false;
+  // With the plan of the system, which costs far more to make than to copy.
+  *impl_ = *other->impl_;
+  impl_->free.reserve(impl_->records.size());  // as add() does: removal needs no memory
+  return true;
+}
+
 }  // namespace tandem::pbd

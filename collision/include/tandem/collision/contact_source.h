@@ -129,6 +129,10 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   /// Wants a scene with the same colliders; other bytes leave `in` failed and the caches empty.
   void load(pbd::ByteReader& in) override;
   bool fits(const pbd::World& world) const override;
+  /// Null for a class that is derived from this one: it has to say itself how it is copied.
+  std::unique_ptr<pbd::ContactSource> make_empty() const override;
+  /// Meshes, hulls and height fields are shared.
+  bool assign(const pbd::ContactSource& source) override;
 
  private:
   class Impl;

@@ -108,6 +108,8 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;
   bool fits(const World& world) const override;
+  std::unique_ptr<ConstraintBlock> make_empty() const override;
+  bool assign(const ConstraintBlock& source) override;
 
  private:
   struct Impl;

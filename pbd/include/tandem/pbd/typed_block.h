@@ -6,9 +6,11 @@
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "tandem/pbd/bytes.h"
@@ -52,6 +54,7 @@ struct TANDEM_API ConstraintId {
 ///   begin_substep, solve_velocity, finish_velocity, begin_total, project_total, end_total,
 ///   end_step; bool active() const (false leaves the row out), drives() const and springs() const
 ///   (see ConstraintBlock; they concern both bodies).
+/// Where C is a value that can be copied, so is the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {
  public:
@@ -239,6 +242,25 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     changed_.clear();
     const std::uint32_t changed_count = in.u32();
     for (std::uint32_t i = 0; i < changed_count && !in.failed(); ++i) changed_.push_back(in.u32());
+  }
+
+  std::unique_ptr<ConstraintBlock> make_empty() const override {
+    if constexpr (std::is_copy_constructible_v<C> && std::is_copy_assignable_v<C>) {
+      return std::make_unique<TypedBlock>();
+    } else {
+      return nullptr;
+    }
+  }
+  bool assign(const ConstraintBlock& source) override {
+    if constexpr (std::is_copy_constructible_v<C> && std::is_copy_assignable_v<C>) {
+      const auto* other = dynamic_cast<const TypedBlock*>(&source);
+      if (other == nullptr) return false;
+      *this = *other;
+      free_.reserve(rows_.size());  // as add() does: removal needs no memory
+      return true;
+    } else {
+      return false;
+    }
   }
 
  private:

@@ -71,6 +71,7 @@ class TANDEM_API WorldCopy {
   bool same_kinds(const World& other) const;
   /// Bodies and all that World keeps itself; blocks and sources stay.
   static void copy_bodies(const World& from, World& to);
+  bool fill(const World& source);
   void clear();
 
   World world_;

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/pbd/world_copy.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <stdexcept>
+#include <typeinfo>
+#include <utility>
+
+#include "tandem/pbd/contact.h"
+
+namespace tandem::pbd {
+namespace {
+
+[[maybe_unused]] bool is_sound(const BodyState& state) {
+  return state.pose.position.allFinite() && state.twist.linear.allFinite() &&
+         state.twist.angular.allFinite() &&
+         std::abs(state.pose.orientation.norm() - 1.0) < 1e-3;  // false where it is no number
+}
+
+bool equal(const BodyState& l, const BodyState& r) {
+  return l.pose.position == r.pose.position &&
+         l.pose.orientation.coeffs() == r.pose.orientation.coeffs() &&
+         l.twist.linear == r.twist.linear && l.twist.angular == r.twist.angular;
+}
+
+}  // namespace
+
+WorldCopy::WorldCopy() = default;
+WorldCopy::~WorldCopy() = default;
+
+WorldCopy::WorldCopy(WorldCopy&& other) noexcept
+    : world_(std::move(other.world_)),
+      contact_source_(std::move(other.contact_source_)),
+      filled_(std::exchange(other.filled_, false)) {
+  other.world_.contacts_ = nullptr;
+  other.world_.contact_source_ = nullptr;
+}
+
+WorldCopy& WorldCopy::operator=(WorldCopy&& other) noexcept {
+  if (this == &other) return *this;
+  world_ = std::move(other.world_);
+  contact_source_ = std::move(other.contact_source_);
+  filled_ = std::exchange(other.filled_, false);
+  other.world_.contacts_ = nullptr;
+  other.world_.contact_source_ = nullptr;
+  return *this;
+}
+
+void WorldCopy::clear() {
+  filled_ = false;
+  world_ = World();
+  contact_source_.reset();
+}
+
+bool WorldCopy::same_kinds(const World& other) const {
+  const auto same_kind = [](const auto& l, const auto& r) { return typeid(l) == typeid(r); };
+  if ((contact_source_ != nullptr) != (other.contact_source_ != nullptr)) return false;
+  if (contact_source_ != nullptr && !same_kind(*contact_source_, *other.contact_source_)) {
+    return false;
+  }
+  return std::equal(world_.blocks_.begin(), world_.blocks_.end(), other.blocks_.begin(),
+                    other.blocks_.end(),
+                    [&](const auto& l, const auto& r) { return same_kind(*l, *r); });
+}
+
+void WorldCopy::copy_bodies(const World& from, World& to) {
+  to.gravity_ = from.gravity_;
+  to.time_ = from.time_;
+  to.states_ = from.states_;
+  to.props_ = from.props_;
+  to.generations_ = from.generations_;
+  to.alive_ = from.alive_;
+  to.free_ = from.free_;
+  to.free_.reserve(to.states_.size());  // as add_body() does: removal needs no memory
+  // Assignment may make each node of a map anew.
+  if (to.by_stable_id_ != from.by_stable_id_) to.by_stable_id_ = from.by_stable_id_;
+  to.ranks_ = from.ranks_;
+  to.slots_by_rank_ = from.slots_by_rank_;
+  to.order_is_old_ = from.order_is_old_;
+  to.corrections_ = from.corrections_;
+  to.in_contact_ = from.in_contact_;
+  to.activity_ = from.activity_;
+  to.sleepers_moved_ = from.sleepers_moved_;
+  to.wrenches_ = from.wrenches_;
+  to.kinematic_targets_ = from.kinematic_targets_;
+}
+
+bool WorldCopy::fill(const World& source) {
+  // Whatever was set on the copy meanwhile.
+  world_.target_source_ = nullptr;
+  world_.contact_source_ = contact_source_.get();
+  if (!same_kinds(source)) {
+    world_.blocks_.clear();
+    world_.contacts_ = nullptr;
+    world_.contact_source_ = nullptr;
+    contact_source_.reset();
+    for (const auto& block : source.blocks_) {
+      world_.blocks_.push_back(block->make_empty());
+      if (world_.blocks_.back() == nullptr) return false;
+      if (block.get() == source.contacts_) {
+        world_.contacts_ = static_cast<ContactBlock*>(world_.blocks_.back().get());
+      }
+    }
+    if (source.contact_source_ != nullptr) {
+      contact_source_ = source.contact_source_->make_empty();
+      if (contact_source_ == nullptr) return false;
+      world_.contact_source_ = contact_source_.get();
+    }
+  }
+  copy_bodies(source, world_);
+  for (std::size_t i = 0; i < source.blocks_.size(); ++i) {
+    if (!world_.blocks_[i]->assign(*source.blocks_[i])) return false;
+  }
+  return contact_source_ == nullptr || contact_source_->assign(*source.contact_source_);
+}
+
+bool WorldCopy::assign(const World& source) {
+  if (&source == &world_) return filled_;
+  try {
+    filled_ = fill(source);
+  } catch (...) {  // out of memory
+    clear();
+    throw;
+  }
+  if (!filled_) clear();
+  return filled_;
+}
+
+void WorldCopy::restore(World& target) const {
+  const auto refuse = [](const char* value, const char* rule) {
+    throw std::invalid_argument(std::string("WorldCopy::restore: ") + value +
+                                " breaks the rule: " + rule);
+  };
+  if (!filled_) refuse("copy = empty", "assign() has copied a world");
+  if (&target == &world_) return;
+  if (!same_kinds(target)) {
+    refuse("target",
+           "has the same kinds of blocks and contact source as the world that was copied");
+  }
+  copy_bodies(world_, target);
+  for (std::size_t i = 0; i < target.blocks_.size(); ++i) {
+    target.blocks_[i]->assign(*world_.blocks_[i]);
+  }
+  if (contact_source_ != nullptr) target.contact_source_->assign(*contact_source_);
+}
+
+void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake) {
+  assert(slot < world_.slot_count() && world_.alive_[slot] != 0);
+  assert(is_sound(state));
+  BodyActivity& activity = world_.activity_[slot];
+  const bool stays_asleep = !activity.awake && !awake && equal(world_.states_[slot], state);
+  if (!awake && !stays_asleep) ++world_.sleepers_moved_;
+  world_.states_[slot] = state;
+  if (world_.props_[slot].type != BodyType::Dynamic) return;
+  if (awake && !activity.awake) activity.still = 0.0;
+  activity.awake = awake;
+}
+
+void WorldCopy::clear_inputs() {
+  world_.wrenches_.clear();
+  world_.kinematic_targets_.clear();
+}
+
+}  // namespace tandem::pbd
