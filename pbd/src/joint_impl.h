@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "joint_system.h"
+#include "tandem/pbd/joint.h"
+
+namespace tandem::pbd {
+
+/// The joints of a block by slot, and the system that solves them.
+class __attribute__((visibility("hidden"))) JointBlock::Impl {
+ public:
+  using Channel = JointSystem::Channel;
+
+  std::uint32_t checked(JointId id) const {
+    if (!contains(id)) {
+      throw std::invalid_argument("joint: id " + std::to_string(id.index) + " (generation " +
+                                  std::to_string(id.generation) + ") names no joint of this block");
+    }
+    return id.index;
+  }
+  bool contains(JointId id) const {
+    return id.index < records.size() && records[id.index].alive &&
+           generations[id.index] == id.generation;
+  }
+  void erase(std::uint32_t index) {
+    note_change(records[index]);
+    records[index].alive = false;
+    ++generations[index];
+    free.push_back(index);
+    --count;
+    dirty = true;
+  }
+
+  /// The coordinates as they are into `c`; the ends of the joint where the caller wants them.
+  void place(const JointRecord& record, std::span<const SolverBody> bodies, double* c) const {
+    const SolverBody ground;
+    const SixDofJointDef& def = record.def;
+    coordinates(record, def.a.valid() ? bodies[def.a.index] : ground, bodies[def.b.index],
+                record.twist, c);
+  }
+  bool is_total(const JointRecord& record, std::span<const SolverBody> bodies) const {
+    return (record.def.a.valid() && bodies[record.def.a.index].total) ||
+           bodies[record.def.b.index].total;
+  }
+  /// Those of the group.
+  template <class Visit>
+  void for_total(const SubstepContext& ctx, Visit&& visit) {
+    for (JointRecord& record : records) {
+      if (!record.active() || !is_total(record, ctx.bodies)) continue;
+      const SixDofJointDef& def = record.def;
+      if (ctx.bodies[def.b.index].group == ctx.group ||
+          (def.a.valid() && ctx.bodies[def.a.index].group == ctx.group)) {
+        visit(record);
+      }
+    }
+  }
+  /// Whether any of its coordinates has a row and any of its ends can move.
+  static bool is_solved(const JointRecord& record, std::span<const SolverBody> bodies) {
+    const SixDofJointDef& def = record.def;
+    return record.used != 0 && ((def.a.valid() && bodies[def.a.index].inv_mass > 0.0) ||
+                                bodies[def.b.index].inv_mass > 0.0);
+  }
+
+  void note_change(const JointRecord& record) {
+    if (record.def.a.valid()) changed.push_back(record.def.a.index);
+    changed.push_back(record.def.b.index);
+  }
+
+  std::vector<std::uint32_t> changed;  ///< bodies, until the next step
+  std::vector<JointRecord> records;
+  std::vector<std::uint32_t> generations;
+  std::vector<std::uint32_t> free;
+  JointSystem system;
+  int count = 0;
+  bool dirty = true;
+  bool natural = true;  ///< the order that the system was built with: slots
+};
+
+}  // namespace tandem::pbd
