@@ -76,9 +76,10 @@ void CollisionScene::Impl::assign(const Impl& source) {
 }
 
 void CollisionScene::Impl::assign_caches(const std::vector<PairCache>& source) {
-  // Slots beyond the source's stay: no pair names them, and whose data is in them does not matter.
+  // Slots beyond the source's stay, for their lists' memory, with what new ones begin with: nothing
+  // reads it, but snapshots contain it.
   for (std::size_t i = source.size(); i < caches_.size(); ++i) {
-    pool_.give(std::exchange(caches_[i].patches, nullptr));
+    copy_cache(PairCache{}, caches_[i], pool_, false);
   }
   if (caches_.size() < source.size()) caches_.resize(source.size());
   // Patches that are not needed go back before others are taken, so that the pool does not grow
