@@ -9,6 +9,7 @@
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/tether.h"
+#include "tandem/pbd/world_copy.h"
 
 // Every allocation of this executable comes through here.
 namespace {
@@ -106,4 +107,37 @@ TEST_CASE("allocation: a step in the steady state makes none", "[pbd][regression
     CHECK(allocations == 0);
     REQUIRE(world.contacts()->contacts().size() == 6);
   }
+}
+
+TEST_CASE("allocation: a world that is copied and restored again makes none", "[pbd][regression]") {
+  World world;
+  auto& balls = world.add_block<JointBlock>();
+  auto& rods = world.add_block<DistanceJoints>();
+  auto& tethers = world.add_block<Tethers>();
+  BodyId before;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    BodyDef def = ball_def(1.0, 0.1, Vec3(0.3 * static_cast<double>(i), 0.0, 5.0));
+    def.stable_id = 100 - i;
+    const BodyId ball = world.add_body(def);
+    balls.add(world, ball_joint_at(world, before, ball, def.pose.position));
+    if (before.valid()) rods.add(world, {.a = before, .b = ball, .compliance = 1e-3});
+    tethers.add(world, {.body = ball, .anchor_w = def.pose.position});
+    before = ball;
+  }
+  Solver solver;
+  for (int k = 0; k < 10; ++k) solver.step(world, kFrame);
+  world.apply_force(before, Vec3(1.0, 0.0, 0.0));
+  WorldCopy copy;
+  REQUIRE(copy.assign(world));
+  allocations = 0;
+  counting = true;
+  bool all = true;
+  for (int k = 0; k < 20; ++k) {
+    all = copy.assign(world) && all;
+    solver.step(copy.world(), kFrame);
+    copy.restore(world);
+  }
+  counting = false;
+  CHECK(all);
+  CHECK(allocations == 0);
 }
