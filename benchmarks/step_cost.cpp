@@ -29,7 +29,8 @@ constexpr int kRuns = 5;
 class HoldAll final : public pbd::TargetSource {
  public:
   explicit HoldAll(double share) : share_(share) {}
-  void collect(const pbd::World& world, double /*dt*/, std::vector<pbd::PoseTarget>& out) override {
+  void collect(const pbd::World& world, double /*dt*/, const pbd::SolverOptions& /*options*/,
+               std::vector<pbd::PoseTarget>& out) override {
     for (std::uint32_t i = 0; i < world.slot_count(); ++i) {
       const pbd::BodyId id = world.body_at(i);
       if (!id.valid() || world.props(id).type != pbd::BodyType::Dynamic) continue;

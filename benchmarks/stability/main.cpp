@@ -40,7 +40,7 @@ constexpr double kApart = 0.05;  // m
 struct Scheme {
   std::string_view name;
   consensus::Coupling coupling;
-  bool published;  ///< the paper's prediction, no gain rule
+  bool published;  ///< the paper's prediction
 };
 constexpr Scheme kSchemes[] = {
     {"one-pass", consensus::Coupling::OnePass, false},
@@ -51,15 +51,17 @@ constexpr Scheme kSchemes[] = {
 constexpr double kShares[] = {0.02, 0.05, 0.1, 0.2, 0.3, 0.5};
 constexpr int kDelays[] = {0, 1, 2, 3, 5, 8, 11, 15, 20, 30};
 
-/// @param own     announced by this peer     @param other  by the other one
-consensus::PeerOptions options_of(const Scheme& scheme, double own) {
+/// @param share  of the gap closed per 1/60 s by this peer where states are replayed; announced by
+///   it, as published, where they are not
+consensus::PeerOptions options_of(const Scheme& scheme, double share) {
   consensus::PeerOptions options;
   options.coupling = scheme.coupling;
   options.two_step.thresholds = false;
-  options.influence.baseline = own;
   options.authority_ramp = 0.0;
-  if (scheme.published) return consensus::with_published_rules(options);
-  return options;
+  options.replay.share = share;
+  if (!scheme.published) return options;
+  options.influence.baseline = share;
+  return consensus::with_published_rules(options);
 }
 
 double speed_square(const peers_bench::Copy& copy) {

@@ -3,8 +3,10 @@
 #include "scenes.h"
 
 #include <numbers>
+#include <vector>
 
 #include "tandem/pbd/joint.h"
+#include "tandem/pbd/math.h"
 #include "tandem/pbd/tether.h"
 
 namespace tandem::stability_bench {
@@ -63,13 +65,17 @@ Copy row(double apart) {
 Copy chain(double apart) {
   CopyBuilder b;
   const pbd::BodyId hook = b.hook();
-  const double angle = apart / kEdge * 0.1;
-  const Vec3 down(std::sin(angle), 0.0, -std::cos(angle));
-  pbd::BodyId above = hook;
+  std::vector<pbd::BodyId> links;
   for (int i = 0; i < 10; ++i) {
-    const pbd::BodyId link = cube(b, (i + 0.5) * kEdge * down, false);
-    b.joint(pbd::ball_joint_at(b.world(), above, link, i * kEdge * down));
-    above = link;
+    links.push_back(cube(b, -(i + 0.5) * kEdge * Vec3::UnitZ(), false));
+    const pbd::BodyId above = i > 0 ? links[links.size() - 2] : hook;
+    b.joint(pbd::ball_joint_at(b.world(), above, links.back(), -i * kEdge * Vec3::UnitZ()));
+  }
+  // Turned once it is built: the joints of both copies are the same.
+  const pbd::Quat turn = pbd::exp_map(-apart / kEdge * 0.1 * Vec3::UnitY());
+  for (const pbd::BodyId link : links) {
+    const pbd::Pose pose = b.world().pose(link);
+    b.world().set_pose(link, {turn * pose.position, turn * pose.orientation});
   }
   return b.done();
 }

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "predictors.h"
-#include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus::detail {
 
@@ -20,10 +19,7 @@ bool finite(const Prediction& p) {
 /// An application's predictor: no number of its own gets into a world unseen.
 class Guarded final : public Predictor {
  public:
-  explicit Guarded(std::shared_ptr<const Predictor> own) : own_(std::move(own)) {
-    pbd::detail::require(std::isfinite(own_->gain()) && own_->gain() > 0.0, "Predictor", "gain",
-                         own_->gain(), "finite and > 0");
-  }
+  explicit Guarded(std::shared_ptr<const Predictor> own) : own_(std::move(own)) {}
 
   Prediction predict(const StateUpdate& update, const MotionHistory& own,
                      const PredictionContext& context) const override {
@@ -31,11 +27,6 @@ class Guarded final : public Predictor {
     return finite(prediction)
                ? prediction
                : to_state(update, own.newest(), update.pose.position, update.twist, 0.0);
-  }
-  double gain() const override { return own_->gain(); }
-  double gain_for(const StateUpdate& update) const override {
-    const double gain = own_->gain_for(update);
-    return std::isfinite(gain) && gain > 0.0 ? gain : own_->gain();
   }
   bool remembers() const override { return own_->remembers(); }
 

@@ -36,25 +36,17 @@ void InfluenceOptions::validate() const {
   require(held_alone >= 0.0 && held_alone <= 1.0, "InfluenceOptions", "held_alone", held_alone,
           "0 to 1");
   require(leading >= 0.0 && leading <= 1.0, "InfluenceOptions", "leading", leading, "0 to 1");
-  require(following >= 0.0 && following <= 1.0, "InfluenceOptions", "following", following,
-          "0 to 1");
   require(std::isfinite(half_life) && half_life > 0.0, "InfluenceOptions", "half_life", half_life,
           "finite and above 0 s");
-  require(min_share >= 0.0 && min_share <= 1.0, "InfluenceOptions", "min_share", min_share,
-          "0 to 1");
   require(max_age > 0.0 && max_age <= 1e8, "InfluenceOptions", "max_age", max_age,
           "above 0 to 1e8 s");
 }
 
-double effective_share(const InfluenceOptions& options, double announced, double age, double gain,
+double effective_share(const InfluenceOptions& options, double announced, double age,
                        bool self_owns) {
   if (self_owns || !(announced > 0.0) || !(age <= options.max_age)) return 0.0;
   if (announced >= 1.0) return 1.0;
-  const double known_age = std::max(age, 0.0);
-  const double policy = announced * std::exp2(-known_age / options.half_life);
-  const double stable = gain / (known_age / kShareInterval + 2.0);
-  // max(min_share, stable) in this order: a gain that is not a number counts as none.
-  return std::min(policy, std::max(options.min_share, stable));
+  return announced * std::exp2(-std::max(age, 0.0) / options.half_life);
 }
 
 }  // namespace tandem::consensus

@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <limits>
-
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/types.h"
 
@@ -14,10 +12,10 @@ namespace tandem::consensus {
 /// One object for each shared body.
 class Lead {
  public:
-  /// The share that is left of `share` while an average makes sense, and what a leader gives and a
+  /// The weight that is left of `weight` while an average makes sense, and what a leader gives and a
   /// follower hears beyond.
   /// @param angle  rad, between the own orientation at the stamp and the remote one
-  double share(double share, double angle, bool follows, SessionTime now);
+  static double weight(double weight, double angle, bool follows);
 
   /// Something solid between two copies keeps them apart for ever: no average brings a ball through
   /// a table, and none turns a cube over its edge. Whether the follower's has been held back in the
@@ -29,8 +27,6 @@ class Lead {
   bool parted(const pbd::Vec3& missing, const pbd::Vec3& turn, bool blocked, SessionTime now);
 
  private:
-  static constexpr SessionTime kNever = std::numeric_limits<SessionTime>::min();
-
   /// Something that is missing and does not become less.
   class Stuck {
    public:
@@ -45,8 +41,6 @@ class Lead {
     pbd::Vec3 in_vain_ = pbd::Vec3::Zero();  ///< what was missing when it was put there; 0 = never
   };
 
-  SessionTime since_ = kNever;  ///< ns, since when a leader's orientation has been far away
-  SessionTime last_ = kNever;   ///< ns, when one was far away for the last time
   Stuck apart_;
   Stuck turned_;
 };

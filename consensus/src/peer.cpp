@@ -29,6 +29,7 @@ void PeerOptions::validate() const {
   influence.validate();
   sending.validate();
   prediction.validate();
+  replay.validate();
   robust.validate();
   plausibility.validate();
   two_step.validate();
@@ -80,10 +81,12 @@ void Peer::leave(SessionTime now) { impl_->leave(now); }
 const PeerStats& Peer::stats() const { return impl_->stats(); }
 std::span<const PeerReport> Peer::reports() const { return impl_->reports(); }
 void Peer::set_observer(PeerObserver* observer) { impl_->set_observer(observer); }
+void Peer::set_replay_hook(ReplayHook* hook) { impl_->set_replay_hook(hook); }
 void Peer::set_interest(const Interest* interest) { impl_->set_interest(interest); }
 
-void Peer::collect(const pbd::World& /*world*/, double /*dt*/, std::vector<pbd::PoseTarget>& out) {
-  impl_->collect(out);
+void Peer::collect(const pbd::World& /*world*/, double /*dt*/, const pbd::SolverOptions& options,
+                   std::vector<pbd::PoseTarget>& out) {
+  impl_->collect(options, out);
 }
 
 }  // namespace tandem::consensus

@@ -97,8 +97,7 @@ const StateUpdate& Peer::Impl::as_meant(const Inbox::Received& received, const S
   if (!lies && oriented) return update;
   meant_ = update;
   meant_.stamp = inbox_.holds_until(received);
-  if (shared.history.empty()) return meant_;
-  const pbd::Pose own = shared.history.at_time(meant_.stamp).pose;
+  const pbd::Pose own = history_.state_at(shared.def.body.index, meant_.stamp).pose;
   if (!oriented) meant_.pose.orientation = own.orientation;
   if (!lies || !update.rounded) return meant_;
   // What rounds to the same is the same: else every resting body would be drawn to the lattice.

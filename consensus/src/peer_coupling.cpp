@@ -69,6 +69,7 @@ void Peer::Impl::apply_coupling() {
     } else {
       done = average_state(world_, target, step_dt_, options_.two_step);
     }
+    history_.note_agreement(target.body.index, world_);
   }
 }
 
@@ -120,7 +121,7 @@ void Peer::Impl::update_ownership(SessionTime now) {
   ownership_->outgoing().clear();
 }
 
-void Peer::Impl::estimate_owner(const Shared& shared, std::span<const Inbox::Received> newest,
+void Peer::Impl::estimate_owner(Shared& shared, std::span<const Inbox::Received> newest,
                                 SessionTime now) {
   const PeerId owner = ownership_->owner(index_of(shared));
   if (owner == 0 || owner == transport_.self()) return;
@@ -129,24 +130,14 @@ void Peer::Impl::estimate_owner(const Shared& shared, std::span<const Inbox::Rec
     const StateUpdate& update = as_meant(received, shared);
     // Until the new owner has the grant nobody owns the body, and it moves as it does here.
     if (received.peer != owner || update.influence < 1.0F) continue;
-    const PredictionContext context{
-        .now = now,
-        .mirrored_share = 0.0,
-        .peers = static_cast<int>(newest.size()),
-        .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity()};
-    Prediction prediction = predictor_->predict(update, shared.history, context);
-    if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
-    const pbd::Vec3 position = own.pose.position + prediction.translation;
+    const Prediction prediction = carry(shared, owner, update, now);
     estimates_.push_back(
         {.peer = owner,
-         .pose = {position, pbd::rotated(own.pose.orientation, prediction.rotation)},
+         .pose = {own.pose.position + prediction.translation, pbd::rotated(own.pose.orientation, prediction.rotation)},
          .twist = {own.twist.linear + prediction.twist.linear,
                    own.twist.angular + prediction.twist.angular},
          .share = 1.0});
-    if (observer_ == nullptr) return;
-    noted_.push_back(
-        {owner, shared.def.id, position, kNs * static_cast<double>(now - update.stamp)});
-    observer_->on_estimate({owner, update, shared.history, context, prediction});
+    observe(shared, owner, update, prediction, now);
     return;
   }
 }

@@ -142,19 +142,14 @@ void Peer::Impl::mark_joints() {
   }
 }
 
-void Peer::Impl::remember(Shared& shared, SessionTime now, const pbd::Correction& correction) {
-  const pbd::BodyState& state = world_.state(shared.def.body);
-  const bool known = shared.def.body.index < acting_.size();
-  const std::uint8_t acting = known ? acting_[shared.def.body.index] : std::uint8_t{0};
+void Peer::Impl::note_grip(Shared& shared) {
+  const std::uint32_t slot = shared.def.body.index;
+  const std::uint8_t acting = slot < acting_.size() ? acting_[slot] : std::uint8_t{0};
   constexpr std::uint8_t kHeld = Springs::kShared | Springs::kAlone | Springs::kRemote;
   shared.held = (acting & kHeld) != 0;
-  const bool jointed =
-      shared.def.body.index < jointed_.size() && jointed_[shared.def.body.index] != 0;
-  shared.hangs = jointed && !shared.held;
+  const bool jointed = slot < jointed_.size() && jointed_[slot] != 0;
   const bool touches = (acting & kTouched) != 0 || world_.in_contact(shared.def.body);
-  const bool coupled = shared.held || jointed || touches;
-  shared.history.push(now, state.pose, state.twist, correction, coupled,
-                      (acting & ~(kTouched | kJoinedToOther)) != 0);
+  shared.coupled = shared.held || jointed || touches;
 }
 
 StateUpdate Peer::Impl::state_of(Shared& shared, SessionTime now) {
@@ -170,7 +165,7 @@ StateUpdate Peer::Impl::state_of(Shared& shared, SessionTime now) {
           .twist = state.twist,
           .influence = shared.hard.active ? 1.0F : static_cast<float>(announced(shared)),
           .stamp = now,
-          .flags = {.in_contact = shared.history.coupled() && !shared.held,
+          .flags = {.in_contact = shared.coupled && !shared.held,
                     .held = shared.held,
                     .owner_driven = by_hand || (shared.def.owner == transport_.self() && kinematic),
                     .teleported = jumped,

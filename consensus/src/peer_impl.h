@@ -20,12 +20,14 @@
 #include "outbox.h"
 #include "ownership.h"
 #include "packet_limit.h"
+#include "replay.h"
 #include "session_time.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
+#include "world_history.h"
 
 namespace tandem::consensus {
 
@@ -53,7 +55,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void before_step(SessionTime now);
   void after_step(SessionTime now);
   void leave(SessionTime now);
-  void collect(std::vector<pbd::PoseTarget>& out) const;
+  void collect(const pbd::SolverOptions& options, std::vector<pbd::PoseTarget>& out);
 
   /// The world must not ask a peer that is gone for targets.
   void release_world(const Peer* peer) {
@@ -67,6 +69,9 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   std::span<const PeerReport> reports();
   SessionTime now() const { return now_; }
   void set_observer(PeerObserver* observer) { observer_ = observer; }
+  void set_replay_hook(ReplayHook* hook) {
+    if (replay_ != nullptr) replay_->set_hook(hook);
+  }
   void set_interest(const Interest* interest) { interest_ = interest; }
 
  private:
@@ -87,9 +92,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   static constexpr std::uint32_t kNoName = 0xffffffff;
   struct Shared {
     ShareDef def;
-    MotionHistory history;
     bool held = false;
-    bool hangs = false;      ///< by a joint or a spring, and nobody holds it
+    bool coupled = false;    ///< held, joined to something or touched by it
     bool joined = false;     ///< taken over from an established peer, as a newcomer does once
     int jumped = 0;          ///< states still to be sent that tell of a jump
     SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
@@ -108,6 +112,25 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
     bool blocked = false;                 ///< the last step did less than half of it
   };
 
+  /// A state of another peer that counts, against the own one of its stamp.
+  struct Stamped {
+    PeerId peer = 0;
+    SessionTime stamp = 0;  ///< ns
+    pbd::BodyState state;
+    bool apart = false;  ///< beyond ReplayOptions::tolerance
+  };
+  /// How the estimates of one body were found, and what they are good for.
+  struct Found {
+    bool votes = false;   ///< they are to be fused as votes
+    bool by_hand = false; ///< the body goes where its owner's hand has it
+  };
+  /// What agreement wants of one body.
+  struct Wanted {
+    Shared* shared = nullptr;
+    PeerId heaviest = 0;  ///< who has the most say in it
+    bool replayed = false;  ///< where it is to be is the replay's to say
+    pbd::PoseTarget target;
+  };
   /// An estimate that the observer is told of once all is done: recording is no aggregation.
   struct Noted {
     PeerId from = 0;
@@ -136,22 +159,30 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
 
   // Predict and fuse.
   void aggregate(SessionTime now);
-  /// Memory for the histories of bodies that were shared since the last step.
-  void lay_out_histories();
-  MotionHistory spare_history();
-  /// Ask for the memory of bodies whose turn comes soon after that of the one at `place`.
-  /// @param age  samples, of the states that are heard
-  void prefetch(std::size_t place, std::size_t age) const;
-  /// Every peer's newest state of one body, carried to now.
-  /// @return whether they are to be fused as votes
-  bool estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  /// Every peer's newest state of one body, as what is between it and the own one of its stamp, or
+  /// carried to now where nothing is replayed.
+  Found estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  /// A state carried to now by the predictor.
+  Prediction carry(Shared& shared, PeerId from, const StateUpdate& update, SessionTime now);
+  /// The difference of a state to the own one of its stamp; it goes into stamped_ as well.
+  Prediction compare(const Shared& shared, PeerId from, const StateUpdate& update);
+  /// Take over the fused estimates_ as what agreement wants.
+  void want(Shared& shared, const Found& found, SessionTime now);
+  /// The mean at the oldest stamp of what stands: there it stands now as well.
+  pbd::PoseTarget at_rest(const Shared& shared, pbd::PoseTarget target);
+  /// Make a target of what is wanted.
+  void aim(Wanted& wanted);
+  bool replays() const { return replay_ != nullptr && replay_->possible(); }
+  /// Tell the observer of an estimate.
+  void observe(Shared& shared, PeerId from, const StateUpdate& update,
+               const Prediction& prediction, SessionTime now);
   void tell_observer(SessionTime now);
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
   /// Whether a body was put somewhere else since the last step.
   bool jumps(const Shared& shared, const pbd::Correction& correction, double dt) const;
   /// Put a body where it is said to be, whatever is in between.
-  void place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, SessionTime now);
+  void place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist);
   /// The same where copies are apart for good, with all that joints hold to it, and with what
   /// touches those and is apart as well: put back one by one they would be inside each other.
   void place_apart(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, PeerId leader,
@@ -163,14 +194,13 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   bool hard_at_sender(const StateUpdate& update) const;
   double accepted(double share, const Prediction& prediction, const Heard& heard,
                   SessionTime now) const;
+  PredictionContext context_of(Shared& shared, PeerId from, SessionTime now);
   Heard& heard_from(Shared& shared, PeerId peer, SessionTime now);
   /// The share that others should give this peer's states of a body.
   double announced(const Shared& shared);
   /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
   /// after the first step, so that a newcomer takes over what the others know and is heard later.
   double confidence() const;
-  /// A share is meant against a local weight of 1; this is what it comes to against confidence().
-  static double against_own(double share, double confidence);
 
   /// Who acts on which body, and what follows from it, see Initiative.
   void mark_acting();
@@ -194,12 +224,11 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
                          std::size_t i);
   /// Of several others, put a body where the leader or the majority has it if nothing else helps.
   void give_way(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
-  /// Fuse estimates_ where there are several: those far from the rest count less.
-  bool fuse_votes(const pbd::BodyState& own, pbd::PoseTarget& target);
+  /// Of several estimates_ those far from the rest count less.
+  void weigh_votes(const pbd::BodyState& own);
   void note_outliers();
   /// Ask for no more than RobustOptions allow.
-  /// @param joined  taken over from the others, as a newcomer does
-  void limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool joined);
+  void limit(const pbd::BodyState& own, Wanted& wanted);
 
   // Couplings other than the pass.
   /// Whether targets go into the solver's pass; those of owners do where nothing is agreed upon.
@@ -211,7 +240,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void update_ownership(SessionTime now);
   void hear_ownership(PeerId from, SessionTime now);
   /// The state of whoever owns the body, carried to now.
-  void estimate_owner(const Shared& shared, std::span<const Inbox::Received> newest,
+  void estimate_owner(Shared& shared, std::span<const Inbox::Received> newest,
                       SessionTime now);
   std::size_t index_of(const Shared& shared) const {
     return static_cast<std::size_t>(&shared - shared_.data());
@@ -219,7 +248,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
 
   // Remember and send.
   void mark_joints();
-  void remember(Shared& shared, SessionTime now, const pbd::Correction& correction);
+  /// What touches and holds the body after the step.
+  void note_grip(Shared& shared);
   void send(SessionTime now);
   /// Ask the transport who is there, into company_ and newcomers_.
   void look_around();
@@ -257,10 +287,11 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   PeerOptions options_;
   CachedChain announcement_;
   CachedChain hearing_;
-  CachedChain mirrored_;  ///< the same as hearing_, as others apply it
   pbd::World& world_;
   Transport& transport_;
   Springs springs_;
+  WorldHistory history_;
+  std::unique_ptr<Replay> replay_;  ///< null: predictor_ carries all states to now
   Inbox inbox_;
   SenderClocks sender_clocks_;
   std::unique_ptr<Predictor> predictor_;
@@ -274,9 +305,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   NameTables names_;                              ///< of the others
   SessionTime springs_told_ = 0;                  ///< ns, when springs were last sent in full
   std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
-  std::vector<std::vector<MotionSample>> tapes_;  ///< memory of histories, see lay_out_histories()
-  std::size_t without_memory_ = 0;                ///< bodies whose histories have none yet
-  std::vector<MotionHistory> spare_;              ///< with memory, of bodies no longer shared
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<PeerStatus> company_;  ///< all that the transport knows, by id, at the last look
   std::vector<PeerId> connected_;    ///< of these, ascending
@@ -295,15 +323,16 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   SessionTime last_before_ = 0;
   SessionTime next_send_ = 0;
   double step_dt_ = 1.0 / 60.0;
-  // Of the body that estimate() was asked about.
-  pbd::TargetMotion motion_ = pbd::TargetMotion::WithBody;
-  std::size_t age_ = 0;  ///< samples, of the last state
+  pbd::TargetMotion motion_ = pbd::TargetMotion::WithBody;  ///< of estimates_
+  bool apart_ = false;  ///< something is to be replayed for
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;
   std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on receipt
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
+  std::vector<Stamped> stamped_;
+  std::vector<Wanted> wanted_;
   std::vector<Claim> claims_;  ///< of the body that estimate() was asked about
   std::vector<Claim> turns_;
   std::vector<PeerId> leaders_;

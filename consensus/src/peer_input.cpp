@@ -62,7 +62,7 @@ void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Receiv
   Initiative::Acting acting{
       .own = established && (bits & (Springs::kShared | kTouchedByOwn)) != 0,
       .other = (bits & (Springs::kRemote | kTouchedByOther | kJoinedToOther)) != 0,
-      .contact = shared.history.coupled()};
+      .contact = shared.coupled};
   // A spring that only its own peer knows has a rule of its own, raised_while_held_alone().
   if ((bits & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;

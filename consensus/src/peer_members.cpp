@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Which bodies are shared, and the memory of what they did.
+// Which bodies are shared.
 #include <algorithm>
-#include <cstddef>
 #include <stdexcept>
 #include <utility>
 
@@ -15,12 +14,6 @@ namespace {
 
 /// Room that is made for what is kept of other peers' states; more of them allocate once.
 constexpr std::size_t kUsualPeers = 4;
-
-void prefetch_bytes(const void* first, std::size_t size) {
-  constexpr std::size_t kLine = 64;
-  const char* const bytes = static_cast<const char*>(first);
-  for (std::size_t i = 0; i < size; i += kLine) __builtin_prefetch(bytes + i);
-}
 
 }  // namespace
 
@@ -45,7 +38,7 @@ void Peer::Impl::share(const ShareDef& def) {
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
-  const auto shared = shared_.insert(at, Shared{.def = def, .history = spare_history()});
+  const auto shared = shared_.insert(at, Shared{.def = def});
   if (keeps_heard_) shared->heard.reserve(kUsualPeers);
   if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
   inbox_.add_id(def.id);
@@ -74,12 +67,6 @@ void Peer::Impl::set_owner(const SharedId& id, std::optional<PeerId> owner) {
 
 void Peer::Impl::unshare(const SharedId& id) {
   Shared& shared = at(id);
-  if (shared.history.has_memory()) {
-    shared.history.clear();
-    spare_.push_back(std::move(shared.history));
-  } else {
-    --without_memory_;
-  }
   springs_.forget_body(shared.def.body, now_);
   count_owner(shared.def.owner, false);
   inbox_.remove_id(id);
@@ -113,44 +100,6 @@ Peer::Impl::Shared& Peer::Impl::at(const SharedId& id) {
 bool Peer::Impl::held(const SharedId& id) const {
   const Shared* shared = const_cast<Impl*>(this)->find(id);
   return shared != nullptr && springs_.holds(shared->def.body);
-}
-
-MotionHistory Peer::Impl::spare_history() {
-  if (spare_.empty()) {
-    ++without_memory_;
-    return {{}, 0, 1};
-  }
-  MotionHistory history = std::move(spare_.back());
-  spare_.pop_back();
-  return history;
-}
-
-void Peer::Impl::lay_out_histories() {
-  tapes_.emplace_back(without_memory_ * MotionHistory::kCapacity);
-  std::size_t place = 0;
-  for (Shared& shared : shared_) {
-    if (shared.history.has_memory()) continue;
-    shared.history = MotionHistory(tapes_.back(), place++, without_memory_);
-  }
-  without_memory_ = 0;
-}
-
-void Peer::Impl::prefetch(std::size_t place, std::size_t age) const {
-  // Who points to it comes first, what is pointed to when that has come.
-  constexpr std::size_t kAhead = 4;  // bodies
-  if (place + 2 * kAhead < shared_.size()) {
-    prefetch_bytes(&shared_[place + 2 * kAhead], offsetof(Shared, hard));
-  }
-  if (place + kAhead >= shared_.size()) return;
-  const auto newest = inbox_.newest_at(place + kAhead);
-  prefetch_bytes(newest.data(), newest.size_bytes());
-  const Shared& soon = shared_[place + kAhead];
-  prefetch_bytes(soon.heard.data(), soon.heard.size() * sizeof(Heard));
-  soon.history.prefetch(age);
-  const std::uint32_t slot = soon.def.body.index;
-  if (slot >= world_.slot_count()) return;
-  prefetch_bytes(&world_.states()[slot], sizeof(pbd::BodyState));
-  prefetch_bytes(&world_.all_props()[slot].gravity_scale, sizeof(double));
 }
 
 }  // namespace tandem::consensus

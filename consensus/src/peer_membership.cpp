@@ -54,7 +54,7 @@ void Peer::Impl::greet_newcomers() {
 
 void Peer::Impl::place_apart(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist,
                              PeerId leader, SessionTime now) {
-  place(shared, pose, twist, now);
+  place(shared, pose, twist);
   shared.jumped = kJumpTold;
   ++stats_.bodies_placed;
   collect_island(shared.def.body.index);
@@ -93,20 +93,15 @@ void Peer::Impl::place_along(Shared& shared, std::span<const Inbox::Received> ne
                              bool always, SessionTime now) {
   const auto sent = std::find_if(newest.begin(), newest.end(),
                                  [leader](const auto& r) { return r.peer == leader; });
-  if (sent == newest.end() || shared.history.empty()) return;
+  if (sent == newest.end()) return;
   if (!always && (shared.held || sent->update.flags.held)) return;
-  const PredictionContext context{
-      .now = now,
-      .mirrored_share = 0.0,
-      .peers = static_cast<int>(newest.size()),
-      .gravity = world_.props(shared.def.body).gravity_scale * world_.gravity()};
-  const Prediction there = predictor_->predict(sent->update, shared.history, context);
+  const Prediction there = carry(shared, leader, sent->update, now);
   const bool apart = there.translation.norm() > kApart || there.rotation.norm() > kTurned;
   if (!always && !apart) return;
   const pbd::BodyState own = world_.state(shared.def.body);
   place(shared,
         {own.pose.position + there.translation, pbd::rotated(own.pose.orientation, there.rotation)},
-        {own.twist.linear + there.twist.linear, own.twist.angular + there.twist.angular}, now);
+        {own.twist.linear + there.twist.linear, own.twist.angular + there.twist.angular});
   shared.jumped = kJumpTold;
   ++stats_.bodies_placed;
 }

@@ -113,7 +113,7 @@ bool Peer::Impl::outvoted_at_stamp(const Shared& shared, std::span<const Inbox::
     const StateUpdate& update = newest[k].update;
     if (k == i) place = turns_.size();
     if (k != i && !(update.influence > 0.0F)) continue;  // a newcomer's
-    const pbd::Quat then = shared.history.at_time(update.stamp).pose.orientation;
+    const pbd::Quat then = history_.state_at(shared.def.body.index, update.stamp).pose.orientation;
     turns_.push_back(
         {.peer = newest[k].peer, .turn = pbd::rotation_between(then, update.pose.orientation)});
   }
@@ -136,7 +136,7 @@ void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newes
   const bool newcomer =
       confidence() < kNewcomerPart && leaders_.empty() && to->way.norm() > kWrongPlace;
   if (newcomer && shared.joined) {
-    place(shared, estimate->pose, estimate->twist, now);
+    place(shared, estimate->pose, estimate->twist);
     return;
   }
   const auto sent = std::find_if(newest.begin(), newest.end(),
@@ -146,7 +146,7 @@ void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newes
   place_apart(shared, estimate->pose, estimate->twist, to->peer, now);
 }
 
-bool Peer::Impl::fuse_votes(const pbd::BodyState& own, pbd::PoseTarget& target) {
+void Peer::Impl::weigh_votes(const pbd::BodyState& own) {
   double first = 0.0;
   double second = 0.0;
   for (PeerEstimate& estimate : estimates_) {
@@ -158,7 +158,7 @@ bool Peer::Impl::fuse_votes(const pbd::BodyState& own, pbd::PoseTarget& target) 
       second = std::max(second, estimate.weight);
     }
   }
-  if (!(second > 0.0) || std::isinf(first)) return fuse(own.pose, estimates_, target);
+  if (!(second > 0.0) || std::isinf(first)) return;
   // Nobody has more to say than the next one.
   votes_.clear();
   votes_.push_back({.at = {}, .weight = confidence()});
@@ -178,7 +178,6 @@ bool Peer::Impl::fuse_votes(const pbd::BodyState& own, pbd::PoseTarget& target) 
   for (std::size_t i = 0; i < estimates_.size(); ++i) {
     estimates_[i].share = share_of_weight(estimates_[i].weight * votes_[i + 1].central);
   }
-  return fuse(own.pose, estimates_, target);
 }
 
 void Peer::Impl::note_outliers() {
@@ -193,7 +192,8 @@ void Peer::Impl::note_outliers() {
   }
 }
 
-void Peer::Impl::limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool joined) {
+void Peer::Impl::limit(const pbd::BodyState& own, Wanted& wanted) {
+  pbd::PoseTarget& target = wanted.target;
   // A virtual coupling's force has a limit of its own.
   if (target.share >= 1.0 || options_.coupling == Coupling::VirtualCoupling) return;
   const RobustOptions& most = options_.robust;
@@ -208,7 +208,7 @@ void Peer::Impl::limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool 
   // Who has put its copies where the others have them shows them, and gives itself time.
   double step = most.max_correction;
   double kick = most.max_velocity_correction;
-  if (joined && confidence() < 1.0) {
+  if (wanted.shared->joined && confidence() < 1.0) {
     kick = std::min(kick, kUnseenKick);
     step = std::min(step, kUnseen + kUnseenPart * step_dt_ * own.twist.linear.norm());
   }
@@ -218,11 +218,7 @@ void Peer::Impl::limit(const pbd::BodyState& own, pbd::PoseTarget& target, bool 
   if (target.use_rotation_error) {
     target.rotation_error = cut(target.rotation_error, most.max_turn * inverse, capped);
   }
-  if (!capped) return;
-  const auto heaviest = std::max_element(
-      estimates_.begin(), estimates_.end(),
-      [](const PeerEstimate& a, const PeerEstimate& b) { return a.weight < b.weight; });
-  ++report_of(heaviest->peer).capped;
+  if (capped) ++report_of(wanted.heaviest).capped;
 }
 
 }  // namespace tandem::consensus

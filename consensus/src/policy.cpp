@@ -90,24 +90,6 @@ std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_ag
   });
 }
 
-std::shared_ptr<const InfluencePolicy> gain_rule(double min_share, double led_share) {
-  require(min_share >= 0.0 && min_share <= 1.0, "gain_rule", "min_share", min_share, "0 to 1");
-  require(led_share >= 0.0 && led_share <= 1.0, "gain_rule", "led_share", led_share, "0 to 1");
-  return make([min_share, led_share](double share, const InfluenceContext& context) {
-    if (!(share > 0.0)) return 0.0;
-    if (share >= 1.0) return 1.0;
-    const double stable = context.gain / (std::max(context.age, 0.0) / kShareInterval + 2.0);
-    // max(least, stable) in this order: a gain that is not a number counts as none.
-    return std::min(share, std::max(context.sender_leads ? led_share : min_share, stable));
-  });
-}
-
-std::shared_ptr<const InfluencePolicy> deaf_while_leading() {
-  return make([](double share, const InfluenceContext& context) {
-    return share >= 1.0 ? share : share * (1.0 - std::clamp(context.leads, 0.0, 1.0));
-  });
-}
-
 std::shared_ptr<const InfluencePolicy> modelled_error(double distance) {
   require_positive("modelled_error", "distance", distance);
   return make([square = distance * distance](double share, const InfluenceContext& context) {
@@ -148,9 +130,7 @@ PolicyChain default_announcement(const InfluenceOptions& options) {
 
 PolicyChain default_hearing(const InfluenceOptions& options) {
   PolicyChain chain;
-  chain.then(age_decay(options.half_life, options.max_age))
-      .then(gain_rule(options.min_share, options.following))
-      .then(deaf_while_leading());
+  chain.then(age_decay(options.half_life, options.max_age));
   return chain;
 }
 

@@ -45,7 +45,6 @@ class Extrapolator final : public Predictor {
     return detail::to_state(update, own.newest(), position, twist,
                             options_.extrapolates_orientation ? age : 0.0);
   }
-  double gain() const override { return 1.0; }
   bool remembers() const override { return kind_ == PredictorKind::SecondOrder; }
 
  private:
@@ -100,11 +99,6 @@ Prediction detail::to_state(const StateUpdate& update, const MotionSample& own,
                                               : pbd::TargetMotion::WithBody};
 }
 
-std::unique_ptr<Predictor> detail::make_extrapolator(PredictorKind kind,
-                                                     const PredictorOptions& options) {
-  return std::make_unique<Extrapolator>(kind, options);
-}
-
 void PredictorOptions::validate() const {
   require(max_extrapolation >= 0.0 && std::isfinite(max_extrapolation), "PredictorOptions",
           "max_extrapolation", max_extrapolation, "finite and >= 0 s");
@@ -114,19 +108,8 @@ void PredictorOptions::validate() const {
 
 std::unique_ptr<Predictor> make_predictor(PredictorKind kind, const PredictorOptions& options) {
   options.validate();
-  switch (kind) {
-    case PredictorKind::None:
-    case PredictorKind::Euler:
-    case PredictorKind::SecondOrder:
-      return detail::make_extrapolator(kind, options);
-    case PredictorKind::Kalman:
-      return detail::make_kalman(options);
-    case PredictorKind::LocalMotion:
-    case PredictorKind::Blend:
-    case PredictorKind::Adaptive:
-      break;
-  }
-  return detail::make_local_motion(kind, options);
+  const bool replays = kind == PredictorKind::Replay;
+  return std::make_unique<Extrapolator>(replays ? PredictorKind::SecondOrder : kind, options);
 }
 
 }  // namespace tandem::consensus

@@ -24,11 +24,6 @@ inline bool is_free(const StateUpdate& update) {
 Prediction to_state(const StateUpdate& update, const MotionSample& own, const pbd::Vec3& position,
                     const pbd::Twist& twist, double age);
 
-std::unique_ptr<Predictor> make_extrapolator(PredictorKind kind, const PredictorOptions& options);
-std::unique_ptr<Predictor> make_kalman(const PredictorOptions& options);
 /// That one, and where what it says is not finite the state as it was stamped.
-/// @throws std::invalid_argument for a gain that is not finite and > 0
 std::unique_ptr<Predictor> make_guarded(std::shared_ptr<const Predictor> own);
-std::unique_ptr<Predictor> make_local_motion(PredictorKind kind, const PredictorOptions& options);
-
 }  // namespace tandem::consensus::detail

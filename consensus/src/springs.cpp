@@ -20,6 +20,9 @@ constexpr SessionTime kTombstone = 5'000'000'000;
 /// s: a hand that was not moved for longer stands still.
 constexpr double kStill = 0.05;
 
+/// s: so long before its stamp a hand is taken to have moved as it did then.
+constexpr double kBefore = 0.05;
+
 std::uint32_t first_id(SessionTime now) {
   const auto id = static_cast<std::uint32_t>(now / 1'000'000);
   return id == 0 ? 1 : id;
@@ -155,7 +158,8 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   it->last = update;
   it->heard = now;
   if (update.event == SpringEvent::Remove) return Verdict::Taken;
-  pbd::Tether::Def def = tether_of(update, body);
+  if (!it->live) it->began = update.stamp;
+  pbd::Tether::Def& def = it->def = tether_of(update, body);
   const bool limited = limit(def);
   if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0) || too_far(def) ||
       too_many(*it, body)) {
@@ -168,7 +172,6 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     it->tether = tethers_.add(world_, def);
     it->live = true;
   }
-  it->last.anchor_velocity = def.anchor_velocity;
   return limited ? Verdict::Limited : Verdict::Taken;
 }
 
@@ -213,14 +216,7 @@ void Springs::prepare(SessionTime now) {
   for (Remote& remote : remote_) {
     if (remote.live && now - remote.heard > timeout) let_go(remote);
     if (!remote.live || !tethers_.contains(remote.tether)) continue;
-    const double age = kNs * static_cast<double>(now - remote.last.stamp);
-    const double reach = std::clamp(age, -0.05, options_.max_anchor_extrapolation);
-    pbd::Tether::Def def = tethers_.def(remote.tether);
-    def.anchor_w = remote.last.anchor_w + reach * remote.last.anchor_velocity;
-    // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
-    def.anchor_velocity = age < options_.max_anchor_extrapolation ? remote.last.anchor_velocity
-                                                                  : pbd::Vec3(pbd::Vec3::Zero());
-    tethers_.set(world_, remote.tether, def);
+    tethers_.set(world_, remote.tether, pull_at(remote, now));
   }
   std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
   for (Own& own : own_) {
@@ -237,6 +233,44 @@ void Springs::prepare(SessionTime now) {
     def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity;
     def.anchor_velocity = own.velocity;
     tethers_.set(world_, own.tether, def);
+  }
+}
+
+pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const {
+  const double age = kNs * static_cast<double>(time - remote.last.stamp);
+  const double reach = std::clamp(age, -kBefore, options_.max_anchor_extrapolation);
+  pbd::Tether::Def def = remote.def;
+  def.anchor_w += reach * def.anchor_velocity;
+  // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
+  if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
+  return def;
+}
+
+void Springs::others_at(SessionTime time, std::vector<Pull>& out) const {
+  for (const Remote& remote : remote_) {
+    const bool removed = remote.last.event == SpringEvent::Remove;
+    const SessionTime ends =
+        removed ? remote.last.stamp : std::numeric_limits<SessionTime>::max();
+    if ((!removed && !remote.live) || time < remote.began || time >= ends) continue;
+    if (!world_.contains(remote.def.body)) continue;
+    out.push_back({remote.peer, remote.last.spring, pull_at(remote, time)});
+  }
+}
+
+void Springs::rows(std::vector<pbd::ConstraintId>& out) const {
+  const auto add = [&](pbd::ConstraintId row) {
+    if (tethers_.contains(row)) out.push_back(row);
+  };
+  for (const Own& own : own_) add(own.tether);
+  for (const Remote& remote : remote_) {
+    if (remote.live) add(remote.tether);
+  }
+}
+
+void Springs::record(std::vector<Pull>& out) const {
+  out.clear();
+  for (const Own& own : own_) {
+    if (tethers_.contains(own.tether)) out.push_back({0, own.spring, tethers_.def(own.tether)});
   }
 }
 

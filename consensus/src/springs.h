@@ -9,6 +9,7 @@
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/update.h"
 #include "tandem/pbd/tether.h"
+#include "world_history.h"
 
 namespace tandem::consensus {
 
@@ -52,6 +53,13 @@ class Springs {
 
   /// All that pull, own and remote, as they do in the step to come; appended.
   void pulls(std::vector<pbd::Tether::Def>& out) const;
+  /// Own ones as they do in the step to come.
+  void record(std::vector<Pull>& out) const;
+  /// The others' as they pulled at `time`, by all that is known of them now; appended.
+  void others_at(SessionTime time, std::vector<Pull>& out) const;
+  const pbd::Tethers& block() const { return tethers_; }
+  /// All rows of block(); appended.
+  void rows(std::vector<pbd::ConstraintId>& out) const;
   bool holds(pbd::BodyId body) const;
   /// Whether this peer's user holds the body.
   bool holds_own(pbd::BodyId body) const;
@@ -90,13 +98,16 @@ class Springs {
   struct Remote {
     PeerId peer = 0;
     SpringUpdate last = {};
+    SessionTime began = 0;  ///< ns, stamp of the first message
     SessionTime heard = 0;
     pbd::ConstraintId tether = {};
+    pbd::Tether::Def def = {};  ///< of the last message, as it was limited
     bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
   };
 
   Own& find(GrabId id);
   void let_go(Remote& remote);
+  pbd::Tether::Def pull_at(const Remote& remote, SessionTime time) const;
   /// Cut to what RobustOptions allow. @return whether anything was
   bool limit(pbd::Tether::Def& def) const;
   bool too_many(const Remote& remote, pbd::BodyId body) const;

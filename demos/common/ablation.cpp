@@ -47,9 +47,10 @@ class PlainTargets final : public pbd::TargetSource {
   PlainTargets(pbd::TargetSource& source, const Ablation& ablation)
       : source_(source), ablation_(ablation) {}
 
-  void collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) override {
+  void collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
+               std::vector<pbd::PoseTarget>& out) override {
     const std::size_t first = out.size();
-    source_.collect(world, dt, out);
+    source_.collect(world, dt, options, out);
     for (std::size_t i = first; i < out.size(); ++i) {
       pbd::PoseTarget& target = out[i];
       if (target.share >= 1.0) continue;  // owners are no agreement
@@ -69,8 +70,8 @@ class PlainTargets final : public pbd::TargetSource {
 std::string_view to_string(Part part) {
   constexpr std::array<std::string_view, kParts> kNames{
       "channels",   "velocities", "motion",      "total", "clean-up", "masses",
-      "parts",      "rotation",   "gain-rule",   "age",   "ways",     "own-motion",
-      "initiative", "leading",    "arbitration", "ramp",  "refine"};
+      "parts",      "rotation",   "age",         "initiative", "leading", "arbitration", "ramp",
+      "refine"};
   return kNames[static_cast<std::size_t>(part)];
 }
 
@@ -86,16 +87,7 @@ void Ablation::apply(consensus::PeerOptions& options) const {
   consensus::InfluenceOptions& influence = options.influence;
   constexpr double kNever = 1e6;  // s
   if (lacks(Part::Age)) influence.half_life = kNever;
-  if (lacks(Part::Leading)) {
-    influence.leading = 0.0;
-    influence.following = influence.min_share;
-  }
-  if (lacks(Part::GainRule) && options.hearing.empty()) {
-    options.hearing.then(consensus::age_decay(influence.half_life, influence.max_age))
-        .then(consensus::deaf_while_leading());
-  }
-  if (lacks(Part::Ways)) options.predictor = consensus::PredictorKind::Blend;
-  if (lacks(Part::OwnMotion)) options.predictor = consensus::PredictorKind::Euler;
+  if (lacks(Part::Leading)) influence.leading = 0.0;
   if (lacks(Part::Initiative)) options.initiative = false;
   if (lacks(Part::Arbitration)) options.arbitration = false;
   if (lacks(Part::Ramp)) options.authority_ramp = 0.0;

@@ -25,17 +25,14 @@ enum class Part : std::uint8_t {
   Masses,       ///< what remote peers know is heavier in the total channel
   InParts,      ///< agreement in parts of the step: the whole share at its end
   Rotation,     ///< the exact rotation mean: plain geodesics to the target instead
-  GainRule,     ///< the share's limit by age
   Age,          ///< the share's decay with age
-  Ways,         ///< weighing of the predictor's ways by what they missed
-  OwnMotion,    ///< own motion in the prediction: Euler
   Initiative,   ///< who acted last leads
   Leading,      ///< a leader's higher share, but not that it leads
   Arbitration,  ///< the lower id decides where no average helps
   Ramp,         ///< authority that grows from zero
   Refine,       ///< more substeps where they are needed
 };
-inline constexpr std::size_t kParts = 17;
+inline constexpr std::size_t kParts = 14;
 std::string_view to_string(Part part);
 
 /// The parts that a run does without.

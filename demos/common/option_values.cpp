@@ -34,11 +34,17 @@ double limit(std::string_view option, std::string_view text, double least, doubl
 }
 
 consensus::PredictorKind predictor(std::string_view text) {
-  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Adaptive); ++i) {
+  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Replay); ++i) {
     const auto kind = static_cast<consensus::PredictorKind>(i);
     if (text == to_string(kind)) return kind;
   }
-  refuse("--predictor", text, "none, euler, second-order, kalman, local-motion, blend or adaptive");
+  refuse("--predictor", text, "none, euler, second-order or replay");
+}
+
+consensus::ReplayInputs inputs(std::string_view text) {
+  if (text == "known") return consensus::ReplayInputs::Known;
+  if (text == "common") return consensus::ReplayInputs::Common;
+  refuse("--inputs", text, "known or common");
 }
 
 consensus::InputMode mode(std::string_view text) {

@@ -34,6 +34,7 @@ Number number(std::string_view option, std::string_view text, Number low, Number
 double limit(std::string_view option, std::string_view text, double least, double most,
              std::string_view rule);
 consensus::PredictorKind predictor(std::string_view text);
+consensus::ReplayInputs inputs(std::string_view text);
 consensus::InputMode mode(std::string_view text);
 Scheme scheme(std::string_view option, std::string_view text);
 /// "HOST:PORT"

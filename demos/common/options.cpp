@@ -231,6 +231,23 @@ constexpr Option kOptions[] = {
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.predictor = predictor(in.value(name));
      }},
+    {"--closing-share", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.replayed.share = number(name, in.value(name), 1e-3, 1.0, "a number from 0.001 to 1");
+     }},
+    {"--inputs", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.replayed.inputs = inputs(in.value(name));
+     }},
+    {"--replay-budget", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.replayed.budget = number(name, in.value(name), 1.0, 1000.0, "a number from 1 to 1000");
+     }},
+    {"--replay-substeps", Where::Everywhere,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       o.replayed.substeps =
+           number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
+     }},
     {"--mode", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) { o.mode = mode(in.value(name)); }},
     {"--extrapolation", Where::Everywhere, read_seconds<&DemoOptions::extrapolation>},
@@ -303,6 +320,7 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
     result.predictor = *predictor;
     result.prediction.extrapolates_orientation = true;
   }
+  result.replay = replayed;
   result.mode = mode;
   result.prediction.max_extrapolation = extrapolation;
   result.max_anchor_extrapolation = spring_extrapolation;

@@ -51,8 +51,9 @@ struct DemoOptions {
   double seconds = 20.0;    ///< s, of session time
   std::uint64_t seed = 1;   ///< of noise, orders, step phases, users and links
   double influence = 0.08;  ///< baseline share per 1/60 s; 0 = no agreement
-  /// nullopt = the scheme's: Euler in what is reproduced as published, else Adaptive.
+  /// nullopt = the scheme's: Euler in what is reproduced as published, else Replay.
   std::optional<consensus::PredictorKind> predictor;
+  consensus::ReplayOptions replayed = {};
   consensus::InputMode mode = consensus::InputMode::Soft;
   double extrapolation = 1.0;         ///< s, longest of states
   double spring_extrapolation = 0.3;  ///< s, longest of users' springs

@@ -38,8 +38,12 @@ Session:
                      (one-pass)
   --pd-frequency F   Hz, natural frequency of pd's spring (0.5)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
-  --predictor none|euler|second-order|kalman|local-motion|blend|adaptive
-                     (adaptive; euler with plain, paper, single-owner and pd)
+  --predictor none|euler|second-order|replay
+                     (replay; euler with plain, paper, single-owner and pd)
+  --closing-share S  of the gap to the replayed mean, per 1/60 s, above 0 to 1 (0.2)
+  --inputs known|common            of users' springs, what a replay knows (known)
+  --replay-budget N  steps replayed for each step, 1 to 1000; 1000 = a new replay each step (1.75)
+  --replay-substeps N              of a replayed step; 0 = as the world's own (0)
   --extrapolation S  longest extrapolation of states (1)
   --spring-extrapolation S         of users' springs; 0 = off (0.3)
   --damped-start S   shares grow over this time since a peer was heard (0)
@@ -57,8 +61,8 @@ Session:
   --iterations N     sweeps of its pass in each substep (1)
   --total-iterations N            and of its total channel, 0 to 1000 (1)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
-                     clean-up, masses, parts, rotation, gain-rule, age, ways, own-motion,
-                     initiative, leading, arbitration, ramp, refine
+                     clean-up, masses, parts, rotation, age, initiative, leading, arbitration,
+                     ramp, refine
   --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any
   --view [PORT]      serve a page that shows the run, until ctrl-c unless --seconds is given; its
@@ -86,16 +90,10 @@ std::string_view to_string(consensus::PredictorKind kind) {
       return "euler";
     case consensus::PredictorKind::SecondOrder:
       return "second-order";
-    case consensus::PredictorKind::Kalman:
-      return "kalman";
-    case consensus::PredictorKind::LocalMotion:
-      return "local-motion";
-    case consensus::PredictorKind::Blend:
-      return "blend";
-    case consensus::PredictorKind::Adaptive:
+    case consensus::PredictorKind::Replay:
       break;
   }
-  return "adaptive";
+  return "replay";
 }
 
 std::string_view to_string(consensus::InputMode mode) {

@@ -24,7 +24,7 @@ class Parabola final : public consensus::Predictor {
                                 const consensus::MotionHistory& own,
                                 const consensus::PredictionContext& context) const override {
     const double age = 1e-9 * static_cast<double>(context.now - update.stamp);  // s
-    const consensus::MotionSample& here = own.newest();
+    const consensus::MotionSample here = own.newest();
     consensus::Prediction said;
     said.translation = update.pose.position + age * update.twist.linear +
                        0.5 * age * age * context.gravity - here.pose.position;
@@ -34,7 +34,6 @@ class Parabola final : public consensus::Predictor {
     said.twist.angular = update.twist.angular - here.twist.angular;
     return said;
   }
-  double gain() const override { return 1.0; }
 };
 
 /// The largest distance from where the predictor has the ball to where its owner has it.

@@ -91,9 +91,10 @@ void StageHashes::told() {
   for (const pbd::Tether::Def& spring : springs_) mix(of(spring.body), spring);
 }
 
-void StageHashes::collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) {
+void StageHashes::collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
+                          std::vector<pbd::PoseTarget>& out) {
   const std::size_t first = out.size();
-  inner_->collect(world, dt, out);
+  inner_->collect(world, dt, options, out);
   for (std::size_t i = first; i < out.size(); ++i) mix(of(out[i].body), out[i]);
 }
 

@@ -34,7 +34,8 @@ class StageHashes final : private pbd::TargetSource {
   const StageHash& poses() const { return poses_; }
 
  private:
-  void collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) override;
+  void collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
+               std::vector<pbd::PoseTarget>& out) override;
   /// The hash that goes with a body; one for all that are not shared.
   std::uint64_t& of(const pbd::BodyId& body);
   void start();

@@ -110,7 +110,7 @@ Command read_set(const Fields& fields) {
   if (name == "influence") {
     return SetInfluence{in.number("value", 0.0, kMostInfluence, "0 to 0.5")};
   }
-  if (name == "predictor") return SetPredictor{named(in, consensus::PredictorKind::Adaptive)};
+  if (name == "predictor") return SetPredictor{named(in, consensus::PredictorKind::Replay)};
   if (name == "scheme") return SetScheme{named(in, Scheme::Pd)};
   fields.refuse("name", "paused, speed, profile, influence, predictor or scheme");
 }

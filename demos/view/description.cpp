@@ -102,7 +102,7 @@ void write_choices(JsonWriter& json) {
   json.begin_object().key("profile").begin_array();
   for (int profile = 0; profile <= kMostProfile; ++profile) json.value(profile);
   json.end_array().key("predictor").begin_array();
-  for (int kind = 0; kind <= static_cast<int>(consensus::PredictorKind::Adaptive); ++kind) {
+  for (int kind = 0; kind <= static_cast<int>(consensus::PredictorKind::Replay); ++kind) {
     json.value(to_string(static_cast<consensus::PredictorKind>(kind)));
   }
   json.end_array().key("scheme").begin_array();

@@ -66,7 +66,6 @@ void PaneWatch::on_estimate(const consensus::EstimateEvent& event) {
   std::vector<float>& shares = known == shares_.end() ? shares_[event.from] : known->second;
   shares.resize(index_.size(), 0.0F);
   shares[index] = static_cast<float>(event.update.influence);
-  if (event.own.empty()) return;
   const pbd::Vec3 own = event.own.at_time(event.update.stamp).pose.position;
   distances_.push_back((event.update.pose.position - own).norm());
 }

@@ -35,7 +35,7 @@ struct Settings {
   double speed = 1.0;          ///< session time over wall time
   std::optional<int> profile;  ///< of the virtual link; none: the network is real
   double influence = 0.0;      ///< baseline share per 1/60 s
-  consensus::PredictorKind predictor = consensus::PredictorKind::Adaptive;
+  consensus::PredictorKind predictor = consensus::PredictorKind::Replay;
   Scheme scheme = Scheme::OnePass;
   friend bool operator==(const Settings&, const Settings&) = default;
 };
@@ -151,7 +151,7 @@ struct SetInfluence {
   double influence = 0.0;
 };
 struct SetPredictor {
-  consensus::PredictorKind predictor = consensus::PredictorKind::Adaptive;
+  consensus::PredictorKind predictor = consensus::PredictorKind::Replay;
 };
 struct SetScheme {
   Scheme scheme = Scheme::OnePass;

@@ -70,6 +70,11 @@ DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& g
   return arms;
 }
 
+void DistanceJoint::forgive(const SubstepContext& ctx) {
+  SolverBody ground;
+  gap_ = ForceLaw::gap(axis(), arms(ctx, ground).length - def_.rest_length);
+}
+
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);

@@ -127,6 +127,7 @@ void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> want
 }
 
 void JointBlock::begin_step(const SubstepContext& ctx) {
+  if (!ctx.displaced.empty()) impl_->forgive(ctx);
   if (impl_->dirty || impl_->natural != ctx.order.natural() ||
       !impl_->system.fits(impl_->records, ctx.bodies)) {
     impl_->system.build(impl_->records, ctx.bodies, ctx.order);

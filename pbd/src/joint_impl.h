@@ -49,6 +49,16 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     return (record.def.a.valid() && bodies[record.def.a.index].total) ||
            bodies[record.def.b.index].total;
   }
+  /// See SubstepContext::displaced.
+  void forgive(const SubstepContext& ctx) {
+    const auto moved = [&](BodyId id) { return id.valid() && ctx.displaced[id.index] != 0; };
+    for (JointRecord& record : records) {
+      if (!record.active() || !(moved(record.def.a) || moved(record.def.b))) continue;
+      double c[kCoordinates] = {};
+      place(record, ctx.bodies, c);
+      for (int i = 0; i < kCoordinates; ++i) record.gap[i] = ForceLaw::gap(record.axis(i), c[i]);
+    }
+  }
   /// Those of the group.
   template <class Visit>
   void for_total(const SubstepContext& ctx, Visit&& visit) {

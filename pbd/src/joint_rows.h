@@ -173,6 +173,11 @@ struct ForceLaw {
     return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
   }
 
+  /// The same where nothing was kept: all that the row violates.
+  static double gap(const JointAxis& axis, double c) {
+    return gap(axis, c, axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
+  }
+
   /// The piece of the graph on which the row by itself would end: that of c with
   /// c - w lambda(c) = c_now - w lambda_now. Alone it is the exact projection; in a system of rows
   /// it is the guess of a semismooth Newton step.

@@ -47,8 +47,11 @@ void Solver::Impl::begin_step(World& world, double dt) {
               .gravity = world.gravity_,
               .workers = &workers_,
               .order = world.order(),
-              .shared = !targets_.empty()};
+              .shared = !targets_.empty(),
+              .displaced = world.displaced_};
   for_blocks([&](ConstraintBlock& block) { block.begin_step(context_); });
+  context_.displaced = {};
+  world.displaced_.clear();
   end_stage(Stage::Begin);
 }
 
@@ -281,7 +284,7 @@ void Solver::Impl::detect() {
 void Solver::Impl::collect_targets() {
   pose_targets_.clear();
   if (world_->target_source_ != nullptr) {
-    world_->target_source_->collect(*world_, dt_, pose_targets_);
+    world_->target_source_->collect(*world_, dt_, options_, pose_targets_);
     std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t); });
     world_->corrections_.assign(bodies_.size(), {});
   } else {

@@ -86,6 +86,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.activity_ = from.activity_;
   to.sleepers_moved_ = from.sleepers_moved_;
   to.wrenches_ = from.wrenches_;
+  to.displaced_ = from.displaced_;
   to.kinematic_targets_ = from.kinematic_targets_;
 }
 
@@ -158,6 +159,12 @@ void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake
   if (world_.props_[slot].type != BodyType::Dynamic) return;
   if (awake && !activity.awake) activity.still = 0.0;
   activity.awake = awake;
+}
+
+void WorldCopy::displace(std::uint32_t slot, const BodyState& state) {
+  set_state(slot, state, true);
+  world_.displaced_.resize(world_.states_.size(), 0);
+  world_.displaced_[slot] = 1;
 }
 
 void WorldCopy::clear_inputs() {

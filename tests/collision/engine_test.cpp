@@ -148,7 +148,8 @@ TEST_CASE("engine: a ball bounces to e^2 of its height and never gains", "[colli
 class Pull final : public pbd::TargetSource {
  public:
   pbd::PoseTarget target;
-  void collect(const pbd::World&, double, std::vector<pbd::PoseTarget>& out) override {
+  void collect(const pbd::World&, double, const pbd::SolverOptions&,
+               std::vector<pbd::PoseTarget>& out) override {
     out.push_back(target);
   }
 };
@@ -176,7 +177,8 @@ class Nudge final : public pbd::TargetSource {
  public:
   std::vector<BodyId> bodies;
   double share = 0.0;
-  void collect(const pbd::World& world, double, std::vector<pbd::PoseTarget>& out) override {
+  void collect(const pbd::World& world, double, const pbd::SolverOptions&,
+               std::vector<pbd::PoseTarget>& out) override {
     for (const BodyId id : bodies) {
       pbd::PoseTarget& target = out.emplace_back();
       target = {.body = id, .pose = world.pose(id), .twist = world.twist(id), .share = share};

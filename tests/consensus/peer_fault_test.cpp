@@ -294,7 +294,7 @@ TEST_CASE("peer: a leader that nobody can follow does not become an owner", "[co
     transport.deliver(1, update);
     site.peer->before_step(now);
     std::vector<pbd::PoseTarget> targets;
-    site.peer->collect(site.world, 1.0 / 60.0, targets);
+    site.peer->collect(site.world, 1.0 / 60.0, {}, targets);
     for (const pbd::PoseTarget& target : targets) CHECK(target.share <= 0.5 + 1e-12);
     site.peer->after_step(now + ns(1.0 / 60.0));  // wedged: no solver turns it
   }

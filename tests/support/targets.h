@@ -15,7 +15,8 @@ class FixedTargets final : public pbd::TargetSource {
   std::vector<pbd::PoseTarget> targets;
   int collected = 0;
 
-  void collect(const pbd::World&, double, std::vector<pbd::PoseTarget>& out) override {
+  void collect(const pbd::World&, double, const pbd::SolverOptions&,
+               std::vector<pbd::PoseTarget>& out) override {
     ++collected;
     out.insert(out.end(), targets.begin(), targets.end());
   }

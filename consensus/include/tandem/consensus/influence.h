@@ -34,14 +34,8 @@ struct TANDEM_API InfluenceOptions {
   /// Announced while this peer's user was the last to act on a body, and the only one: the others
   /// follow, and this peer does not listen until they know what was done.
   double leading = 0.8;
-  /// Lower limit of the gain rule for a leader's states: a follower of one that does not listen is
-  /// stable at any share, but the older the news are, the less is won by hurrying after them.
-  double following = 0.25;
   /// s: the age at which a share has halved, because prediction errors grow with it.
   double half_life = 0.5;
-  /// Lower limit of the gain rule. Above 0, so that old states still bring agreement; below what a
-  /// contact-like mode bears at the longest delays (about 0.02 at 30 frames).
-  double min_share = 0.02;
   /// s: an older update has expired and counts nothing.
   double max_age = 1.0;
 
@@ -50,15 +44,11 @@ struct TANDEM_API InfluenceOptions {
 };
 
 /// How much of an announced share counts for an update of age `age` (s, session time; negative
-/// counts as 0):
-///   s = min(s_policy, max(min_share, gain / (d + 2))),  s_policy = announced * 2^(-age/half_life),
-/// with d = age in 1/60 s. `gain` belongs to the predictor: 1 for linear extrapolation, larger for
-/// predictors that bear more.
-/// An announced share of 1 (or more) makes us the follower of an owner: 1 until the update expires,
-/// with neither decay nor gain rule, since a pure follower of a pure owner is always stable.
+/// counts as 0) where states are extrapolated:  announced * 2^(-age / half_life).
+/// An announced share of 1 (or more) makes us the follower of an owner: 1 until the update expires.
 /// Where we own the body ourselves (`self_owns`) remote states count 0.
 /// Result in [0, 1]; 0 where an input is not a number. @pre options are valid. Cost O(1).
 TANDEM_API double effective_share(const InfluenceOptions& options, double announced, double age,
-                                  double gain, bool self_owns = false);
+                                  bool self_owns = false);
 
 }  // namespace tandem::consensus

@@ -14,6 +14,7 @@
 #include "tandem/consensus/influence.h"
 #include "tandem/consensus/policy.h"
 #include "tandem/consensus/predictor.h"
+#include "tandem/consensus/replay.h"
 #include "tandem/consensus/robust.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
@@ -82,7 +83,8 @@ struct TANDEM_API PeerOptions {
   PolicyChain hearing;
   /// Further rules, after a state was carried to now; empty = none.
   PolicyChain acceptance;
-  PredictorKind predictor = PredictorKind::Adaptive;
+  PredictorKind predictor = PredictorKind::Replay;
+  ReplayOptions replay;
   PredictorOptions prediction;
   /// Of the application's own making, in place of `predictor`; null = that one. Where what it says
   /// is not finite the state counts as it was stamped. Peers of one session need not have the same.
@@ -122,8 +124,7 @@ struct TANDEM_API PeerOptions {
 /// whatever the coupling: positions carried by their velocity, orientations not at all (Sec. 4.2,
 /// Eq. 3), the baseline share (more while this peer alone knows the user's constraint, Sec. 3.2;
 /// all of an owner's, Sec. 6.3) that halves with age as Sec. 3.3 asks for, which gives no law; no
-/// gain rule, no initiative, no arbitration, full authority at once. Shares are per 1/60 s as
-/// elsewhere.
+/// initiative, no arbitration, full authority at once. Shares are per 1/60 s as elsewhere.
 TANDEM_API PeerOptions with_published_rules(PeerOptions options);
 
 /// A body that all peers know under one id.
@@ -178,6 +179,7 @@ struct TANDEM_API PeerStats {
   std::uint64_t springs_refused = 0;  ///< unknown body, or too many
   std::uint64_t bytes_sent = 0;
   InboxCounters inbox;
+  ReplayStats replay;
   /// Bodies put where the leading peer has them, since something solid kept the copies apart.
   std::uint64_t bodies_placed = 0;
   /// By peer; empty where every state goes to everybody in full, see SendOptions.
@@ -290,11 +292,14 @@ class TANDEM_API Peer final : public pbd::TargetSource {
   /// Valid until the next step.
   std::span<const PeerReport> reports() const;
   void set_observer(PeerObserver* observer);
+  /// Must outlive the peer or be set to null. Called where states are replayed.
+  void set_replay_hook(ReplayHook* hook);
   /// Must outlive the peer or be set to null.
   void set_interest(const Interest* interest);
 
   // pbd::TargetSource
-  void collect(const pbd::World& world, double dt, std::vector<pbd::PoseTarget>& out) override;
+  void collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
+               std::vector<pbd::PoseTarget>& out) override;
 
  private:
   class Impl;

@@ -21,11 +21,9 @@ struct TANDEM_API InfluenceContext {
   /// 0 to 1: this peer's user was the last to act on it, and the only one; the others only know an
   /// earlier state of it. Fades out.
   double leads = 0.0;
-  bool sender_leads = false;  ///< the same of who sent the state; it does not listen
   /// 0 to 1: how long this peer has been in the session, see PeerOptions::authority_ramp.
   double confidence = 1.0;
   double age = 0.0;   ///< s, of the update
-  double gain = 1.0;  ///< the predictor's, see Predictor::gain()
   double heard_for =
       std::numeric_limits<double>::infinity();  ///< s, since the sender's first state
   double variance = 0.0;  ///< m^2, the predictor's own estimate of its error; 0 = not known
@@ -81,15 +79,6 @@ TANDEM_API std::shared_ptr<const InfluencePolicy> owner_alone();
 
 /// Halves with each `half_life` (s) of age, 0 beyond `max_age` (s); owners' only expires.
 TANDEM_API std::shared_ptr<const InfluencePolicy> age_decay(double half_life, double max_age);
-/// At most max(min_share, gain / (d + 2)), d the age in 1/60 s; not for owners. Of a sender that
-/// leads at most max(led_share, gain / (d + 2)): 1 follows it at any share.
-TANDEM_API std::shared_ptr<const InfluencePolicy> gain_rule(double min_share,
-                                                            double led_share = 1.0);
-
-/// Times 1 - leads: who has just acted does not listen to those who do not know it yet; not for
-/// owners.
-TANDEM_API std::shared_ptr<const InfluencePolicy> deaf_while_leading();
-
 // Of the share that is left, after the state was carried to now; not for owners.
 
 /// Times r^2 / (r^2 + variance): a state whose predictor expects an error of `distance` (m) counts
@@ -112,7 +101,7 @@ TANDEM_API std::shared_ptr<const InfluencePolicy> sleeping_threshold(
 
 /// baseline, raised while held alone and while leading, authority ramp, owner.
 TANDEM_API PolicyChain default_announcement(const InfluenceOptions& options);
-/// age decay and gain rule, which are the same as effective_share(), and deafness while leading.
+/// Age decay, the same as effective_share().
 TANDEM_API PolicyChain default_hearing(const InfluenceOptions& options);
 
 }  // namespace tandem::consensus

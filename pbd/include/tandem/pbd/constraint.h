@@ -75,6 +75,9 @@ struct TANDEM_API SubstepContext {
   /// bodies.
   BodyOrder order = {};
   bool shared = false;  ///< some body takes part in the total channel
+  /// By body: put where it is by agreement, before this step. What rows violate there is left to
+  /// them as what agreement leaves within a step is: it becomes no velocity. Empty = none.
+  std::span<const std::uint8_t> displaced = {};
 };
 
 /// What a block tells about itself after a step.

@@ -35,6 +35,8 @@ struct TANDEM_API ContactOptions {
   double clean_up_slop = 5e-3;
   /// Impacts slower than this many times |gravity| * h do not bounce.
   double restitution_threshold = 2.0;
+
+  friend bool operator==(const ContactOptions&, const ContactOptions&) = default;
 };
 
 /// One manifold of a step and what is carried from step to step with it.

@@ -45,6 +45,7 @@ class TANDEM_API DistanceJoint {
   BodyId body_b() const { return def_.b; }
 
   // RUN TIME PROPERTIES FOLLOW
+  void forgive(const SubstepContext& ctx);
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
   void finish_velocity(const SubstepContext& ctx);

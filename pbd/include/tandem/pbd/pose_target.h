@@ -13,6 +13,7 @@ namespace tandem::pbd {
 class ByteReader;
 class ByteWriter;
 class World;
+struct SolverOptions;
 
 /// How a target moves while the step runs.
 enum class TargetMotion : std::uint8_t {
@@ -52,7 +53,9 @@ class TANDEM_API TargetSource {
   virtual ~TargetSource() = default;
 
   /// Append the targets of the step to come; at most one per body.
-  virtual void collect(const World& world, double dt, std::vector<PoseTarget>& out) = 0;
+  /// @param options  of the solver that makes it
+  virtual void collect(const World& world, double dt, const SolverOptions& options,
+                       std::vector<PoseTarget>& out) = 0;
 };
 
 }  // namespace tandem::pbd

@@ -52,6 +52,7 @@ struct TANDEM_API SolverOptions {
 
   /// Whether all fields are within their rules; if not, `error` names field, value and rule.
   bool validate(std::string* error = nullptr) const;
+  friend bool operator==(const SolverOptions&, const SolverOptions&) = default;
 };
 
 /// Advances worlds. It holds scratch memory only: all state is in the world, so that one solver may

@@ -51,7 +51,7 @@ struct TANDEM_API ConstraintId {
 ///   double residual() const; double total_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
-///   begin_substep, solve_velocity, finish_velocity, begin_total, project_total, end_total,
+///   forgive (of a row with a body that SubstepContext::displaced names), begin_substep, solve_velocity, finish_velocity, begin_total, project_total, end_total,
 ///   end_step; bool active() const (false leaves the row out), drives() const and springs() const
 ///   (see ConstraintBlock; they concern both bodies).
 /// Where C is a value that can be copied, so is the block (WorldCopy).
@@ -105,7 +105,16 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   int order() const override { return C::kOrder; }
   bool empty() const override { return count_ == 0; }
 
-  void begin_step(const SubstepContext& ctx) override { put_in_sequence(ctx.order); }
+  void begin_step(const SubstepContext& ctx) override {
+    put_in_sequence(ctx.order);
+    if constexpr (requires(C & c) { c.forgive(ctx); }) {
+      if (ctx.displaced.empty()) return;
+      sweep(false, [&](C& c) {
+        const auto moved = [&](BodyId id) { return id.valid() && ctx.displaced[id.index] != 0; };
+        if (is_active(c) && (moved(c.body_a()) || moved(c.body_b()))) c.forgive(ctx);
+      });
+    }
+  }
   void begin_substep(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.begin_substep(ctx); }) {
       sweep_group(ctx, [&](C& c) { c.begin_substep(ctx); });

@@ -62,6 +62,10 @@ class TANDEM_API WorldCopy {
   /// @param awake  whether a dynamic body is solved; of no effect on others
   void set_state(std::uint32_t slot, const BodyState& state, bool awake);
 
+  /// The same of a body that others agree is there, awake: what joints violate there becomes no
+  /// velocity in the next step, as with a PoseTarget (docs/method.md Sec. 3).
+  void displace(std::uint32_t slot, const BodyState& state);
+
   /// Forget what was asked of world() for its next step: forces, torques, kinematic targets.
   void clear_inputs();
 

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cpu_clock.h"
+#include "session_time.h"
+#include "tandem/consensus/influence.h"
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/typed_block.h"
+
+namespace tandem::consensus {
+namespace {
+
+constexpr double kAll = std::numeric_limits<double>::infinity();
+
+/// The state of another peer where its stamp lies between own frames: the difference to the own
+/// motion is carried to the frame.
+pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
+  const SessionTime time = history.frame(news.frame).time;
+  if (time == news.stamp) return news.state;
+  const double dt = kNs * static_cast<double>(time - news.stamp);
+  const pbd::BodyState then = history.state_at(news.slot, news.stamp);
+  const pbd::BodyState own = history.state_at(news.slot, time);
+  const pbd::Vec3 drift = news.state.twist.linear - then.twist.linear;
+  const pbd::Vec3 spin = news.state.twist.angular - then.twist.angular;
+  const pbd::Vec3 turn =
+      pbd::rotation_between(then.pose.orientation, news.state.pose.orientation) + dt * spin;
+  return {{own.pose.position + (news.state.pose.position - then.pose.position) + dt * drift,
+           pbd::rotated(own.pose.orientation, turn)},
+          {own.twist.linear + drift, own.twist.angular + spin}};
+}
+
+}  // namespace
+
+using pbd::detail::require;
+
+void ReplayOptions::validate() const {
+  require(share > 0.0 && share <= 1.0, "ReplayOptions", "share", share, "above 0 to 1");
+  require(budget >= 1.0, "ReplayOptions", "budget", budget, "at least 1");
+  require(longest > 0.0 && longest <= 60.0, "ReplayOptions", "longest", longest, "above 0 to 60 s");
+  require(substeps >= 0 && substeps <= 1000, "ReplayOptions", "substeps", substeps, "0 to 1000");
+  require(tolerance >= 0.0 && std::isfinite(tolerance), "ReplayOptions", "tolerance", tolerance,
+          "finite and >= 0 m");
+}
+
+std::size_t Replay::awake() const {
+  std::size_t count = 0;
+  const std::span<const pbd::BodyProps> props = world_.all_props();
+  for (std::uint32_t slot = 0; slot < props.size(); ++slot) {
+    count += props[slot].type == pbd::BodyType::Dynamic && world_.awake_at(slot) ? 1 : 0;
+  }
+  return count;
+}
+
+void Replay::set_solver(const pbd::SolverOptions& options) {
+  if (solver_.has_value() && options == solved_with_) return;
+  solved_with_ = options;
+  pbd::SolverOptions own = options;
+  own.measure_stages = false;
+  if (options_.substeps > 0) own.substeps = options_.substeps;
+  solver_.emplace(own);
+}
+
+void Replay::update(SessionTime now, ReplayStats& stats) {
+  if (news_.empty() || history_.empty() || !possible()) {
+    drop();
+    return;
+  }
+  const CpuTimer timer(stats.seconds);
+  start_ = history_.last();
+  const SessionTime oldest = now - to_ns(options_.longest);
+  for (News& news : news_) {
+    news.frame = history_.nearest(std::max(news.stamp, oldest));
+    start_ = std::min(start_, news.frame);
+  }
+  const auto bodies = static_cast<double>(awake());
+  const double cost = static_cast<double>(history_.last() - start_) * bodies;
+  const double income = std::isinf(options_.budget) ? kAll : options_.budget * bodies;
+  credit_ = std::min(credit_ + income, std::max(cost, income));
+  if (cost <= credit_) {
+    if (!std::isinf(credit_)) credit_ -= cost;
+    ++stats.fresh;
+    if (!start()) {
+      ++stats.without;
+      return drop();
+    }
+    for (std::size_t frame = start_; frame < history_.last(); ++frame) {
+      if (!step_from(frame, stats)) return drop();
+    }
+    blend(history_.last());
+    return;
+  }
+  if (covered_.empty() || reached_ + 1 != history_.last() || credit_ < bodies) {
+    ++stats.without;
+    return drop();
+  }
+  ++stats.postponed;
+  credit_ -= bodies;
+  if (!step_from(reached_, stats)) drop();
+}
+
+void Replay::keep() {
+  if (!possible() || history_.empty()) return;
+  const std::size_t frame = history_.last();
+  // A world that sleeps is what it was.
+  const bool rests = awake() == 0;
+  if (rests && rests_) return;
+  rests_ = rests;
+  resting_since_ = frame;
+  if (snapshots_.empty()) snapshots_.resize(4);
+  Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
+  snapshot.frame = frame;
+  snapshot.taken = snapshot.world.assign(world_);
+  copies_ = snapshot.taken;
+  snapshot.rows.clear();
+  springs_.rows(snapshot.rows);
+}
+
+const Replay::Snapshot* Replay::snapshot_of(std::size_t frame) {
+  if (snapshots_.empty()) return nullptr;
+  if (rests_) frame = std::min(frame, resting_since_);
+  const Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
+  if (snapshot.taken && snapshot.frame == frame) return &snapshot;
+  // They are kept for as long as they were ever asked for.
+  const std::size_t age = history_.last() - frame;
+  if (age >= snapshots_.size()) {
+    std::vector<Snapshot> more(age + 4);
+    for (Snapshot& old : snapshots_) {
+      if (old.taken) std::swap(more[old.frame % more.size()], old);
+    }
+    snapshots_ = std::move(more);
+  }
+  return nullptr;
+}
+
+bool Replay::start() {
+  const Snapshot* const snapshot = snapshot_of(start_);
+  if (snapshot == nullptr || !copy_.assign(snapshot->world.world())) return false;
+  const auto by_frame = [](const News& a, const News& b) {
+    return a.frame != b.frame ? a.frame < b.frame
+                              : (a.slot != b.slot ? a.slot < b.slot : a.peer < b.peer);
+  };
+  pbd::World& world = copy_.world();
+  const auto gone = [&](std::uint32_t slot) {
+    return !world.body_at(slot).valid() || world.body_at(slot) != world_.body_at(slot);
+  };
+  std::erase_if(news_, [&](const News& news) { return gone(news.slot); });
+  std::erase_if(prescribed_, [&](const Prescribed& body) { return gone(body.slot); });
+  std::sort(news_.begin(), news_.end(), by_frame);
+  next_ = 0;
+  known_until_ = history_.frame(start_).time;
+  weights_.assign(world_.slot_count(), 1.0);
+  covered_.assign(world_.slot_count(), 0);
+  for (const News& news : news_) {
+    covered_[news.slot] = 1;
+    if (!world.awake_at(news.slot)) {
+      copy_.set_state(news.slot, world.states()[news.slot], true);
+    }
+    // What was put there since has no past that the others share.
+    if (history_.since(news.slot) > known_until_) prescribe({.slot = news.slot});
+  }
+  const auto blocks = world_.blocks();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (blocks[i].get() != &springs_.block()) continue;
+    tethers_ = static_cast<pbd::Tethers*>(world.blocks()[i].get());
+  }
+  for (const pbd::ConstraintId id : snapshot->rows) {
+    if (tethers_->contains(id)) tethers_->remove(id);
+  }
+  rows_.clear();
+  return true;
+}
+
+bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
+  blend(frame);
+  apply_inputs(frame);
+  const SessionTime time = history_.frame(frame).time;
+  const double dt = kNs * static_cast<double>(history_.frame(frame + 1).time - time);
+  apply_springs(time);
+  if (hook_ != nullptr) hook_->before_step(copy_.world(), time, dt);
+  const pbd::StepReport& report = solver_->step(copy_.world(), dt);
+  ++stats.steps;
+  stats.body_steps += static_cast<std::uint64_t>(report.awake);
+  reached_ = frame + 1;
+  return report.status == pbd::StepStatus::Ok;
+}
+
+void Replay::blend(std::size_t frame) {
+  while (next_ < news_.size() && news_[next_].frame == frame) {
+    const std::uint32_t slot = news_[next_].slot;
+    double& weight = weights_[slot];
+    pbd::BodyState mean = copy_.world().states()[slot];
+    estimates_.clear();
+    double total = 0.0;
+    for (; next_ < news_.size() && news_[next_].frame == frame && news_[next_].slot == slot;
+         ++next_) {
+      const News& news = news_[next_];
+      const pbd::BodyState state = at_frame(history_, news);
+      // Against all that was blended before, as fuse() has it against the local state.
+      double part = std::isinf(weight) ? 0.0 : news.weight / weight;
+      if (std::isinf(news.weight)) part = kAll;
+      estimates_.push_back({.peer = news.peer,
+                            .pose = state.pose,
+                            .twist = state.twist,
+                            .share = share_of_weight(part)});
+      total += news.weight;
+    }
+    pbd::PoseTarget target;
+    if (!fuse(mean.pose, estimates_, target)) continue;
+    mean.pose.position += target.share * (target.pose.position - mean.pose.position);
+    mean.pose.orientation =
+        pbd::rotated(mean.pose.orientation, target.share * target.rotation_error);
+    mean.twist.linear += target.share * (target.twist.linear - mean.twist.linear);
+    mean.twist.angular += target.share * (target.twist.angular - mean.twist.angular);
+    weight += total;
+    copy_.displace(slot, mean);
+  }
+}
+
+void Replay::apply_inputs(std::size_t number) {
+  pbd::World& world = copy_.world();
+  const WorldHistory::Frame& frame = history_.frame(number);
+  if (world.gravity() != frame.gravity) world.set_gravity(frame.gravity);
+  for (const WorldHistory::State& placed : frame.placed) {
+    copy_.set_state(placed.slot, placed.state, true);
+  }
+  for (const WorldHistory::Push& pushed : frame.pushed) {
+    pbd::BodyState state = world.states()[pushed.slot];
+    state.twist.linear += pushed.twist.linear;
+    state.twist.angular += pushed.twist.angular;
+    copy_.set_state(pushed.slot, state, true);
+  }
+  for (const Prescribed& body : prescribed_) {
+    if (!body.from.has_value()) {
+      copy_.set_state(body.slot, history_.state_at(body.slot, frame.time), true);
+      continue;
+    }
+    pbd::BodyState state = *body.from;
+    const double dt = kNs * static_cast<double>(frame.time - body.stamp);
+    state.pose.position += dt * state.twist.linear;
+    state.pose.orientation = pbd::rotated(state.pose.orientation, dt * state.twist.angular);
+    copy_.set_state(body.slot, state, true);
+  }
+  for (const WorldHistory::Force& force : frame.forces) {
+    const pbd::BodyId body = world.body_at(force.slot);
+    if (!body.valid() || world.props(body).type != pbd::BodyType::Dynamic) continue;
+    world.apply_force(body, force.wrench.force);
+    world.apply_torque(body, force.wrench.torque);
+  }
+}
+
+void Replay::apply_springs(SessionTime time) {
+  pulls_.clear();
+  const bool late = options_.inputs == ReplayInputs::Common && time > known_until_;
+  const WorldHistory::Frame& frame =
+      history_.frame(history_.at_or_before(late ? known_until_ : time));
+  for (const Pull& pull : frame.pulls) {
+    if (pull.user != 0) continue;
+    Pull& own = pulls_.emplace_back(pull);
+    own.def.anchor_w += kNs * static_cast<double>(time - frame.time) * own.def.anchor_velocity;
+  }
+  springs_.others_at(time, pulls_);
+  pbd::World& world = copy_.world();
+  std::erase_if(pulls_, [&](const Pull& pull) { return !world.contains(pull.def.body); });
+  const bool same = pulls_.size() == rows_.size() &&
+                    std::equal(pulls_.begin(), pulls_.end(), rows_.begin(),
+                               [this](const Pull& pull, pbd::ConstraintId row) {
+                                 return tethers_->contains(row) &&
+                                        tethers_->def(row).body == pull.def.body;
+                               });
+  if (!same) {
+    for (const pbd::ConstraintId row : rows_) {
+      if (tethers_->contains(row)) tethers_->remove(row);
+    }
+    rows_.clear();
+    for (const Pull& pull : pulls_) rows_.push_back(tethers_->add(world, pull.def));
+    return;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) tethers_->set(world, rows_[i], pulls_[i].def);
+}
+
+}  // namespace tandem::consensus

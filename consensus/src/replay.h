@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "springs.h"
+#include "tandem/consensus/aggregate.h"
+#include "tandem/consensus/replay.h"
+#include "tandem/pbd/solver.h"
+#include "tandem/pbd/world_copy.h"
+#include "world_history.h"
+
+namespace tandem::consensus {
+
+/// The mean of all peers' states at their stamps, brought to the present in a scratch world.
+/// docs/method.md Secs. 4 and 5.
+class Replay {
+ public:
+  /// One peer's state of one body at its stamp.
+  struct News {
+    std::uint32_t slot = 0;
+    PeerId peer = 0;
+    SessionTime stamp = 0;    ///< ns
+    double weight = 0.0;      ///< against the own state's 1; infinity = an owner's
+    pbd::BodyState state;
+    std::size_t frame = 0;    ///< set: of the own history, nearest to the stamp
+  };
+  /// A body that moves as it is known to, whatever the replay makes of it.
+  struct Prescribed {
+    std::uint32_t slot = 0;
+    /// By another peer's hand, from here on in a straight line; else as it moved here.
+    std::optional<pbd::BodyState> from = {};
+    SessionTime stamp = 0;  ///< ns
+  };
+
+  Replay(const pbd::World& world, const WorldHistory& history, const Springs& springs,
+         const ReplayOptions& options)
+      : world_(world), history_(history), springs_(springs), options_(options) {}
+
+  /// What the world itself is stepped by; nothing is replayed before that is known.
+  void set_solver(const pbd::SolverOptions& options);
+
+  /// A step has ended and is the history's last frame: keep the world as it is, caches and all.
+  void keep();
+  /// Forget news; what follows until update() is of the step to come.
+  void begin() { news_.clear(), prescribed_.clear(); }
+  void add(const News& news) { news_.push_back(news); }
+  void prescribe(const Prescribed& body) { prescribed_.push_back(body); }
+  /// Replay anew, step the last replay along, or leave both out, as the budget allows.
+  void update(SessionTime now, ReplayStats& stats);
+  /// The old one is of other times.
+  void drop() { covered_.clear(); }
+
+  /// Where the mean of all peers has this body now; null where nobody knows.
+  const pbd::BodyState* find(std::uint32_t slot) const {
+    return slot < covered_.size() && covered_[slot] != 0 ? &copy_.world().states()[slot] : nullptr;
+  }
+  void set_hook(ReplayHook* hook) { hook_ = hook; }
+  /// False once the world could not be copied, and where it is not stepped by a solver of ours.
+  bool possible() const { return solver_.has_value() && copies_; }
+
+ private:
+  /// The world as it was at the end of a step, and the rows of the springs' block.
+  struct Snapshot {
+    std::size_t frame = 0;
+    bool taken = false;
+    pbd::WorldCopy world;
+    std::vector<pbd::ConstraintId> rows;
+  };
+
+  bool start();
+  const Snapshot* snapshot_of(std::size_t frame);
+  bool step_from(std::size_t frame, ReplayStats& stats);
+  void blend(std::size_t frame);
+  void apply_inputs(std::size_t frame);
+  void apply_springs(SessionTime time);
+  std::size_t awake() const;
+
+  const pbd::World& world_;
+  const WorldHistory& history_;
+  const Springs& springs_;
+  ReplayOptions options_;
+  std::optional<pbd::Solver> solver_;
+  pbd::SolverOptions solved_with_;  ///< the world itself
+  pbd::WorldCopy copy_;
+  ReplayHook* hook_ = nullptr;
+  bool copies_ = true;
+  /// Steps of one body that may be made; the first replay is free.
+  double credit_ = std::numeric_limits<double>::infinity();
+  std::size_t start_ = 0;      ///< frame
+  std::size_t reached_ = 0;    ///< frame
+  SessionTime known_until_ = 0;  ///< ns, own inputs with ReplayInputs::Common
+  std::vector<News> news_;
+  std::size_t next_ = 0;       ///< of news_, not blended yet
+  std::vector<Prescribed> prescribed_;
+  std::vector<double> weights_;        ///< by slot, of what was blended so far
+  std::vector<std::uint8_t> covered_;  ///< by slot
+  pbd::Tethers* tethers_ = nullptr;    ///< of the copy
+  std::vector<pbd::ConstraintId> rows_;
+  std::vector<Pull> pulls_;
+  std::vector<PeerEstimate> estimates_;
+  std::vector<Snapshot> snapshots_;  ///< by frame, a ring
+  std::size_t resting_since_ = 0;    ///< frame from which on nothing has moved
+  bool rests_ = false;
+};
+
+}  // namespace tandem::consensus
