@@ -31,6 +31,8 @@ double share_per_step(double share, double dt) {
   return -std::expm1(dt / kShareInterval * std::log1p(-share));
 }
 
+double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }
+
 void InfluenceOptions::validate() const {
   require(baseline >= 0.0 && baseline <= 1.0, "InfluenceOptions", "baseline", baseline, "0 to 1");
   require(held_alone >= 0.0 && held_alone <= 1.0, "InfluenceOptions", "held_alone", held_alone,

@@ -20,6 +20,9 @@ constexpr double kMaxLeadersInfluence = 0.8;
 /// Of a mean at a stamp: who does not own a body does not have all of it.
 constexpr double kMostOfMean = 0.9999;
 
+/// Of a guess: a leader is followed with at least this share, as it listens to nobody.
+constexpr double kFollowing = 0.25;
+
 /// m: at this lever rotations and spins count as ways and speeds.
 constexpr double kLeverArm = 0.1;
 
@@ -352,6 +355,10 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
   const double own_announced = std::min(announced(shared), kMaxSharedInfluence);
   const double own_confidence = confidence();
   const double own_lead = shared.initiative.strength();
+  // What a spring that only its own peer knows does to the body cannot be replayed.
+  const bool hidden =
+      springs_.holds_alone(shared.def.body) ||
+      std::ranges::any_of(newest, [](const auto& r) { return r.update.flags.owner_driven; });
   double heaviest = 0.0;
   InfluenceContext known{.leads = own_lead};
   for (std::size_t i = 0; i < newest.size(); ++i) {
@@ -360,8 +367,7 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
     const bool owner = shared.def.owner == received.peer ||
                        (!shared.def.owner.has_value() && hard_at_sender(update));
     if (shared.def.owner.has_value() && !owner) continue;
-    const bool by_hand = owner && update.flags.owner_driven;
-    const bool carried = by_hand || !replays();
+    const bool carried = hidden || !replays();
     known.age = kNs * static_cast<double>(now - update.stamp);
     const bool leads = update.flags.leads && own_lead == 0.0 &&
                        (!several || believes_lead(shared, received.peer, now));
@@ -385,6 +391,9 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
       }
       // It leads, and does not own.
       share = std::min(share_of_weight(weight), carried ? most : kMostOfMean);
+      if (carried && options_.hearing.empty()) {
+        share = std::min(share, std::max(leads ? kFollowing : 0.0, stable_share(known.age)));
+      }
     }
     if (!(share > 0.0)) {
       stamped_.pop_back();
@@ -423,8 +432,8 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
         place_apart(shared, pose, twist, received.peer, now);
       }
     }
-    if (by_hand && replays()) {
-      found.by_hand = true;
+    found.by_hand = hidden;
+    if (hidden && owner && replays()) {
       replay_->prescribe({.slot = shared.def.body.index,
                           .from = pbd::BodyState{update.pose, update.twist},
                           .stamp = update.stamp});

@@ -122,7 +122,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// How the estimates of one body were found, and what they are good for.
   struct Found {
     bool votes = false;   ///< they are to be fused as votes
-    bool by_hand = false; ///< the body goes where its owner's hand has it
+    /// A hand that only its own peer knows moves the body: where it is now has to be guessed.
+    bool by_hand = false;
   };
   /// What agreement wants of one body.
   struct Wanted {

@@ -17,6 +17,11 @@ namespace {
 
 constexpr double kAll = std::numeric_limits<double>::infinity();
 
+/// Frames: states of one peer that are no further apart are taken in together. They came in several
+/// packets, and bodies that touch must not be moved one after the other: a pile of 900 cubes had
+/// them up to 17 mm, one frame's way, behind.
+constexpr std::size_t kTogether = 3;
+
 /// The state of another peer where its stamp lies between own frames: the difference to the own
 /// motion is carried to the frame.
 pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
@@ -71,12 +76,7 @@ void Replay::update(SessionTime now, ReplayStats& stats) {
     return;
   }
   const CpuTimer timer(stats.seconds);
-  start_ = history_.last();
-  const SessionTime oldest = now - to_ns(options_.longest);
-  for (News& news : news_) {
-    news.frame = history_.nearest(std::max(news.stamp, oldest));
-    start_ = std::min(start_, news.frame);
-  }
+  bring_together(now);
   const auto bodies = static_cast<double>(awake());
   const double cost = static_cast<double>(history_.last() - start_) * bodies;
   const double income = std::isinf(options_.budget) ? kAll : options_.budget * bodies;
@@ -135,6 +135,24 @@ const Replay::Snapshot* Replay::snapshot_of(std::size_t frame) {
     snapshots_ = std::move(more);
   }
   return nullptr;
+}
+
+void Replay::bring_together(SessionTime now) {
+  const SessionTime oldest = now - to_ns(options_.longest);
+  for (News& news : news_) news.frame = history_.nearest(std::max(news.stamp, oldest));
+  std::sort(news_.begin(), news_.end(), [](const News& a, const News& b) {
+    return a.peer != b.peer ? a.peer < b.peer
+                            : (a.frame != b.frame ? a.frame > b.frame : a.slot < b.slot);
+  });
+  start_ = history_.last();
+  for (auto first = news_.begin(); first != news_.end();) {
+    const auto last = std::find_if(first, news_.end(), [&](const News& news) {
+      return news.peer != first->peer || news.frame + kTogether < first->frame;
+    });
+    const std::size_t frame = std::prev(last)->frame;
+    start_ = std::min(start_, frame);
+    for (; first != last; ++first) first->frame = frame;
+  }
 }
 
 bool Replay::start() {

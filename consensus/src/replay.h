@@ -74,6 +74,8 @@ class Replay {
     std::vector<pbd::ConstraintId> rows;
   };
 
+  /// Set the frames at which news are taken in: at one all that a peer said at about one time.
+  void bring_together(SessionTime now);
   bool start();
   const Snapshot* snapshot_of(std::size_t frame);
   bool step_from(std::size_t frame, ReplayStats& stats);

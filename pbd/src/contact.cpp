@@ -153,6 +153,7 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
 void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
   for (std::vector<TotalRow>& rows : m.total) rows.clear();
+  if (!ctx.displaced.empty()) m.forgive(ctx);
   m.put_in_sequence();
   m.order.build(m.contacts, m.support.arrange(m.contacts, m.sequence, ctx.bodies), ctx.bodies);
   const auto places = m.order.places();

@@ -88,6 +88,9 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     changed.push_back(lost.body_b);
   }
 
+  /// See SubstepContext::displaced: overlaps are left, to fade.
+  void forgive(const SubstepContext& ctx);
+
   /// The contact that is nth in order.
   std::size_t nth(std::size_t n) const { return sequence.empty() ? n : sequence[n]; }
   void put_in_sequence() {

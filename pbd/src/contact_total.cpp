@@ -93,6 +93,16 @@ double straight_gap(const TotalRow& row, const SolverBody& a, const SolverBody& 
 
 }  // namespace
 
+void ContactBlock::Impl::forgive(const SubstepContext& ctx) {
+  TotalRow row;
+  for (Contact& contact : contacts) {
+    const Manifold& m = contact.manifold;
+    if (ctx.displaced[m.body_a] == 0 && ctx.displaced[m.body_b] == 0) continue;
+    set_row(m, ctx.bodies[m.body_a], ctx.bodies[m.body_b], row);
+    for (int i = 0; i < m.count; ++i) contact.debt[i] = std::min(0.0, row.gap[i]);
+  }
+}
+
 void ContactBlock::begin_total(const SubstepContext& ctx) {
   Impl& m = *impl_;
   if (m.total.size() <= ctx.group) m.total.resize(ctx.group + 1);
