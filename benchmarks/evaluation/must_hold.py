@@ -4,6 +4,8 @@
 from stats import get, mean, short, values, worst
 
 MM = 1e3
+# Where users hold by springs. Those of the piano take hold of it and let go of it together.
+HOLDING = {"one": ("cubes", "room"), "several": ("cubes", "room", "piano")}
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 
 
@@ -102,6 +104,19 @@ def _limit(results):
                 lambda p: mean(results.get((s, "default", p)), f"held_by_one_m.{quantile}"),
                 lambda p: mean(results.get((s, "default", p)), f"held_limit_m.{quantile}"),
                 "<= 2", lambda ratios: max(ratios) <= 2))
+    return rows
+
+
+def _stretch(results):
+    """Springs between hands and what they hold, against the same inputs at one peer."""
+    rows = []
+    for series, limit in (("one", 1.1), ("several", 1.3)):
+        for s in HOLDING[series]:
+            rows.append(_by_profile(
+                f"{s}: held by {series}, stretch p50 over alone",
+                lambda p: mean(results.get((s, "default", p)), f"stretch_m.{series}.p50"),
+                lambda p: mean(results.get((s, "default", p)), f"reference.stretch_m.{series}.p50"),
+                f"<= {limit}", lambda ratios: max(ratios) <= limit))
     return rows
 
 
@@ -225,5 +240,5 @@ def _cost(results):
 
 def rows(results, motion):
     return (_stable(results) + _divergence(results) + _against_none(results) + _limit(results)
-            + _tennis(results) + _motion(motion) + _piano(results) + _predictors(results)
-            + _cost(results))
+            + _stretch(results) + _tennis(results) + _motion(motion) + _piano(results)
+            + _predictors(results) + _cost(results))

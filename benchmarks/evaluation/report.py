@@ -7,7 +7,7 @@ import shutil
 
 import figures
 import must_hold
-from stats import get, interval, mean, short, text, values
+from stats import get, interval, mean, over, short, text, values
 
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 CLASSES = ("resting", "touching", "free", "held", "owned")
@@ -32,7 +32,10 @@ COLUMNS = (
     + ["reference.high_pass_residual_m.p50", "reference.high_pass_residual_m.p99",
        "contact_disagreement.mean", "contact_disagreement.p95", "contact_disagreement_end",
        "time_to_agree_s", "held_limit_m.p50", "held_limit_m.p95", "held_by_one_m.p50",
-       "held_by_one_m.p95", "blows.count", "blows.before_m.p95", "blows.after_m.p95", "jumps",
+       "held_by_one_m.p95"]
+    + [f"{run}stretch_m.{series}.{q}" for run in ("", "reference.") for series in ("one", "several")
+       for q in ("p50", "p95", "p99", "samples")]
+    + ["blows.count", "blows.before_m.p95", "blows.after_m.p95", "jumps",
        "penetration_m.p99", "penetration_m.max", "energy_J.displacement",
        "energy_J.velocity_agreement", "energy_J.potential", "bytes_per_second",
        "step_ms.p50", "step_ms.p99", "cpu_s"])
@@ -97,6 +100,32 @@ def limit_lines(results):
                     "held_by_one_m.p95")])
     return table(["scenario", "profile", "limit p50, mm", "ours p50, mm", "limit p95, mm",
                   "ours p95, mm"], lines)
+
+
+def stretch_lines(results):
+    lines = []
+    for s in must_hold.HOLDING["several"]:
+        for p in range(1, 6):
+            own = results.get((s, "default", p))
+            if not values(own, "stretch_m.one.samples"):
+                continue
+            line = [s, str(p)]
+            for series, where in must_hold.HOLDING.items():
+                if s not in where:
+                    line += ["-"] * 4
+                    continue
+                line += [text(own, f"stretch_m.{series}.{q}", 1e3) for q in ("p50", "p95", "p99")]
+                # Of means, as the bounds are.
+                ratios = [over(mean(own, f"stretch_m.{series}.{q}"),
+                               mean(own, f"reference.stretch_m.{series}.{q}"))
+                          for q in ("p50", "p95", "p99")]
+                line.append(" / ".join(short(r) for r in ratios))
+            lines.append(line)
+    if not lines:
+        return ["Not run."]
+    return table(["scenario", "profile", "one: p50, mm", "p95, mm", "p99, mm",
+                  "over alone: p50 / p95 / p99", "several: p50, mm", "p95, mm", "p99, mm",
+                  "over alone: p50 / p95 / p99"], lines)
 
 
 def prediction_lines(results):
@@ -292,6 +321,15 @@ def write(results, out, docs):
         "step. Limit and ours are of the same samples: what one user holds and nobody else does.",
         "",
         *limit_lines(results), "",
+        "### Stretch", "",
+        "Between a user's hand and the point of the body that it holds: every spring at the "
+        "start of every step, at that user's own peer. Held by one: nobody else in the session "
+        "holds the body at that time; by several: two users or more do. Alone: the same inputs "
+        "at one peer, where all users act on one world and nothing is late, in the same series; "
+        "ratios are of means over seeds. In cubes and room a load that hangs from its hand "
+        "stretches the springs by 1 cm, with or without a network; the springs of the piano are "
+        "known to one peer each, and each drags the whole load of its own world.",
+        "", *stretch_lines(results), "",
         "## Prediction", "",
         "Paper: almost identical to divergence (its Figure 11). Euler's prediction is judged by the "
         "same states of the same run; the piano sends its springs here. Between two steps of its "

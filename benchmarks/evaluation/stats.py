@@ -45,6 +45,11 @@ def text(results, path, factor=1.0):
     return short(mean) if half is None else f"{short(mean)} ± {short(half)}"
 
 
+def over(number, other):
+    """Their ratio; None where either is unknown or there is nothing to divide by."""
+    return number / other if number is not None and other else None
+
+
 def worst(results, path, factor=1.0):
     numbers = values(results, path, factor)
     return max(numbers) if numbers else None

@@ -62,6 +62,30 @@ void write_box(JsonWriter& json, std::string_view name, const Distribution& d) {
   json.end_object();
 }
 
+/// @param reference  the same series of the same inputs at one peer; null: not run
+void write_stretch(JsonWriter& json, std::string_view name, const Distribution& d,
+                   const Distribution* reference) {
+  json.key(name).begin_object();
+  json.field("p50", d.p50).field("p95", d.p95).field("p99", d.p99).field("samples", d.count);
+  if (reference == nullptr) {
+    json.null_field("over_reference");
+  } else {
+    json.key("over_reference").begin_object();
+    json.field("p50", d.p50 / reference->p50).field("p95", d.p95 / reference->p95);
+    json.field("p99", d.p99 / reference->p99).end_object();
+  }
+  json.end_object();
+}
+
+/// @param reference  null: `stretch` is the reference, or there is none
+void write_stretch(JsonWriter& json, const Stretch& stretch, const Stretch* reference) {
+  json.key("stretch_m").begin_object();
+  write_stretch(json, "one", stretch.one_m, reference != nullptr ? &reference->one_m : nullptr);
+  write_stretch(json, "several", stretch.several_m,
+                reference != nullptr ? &reference->several_m : nullptr);
+  json.end_object();
+}
+
 template <class Values>
 void write_array(JsonWriter& json, std::string_view name, const Values& values) {
   json.key(name).begin_array();
@@ -125,12 +149,14 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
   m.agree_s = time_to_agree(run.peers, metrics.samples, Measures::kAgreed);
   m.limit_of_all_m = limit_of_all(run.peers, mean_age + step);
   m.held = held_by_one(run.peers);
+  m.stretch = stretch(run.peers);
   if (!run.peers.empty()) divergence_over_time(metrics, m, run.peers.front().tracks.size());
   if (reference != nullptr && !reference->peers.empty()) {
     m.reference = smoothness(reference->peers);
     m.reference_acceleration_histogram =
         histogram(accelerations_log(reference->peers), -2.0, 0.1, kAccelerationBins);
     m.reference_outcome = reference->peers.front().outcome;
+    m.reference_stretch = stretch(reference->peers);
     m.residual_m = high_pass_residual(run.peers, reference->peers.front());
   }
   return m;
@@ -187,6 +213,7 @@ void write_measures(JsonWriter& json, const Measures& m,
   write_box(json, "held_limit_m", m.held.limit_m);
   write_box(json, "limit_of_all_m", m.limit_of_all_m);
   write_box(json, "held_by_one_m", m.held.apart_m);
+  write_stretch(json, m.stretch, m.reference ? &m.reference_stretch : nullptr);
   json.key("blows").begin_object();
   json.field("count", m.hits.blows);
   write_box(json, "before_m", m.hits.before_m);
@@ -199,6 +226,7 @@ void write_measures(JsonWriter& json, const Measures& m,
   json.key("reference").begin_object();
   write_smoothness(json, *m.reference);
   write_box(json, "high_pass_residual_m", m.residual_m);
+  write_stretch(json, m.reference_stretch, nullptr);
   write_array(json, "acceleration_histogram", m.reference_acceleration_histogram);
   json.key("outcome").begin_object();
   for (const auto& [name, value] : m.reference_outcome) json.field(name, value);

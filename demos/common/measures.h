@@ -12,6 +12,7 @@
 #include "common/metrics.h"
 #include "common/options.h"
 #include "common/smoothness.h"
+#include "common/stretch.h"
 #include "common/virtual_runner.h"
 
 namespace tandem::demos {
@@ -35,6 +36,7 @@ struct Measures {
   double agree_s = Distribution::kNone;  ///< see time_to_agree
   HeldByOne held;
   Distribution limit_of_all_m;
+  Stretch stretch;
   std::vector<Distribution> over_time_m;  ///< of each half second, jumps and owned left out
   static constexpr double kBin = 0.5;     ///< s
   std::vector<Distribution> of_body_m;    ///< jumps left out
@@ -43,6 +45,7 @@ struct Measures {
   std::optional<Smoothness> reference;
   std::vector<std::uint64_t> reference_acceleration_histogram;
   Outcome reference_outcome;
+  Stretch reference_stretch;
   Distribution residual_m;  ///< see high_pass_residual
 };
 

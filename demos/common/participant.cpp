@@ -181,6 +181,7 @@ void Participant::begin(consensus::SessionTime now) {
     seat.user->update(now);
     if (watch_ != nullptr) watch_->inputs(std::span(log).subspan(before));
   }
+  look_at_springs(now);
   for (Signal signal; signals_.take(now, signal);) scenario_.on_signal(scene_, signal, now);
   // Two-step coupling moves bodies before the step.
   moved_.resize(scene_.bodies.size());
@@ -203,6 +204,8 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   const std::chrono::duration<double> elapsed = Clock::now() - before;
   if (watch_ != nullptr) watch_->solved();
   last_step_s_ = elapsed.count();
+  // Only now: a beginning may be said again before there is a step.
+  record_.stretches.insert(record_.stretches.end(), stretches_.begin(), stretches_.end());
   if (recording_) record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
   record_.energy.displacement += report.energy.displacement;
@@ -285,6 +288,24 @@ void Participant::record_bodies(consensus::SessionTime now) {
     sample.correction = correction.norm();
     for (const Seat& seat : seats_) sample.users += seat.controls->holds(i) ? 1 : 0;
     record_.tracks[i].push(sample);
+  }
+}
+
+void Participant::look_at_springs(consensus::SessionTime now) {
+  // Hand and body are of one time here, as the user sees them: the hand's next place is not known
+  // before the next step, and two-step coupling has not moved the body yet.
+  stretches_.clear();
+  if (!recording_) return;
+  if (wait_for_exchange_ && !has_exchanged()) return;
+  springs_.clear();
+  for (const Seat& seat : seats_) seat.controls->append_stretches(springs_);
+  for (const Controls::Stretch& spring : springs_) {
+    StretchSample sample;
+    sample.time = now;
+    sample.body = static_cast<std::uint32_t>(spring.body);
+    sample.distance = spring.distance;
+    for (const Seat& seat : seats_) sample.users += seat.controls->holds(spring.body) ? 1 : 0;
+    stretches_.push_back(sample);
   }
 }
 

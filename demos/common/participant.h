@@ -84,6 +84,7 @@ class Participant final : private consensus::PeerObserver {
   }
   void make_peer(const DemoOptions& options);
   void record_bodies(consensus::SessionTime now);
+  void look_at_springs(consensus::SessionTime now);
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
   void record_contacts(consensus::SessionTime now);
   void set_fault(consensus::SessionTime now, const std::string& text);
@@ -112,6 +113,8 @@ class Participant final : private consensus::PeerObserver {
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id
   collision::ContactEvents events_;
   std::vector<pbd::Vec3> moved_;  ///< m, by body: what two-step coupling did before the step
+  std::vector<Controls::Stretch> springs_;  ///< of all users here; only its memory is kept
+  std::vector<StretchSample> stretches_;    ///< at the start of the step to come
   PeerRecord record_;
   consensus::SessionTime epoch_ = 0;
   consensus::SessionTime clock_ahead_ = 0;  ///< ns, of the peer's clock; all else is in true time

@@ -52,6 +52,14 @@ std::string row(const char* name, const Distribution& d, double scale) {
                 scale * d.p95, scale * d.p99, scale * d.max, d.count);
 }
 
+/// Of percentiles, column by column; the samples are those of `d`.
+std::string ratio_row(const char* name, const Distribution& d, const Distribution& reference) {
+  if (d.count == 0 || reference.count == 0) return format("  %-26s %9s\n", name, "none");
+  return format("  %-26s %9.3f %9.3f %9.3f %9.3f %9.3f %9zu\n", name, d.p50 / reference.p50,
+                d.p75 / reference.p75, d.p95 / reference.p95, d.p99 / reference.p99,
+                d.max / reference.max, d.count);
+}
+
 void percentiles(JsonWriter& json, std::string_view name, const Distribution& d) {
   json.key(name).begin_object();
   json.field("p50", d.p50).field("p75", d.p75).field("p95", d.p95).field("p99", d.p99);
@@ -158,6 +166,16 @@ std::string report_table(const Report& r) {
   out += row("  resting, mm", m.resting_m, 1e3);
   out += row("divergence, degrees", m.divergence_deg, 1.0);
   out += row("prediction error, mm", m.prediction_error_m, 1e3);
+  const Measures& measures = r.measures;
+  out += row("stretch, held by one, mm", measures.stretch.one_m, 1e3);
+  if (measures.reference) {
+    out += ratio_row("  over reference", measures.stretch.one_m, measures.reference_stretch.one_m);
+  }
+  out += row("  held by several, mm", measures.stretch.several_m, 1e3);
+  if (measures.reference) {
+    out += ratio_row("  over reference", measures.stretch.several_m,
+                     measures.reference_stretch.several_m);
+  }
   out += row("penetration, mm", m.penetration_m, 1e3);
   out += row("step, ms", m.step_ms, 1.0);
   out += format("  effective latency  mean %.1f ms, std %.1f ms, p99 %.1f ms\n", m.latency_ms.mean,

@@ -55,6 +55,14 @@ struct PredictionSample {
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, predicted
 };
 
+/// How far one spring of a user is stretched at the peer where that user sits.
+struct StretchSample {
+  consensus::SessionTime time = 0;  ///< ns, the start of a step, when hands have moved
+  std::uint32_t body = 0;           ///< index into the scene's bodies
+  int users = 0;                    ///< how many of this peer's own users hold the body
+  double distance = 0.0;            ///< m, from the point of the body that is held to the anchor
+};
+
 /// Which bodies touched each other at one peer at one time.
 struct ContactFrame {
   consensus::SessionTime time = 0;  ///< ns
@@ -70,6 +78,7 @@ struct PeerRecord {
   bool local = true;          ///< false: known by its updates alone
   std::vector<Track> tracks;  ///< one for each body of the scene
   std::vector<PredictionSample> predictions;
+  std::vector<StretchSample> stretches;   ///< of its own users' springs, one for each and step
   std::vector<consensus::PeerId> owners;  ///< of each body; 0 = everybody's; may be empty
   std::vector<ContactFrame> contacts;     ///< at every look
   consensus::SessionTime epoch = 0;       ///< ns, of the inputs

@@ -103,6 +103,13 @@ void Controls::signal(std::uint32_t code, double delay) {
   if (signals_ != nullptr) signals_->raise({code, now_ + std::llround(1e9 * delay)});
 }
 
+void Controls::append_stretches(std::vector<Stretch>& out) const {
+  for (const auto& [number, spring] : springs_) {
+    const pbd::Vec3 held = scene_.pose(spring.body).to_world(spring.def.attachment_l);
+    out.push_back({spring.body, (spring.def.anchor_w - held).norm()});
+  }
+}
+
 void Controls::hold_again() {
   for (auto& [number, spring] : springs_) spring.id = peer_.grab(spring.def);
 }

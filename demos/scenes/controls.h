@@ -65,6 +65,13 @@ class Controls {
   bool holds(std::size_t body) const;
   /// Likewise, by one at just this point (m, frame of the body).
   bool holds(std::size_t body, const pbd::Vec3& attachment_l) const;
+  /// How far the point of the body that a spring holds is from its anchor.
+  struct Stretch {
+    std::size_t body = 0;   ///< index into Scene::bodies
+    double distance = 0.0;  ///< m
+  };
+  /// Of each spring of this user, in this peer's world as it is; appended.
+  void append_stretches(std::vector<Stretch>& out) const;
   /// The peer was replaced by another one at the same place: hold everything as before.
   void hold_again();
   /// Newest last.
