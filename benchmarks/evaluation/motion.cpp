@@ -183,7 +183,7 @@ int main() {
       Motion{"throw", flight(Vec3(4, 0, 6), Vec3::Zero()), 0.0}, Motion{"swing", pendulum, 0.0}};
   std::printf("{\n");
   const std::array<std::pair<const char*, consensus::PredictorKind>, 2> predictors{
-      std::pair{"adaptive", consensus::PeerOptions{}.predictor},
+      std::pair{"replay", consensus::PeerOptions{}.predictor},
       std::pair{"euler", consensus::PredictorKind::Euler}};
   for (std::size_t k = 0; k < predictors.size(); ++k) {
     std::printf("  \"%s\": {\n", predictors[k].first);

@@ -34,10 +34,8 @@ PARTS = {
     "masses": "bodies with a target being heavier in the total channel",
     "parts": "agreement in parts of the step; the whole share at its end",
     "rotation": "the exact rotation mean; plain geodesics",
-    "gain-rule": "the share's limit by age",
     "age": "the share's decay with age",
-    "ways": "weighing of the predictor's ways by what they missed (blend)",
-    "own-motion": "own motion in the prediction (Euler)",
+    "replay": "the replay; states carried to now by second order",
     "initiative": "whoever acted last leading",
     "leading": "a leader's higher share; it still does not listen",
     "arbitration": "the lower id deciding where no average helps",
@@ -78,8 +76,9 @@ CASES = {"one pass": [], "two sweeps": ["--total-iterations", "2"],
 
 def _options(part, more=""):
     """Of a run without a part. @param more  parts to leave out as well"""
-    if part == "sweep":
-        return ["--total-iterations", "1", *(["--ablate", more] if more else [])]
+    other = {"sweep": ["--total-iterations", "1"], "replay": ["--predictor", "second-order"]}
+    if part in other:
+        return [*other[part], *(["--ablate", more] if more else [])]
     names = ",".join(n for n in (part if part != WHOLE else "", more) if n)
     return ["--ablate", names] if names else []
 

@@ -165,8 +165,8 @@ def report(results: Path, docs: Path) -> str:
         "## Influence", "",
         "Baseline shares from 0.02 to 0.98 on all links, one pass and two steps with the same "
         "prediction and rules, the same inputs; means over seeds. What is heard is bounded whatever is "
-        "announced: 0.5 of one that does not own the body, and the gain rule by age, so that the "
-        "last columns differ little. Success is the part of what the users set out to do that was "
+        "announced: 0.5 of one that does not own the body. It is a weight in the mean of all peers' "
+        "states, and says nothing of how fast the gap to that closes. Success is the part of what the users set out to do that was "
         "done at the peer where it was least.", "",
         "| must hold | measured | holds |", "|---|---|---|",
         f"| stable at every influence and link | {stable[0]} of {len(ours)} "

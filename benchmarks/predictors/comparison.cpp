@@ -37,7 +37,7 @@ void Comparison::on_estimate(const consensus::EstimateEvent& event) {
     trial.situation = Situation::Driven;
   } else if (update.flags.held) {
     trial.situation = Situation::Held;
-  } else if (update.flags.in_contact || event.own.coupled_since(event.own.moment(update.stamp))) {
+  } else if (update.flags.in_contact) {
     trial.situation = Situation::Touching;
   } else {
     trial.situation = Situation::Flight;

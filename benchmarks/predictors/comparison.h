@@ -15,17 +15,17 @@
 
 namespace tandem::bench {
 
+/// Those that carry a state by itself; a replay needs all of a world at once.
 inline constexpr std::array kKinds = {
-    consensus::PredictorKind::None,        consensus::PredictorKind::Euler,
-    consensus::PredictorKind::SecondOrder, consensus::PredictorKind::Kalman,
-    consensus::PredictorKind::LocalMotion, consensus::PredictorKind::Blend,
-    consensus::PredictorKind::Adaptive,
+    consensus::PredictorKind::None,
+    consensus::PredictorKind::Euler,
+    consensus::PredictorKind::SecondOrder,
 };
 
 /// What a body does between the stamp and now, by what sender and receiver know of it.
 enum class Situation : std::uint8_t {
   Resting,   ///< touches, and is slower than 5 cm/s at both ends
-  Touching,  ///< touches or is joined, at the sender or here
+  Touching,  ///< touches or is joined at the sender
   Flight,    ///< neither
   Held,      ///< by a user's spring
   Driven,    ///< moved by its owner's hand

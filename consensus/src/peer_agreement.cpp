@@ -44,6 +44,13 @@ constexpr double kNoMean = 1.2;
 /// s: nobody steps so slowly.
 constexpr double kLongestStep = 0.5;
 
+/// Of what is noted by slot, in ascending order; null where there is nothing.
+template <class Noted>
+const Noted* at_slot(const std::vector<Noted>& noted, std::uint32_t slot) {
+  const auto it = std::ranges::lower_bound(noted, slot, {}, &Noted::slot);
+  return it != noted.end() && it->slot == slot ? &*it : nullptr;
+}
+
 }  // namespace
 
 Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)
@@ -177,6 +184,7 @@ void Peer::Impl::aggregate(SessionTime now) {
     } else {
       replay_->drop();
     }
+    if (apart_) history_.note_inputs(world_);
   }
   for (Wanted& wanted : wanted_) aim(wanted);
 }
@@ -257,6 +265,14 @@ void Peer::Impl::aim(Wanted& wanted) {
     if (there == nullptr) return;
     target.pose = there->pose;
     target.twist = there->twist;
+    // The replay ends where the step to come begins: what the application has just done is not in
+    // it.
+    const WorldHistory::Frame& last = history_.frame(history_.last());
+    if (at_slot(last.placed, target.body.index) != nullptr) return;
+    if (const auto* push = at_slot(last.pushed, target.body.index)) {
+      target.twist.linear += push->twist.linear;
+      target.twist.angular += push->twist.angular;
+    }
     target.use_rotation_error = false;
     if (!shared.def.orientation) target.pose.orientation = own.pose.orientation;
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Predictors that carry a state on by itself: none, second order, Kalman; and their limits.
+// Predictors that carry a state on by itself: none and second order; and their limits.
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 
-#include "consensus/random.h"
+#include "consensus/known_motion.h"
 #include "support/catch.h"
 #include "tandem/consensus/predictor.h"
 
@@ -15,19 +15,12 @@ namespace tandem::consensus::extrapolation_test {
 namespace {
 
 using pbd::Vec3;
-using testing::Dice;
+using testing::KnownMotion;
 
 constexpr SessionTime kStart = 1'000'000'000;
 constexpr SessionTime kStep = 16'000'000;  // ns
 constexpr double kDt = 0.016;              // s
 const Vec3 kGravity(0.0, 0.0, -9.81);
-
-/// An own body that rests in the origin: what a predictor says is where the remote one is.
-MotionHistory at_origin() {
-  MotionHistory history;
-  history.push(kStart, {}, {}, {}, false);
-  return history;
-}
 
 StateUpdate state(int index, const Vec3& position, const Vec3& velocity) {
   StateUpdate update;
@@ -38,19 +31,19 @@ StateUpdate state(int index, const Vec3& position, const Vec3& velocity) {
   return update;
 }
 
-/// Where `kind` sees a body `ahead` s after the last of `count` states that `motion` gives.
+/// Where `kind` sees a body (the own one rests in the origin) `ahead` s after the last of `count`
+/// states that `motion` gives.
 template <class Motion>
 Prediction after(PredictorKind kind, const PredictorOptions& options, int count, double ahead,
                  const Motion& motion) {
   const auto predictor = make_predictor(kind, options);
-  const MotionHistory own = at_origin();
   PredictorMemory memory;
   Prediction prediction;
   for (int i = 0; i < count; ++i) {
     const StateUpdate update = motion(i);
     const SessionTime now = update.stamp + std::llround(1e9 * ahead);
-    prediction =
-        predictor->predict(update, own, {.now = now, .gravity = kGravity, .memory = &memory});
+    prediction = predictor->predict(update, KnownMotion(now),
+                                    {.now = now, .gravity = kGravity, .memory = &memory});
   }
   return prediction;
 }
@@ -115,7 +108,7 @@ TEST_CASE("predictor: nothing is carried on for longer than the limit", "[consen
     return update;
   };
   for (const auto kind :
-       {PredictorKind::Euler, PredictorKind::SecondOrder, PredictorKind::Kalman}) {
+       {PredictorKind::Euler, PredictorKind::SecondOrder, PredictorKind::Replay}) {
     const auto at = [&](double ahead, double limit) {
       return after(kind, {.max_extrapolation = limit}, 40, ahead, move).translation.x();
     };
@@ -125,81 +118,9 @@ TEST_CASE("predictor: nothing is carried on for longer than the limit", "[consen
   }
   CHECK_THROWS_AS(make_predictor(PredictorKind::Euler, {.max_extrapolation = -1.0}),
                   std::invalid_argument);
-  CHECK_THROWS_AS(make_predictor(PredictorKind::Blend,
+  CHECK_THROWS_AS(make_predictor(PredictorKind::Replay,
                                  {.max_frequency = std::numeric_limits<double>::quiet_NaN()}),
                   std::invalid_argument);
-}
-
-TEST_CASE("predictor: Kalman's own variance is the square of the errors it makes",
-          "[consensus][unit]") {
-  // A body pushed about at random: white noise in the acceleration, of which it knows nothing.
-  for (const double noise : {0.01, 1.0}) {  // m/s in each step
-    for (const double ahead : {0.05, 0.2}) {
-      const auto predictor = make_predictor(PredictorKind::Kalman);
-      const MotionHistory own = at_origin();
-      Dice dice(11);
-      std::vector<Vec3> xs;
-      std::vector<Vec3> vs;
-      Vec3 x = Vec3::Zero();
-      Vec3 v = Vec3::Zero();
-      for (int i = 0; i < 4000; ++i) {
-        xs.push_back(x);
-        vs.push_back(v);
-        // In many small pushes: position and velocity are hit by noise of their own.
-        for (int k = 0; k < 16; ++k) {
-          const Vec3 push = 0.25 * noise * dice.vec3(1.0);
-          x += kDt / 16.0 * (v + 0.5 * push);
-          v += push;
-        }
-      }
-      PredictorMemory memory;
-      double squares = 0.0;
-      double variances = 0.0;
-      const int steps = static_cast<int>(std::lround(ahead / kDt));
-      for (int i = 0; i + steps < 4000; ++i) {
-        StateUpdate update =
-            state(i, xs[static_cast<std::size_t>(i)], vs[static_cast<std::size_t>(i)]);
-        update.flags.in_contact = true;
-        const Prediction p = predictor->predict(
-            update, own, {.now = update.stamp + steps * kStep, .memory = &memory});
-        if (i < 500) continue;
-        squares += (p.translation - xs[static_cast<std::size_t>(i + steps)]).squaredNorm();
-        variances += p.variance;
-      }
-      INFO("noise " << noise << " m/s, " << ahead << " s ahead");
-      CHECK(variances / squares > 0.6);
-      CHECK(variances / squares < 1.7);
-    }
-  }
-}
-
-TEST_CASE("predictor: Kalman follows a free fall and forgets a jump", "[consensus][analytic]") {
-  const auto fall = [](double t) { return Vec3(0.5 * t * t * kGravity); };
-  const auto falling = [&](int i) { return state(i, fall(i * kDt), i * kDt * kGravity); };
-  const auto p = after(PredictorKind::Kalman, {}, 60, 0.1, falling);
-  CHECK((p.translation - fall(59 * kDt + 0.1)).norm() < 1e-6);
-
-  const auto jumping = [](int i) {
-    StateUpdate update = state(i, {i < 30 ? 0.0 : 0.4, 0.0, 0.0}, Vec3::Zero());
-    update.flags = {.in_contact = true, .teleported = i == 30};
-    return update;
-  };
-  CHECK(after(PredictorKind::Kalman, {}, 31, 0.1, jumping).translation.x() == 0.4);
-}
-
-TEST_CASE("predictor: pure local motion asks nobody how the body is moved", "[consensus][unit]") {
-  MotionHistory own;
-  for (int i = 0; i < 20; ++i)
-    own.push(kStart + i * kStep, {{0.1 * i, 0.0, 0.0}, {}}, {}, {}, false);
-  StateUpdate update = state(9, {5.0, 0.0, 0.0}, {7.0, 0.0, 0.0});
-  update.pose.position.x() = 0.1 * 9 + 0.05;
-  update.flags.owner_driven = true;
-  const PredictionContext context{.now = kStart + 19 * kStep};
-  // 5 cm apart at the stamp, and so now; the blend takes the driver's velocity.
-  CHECK(make_predictor(PredictorKind::LocalMotion)->predict(update, own, context).translation.x() ==
-        Approx(0.05).epsilon(1e-12));
-  CHECK(make_predictor(PredictorKind::Blend)->predict(update, own, context).translation.x() ==
-        Approx(0.95 + 10 * kDt * 7.0 - 1.9).epsilon(1e-12));
 }
 
 }  // namespace

@@ -18,14 +18,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kFrame = 1.0 / 60.0;
 
-/// No decay, so that the gain rule is seen alone.
-InfluenceOptions undecayed() {
-  InfluenceOptions options;
-  options.half_life = 1e15;
-  options.max_age = 10.0;
-  return options;
-}
-
 }  // namespace
 
 TEST_CASE("influence: share and weight are each other's inverse", "[consensus][analytic]") {
@@ -68,61 +60,33 @@ TEST_CASE("influence: a step of 1/60 s closes the share, and steps compound",
 TEST_CASE("influence: the announced share halves with every half-life", "[consensus][analytic]") {
   InfluenceOptions options;
   options.half_life = 0.1;
-  const double gain = 1e9;  // the gain rule out of the way
-  CHECK(effective_share(options, 0.08, 0.0, gain) == Approx(0.08).epsilon(1e-15));
-  CHECK(effective_share(options, 0.08, 0.1, gain) == Approx(0.04).epsilon(1e-14));
-  CHECK(effective_share(options, 0.08, 0.3, gain) == Approx(0.01).epsilon(1e-14));
-}
-
-TEST_CASE("influence: the gain rule limits old updates", "[consensus][analytic]") {
-  const InfluenceOptions options = undecayed();
-  // d frames old: at most gain / (d + 2).
-  CHECK(effective_share(options, 0.9, 0.0, 1.0) == Approx(1.0 / 2.0).epsilon(1e-12));
-  CHECK(effective_share(options, 0.9, 3.0 * kFrame, 1.0) == Approx(1.0 / 5.0).epsilon(1e-12));
-  CHECK(effective_share(options, 0.9, 18.0 * kFrame, 1.0) == Approx(1.0 / 20.0).epsilon(1e-12));
-  CHECK(effective_share(options, 0.9, 18.0 * kFrame, 3.0) == Approx(3.0 / 20.0).epsilon(1e-12));
-  // The policy wins where it is smaller.
-  CHECK(effective_share(options, 0.04, 18.0 * kFrame, 1.0) == Approx(0.04).epsilon(1e-12));
-  // Agreement stays alive: at 198 frames the rule alone would give 0.005.
-  CHECK(effective_share(options, 0.9, 198.0 * kFrame, 1.0) == options.min_share);
-  // The lower limit is one of the rule, not of the policy.
-  CHECK(effective_share(options, 0.001, 198.0 * kFrame, 1.0) == Approx(0.001).epsilon(1e-12));
-}
-
-TEST_CASE("influence: at the paper's longest latency agreement is still quick",
-          "[consensus][analytic]") {
-  // Two peers, each closing s of the gap per frame on states that old: what is left after 20
-  // frames, even when the first 123.5 ms bring nothing, must be below half.
-  const InfluenceOptions options;
-  const double age = 0.1235 + 2.0 * kFrame;
-  const double s = effective_share(options, options.baseline, age, 1.0);
-  CHECK(std::pow(1.0 - 2.0 * s, 20.0 - 0.1235 * 60.0) < 0.5);
+  CHECK(effective_share(options, 0.08, 0.0) == Approx(0.08).epsilon(1e-15));
+  CHECK(effective_share(options, 0.08, 0.1) == Approx(0.04).epsilon(1e-14));
+  CHECK(effective_share(options, 0.08, 0.3) == Approx(0.01).epsilon(1e-14));
 }
 
 TEST_CASE("influence: an update counts nothing once it has expired", "[consensus][unit]") {
   const InfluenceOptions options;
-  CHECK(effective_share(options, 0.08, options.max_age, 1.0) > 0.0);
-  CHECK(effective_share(options, 0.08, std::nextafter(options.max_age, 2.0), 1.0) == 0.0);
-  CHECK(effective_share(options, 1.0, options.max_age, 1.0) == 1.0);
-  CHECK(effective_share(options, 1.0, std::nextafter(options.max_age, 2.0), 1.0) == 0.0);
+  CHECK(effective_share(options, 0.08, options.max_age) > 0.0);
+  CHECK(effective_share(options, 0.08, std::nextafter(options.max_age, 2.0)) == 0.0);
+  CHECK(effective_share(options, 1.0, options.max_age) == 1.0);
+  CHECK(effective_share(options, 1.0, std::nextafter(options.max_age, 2.0)) == 0.0);
 }
 
 TEST_CASE("influence: an owner is followed at any age, and follows nobody", "[consensus][unit]") {
   const InfluenceOptions options;
-  CHECK(effective_share(options, 1.0, 0.9, 1.0) == 1.0);
-  CHECK(effective_share(options, 1.0, 0.9, 1.0, true) == 0.0);
-  CHECK(effective_share(options, 0.08, 0.0, 1.0, true) == 0.0);
+  CHECK(effective_share(options, 1.0, 0.9) == 1.0);
+  CHECK(effective_share(options, 1.0, 0.9, true) == 0.0);
+  CHECK(effective_share(options, 0.08, 0.0, true) == 0.0);
 }
 
 TEST_CASE("influence: strange inputs count little or nothing", "[consensus][fault]") {
   const InfluenceOptions options;
-  CHECK(effective_share(options, kNan, 0.0, 1.0) == 0.0);
-  CHECK(effective_share(options, -1.0, 0.0, 1.0) == 0.0);
-  CHECK(effective_share(options, 0.08, kNan, 1.0) == 0.0);
-  CHECK(effective_share(options, 0.9, 0.0, kNan) == options.min_share);
-  CHECK(effective_share(options, 0.9, 0.0, -5.0) == options.min_share);
+  CHECK(effective_share(options, kNan, 0.0) == 0.0);
+  CHECK(effective_share(options, -1.0, 0.0) == 0.0);
+  CHECK(effective_share(options, 0.08, kNan) == 0.0);
   // A stamp slightly ahead of our clock is as good as new.
-  CHECK(effective_share(options, 0.08, -0.01, 1.0) == effective_share(options, 0.08, 0.0, 1.0));
+  CHECK(effective_share(options, 0.08, -0.01) == effective_share(options, 0.08, 0.0));
 }
 
 TEST_CASE("influence: options out of range are refused by name", "[consensus][fault]") {
@@ -140,8 +104,9 @@ TEST_CASE("influence: options out of range are refused by name", "[consensus][fa
   CHECK_THAT(message([](InfluenceOptions& o) { o.baseline = 1.5; }),
              Catch::Contains("baseline = 1.5") && Catch::Contains("0 to 1"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.half_life = 0.0; }), Catch::Contains("half_life"));
-  CHECK_THAT(message([](InfluenceOptions& o) { o.min_share = -0.1; }),
-             Catch::Contains("min_share"));
+  CHECK_THAT(message([](InfluenceOptions& o) { o.leading = -0.1; }), Catch::Contains("leading"));
+  CHECK_THAT(message([](InfluenceOptions& o) { o.held_alone = 1.1; }),
+             Catch::Contains("held_alone"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.max_age = kNan; }), Catch::Contains("max_age"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.max_age = kInf; }), Catch::Contains("max_age"));
 }

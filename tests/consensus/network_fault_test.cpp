@@ -85,7 +85,6 @@ TEST_CASE("network: small shares bear 1 s of latency, 100 ms of jitter, a quarte
   options.influence.max_age = 3.0;
   options.spring_timeout = 4.0;
   options.influence.baseline = options.influence.leading = 0.02;
-  options.influence.min_share = options.influence.following = 0.0;
   // A hand that turns at 3 rad/s is a diameter of its circle elsewhere after a second.
   const Outcome outcome = carry(link, options, {}, 30.0);
   CHECK(outcome.springs);

@@ -11,15 +11,12 @@
 #include <vector>
 
 #include "consensus/peer_fixture.h"
-#include "support/bodies.h"
 #include "support/catch.h"
 
 namespace tandem::consensus::own_predictor_test {
 namespace {
 
 using namespace testing;
-using tandem::testing::names;
-using tandem::testing::refusal;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -27,8 +24,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 class Forwarding final : public Predictor {
  public:
   using Spoil = std::function<void(Prediction&)>;
-  explicit Forwarding(PredictorKind kind, Spoil spoil = {}, double gain = 1.0)
-      : inner_(make_predictor(kind)), spoil_(std::move(spoil)), gain_(gain) {}
+  explicit Forwarding(PredictorKind kind, Spoil spoil = {})
+      : inner_(make_predictor(kind)), spoil_(std::move(spoil)) {}
 
   Prediction predict(const StateUpdate& update, const MotionHistory& own,
                      const PredictionContext& context) const override {
@@ -37,10 +34,6 @@ class Forwarding final : public Predictor {
     if (spoil_) spoil_(said);
     return said;
   }
-  double gain() const override { return inner_->gain(); }
-  double gain_for(const StateUpdate& update) const override {
-    return gain_ * inner_->gain_for(update);
-  }
   bool remembers() const override { return inner_->remembers(); }
 
   mutable int asked = 0;
@@ -48,7 +41,6 @@ class Forwarding final : public Predictor {
  private:
   std::unique_ptr<Predictor> inner_;
   Spoil spoil_;
-  double gain_;
 };
 
 /// After each step of two peers whose copies of a ball move differently.
@@ -66,13 +58,13 @@ std::vector<std::uint64_t> hashes(const PeerOptions& options) {
 }
 
 TEST_CASE("own predictor: one that says what ours says is ours, bit for bit", "[consensus]") {
-  for (const PredictorKind kind : {PredictorKind::Euler, PredictorKind::Adaptive}) {
+  for (const PredictorKind kind : {PredictorKind::Euler, PredictorKind::SecondOrder}) {
     const auto own = std::make_shared<Forwarding>(kind);
     CHECK(hashes({.own_predictor = own}) == hashes({.predictor = kind}));
     CHECK(own->asked > 100);
   }
   CHECK(hashes({.predictor = PredictorKind::Euler}) !=
-        hashes({.predictor = PredictorKind::Adaptive}));
+        hashes({.predictor = PredictorKind::SecondOrder}));
 }
 
 TEST_CASE("own predictor: where it says what is no number, the state counts as it was stamped",
@@ -93,41 +85,13 @@ TEST_CASE("own predictor: where it says what is no number, the state counts as i
                     PredictorKind::Euler, [](Prediction& p) { p.variance = kNan; })}) == none);
 }
 
-TEST_CASE("own predictor: a gain for one state that is no gain is the predictor's",
-          "[consensus][fault]") {
-  const std::vector<std::uint64_t> euler = hashes({.predictor = PredictorKind::Euler});
-  const auto with_gain = [](double gain) {
-    return hashes({.own_predictor = std::make_shared<Forwarding>(PredictorKind::Euler,
-                                                                 Forwarding::Spoil{}, gain)});
-  };
-  for (const double gain : {kNan, 0.0, -1.0, std::numeric_limits<double>::infinity()}) {
-    CHECK(with_gain(gain) == euler);
-  }
-  CHECK(with_gain(0.01) != euler);
-}
-
-TEST_CASE("own predictor: a gain that is no gain is refused by name", "[consensus]") {
-  class Greedy final : public Predictor {
-   public:
-    explicit Greedy(double gain) : gain_(gain) {}
-    Prediction predict(const StateUpdate&, const MotionHistory&,
-                       const PredictionContext&) const override {
-      return {};
-    }
-    double gain() const override { return gain_; }
-
-   private:
-    double gain_;
-  };
-  VirtualNetwork network;
-  pbd::World world;
-  for (const double gain : {kNan, 0.0, -1.0}) {
-    CHECK(names(refusal([&] {
-                  Peer(world, network.transport(1),
-                       {.own_predictor = std::make_shared<Greedy>(gain)});
-                }),
-                "gain", gain == 0.0 ? "0" : (gain < 0.0 ? "-1" : "nan"), "rule"));
-  }
+TEST_CASE("own predictor: it is asked in place of a replay", "[consensus]") {
+  // Peers that would replay, but for a predictor of their own, are as those that never would.
+  const auto own = std::make_shared<Forwarding>(PredictorKind::Euler);
+  CHECK(hashes({.predictor = PredictorKind::Replay, .own_predictor = own}) ==
+        hashes({.predictor = PredictorKind::Euler}));
+  CHECK(hashes({.predictor = PredictorKind::Euler}) !=
+        hashes({.predictor = PredictorKind::Replay}));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
   CHECK(o.influence >= 0.05);  // the baseline's range, 5 to 10 %
   CHECK(o.influence <= 0.10);
   CHECK(o.scheme == Scheme::OnePass);
-  CHECK(o.predictor_kind() == consensus::PredictorKind::Adaptive);
+  CHECK(o.predictor_kind() == consensus::PredictorKind::Replay);
 }
 
 TEST_CASE("options: what a run does without reaches solver and peer", "[demos][unit]") {
@@ -45,11 +45,11 @@ TEST_CASE("options: what a run does without reaches solver and peer", "[demos][u
     CHECK(help.find(name) != std::string::npos);
     CHECK(parse({"--ablate", name}).ablation.lacks(static_cast<Part>(i)));
   }
-  const DemoOptions o = parse({"--ablate", "masses,clean-up,ways", "--substeps", "7"});
+  const DemoOptions o = parse({"--ablate", "masses,clean-up,age", "--substeps", "7"});
   CHECK_FALSE(o.solver_options().heavier_where_shared);
   CHECK(o.solver_options().clean_up_iterations == 0);
   CHECK(o.solver_options().substeps == 7);
-  CHECK(o.peer_options().predictor == consensus::PredictorKind::Blend);
+  CHECK(o.peer_options().influence.half_life > 1e3);
   CHECK(o.peer_options().initiative);
   CHECK_FALSE(refusal({"--ablate", "masses,nonsense"}).empty());
 }
@@ -123,22 +123,62 @@ TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]"
   CHECK(plain.mode == consensus::InputMode::Soft);
   CHECK(plain.acceptance.empty());
   const DemoOptions o =
-      parse({"--mode", "hard", "--predictor=kalman", "--extrapolation", "0.2",
+      parse({"--mode", "hard", "--predictor=second-order", "--extrapolation", "0.2",
              "--spring-extrapolation=0", "--damped-start", "2", "--modelled-error", "0.01"});
   const consensus::PeerOptions peer = o.peer_options();
   CHECK(peer.mode == consensus::InputMode::Hard);
-  CHECK(peer.predictor == consensus::PredictorKind::Kalman);
+  CHECK(peer.predictor == consensus::PredictorKind::SecondOrder);
   CHECK(peer.prediction.max_extrapolation == 0.2);
   CHECK(peer.max_anchor_extrapolation == 0.0);
   CHECK(peer.acceptance.apply(0.4, {.heard_for = 1.0, .variance = 1e-4}) == Approx(0.1));
   CHECK(parse({"--sleeping-threshold"}).peer_options().acceptance.apply(0.4, {}) == 0.0);
-  for (const char* name :
-       {"none", "euler", "second-order", "kalman", "local-motion", "blend", "adaptive"}) {
+  for (const char* name : {"none", "euler", "second-order", "replay"}) {
     CHECK(to_string(parse({"--predictor", name}).predictor_kind()) == name);
   }
   for (const char* name : {"soft", "asymmetric", "hard"}) {
     CHECK(to_string(parse({"--mode", name}).mode) == name);
   }
+}
+
+TEST_CASE("options: what a replay does reaches the peer, and what it cannot do is refused",
+          "[demos][unit]") {
+  const consensus::ReplayOptions usual = parse({}).peer_options().replay;
+  CHECK(usual.share == consensus::ReplayOptions{}.share);
+  CHECK(usual.inputs == consensus::ReplayOptions{}.inputs);
+  CHECK(usual.budget == consensus::ReplayOptions{}.budget);
+  CHECK(usual.substeps == consensus::ReplayOptions{}.substeps);
+  const consensus::ReplayOptions replay =
+      parse({"--closing-share", "0.3", "--inputs=common", "--replay-budget", "2.5",
+             "--replay-substeps", "3"})
+          .peer_options()
+          .replay;
+  CHECK(replay.share == 0.3);
+  CHECK(replay.inputs == consensus::ReplayInputs::Common);
+  CHECK(replay.budget == 2.5);
+  CHECK(replay.substeps == 3);
+  CHECK(parse({"--inputs", "known"}).replayed.inputs == consensus::ReplayInputs::Known);
+  // Whatever is accepted here is accepted by the peer.
+  for (const auto& words :
+       std::vector<std::vector<std::string_view>>{{"--closing-share", "1"},
+                                                  {"--closing-share", "1e-9"},
+                                                  {"--replay-budget", "1"},
+                                                  {"--replay-budget", "1000"},
+                                                  {"--replay-substeps", "1000"}}) {
+    CHECK_NOTHROW(parse(words).peer_options().validate());
+  }
+  for (const auto& words :
+       std::vector<std::vector<std::string_view>>{{"--closing-share", "0"},
+                                                  {"--closing-share", "1.1"},
+                                                  {"--closing-share", "nan"},
+                                                  {"--replay-budget", "0.9"},
+                                                  {"--replay-budget", "inf"},
+                                                  {"--replay-substeps", "-1"},
+                                                  {"--replay-substeps", "1001"},
+                                                  {"--replay-substeps", "1.5"}}) {
+    CAPTURE(words[0], words[1]);
+    CHECK_FALSE(refusal(words).empty());
+  }
+  CHECK(refusal({"--inputs", "both"}) == "--inputs = both breaks: known or common");
 }
 
 TEST_CASE("options: couplings that are compared differ in what they say and in nothing else",
@@ -165,8 +205,8 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
     CHECK_FALSE(paper.prediction.extrapolates_orientation);
     CHECK_FALSE(paper.initiative);
     CHECK(paper.announcement.apply(0.0, {.leads = 1.0, .confidence = 0.0}) == 0.08);
-    // No gain rule: what is fresh counts in full.
-    CHECK(paper.hearing.apply(0.9, {.leads = 1.0, .age = 0.0, .gain = 0.0}) == 0.9);
+    // What is fresh counts in full.
+    CHECK(paper.hearing.apply(0.9, {.leads = 1.0, .age = 0.0}) == 0.9);
     CHECK(paper.two_step.thresholds == (std::string_view(name) == "two-step-paper"));
   }
   CHECK(of("one-pass-plain").coupling == Coupling::OnePass);
@@ -178,8 +218,8 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   CHECK(of("pd").coupling == Coupling::VirtualCoupling);
   CHECK(parse({"--pd-frequency", "2"}).peer_options().virtual_coupling.frequency == 2.0);
   // What is said counts.
-  CHECK(parse({"--coupling=pd", "--predictor", "kalman"}).peer_options().predictor ==
-        PredictorKind::Kalman);
+  CHECK(parse({"--coupling=pd", "--predictor", "second-order"}).peer_options().predictor ==
+        PredictorKind::SecondOrder);
 }
 
 TEST_CASE("options: rates go round the peers", "[demos][unit]") {
@@ -249,8 +289,7 @@ TEST_CASE("options: a refusal names option, value and rule", "[demos][fault]") {
   CHECK(refusal({"--seed", "-1"}) == "--seed = -1 breaks: an integer of 64 bits, >= 0");
   CHECK(refusal({"--influence", "1"}) == "--influence = 1 breaks: a number from 0 to 0.99");
   CHECK(refusal({"--predictor", "Euler"}) ==
-        "--predictor = Euler breaks: none, euler, second-order, "
-        "kalman, local-motion, blend or adaptive");
+        "--predictor = Euler breaks: none, euler, second-order or replay");
   CHECK(refusal({"--solver", ""}) ==
         "--solver =  breaks: one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, "
         "none, single-owner or pd");

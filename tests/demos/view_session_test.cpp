@@ -160,7 +160,7 @@ TEST_CASE("live session: another link, scheme, predictor or influence moves noth
     CHECK(session.settings().scheme == static_cast<Scheme>(i));
   }
   change(SetScheme{Scheme::OnePass});
-  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Adaptive); ++i) {
+  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Replay); ++i) {
     const auto kind = static_cast<consensus::PredictorKind>(i);
     INFO(to_string(kind));
     change(SetPredictor{kind});

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "tandem/pbd/bytes.h"
@@ -79,6 +80,17 @@ class ToyContacts final : public pbd::ContactSource {
   }
   void save(pbd::ByteWriter& out) const override { out.u32(collected_); }
   void load(pbd::ByteReader& in) override { collected_ = in.u32(); }
+  std::unique_ptr<pbd::ContactSource> make_empty() const override {
+    return copies_ ? std::make_unique<ToyContacts>() : nullptr;
+  }
+  bool assign(const pbd::ContactSource& source) override {
+    const auto* other = dynamic_cast<const ToyContacts*>(&source);
+    if (other == nullptr) return false;
+    *this = *other;
+    return true;
+  }
+  /// Whether it can be copied with its world, as an application's own source need not be.
+  void set_copies(bool copies) { copies_ = copies; }
   bool fits(const pbd::World& world) const override {
     return std::all_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
       return world.contains(pair.a) && world.contains(pair.b);
@@ -169,6 +181,7 @@ class ToyContacts final : public pbd::ContactSource {
   std::vector<Pair> pairs_;
   std::uint32_t collected_ = 0;
   bool forget_features_ = false;
+  bool copies_ = true;
 };
 
 }  // namespace tandem::testing

@@ -127,9 +127,9 @@ describe('a session', {timeout: 900000}, () => {
   });
 
   test('speed, influence, predictor and scheme are switched while it runs', async () => {
-    for (const [name, value] of [['speed', 0.5], ['influence', 0.2], ['predictor', 'kalman'],
+    for (const [name, value] of [['speed', 0.5], ['influence', 0.2], ['predictor', 'euler'],
                                  ['scheme', 'two-step'], ['scheme', 'one-pass'],
-                                 ['predictor', 'adaptive'], ['influence', 0.08], ['speed', 1]]) {
+                                 ['predictor', 'replay'], ['influence', 0.08], ['speed', 1]]) {
       observer.set(name, value);
       await until(() => observer.settings[name] === value, `${name} = ${value}`);
       await until(() => view(page, `settings['${name}'] === ${JSON.stringify(value)}`), 'the page');

@@ -43,7 +43,7 @@ export class MockWorld {
     this.scene = scene;
     this.live = live;
     this.bodies = makeBodies(balls ? 'balls' : 'shapes', balls);
-    this.settings = {paused: false, speed: 1, profile: 3, influence: 0.08, predictor: 'adaptive',
+    this.settings = {paused: false, speed: 1, profile: 3, influence: 0.08, predictor: 'replay',
                      scheme: 'one-pass'};
     this.restart();
   }
@@ -66,7 +66,7 @@ export class MockWorld {
               {shape: 'half_space', normal: [0, -1, 0], offset: -1.5, ...PART},
               {shape: 'box', half_extents: [0.3, 0.1, 0.05], pose: [-0.8, -0.5, 0.05, 0, 0, 0, 1]}],
       choices: !this.live ? {} : {
-        profile: [0, 1, 2, 3, 4, 5], predictor: ['adaptive', 'linear', 'euler'],
+        profile: [0, 1, 2, 3, 4, 5], predictor: ['replay', 'second-order', 'euler'],
         scheme: ['one-pass', 'two-step'], speed: [0.05, 2], influence: [0, 0.5]},
     };
   }
