@@ -44,13 +44,6 @@ constexpr double kNoMean = 1.2;
 /// s: nobody steps so slowly.
 constexpr double kLongestStep = 0.5;
 
-/// Of what is noted by slot, in ascending order; null where there is nothing.
-template <class Noted>
-const Noted* at_slot(const std::vector<Noted>& noted, std::uint32_t slot) {
-  const auto it = std::ranges::lower_bound(noted, slot, {}, &Noted::slot);
-  return it != noted.end() && it->slot == slot ? &*it : nullptr;
-}
-
 }  // namespace
 
 Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)
@@ -184,7 +177,6 @@ void Peer::Impl::aggregate(SessionTime now) {
     } else {
       replay_->drop();
     }
-    if (apart_) history_.note_inputs(world_);
   }
   for (Wanted& wanted : wanted_) aim(wanted);
 }
@@ -261,18 +253,11 @@ void Peer::Impl::aim(Wanted& wanted) {
   pbd::PoseTarget& target = wanted.target;
   const pbd::BodyState& own = world_.states()[shared.def.body.index];
   if (wanted.replayed) {
-    const pbd::BodyState* const there = replay_->find(shared.def.body.index);
-    if (there == nullptr) return;
-    target.pose = there->pose;
-    target.twist = there->twist;
-    // The replay ends where the step to come begins: what the application has just done is not in
-    // it.
-    const WorldHistory::Frame& last = history_.frame(history_.last());
-    if (at_slot(last.placed, target.body.index) != nullptr) return;
-    if (const auto* push = at_slot(last.pushed, target.body.index)) {
-      target.twist.linear += push->twist.linear;
-      target.twist.angular += push->twist.angular;
-    }
+    const pbd::Correction* const gap = replay_->find(shared.def.body.index);
+    if (gap == nullptr) return;
+    target.pose = {own.pose.position + gap->translation,
+                   pbd::rotated(own.pose.orientation, gap->rotation)};
+    target.twist = {own.twist.linear + gap->twist.linear, own.twist.angular + gap->twist.angular};
     target.use_rotation_error = false;
     if (!shared.def.orientation) target.pose.orientation = own.pose.orientation;
   }

@@ -17,6 +17,11 @@ namespace {
 
 constexpr double kAll = std::numeric_limits<double>::infinity();
 
+/// Steps in which the last replay may be stepped along. What touches much is soon nowhere near where
+/// it was: 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, 105 with 1 and 87
+/// without a limit.
+constexpr int kOldest = 3;
+
 /// Frames: states of one peer that are no further apart are taken in together. They came in several
 /// packets, and bodies that touch must not be moved one after the other: a pile of 900 cubes had
 /// them up to 17 mm, one frame's way, behind.
@@ -82,25 +87,32 @@ void Replay::update(SessionTime now, ReplayStats& stats) {
   const double income = std::isinf(options_.budget) ? kAll : options_.budget * bodies;
   credit_ = std::min(credit_ + income, std::max(cost, income));
   if (cost <= credit_) {
-    if (!std::isinf(credit_)) credit_ -= cost;
-    ++stats.fresh;
     if (!start()) {
       ++stats.without;
       return drop();
     }
-    for (std::size_t frame = start_; frame < history_.last(); ++frame) {
-      if (!step_from(frame, stats)) return drop();
-    }
-    blend(history_.last());
-    return;
-  }
-  if (covered_.empty() || reached_ + 1 != history_.last() || credit_ < bodies) {
+    ++stats.fresh;
+    old_ = 0;
+  } else if (!covered_.empty() && ++old_ <= kOldest && reached_ + 1 == history_.last()) {
+    ++stats.postponed;
+  } else {
     ++stats.without;
     return drop();
   }
-  ++stats.postponed;
-  credit_ -= bodies;
-  if (!step_from(reached_, stats)) drop();
+  for (; reached_ < history_.last(); ++reached_) {
+    if (!std::isinf(credit_)) credit_ -= bodies;
+    if (!step_from(reached_, stats)) return drop();
+  }
+  if (old_ == 0) blend(reached_);
+  gaps_.resize(covered_.size());
+  for (std::uint32_t slot = 0; slot < covered_.size(); ++slot) {
+    if (covered_[slot] == 0) continue;
+    const pbd::BodyState& own = history_.newest(slot);
+    const pbd::BodyState& there = copy_.world().states()[slot];
+    gaps_[slot] = {there.pose.position - own.pose.position,
+                   pbd::rotation_between(own.pose.orientation, there.pose.orientation),
+                   {there.twist.linear - own.twist.linear, there.twist.angular - own.twist.angular}};
+  }
 }
 
 void Replay::keep() {
@@ -170,6 +182,7 @@ bool Replay::start() {
   std::erase_if(prescribed_, [&](const Prescribed& body) { return gone(body.slot); });
   std::sort(news_.begin(), news_.end(), by_frame);
   next_ = 0;
+  reached_ = start_;
   known_until_ = history_.frame(start_).time;
   weights_.assign(world_.slot_count(), 1.0);
   covered_.assign(world_.slot_count(), 0);
@@ -203,7 +216,6 @@ bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
   const pbd::StepReport& report = solver_->step(copy_.world(), dt);
   ++stats.steps;
   stats.body_steps += static_cast<std::uint64_t>(report.awake);
-  reached_ = frame + 1;
   return report.status == pbd::StepStatus::Ok;
 }
 

@@ -55,11 +55,11 @@ class Replay {
   /// Replay anew, step the last replay along, or leave both out, as the budget allows.
   void update(SessionTime now, ReplayStats& stats);
   /// The old one is of other times.
-  void drop() { covered_.clear(); }
+  void drop() { covered_.clear(), old_ = 0; }
 
-  /// Where the mean of all peers has this body now; null where nobody knows.
-  const pbd::BodyState* find(std::uint32_t slot) const {
-    return slot < covered_.size() && covered_[slot] != 0 ? &copy_.world().states()[slot] : nullptr;
+  /// What this body misses of where the mean of all peers is now; null where nobody knows.
+  const pbd::Correction* find(std::uint32_t slot) const {
+    return slot < covered_.size() && covered_[slot] != 0 ? &gaps_[slot] : nullptr;
   }
   void set_hook(ReplayHook* hook) { hook_ = hook; }
   /// False once the world could not be copied, and where it is not stepped by a solver of ours.
@@ -97,12 +97,14 @@ class Replay {
   double credit_ = std::numeric_limits<double>::infinity();
   std::size_t start_ = 0;      ///< frame
   std::size_t reached_ = 0;    ///< frame
+  int old_ = 0;                ///< steps since the last replay was begun anew
   SessionTime known_until_ = 0;  ///< ns, own inputs with ReplayInputs::Common
   std::vector<News> news_;
   std::size_t next_ = 0;       ///< of news_, not blended yet
   std::vector<Prescribed> prescribed_;
   std::vector<double> weights_;        ///< by slot, of what was blended so far
   std::vector<std::uint8_t> covered_;  ///< by slot
+  std::vector<pbd::Correction> gaps_;  ///< by slot, to the mean: what is still missing
   pbd::Tethers* tethers_ = nullptr;    ///< of the copy
   std::vector<pbd::ConstraintId> rows_;
   std::vector<Pull> pulls_;

@@ -27,7 +27,7 @@ struct TANDEM_API ReplayOptions {
   ReplayInputs inputs = ReplayInputs::Known;
   /// Steps that may be replayed for each step of the world, in steps of the world as it is awake;
   /// at least 1. Infinity: a fresh replay in each step.
-  double budget = 1.75;
+  double budget = 2.0;
   /// s: no replay goes further back. States that are older are carried to its beginning by the
   /// difference to the own motion.
   double longest = 0.6;
