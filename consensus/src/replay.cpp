@@ -82,12 +82,12 @@ void Replay::update(SessionTime now, ReplayStats& stats) {
   const double income = std::isinf(options_.budget) ? kAll : options_.budget * bodies;
   credit_ = std::min(credit_ + income, std::max(cost, income));
   if (cost <= credit_) {
-    if (!std::isinf(credit_)) credit_ -= cost;
-    ++stats.fresh;
-    if (!start()) {
+    if (!start()) {  // the world of then was not kept
       ++stats.without;
       return drop();
     }
+    if (!std::isinf(credit_)) credit_ -= cost;
+    ++stats.fresh;
     for (std::size_t frame = start_; frame < history_.last(); ++frame) {
       if (!step_from(frame, stats)) return drop();
     }
