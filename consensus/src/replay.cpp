@@ -23,7 +23,7 @@ pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;
   const double dt = kNs * static_cast<double>(time - news.stamp);
-  const pbd::BodyState then = history.state_at(news.slot, news.stamp);
+  const pbd::BodyState then = history.state_beside(news.slot, news.stamp, news.state.twist);
   const pbd::BodyState own = history.state_at(news.slot, time);
   const pbd::Vec3 drift = news.state.twist.linear - then.twist.linear;
   const pbd::Vec3 spin = news.state.twist.angular - then.twist.angular;
@@ -77,6 +77,9 @@ void Replay::update(SessionTime now, ReplayStats& stats) {
     news.frame = history_.nearest(std::max(news.stamp, oldest));
     start_ = std::min(start_, news.frame);
   }
+  // Worlds are kept from when they are first asked for: until then a replay begins where it can.
+  while (start_ < history_.last() && snapshot_of(start_) == nullptr) ++start_;
+  for (News& news : news_) news.frame = std::max(news.frame, start_);
   const auto bodies = static_cast<double>(awake());
   const double cost = static_cast<double>(history_.last() - start_) * bodies;
   const double income = std::isinf(options_.budget) ? kAll : options_.budget * bodies;
