@@ -210,8 +210,8 @@ TEST_CASE("peer: two-step coupling leaves less than 1 mm alone and averages more
   // The step over which b was moved by hand is no news to b: its own history says so.
   const double before = b.x().x() - a.x().x();
   session.run(kFrame);
-  // At zero age the gain rule does not bite: both close the baseline share of the gap.
-  CHECK(b.x().x() - a.x().x() == Approx(before * (1.0 - 2.0 * 0.08)).epsilon(1e-6));
+  // Both close the closing share of what they miss of the mean, half of the gap.
+  CHECK(b.x().x() - a.x().x() == Approx(before * (1.0 - ReplayOptions{}.share)).epsilon(1e-6));
   // Positions are put, velocities know nothing of it.
   CHECK(a.v().norm() == 0.0);
   CHECK(b.v().norm() == 0.0);

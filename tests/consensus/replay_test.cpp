@@ -191,26 +191,57 @@ TEST_CASE("replay: what the application does at one peer is felt there, and shar
 }
 
 TEST_CASE("replay: what was done is not undone in the very next step", "[consensus]") {
-  // The copy that is pushed differs from the other one all the time, so that there is a replay.
-  PeerOptions options = fresh();
-  options.replay.tolerance = 0.0;
-  Session session({.latency = 8.0 * kFrame});
-  Site& a = session.add(1, 0.0, options, kWeightless);
-  Site& b = session.add(2, 0.0, options, kWeightless);
-  free_ball(a);
-  free_ball(b);
-  session.run(3.0);
-  const Vec3 before = a.v();
-  bool done = false;
-  a.user = [&](Site& site, SessionTime) {
-    if (!done) site.world.apply_impulse(site.body, Vec3(0.0, 0.0, 1.0), site.x());
-    done = true;
+  // Copies that differ by a speed of their own, and so are replayed in each step.
+  struct Case {
+    const char* name;
+    std::function<void(Site&)> act;
+    Vec3 way;
+    Vec3 speed;
   };
-  session.run(2.0 * kFrame);
-  REQUIRE(done);
-  CHECK(a.v().z() - before.z() == Approx(1.0).epsilon(1e-3));
-  session.run(5.0 * kFrame);
-  CHECK(a.v().z() - before.z() == Approx(1.0).epsilon(1e-3));
+  const std::vector<Case> cases{
+      {"impulse",
+       [](Site& site) { site.world.apply_impulse(site.body, Vec3(0.0, 0.0, 1.0), site.x()); },
+       Vec3::Zero(), Vec3(0.0, 0.0, 1.0)},
+      {"force", [](Site& site) { site.world.apply_force(site.body, Vec3(0.0, 0.0, 60.0)); },
+       Vec3::Zero(), Vec3(0.0, 0.0, 1.0)},
+      {"set_pose", [](Site& site) { site.displace(Vec3(0.0, 0.0, 0.05)); }, Vec3(0.0, 0.0, 0.05),
+       Vec3::Zero()},
+  };
+  for (const Case& deed : cases) {
+    INFO(deed.name);
+    const auto track = [&](bool acts) {
+      Session session({.latency = 8.0 * kFrame});
+      Site& a = session.add(1, 0.0, fresh(), kWeightless);
+      Site& b = session.add(2, 0.0, fresh(), kWeightless);
+      free_ball(a);
+      free_ball(b);
+      session.run(14.0 * kFrame);
+      REQUIRE(a.peer->stats().replay.fresh > 0);
+      REQUIRE((a.v() - b.v()).norm() > 0.05);
+      bool done = !acts;
+      a.user = [&](Site& site, SessionTime) {
+        if (!done) deed.act(site);
+        done = true;
+      };
+      std::vector<pbd::BodyState> states;
+      session.after = [&](Site& site) {
+        if (&site == &a) states.push_back(site.world.state(site.body));
+      };
+      session.run(7.0 * kFrame);
+      return states;
+    };
+    const std::vector<pbd::BodyState> without = track(false);
+    const std::vector<pbd::BodyState> with = track(true);
+    REQUIRE(with.size() >= 6);
+    for (std::size_t i = 1; i < 6; ++i) {
+      CAPTURE(i);
+      const Vec3 faster = with[i].twist.linear - without[i].twist.linear;
+      CHECK((faster - deed.speed).norm() < 1e-3);
+      const double t = static_cast<double>(i) * kFrame;
+      const Vec3 further = with[i].pose.position - without[i].pose.position;
+      CHECK((further - deed.way - t * deed.speed).norm() < 1.5 * kFrame * deed.speed.norm() + 1e-3);
+    }
+  }
 }
 
 /// Pushes the ball by code of its own, in the world and in its replays alike.
