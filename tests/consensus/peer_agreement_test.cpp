@@ -106,6 +106,7 @@ TEST_CASE("peer: symmetric exchange without delay adds no kinetic energy", "[con
   Dice dice(7);
   Session session;
   PeerOptions options{.predictor = predictor, .authority_ramp = 0.0};
+  CAPTURE(static_cast<int>(predictor), count);
   options.robust.outvote = false;  // it is not symmetric: the fewer follow the others
   for (int i = 0; i < count; ++i) {
     Site& site = session.add(static_cast<PeerId>(i + 1), 0.0, options, kWeightless);
