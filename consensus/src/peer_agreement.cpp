@@ -143,8 +143,9 @@ void Peer::Impl::after_step(SessionTime now) {
 }
 
 void Peer::Impl::collect(const pbd::SolverOptions& options, std::vector<pbd::PoseTarget>& out) {
-  if (replay_ != nullptr) {
-    replay_->set_solver(options);
+  if (replay_ != nullptr) replay_->set_solver(options);
+  // Nothing is remembered where the world is stepped before its peer was told of it.
+  if (replay_ != nullptr && !history_.empty()) {
     history_.note_inputs(world_);
     springs_.record(history_.pulls());
   }
