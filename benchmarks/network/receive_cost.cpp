@@ -22,6 +22,7 @@
 #include "benchmarks/measure/clock.h"
 #include "packet_protection.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/pbd/solver.h"
 
 namespace {
 

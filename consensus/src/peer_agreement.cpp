@@ -139,8 +139,9 @@ void Peer::Impl::after_step(SessionTime now) {
 }
 
 void Peer::Impl::collect(const pbd::SolverOptions& options, std::vector<pbd::PoseTarget>& out) {
-  if (replay_ != nullptr) {
-    replay_->set_solver(options);
+  if (replay_ != nullptr) replay_->set_solver(options);
+  // Nothing is remembered where the world is stepped before its peer was told of it.
+  if (replay_ != nullptr && !history_.empty()) {
     history_.note_inputs(world_);
     springs_.record(history_.pulls());
   }
@@ -306,7 +307,8 @@ Prediction Peer::Impl::carry(Shared& shared, PeerId from, const StateUpdate& upd
 }
 
 Prediction Peer::Impl::compare(const Shared& shared, PeerId from, const StateUpdate& update) {
-  const pbd::BodyState then = history_.state_at(shared.def.body.index, update.stamp);
+  const pbd::BodyState then =
+      history_.state_beside(shared.def.body.index, update.stamp, update.twist);
   Prediction gap{.translation = update.pose.position - then.pose.position,
                  .twist = {update.twist.linear - then.twist.linear,
                            update.twist.angular - then.twist.angular}};
@@ -411,6 +413,7 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
                          pbd::rotated(own.pose.orientation, prediction.rotation)};
     const pbd::Twist twist{own.twist.linear + prediction.twist.linear,
                            own.twist.angular + prediction.twist.angular};
+    observe(shared, received.peer, update, prediction, now);
     if (teleports) {
       shared.landed = update.stamp;
       place(shared, pose, twist);
@@ -442,7 +445,6 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
     estimates_.push_back({.peer = received.peer, .pose = pose, .twist = twist, .share = share});
     if (share > heaviest) motion_ = prediction.motion;
     heaviest = std::max(heaviest, share);
-    observe(shared, received.peer, update, prediction, now);
   }
   if (!several) return found;
   if (own_lead == 0.0 && options_.arbitration) give_way(shared, newest, now);

@@ -33,7 +33,7 @@ pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;
   const double dt = kNs * static_cast<double>(time - news.stamp);
-  const pbd::BodyState then = history.state_at(news.slot, news.stamp);
+  const pbd::BodyState then = history.state_beside(news.slot, news.stamp, news.state.twist);
   const pbd::BodyState own = history.state_at(news.slot, time);
   const pbd::Vec3 drift = news.state.twist.linear - then.twist.linear;
   const pbd::Vec3 spin = news.state.twist.angular - then.twist.angular;
@@ -156,15 +156,26 @@ void Replay::bring_together(SessionTime now) {
     return a.peer != b.peer ? a.peer < b.peer
                             : (a.frame != b.frame ? a.frame > b.frame : a.slot < b.slot);
   });
+  // What a peer has not said lately is as it expects others to expect it: the replay fills it in.
   start_ = history_.last();
+  auto kept = news_.begin();
   for (auto first = news_.begin(); first != news_.end();) {
     const auto last = std::find_if(first, news_.end(), [&](const News& news) {
       return news.peer != first->peer || news.frame + kTogether < first->frame;
     });
     const std::size_t frame = std::prev(last)->frame;
     start_ = std::min(start_, frame);
-    for (; first != last; ++first) first->frame = frame;
+    const PeerId peer = first->peer;
+    for (; first != last; ++first, ++kept) {
+      if (kept != first) *kept = *first;
+      kept->frame = frame;
+    }
+    while (first != news_.end() && first->peer == peer) ++first;
   }
+  news_.erase(kept, news_.end());
+  // Worlds are kept from when they are first asked for: until then a replay begins where it can.
+  while (start_ < history_.last() && snapshot_of(start_) == nullptr) ++start_;
+  for (News& news : news_) news.frame = std::max(news.frame, start_);
 }
 
 bool Replay::start() {

@@ -11,6 +11,10 @@
 namespace tandem::consensus {
 namespace {
 
+/// m/s: what changes by more from frame to frame was hit. Spins count at a lever (m).
+constexpr double kHit = 0.5;
+constexpr double kLever = 0.1;
+
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
@@ -151,6 +155,29 @@ pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) cons
       a.pose.orientation, f * pbd::rotation_between(a.pose.orientation, b.pose.orientation));
   state.twist.linear = a.twist.linear + f * (b.twist.linear - a.twist.linear);
   state.twist.angular = a.twist.angular + f * (b.twist.angular - a.twist.angular);
+  return state;
+}
+
+pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
+                                          const pbd::Twist& other) const {
+  const std::size_t n = at_or_before(time);
+  if (time <= since(slot) || n == last()) return state_at(slot, time);
+  const Frame& before = frame(n);
+  const Frame& after = frame(n + 1);
+  const pbd::BodyState& a = before.states[slot];
+  const pbd::BodyState& b = after.states[slot];
+  const bool hit = (b.twist.linear - a.twist.linear).norm() +
+                       kLever * (b.twist.angular - a.twist.angular).norm() >
+                   kHit;
+  if (!hit) return state_at(slot, time);
+  const auto off = [&](const pbd::Twist& twist) {
+    return (twist.linear - other.linear).norm() + kLever * (twist.angular - other.angular).norm();
+  };
+  const bool first = off(a.twist) < off(b.twist);
+  pbd::BodyState state = first ? a : b;
+  const double dt = kNs * static_cast<double>(time - (first ? before : after).time);
+  state.pose.position += dt * state.twist.linear;
+  state.pose.orientation = pbd::rotated(state.pose.orientation, dt * state.twist.angular);
   return state;
 }
 

@@ -89,7 +89,7 @@ TEST_CASE("jump: what comes together by itself is left to do so", "[consensus]")
   for (const auto& site : session.sites) CHECK(site->peer->stats().bodies_placed == 0);
 }
 
-TEST_CASE("jump: a cube that lies on its other side is put there, for no average turns it",
+TEST_CASE("jump: a cube that lies on its other side comes to lie as the leader's does",
           "[consensus]") {
   Session session(network_profile(3));
   for (int i = 0; i < 2; ++i) {
@@ -101,12 +101,14 @@ TEST_CASE("jump: a cube that lies on its other side is put there, for no average
   const auto angle = [&] {
     return session[0].pose().orientation.angularDistance(session[1].pose().orientation);
   };
-  session.run(2.0);
   CHECK(angle() > 3.0);
-  session.run(3.0);
+  const Quat lead = session[0].pose().orientation;
+  session.run(5.0);
   CHECK(angle() < 1e-3);
+  CHECK(session[0].pose().orientation.angularDistance(lead) < 1e-3);
+  // No average turns it: it is drawn over, or put there.
   CHECK(session[0].peer->stats().bodies_placed == 0);
-  CHECK(session[1].peer->stats().bodies_placed == 1);
+  CHECK(session[1].peer->stats().bodies_placed <= 1);
 }
 
 TEST_CASE("jump: where the ground is another one, a body is put there once at most",

@@ -78,6 +78,7 @@ TEST_CASE("predictor: without extrapolation of orientations they stay as stamped
 
 TEST_CASE("predictor: what a hand moves goes straight on, whatever happens here", "[consensus]") {
   // Its own velocity is the hand's: gravity does not act on it, nor does what the body here does.
+  // (From several states second order measures what the hand's velocity changes by.)
   Dice dice(3);
   StateUpdate update = some_state(dice);
   update.stamp = kNow - 160'000'000;

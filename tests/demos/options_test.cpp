@@ -160,7 +160,7 @@ TEST_CASE("options: what a replay does reaches the peer, and what it cannot do i
   // Whatever is accepted here is accepted by the peer.
   for (const auto& words :
        std::vector<std::vector<std::string_view>>{{"--closing-share", "1"},
-                                                  {"--closing-share", "1e-9"},
+                                                  {"--closing-share", "0.001"},
                                                   {"--replay-budget", "1"},
                                                   {"--replay-budget", "1000"},
                                                   {"--replay-substeps", "1000"}}) {

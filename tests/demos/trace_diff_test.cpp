@@ -47,8 +47,9 @@ Place place_in_states(const std::vector<TraceRecord>& records) {
       if (!consensus::decode(flipped, other).ok()) continue;
       if (other.states.size() != honest.states.size()) continue;
       const pbd::Vec3 moved = other.states[k].pose.position - honest.states[k].pose.position;
-      // Enough to outlive the rounding of what is made of it.
-      if (moved.norm() > 1e-10 && moved.norm() < 1e-6) return {r, byte, honest.states[k].id};
+      // Enough to be more than what peers leave alone.
+      if (moved.norm() > 2.0 * consensus::ReplayOptions{}.tolerance && moved.norm() < 1e-3)
+        return {r, byte, honest.states[k].id};
     }
   }
   FAIL("nobody leads");
