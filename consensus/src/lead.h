@@ -12,8 +12,8 @@ namespace tandem::consensus {
 /// One object for each shared body.
 class Lead {
  public:
-  /// The weight that is left of `weight` while an average makes sense, and what a leader gives and a
-  /// follower hears beyond.
+  /// The weight that is left of `weight` while an average makes sense, and what a leader gives and
+  /// a follower hears beyond.
   /// @param angle  rad, between the own orientation at the stamp and the remote one
   static double weight(double weight, double angle, bool follows);
 

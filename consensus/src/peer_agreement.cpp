@@ -212,11 +212,14 @@ void Peer::Impl::want(Shared& shared, const Found& found, SessionTime now) {
   }
   target.share = target.share < 1.0 ? options_.replay.share : 1.0;
   if (way <= options_.replay.tolerance) {
-    if (!apart) return;
+    const SessionTime oldest = std::ranges::min_element(stamped_, {}, &Stamped::stamp)->stamp;
+    // What somebody has put there since is not where it rested.
+    if (!apart || history_.placed_since(slot, oldest)) return;
     target = at_rest(shared, target);
   } else {
     for (const PeerEstimate& estimate : estimates_) {
       const Stamped& there = *std::ranges::find(stamped_, estimate.peer, &Stamped::peer);
+      if (there.stamp < history_.frame(history_.first()).time) continue;  // nobody knows any more
       replay_->add({.slot = slot,
                     .peer = there.peer,
                     .stamp = there.stamp,
@@ -403,7 +406,8 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
       continue;
     }
     const bool teleports = owner && update.flags.teleported && update.stamp > shared.landed;
-    const bool newcomer = !owner && !shared.joined && own_confidence < 1.0 && claimed > own_announced;
+    const bool newcomer =
+        !owner && !shared.joined && own_confidence < 1.0 && claimed > own_announced;
     if (carried || teleports || newcomer) prediction = carry(shared, received.peer, update, now);
     if (!options_.acceptance.empty() && !owner) {
       share = accepted(share, prediction, heard_from(shared, received.peer, now), now);

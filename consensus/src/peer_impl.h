@@ -121,14 +121,14 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   };
   /// How the estimates of one body were found, and what they are good for.
   struct Found {
-    bool votes = false;   ///< they are to be fused as votes
+    bool votes = false;  ///< they are to be fused as votes
     /// A hand that only its own peer knows moves the body: where it is now has to be guessed.
     bool by_hand = false;
   };
   /// What agreement wants of one body.
   struct Wanted {
     Shared* shared = nullptr;
-    PeerId heaviest = 0;  ///< who has the most say in it
+    PeerId heaviest = 0;    ///< who has the most say in it
     bool replayed = false;  ///< where it is to be is the replay's to say
     pbd::PoseTarget target;
   };
@@ -175,8 +175,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void aim(Wanted& wanted);
   bool replays() const { return replay_ != nullptr && replay_->possible(); }
   /// Tell the observer of an estimate.
-  void observe(Shared& shared, PeerId from, const StateUpdate& update,
-               const Prediction& prediction, SessionTime now);
+  void observe(Shared& shared, PeerId from, const StateUpdate& update, const Prediction& prediction,
+               SessionTime now);
   void tell_observer(SessionTime now);
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
@@ -241,8 +241,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void update_ownership(SessionTime now);
   void hear_ownership(PeerId from, SessionTime now);
   /// The state of whoever owns the body, carried to now.
-  void estimate_owner(Shared& shared, std::span<const Inbox::Received> newest,
-                      SessionTime now);
+  void estimate_owner(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
   std::size_t index_of(const Shared& shared) const {
     return static_cast<std::size_t>(&shared - shared_.data());
   }
@@ -300,12 +299,12 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   PeerObserver* observer_ = nullptr;
   const Interest* interest_ = nullptr;
   PeerStats stats_;
-  std::vector<PeerReport> reports_;               ///< by peer
-  std::vector<Shared> shared_;                    ///< by id, as in inbox_
-  std::unique_ptr<Outbox> outbox_;                ///< null: all in full to everybody
-  NameTables names_;                              ///< of the others
-  SessionTime springs_told_ = 0;                  ///< ns, when springs were last sent in full
-  std::unique_ptr<Ownership> ownership_;          ///< of shared_; null: bodies change no hands
+  std::vector<PeerReport> reports_;       ///< by peer
+  std::vector<Shared> shared_;            ///< by id, as in inbox_
+  std::unique_ptr<Outbox> outbox_;        ///< null: all in full to everybody
+  NameTables names_;                      ///< of the others
+  SessionTime springs_told_ = 0;          ///< ns, when springs were last sent in full
+  std::unique_ptr<Ownership> ownership_;  ///< of shared_; null: bodies change no hands
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<PeerStatus> company_;  ///< all that the transport knows, by id, at the last look
   std::vector<PeerId> connected_;    ///< of these, ascending
@@ -325,7 +324,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   SessionTime next_send_ = 0;
   double step_dt_ = 1.0 / 60.0;
   pbd::TargetMotion motion_ = pbd::TargetMotion::WithBody;  ///< of estimates_
-  bool apart_ = false;  ///< something is to be replayed for
+  bool apart_ = false;                                      ///< something is to be replayed for
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;

@@ -26,10 +26,10 @@ class Replay {
   struct News {
     std::uint32_t slot = 0;
     PeerId peer = 0;
-    SessionTime stamp = 0;    ///< ns
-    double weight = 0.0;      ///< against the own state's 1; infinity = an owner's
+    SessionTime stamp = 0;  ///< ns
+    double weight = 0.0;    ///< against the own state's 1; infinity = an owner's
     pbd::BodyState state;
-    std::size_t frame = 0;    ///< set: of the own history, nearest to the stamp
+    std::size_t frame = 0;  ///< set: of the own history, nearest to the stamp
   };
   /// A body that moves as it is known to, whatever the replay makes of it.
   struct Prescribed {
@@ -95,12 +95,12 @@ class Replay {
   bool copies_ = true;
   /// Steps of one body that may be made; the first replay is free.
   double credit_ = std::numeric_limits<double>::infinity();
-  std::size_t start_ = 0;      ///< frame
-  std::size_t reached_ = 0;    ///< frame
-  int old_ = 0;                ///< steps since the last replay was begun anew
+  std::size_t start_ = 0;        ///< frame
+  std::size_t reached_ = 0;      ///< frame
+  int old_ = 0;                  ///< steps since the last replay was begun anew
   SessionTime known_until_ = 0;  ///< ns, own inputs with ReplayInputs::Common
   std::vector<News> news_;
-  std::size_t next_ = 0;       ///< of news_, not blended yet
+  std::size_t next_ = 0;  ///< of news_, not blended yet
   std::vector<Prescribed> prescribed_;
   std::vector<double> weights_;        ///< by slot, of what was blended so far
   std::vector<std::uint8_t> covered_;  ///< by slot

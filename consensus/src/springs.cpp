@@ -249,8 +249,7 @@ pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const 
 void Springs::others_at(SessionTime time, std::vector<Pull>& out) const {
   for (const Remote& remote : remote_) {
     const bool removed = remote.last.event == SpringEvent::Remove;
-    const SessionTime ends =
-        removed ? remote.last.stamp : std::numeric_limits<SessionTime>::max();
+    const SessionTime ends = removed ? remote.last.stamp : std::numeric_limits<SessionTime>::max();
     if ((!removed && !remote.live) || time < remote.began || time >= ends) continue;
     if (!world_.contains(remote.def.body)) continue;
     out.push_back({remote.peer, remote.last.spring, pull_at(remote, time)});

@@ -131,6 +131,14 @@ std::size_t WorldHistory::nearest(SessionTime time) const {
   return frame(n + 1).time - time < time - frame(n).time ? n + 1 : n;
 }
 
+bool WorldHistory::placed_since(std::uint32_t slot, SessionTime time) const {
+  for (std::size_t n = at_or_before(time); n <= last(); ++n) {
+    if (std::ranges::find(frame(n).placed, slot, &State::slot) != frame(n).placed.end())
+      return true;
+  }
+  return false;
+}
+
 SessionTime WorldHistory::since(std::uint32_t slot) const {
   return std::max(since_[slot], frame(first()).time);
 }
@@ -149,8 +157,7 @@ pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) cons
   pbd::BodyState state;
   state.pose.position =
       a.pose.position + f * way +
-      f * (1.0 - f) *
-          ((1.0 - f) * (dt * a.twist.linear - way) - f * (dt * b.twist.linear - way));
+      f * (1.0 - f) * ((1.0 - f) * (dt * a.twist.linear - way) - f * (dt * b.twist.linear - way));
   state.pose.orientation = pbd::rotated(
       a.pose.orientation, f * pbd::rotation_between(a.pose.orientation, b.pose.orientation));
   state.twist.linear = a.twist.linear + f * (b.twist.linear - a.twist.linear);

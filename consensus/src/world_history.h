@@ -84,9 +84,9 @@ class WorldHistory {
   const pbd::BodyState& newest(std::uint32_t slot) const { return frame(last()).states[slot]; }
   /// ns, since when this body is known.
   SessionTime since(std::uint32_t slot) const;
-  bool knows(std::uint32_t slot) const {
-    return count_ > 0 && slot < frame(last()).states.size();
-  }
+  /// Whether the application has put the body somewhere in a step that began then or later.
+  bool placed_since(std::uint32_t slot, SessionTime time) const;
+  bool knows(std::uint32_t slot) const { return count_ > 0 && slot < frame(last()).states.size(); }
 
  private:
   Frame& newest_frame() { return frames_[(end_ - 1) % frames_.size()]; }

@@ -69,9 +69,8 @@ class PlainTargets final : public pbd::TargetSource {
 
 std::string_view to_string(Part part) {
   constexpr std::array<std::string_view, kParts> kNames{
-      "channels",   "velocities", "motion",      "total", "clean-up", "masses",
-      "parts",      "rotation",   "age",         "initiative", "leading", "arbitration", "ramp",
-      "refine"};
+      "channels", "velocities", "motion",     "total",   "clean-up",    "masses", "parts",
+      "rotation", "age",        "initiative", "leading", "arbitration", "ramp",   "refine"};
   return kNames[static_cast<std::size_t>(part)];
 }
 

@@ -245,8 +245,7 @@ constexpr Option kOptions[] = {
      }},
     {"--replay-substeps", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.replayed.substeps =
-           number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
+       o.replayed.substeps = number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
      }},
     {"--mode", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) { o.mode = mode(in.value(name)); }},

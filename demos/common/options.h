@@ -139,5 +139,6 @@ std::string usage(std::string_view program);
 std::string_view to_string(consensus::PredictorKind kind);
 std::string_view to_string(Scheme scheme);
 std::string_view to_string(consensus::InputMode mode);
+std::string_view to_string(consensus::ReplayInputs inputs);
 
 }  // namespace tandem::demos

@@ -84,6 +84,10 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   words.number("--influence", o.influence, usual.influence);
   words.word("--coupling", to_string(o.scheme), to_string(usual.scheme));
   words.number("--pd-frequency", o.pd_frequency, usual.pd_frequency);
+  words.number("--closing-share", o.replayed.share, usual.replayed.share);
+  words.word("--inputs", to_string(o.replayed.inputs), to_string(usual.replayed.inputs));
+  words.number("--replay-budget", o.replayed.budget, usual.replayed.budget);
+  words.number("--replay-substeps", o.replayed.substeps, usual.replayed.substeps);
   words.word("--mode", to_string(o.mode), to_string(usual.mode));
   if (o.predictor) words.add("--predictor", std::string(to_string(*o.predictor)));
   words.number("--extrapolation", o.extrapolation, usual.extrapolation);

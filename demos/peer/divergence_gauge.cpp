@@ -5,7 +5,6 @@
 namespace tandem::demos {
 
 void DivergenceGauge::on_estimate(const consensus::EstimateEvent& event) {
-  if (event.own.empty()) return;
   const pbd::Vec3 own = event.own.at_time(event.update.stamp).pose.position;
   const double distance = (event.update.pose.position - own).norm();
   all_.add(distance);

@@ -175,7 +175,8 @@ struct ForceLaw {
 
   /// The same where nothing was kept: all that the row violates.
   static double gap(const JointAxis& axis, double c) {
-    return gap(axis, c, axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
+    return gap(axis, c,
+               axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
   }
 
   /// The piece of the graph on which the row by itself would end: that of c with

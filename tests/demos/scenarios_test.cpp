@@ -262,7 +262,8 @@ TEST_CASE("piano: users who pull against each other across an ocean shake no dev
     const std::string user = i == 0 ? "a_" : "b_";
     CHECK(result.peers[i].fault == "");
     CHECK(number(result.peers[i], user + "force_wanted_N") < HapticOptions{}.force_limit);
-    CHECK(number(result.peers[i], user + "energy_min_J") >= -1e-4);
+    // The controller begins a little late, see above.
+    CHECK(number(result.peers[i], user + "energy_min_J") >= -1e-3);
     // The hands move by 5 cm within a second, at 0.08 m/s.
     CHECK(number(result.peers[i], user + "pen_fastest_m_s") < 0.6);
   }

@@ -237,9 +237,10 @@ TEST_CASE("live session: a frame shows springs, contacts, beliefs and who is apa
   CHECK(frame.panes[0].targets[0].pane == 1);
   CHECK(frame.panes[1].influence[0] > 100);
   CHECK(frame.panes[0].divergence_max_mm == Approx(frame.panes[1].divergence_max_mm));
-  // Two panes are as far from their mean, half of what is between them.
+  // Two panes are as far from their mean, half of what is between them. Their last steps are up to
+  // 1/60 s apart, in which a cube that is pulled at 1 m/s goes 17 mm.
   CHECK(frame.panes[0].divergence_max_mm <
-        1e3 * (position(session, 0) - position(session, 1)).norm());
+        1e3 * (position(session, 0) - position(session, 1)).norm() + 17.0);
   session.show(frame, false);
   CHECK(frame.panes[0].springs.empty());
 }

@@ -23,8 +23,8 @@ TANDEM_API double share_of_weight(double weight);
 /// of their length does. 1 for s >= 1 and 0 for s <= 0, whatever dt >= 0 is.
 TANDEM_API double share_per_step(double share, double dt);
 
-/// The share given at most to a guess of where a body is now, made from a state that is `age` s old:
-/// 1 / (d + 2), d the age in units of kShareInterval. Each of two peers takes the other's late
+/// The share given at most to a guess of where a body is now, made from a state that is `age` s
+/// old: 1 / (d + 2), d the age in units of kShareInterval. Each of two peers takes the other's late
 /// correction for motion; near 1 / d that adds up. Replayed means need no limit (docs/method.md
 /// Sec. 7).
 TANDEM_API double stable_share(double age);

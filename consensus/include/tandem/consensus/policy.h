@@ -23,7 +23,7 @@ struct TANDEM_API InfluenceContext {
   double leads = 0.0;
   /// 0 to 1: how long this peer has been in the session, see PeerOptions::authority_ramp.
   double confidence = 1.0;
-  double age = 0.0;   ///< s, of the update
+  double age = 0.0;  ///< s, of the update
   double heard_for =
       std::numeric_limits<double>::infinity();  ///< s, since the sender's first state
   double variance = 0.0;  ///< m^2, the predictor's own estimate of its error; 0 = not known

@@ -26,7 +26,7 @@ struct TANDEM_API ReplayOptions {
   double share = 0.2;
   ReplayInputs inputs = ReplayInputs::Known;
   /// Steps that may be replayed for each step of the world, in steps of the world as it is awake;
-  /// at least 1. Infinity: a fresh replay in each step.
+  /// at least 1; never less than 32 steps of one body. Infinity: a fresh replay in each step.
   double budget = 2.0;
   /// s: no replay goes further back. States that are older are carried to its beginning by the
   /// difference to the own motion.
@@ -43,12 +43,12 @@ struct TANDEM_API ReplayOptions {
 
 /// Counts since the start.
 struct TANDEM_API ReplayStats {
-  std::uint64_t fresh = 0;     ///< replays that were begun at a stamp
-  std::uint64_t postponed = 0; ///< steps in which the old one was stepped along for want of budget
-  std::uint64_t without = 0;   ///< steps in which even that was left out
-  std::uint64_t steps = 0;     ///< of the scratch world
+  std::uint64_t fresh = 0;      ///< replays that were begun at a stamp
+  std::uint64_t postponed = 0;  ///< steps in which the old one was stepped along for want of budget
+  std::uint64_t without = 0;    ///< steps in which even that was left out
+  std::uint64_t steps = 0;      ///< of the scratch world
   std::uint64_t body_steps = 0;  ///< times the bodies that were awake in them
-  double seconds = 0.0;        ///< CPU time
+  double seconds = 0.0;          ///< CPU time
 };
 
 /// For applications that push bodies by code of their own, in a way that no replay can know.

@@ -51,9 +51,10 @@ struct TANDEM_API ConstraintId {
 ///   double residual() const; double total_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
-///   forgive (of a row with a body that SubstepContext::displaced names), begin_substep, solve_velocity, finish_velocity, begin_total, project_total, end_total,
-///   end_step; bool active() const (false leaves the row out), drives() const and springs() const
-///   (see ConstraintBlock; they concern both bodies).
+///   forgive (of a row with a body that SubstepContext::displaced names), begin_substep,
+///   solve_velocity, finish_velocity, begin_total, project_total, end_total, end_step; bool
+///   active() const (false leaves the row out), drives() const and springs() const (see
+///   ConstraintBlock; they concern both bodies).
 /// Where C is a value that can be copied, so is the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {

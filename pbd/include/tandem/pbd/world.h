@@ -187,7 +187,7 @@ class TANDEM_API World {
   std::uint64_t sleepers_moved_ = 0;
   std::vector<Wrench> wrenches_;  ///< by slot, for the next step; empty where none acts
   std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
-  std::vector<std::uint8_t> displaced_;  ///< by slot, before the next step; empty = none
+  std::vector<std::uint8_t> displaced_;             ///< by slot, before the next step; empty = none
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   ContactBlock* contacts_ = nullptr;  ///< one of blocks_
   ContactSource* contact_source_ = nullptr;
