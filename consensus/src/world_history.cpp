@@ -13,7 +13,7 @@ namespace {
 
 /// m/s: what changes by more from frame to frame was hit. Spins count at a lever (m).
 constexpr double kHit = 0.5;
-constexpr double kLever = 0.1;
+constexpr double kTurnLever = 0.1;
 
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
@@ -174,11 +174,12 @@ pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
   const pbd::BodyState& a = before.states[slot];
   const pbd::BodyState& b = after.states[slot];
   const bool hit = (b.twist.linear - a.twist.linear).norm() +
-                       kLever * (b.twist.angular - a.twist.angular).norm() >
+                       kTurnLever * (b.twist.angular - a.twist.angular).norm() >
                    kHit;
   if (!hit) return state_at(slot, time);
   const auto off = [&](const pbd::Twist& twist) {
-    return (twist.linear - other.linear).norm() + kLever * (twist.angular - other.angular).norm();
+    return (twist.linear - other.linear).norm() +
+           kTurnLever * (twist.angular - other.angular).norm();
   };
   const bool first = off(a.twist) < off(b.twist);
   pbd::BodyState state = first ? a : b;
