@@ -26,9 +26,6 @@ constexpr double kFollowing = 0.25;
 /// m: at this lever rotations and spins count as ways and speeds.
 constexpr double kLeverArm = 0.1;
 
-/// s: so far back states are remembered.
-constexpr double kRemembered = 1.0;
-
 /// m: what moves so much further in a step than its velocity says was put there.
 constexpr double kJump = 0.1;
 
@@ -54,7 +51,7 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       world_(world),
       transport_(transport),
       springs_(world, options_),
-      history_(to_ns(std::min(options.influence.max_age, kRemembered))),
+      history_(to_ns(options.influence.max_age)),
       inbox_({.max_age = options.influence.max_age,
               .max_future = options.max_future,
               .plausibility = options.plausibility}),
@@ -174,7 +171,7 @@ void Peer::Impl::aggregate(SessionTime now) {
   }
   if (replay_ != nullptr) {
     if (apart_) {
-      replay_->update(now, stats_.replay);
+      replay_->update(stats_.replay);
     } else {
       replay_->drop();
     }
@@ -321,10 +318,10 @@ Prediction Peer::Impl::compare(const Shared& shared, PeerId from, const StateUpd
   } else {
     pose.orientation = then.pose.orientation;
   }
-  const ReplayOptions& replay = options_.replay;
   const double way = gap.translation.norm() + kLeverArm * gap.rotation.norm();
   const double drift = gap.twist.linear.norm() + kLeverArm * gap.twist.angular.norm();
-  const bool apart = std::max(way, replay.longest * drift) > replay.tolerance;
+  const double age = kNs * static_cast<double>(now_ - update.stamp);
+  const bool apart = way + age * drift > options_.replay.tolerance;
   stamped_.push_back({from, update.stamp, {pose, update.twist}, apart});
   return gap;
 }
@@ -363,8 +360,10 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
   const double own_lead = shared.initiative.strength();
   // What a spring that only its own peer knows does to the body cannot be replayed.
   const bool hidden =
-      springs_.holds_alone(shared.def.body) ||
-      std::ranges::any_of(newest, [](const auto& r) { return r.update.flags.owner_driven; });
+      springs_.holds_alone(shared.def.body) || std::ranges::any_of(newest, [&](const auto& r) {
+        return r.update.flags.owner_driven &&
+               (shared.def.owner.has_value() ? shared.def.owner == r.peer : hands);
+      });
   double heaviest = 0.0;
   InfluenceContext known{.leads = own_lead};
   for (std::size_t i = 0; i < newest.size(); ++i) {

@@ -55,7 +55,6 @@ using pbd::detail::require;
 void ReplayOptions::validate() const {
   require(share > 0.0 && share <= 1.0, "ReplayOptions", "share", share, "above 0 to 1");
   require(budget >= 1.0, "ReplayOptions", "budget", budget, "at least 1");
-  require(longest > 0.0 && longest <= 60.0, "ReplayOptions", "longest", longest, "above 0 to 60 s");
   require(substeps >= 0 && substeps <= 1000, "ReplayOptions", "substeps", substeps, "0 to 1000");
   require(tolerance >= 0.0 && std::isfinite(tolerance), "ReplayOptions", "tolerance", tolerance,
           "finite and >= 0 m");
@@ -79,13 +78,13 @@ void Replay::set_solver(const pbd::SolverOptions& options) {
   solver_.emplace(own);
 }
 
-void Replay::update(SessionTime now, ReplayStats& stats) {
+void Replay::update(ReplayStats& stats) {
   if (news_.empty() || history_.empty() || !possible()) {
     drop();
     return;
   }
   const CpuTimer timer(stats.seconds);
-  bring_together(now);
+  bring_together();
   const auto bodies = static_cast<double>(awake());
   const double cost = static_cast<double>(history_.last() - start_) * bodies;
   const double income =
@@ -155,9 +154,8 @@ const Replay::Snapshot* Replay::snapshot_of(std::size_t frame) {
   return nullptr;
 }
 
-void Replay::bring_together(SessionTime now) {
-  const SessionTime oldest = now - to_ns(options_.longest);
-  for (News& news : news_) news.frame = history_.nearest(std::max(news.stamp, oldest));
+void Replay::bring_together() {
+  for (News& news : news_) news.frame = history_.nearest(news.stamp);
   std::sort(news_.begin(), news_.end(), [](const News& a, const News& b) {
     return a.peer != b.peer ? a.peer < b.peer
                             : (a.frame != b.frame ? a.frame > b.frame : a.slot < b.slot);

@@ -53,7 +53,7 @@ class Replay {
   void add(const News& news) { news_.push_back(news); }
   void prescribe(const Prescribed& body) { prescribed_.push_back(body); }
   /// Replay anew, step the last replay along, or leave both out, as the budget allows.
-  void update(SessionTime now, ReplayStats& stats);
+  void update(ReplayStats& stats);
   /// The old one is of other times.
   void drop() { covered_.clear(), old_ = 0; }
 
@@ -75,7 +75,7 @@ class Replay {
   };
 
   /// Set the frames at which news are taken in: at one all that a peer said at about one time.
-  void bring_together(SessionTime now);
+  void bring_together();
   bool start();
   const Snapshot* snapshot_of(std::size_t frame);
   bool step_from(std::size_t frame, ReplayStats& stats);

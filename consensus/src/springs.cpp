@@ -126,7 +126,8 @@ pbd::Tether::Def Springs::tether_of(const SpringUpdate& update, pbd::BodyId body
           .max_force = update.max_force};
 }
 
-void Springs::let_go(Remote& remote) {
+void Springs::let_go(Remote& remote, SessionTime when) {
+  if (remote.live) remote.ended = when;
   if (remote.live && tethers_.contains(remote.tether)) tethers_.remove(remote.tether);
   remote.live = false;
 }
@@ -154,7 +155,7 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     it = remote_.insert(it, {.peer = from});
   }
   const bool moved_body = known && it->live && it->last.body != update.body;
-  if (moved_body || update.event == SpringEvent::Remove) let_go(*it);
+  if (moved_body || update.event == SpringEvent::Remove) let_go(*it, update.stamp);
   it->last = update;
   it->heard = now;
   if (update.event == SpringEvent::Remove) return Verdict::Taken;
@@ -163,7 +164,7 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   const bool limited = limit(def);
   if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0) || too_far(def) ||
       too_many(*it, body)) {
-    let_go(*it);
+    let_go(*it, now);
     return Verdict::Refused;
   }
   if (it->live) {
@@ -187,7 +188,7 @@ const SpringUpdate* Springs::last_of(PeerId from, std::uint32_t spring) const {
 void Springs::drop_peer(PeerId from, SessionTime now) {
   for (Remote& remote : remote_) {
     if (remote.peer != from) continue;
-    let_go(remote);
+    let_go(remote, now);
     // Remembered, above all revisions: messages that were overtaken by the farewell revive nothing.
     remote.last.revision = std::numeric_limits<std::uint32_t>::max();
     remote.last.stamp = std::max(remote.last.stamp, now);
@@ -199,7 +200,7 @@ void Springs::forget_body(pbd::BodyId body, SessionTime now) {
   for (Remote& remote : remote_) {
     const bool on_it =
         remote.live && tethers_.contains(remote.tether) && tethers_.def(remote.tether).body == body;
-    if (on_it) let_go(remote);
+    if (on_it) let_go(remote, now);
   }
   while (true) {
     const auto own = std::ranges::find(own_, body, &Own::body);
@@ -214,7 +215,7 @@ void Springs::prepare(SessionTime now) {
   if (next_ == 0) next_ = first_id(now);
   const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
   for (Remote& remote : remote_) {
-    if (remote.live && now - remote.heard > timeout) let_go(remote);
+    if (remote.live && now - remote.heard > timeout) let_go(remote, now);
     if (!remote.live || !tethers_.contains(remote.tether)) continue;
     tethers_.set(world_, remote.tether, pull_at(remote, now));
   }
@@ -248,9 +249,8 @@ pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const 
 
 void Springs::others_at(SessionTime time, std::vector<Pull>& out) const {
   for (const Remote& remote : remote_) {
-    const bool removed = remote.last.event == SpringEvent::Remove;
-    const SessionTime ends = removed ? remote.last.stamp : std::numeric_limits<SessionTime>::max();
-    if ((!removed && !remote.live) || time < remote.began || time >= ends) continue;
+    const bool over = !remote.live && time >= remote.ended;
+    if (over || time < remote.began) continue;
     if (!world_.contains(remote.def.body)) continue;
     out.push_back({remote.peer, remote.last.spring, pull_at(remote, time)});
   }

@@ -99,6 +99,7 @@ class Springs {
     PeerId peer = 0;
     SpringUpdate last = {};
     SessionTime began = 0;  ///< ns, stamp of the first message
+    SessionTime ended = 0;  ///< ns, once it is let go: since then it does not pull
     SessionTime heard = 0;
     pbd::ConstraintId tether = {};
     pbd::Tether::Def def = {};  ///< of the last message, as it was limited
@@ -106,7 +107,7 @@ class Springs {
   };
 
   Own& find(GrabId id);
-  void let_go(Remote& remote);
+  void let_go(Remote& remote, SessionTime when);
   pbd::Tether::Def pull_at(const Remote& remote, SessionTime time) const;
   /// Cut to what RobustOptions allow. @return whether anything was
   bool limit(pbd::Tether::Def& def) const;

@@ -386,8 +386,6 @@ TEST_CASE("replay: options out of range are refused by field and rule", "[consen
   CHECK(names(refused([](ReplayOptions& o) { o.share = kNan; }), "share", "nan", "above 0 to 1"));
   CHECK(names(refused([](ReplayOptions& o) { o.budget = 0.5; }), "budget", "0.5", "at least 1"));
   CHECK(names(refused([](ReplayOptions& o) { o.budget = kNan; }), "budget", "nan", "at least 1"));
-  CHECK(names(refused([](ReplayOptions& o) { o.longest = 0.0; }), "longest", "0", "above 0"));
-  CHECK(names(refused([](ReplayOptions& o) { o.longest = kInf; }), "longest", "inf", "60 s"));
   CHECK(names(refused([](ReplayOptions& o) { o.tolerance = -1.0; }), "tolerance", "-1", ">= 0"));
   CHECK(names(refused([](ReplayOptions& o) { o.tolerance = kInf; }), "tolerance", "inf", "finite"));
   CHECK(names(refused([](ReplayOptions& o) { o.substeps = -1; }), "substeps", "-1", "0 to 1000"));

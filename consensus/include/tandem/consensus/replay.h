@@ -28,11 +28,8 @@ struct TANDEM_API ReplayOptions {
   /// Steps that may be replayed for each step of the world, in steps of the world as it is awake;
   /// at least 1; never less than 32 steps of one body. Infinity: a fresh replay in each step.
   double budget = 2.0;
-  /// s: no replay goes further back. States that are older are carried to its beginning by the
-  /// difference to the own motion.
-  double longest = 0.6;
-  /// m: bodies that are nearer to the mean, and m/s times `longest` that differ by less, are left
-  /// alone. Rotations and spins count at a lever of 0.1 m.
+  /// m: bodies that are no further from the mean, and by their velocities were not at the present
+  /// either, are left alone. Rotations and spins count at a lever of 0.1 m.
   double tolerance = 2e-5;
   /// Of a replayed step, 0 to 1000; 0 = as many as the world's own steps have.
   int substeps = 0;
