@@ -303,29 +303,28 @@ void Replay::apply_springs(SessionTime time) {
   const bool late = options_.inputs == ReplayInputs::Common && time > known_until_;
   const WorldHistory::Frame& frame =
       history_.frame(history_.at_or_before(late ? known_until_ : time));
-  for (const Pull& pull : frame.pulls) {
-    if (pull.user != 0) continue;
-    Pull& own = pulls_.emplace_back(pull);
-    own.def.anchor_w += kNs * static_cast<double>(time - frame.time) * own.def.anchor_velocity;
+  for (const Pull& own : frame.pulls) {
+    pbd::Tether::Def& def = pulls_.emplace_back(own.def);
+    if (late) springs_.carry_on(own.told, kNs * static_cast<double>(time - frame.time), def);
   }
   springs_.others_at(time, pulls_);
   pbd::World& world = copy_.world();
-  std::erase_if(pulls_, [&](const Pull& pull) { return !world.contains(pull.def.body); });
+  std::erase_if(pulls_, [&](const auto& def) { return !world.contains(def.body); });
   const bool same =
       pulls_.size() == rows_.size() && std::equal(pulls_.begin(), pulls_.end(), rows_.begin(),
-                                                  [this](const Pull& pull, pbd::ConstraintId row) {
+                                                  [this](const auto& def, pbd::ConstraintId row) {
                                                     return tethers_->contains(row) &&
-                                                           tethers_->def(row).body == pull.def.body;
+                                                           tethers_->def(row).body == def.body;
                                                   });
   if (!same) {
     for (const pbd::ConstraintId row : rows_) {
       if (tethers_->contains(row)) tethers_->remove(row);
     }
     rows_.clear();
-    for (const Pull& pull : pulls_) rows_.push_back(tethers_->add(world, pull.def));
+    for (const auto& def : pulls_) rows_.push_back(tethers_->add(world, def));
     return;
   }
-  for (std::size_t i = 0; i < rows_.size(); ++i) tethers_->set(world, rows_[i], pulls_[i].def);
+  for (std::size_t i = 0; i < rows_.size(); ++i) tethers_->set(world, rows_[i], pulls_[i]);
 }
 
 }  // namespace tandem::consensus

@@ -107,7 +107,7 @@ class Replay {
   std::vector<pbd::Correction> gaps_;  ///< by slot, to the mean: what is still missing
   pbd::Tethers* tethers_ = nullptr;    ///< of the copy
   std::vector<pbd::ConstraintId> rows_;
-  std::vector<Pull> pulls_;
+  std::vector<pbd::Tether::Def> pulls_;
   std::vector<PeerEstimate> estimates_;
   std::vector<Snapshot> snapshots_;  ///< by frame, a ring
   std::size_t resting_since_ = 0;    ///< frame from which on nothing has moved

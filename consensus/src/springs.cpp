@@ -20,9 +20,6 @@ constexpr SessionTime kTombstone = 5'000'000'000;
 /// s: a hand that was not moved for longer stands still.
 constexpr double kStill = 0.05;
 
-/// s: so long before its stamp a hand is taken to have moved as it did then.
-constexpr double kBefore = 0.05;
-
 std::uint32_t first_id(SessionTime now) {
   const auto id = static_cast<std::uint32_t>(now / 1'000'000);
   return id == 0 ? 1 : id;
@@ -167,6 +164,8 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     let_go(*it, now);
     return Verdict::Refused;
   }
+  if (!it->live || moved_body) it->hand.clear();
+  it->hand.add(update.stamp, def.anchor_w, def.anchor_velocity);
   if (it->live) {
     tethers_.set(world_, it->tether, def);
   } else {
@@ -238,21 +237,32 @@ void Springs::prepare(SessionTime now) {
 }
 
 pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const {
-  const double age = kNs * static_cast<double>(time - remote.last.stamp);
-  const double reach = std::clamp(age, -kBefore, options_.max_anchor_extrapolation);
   pbd::Tether::Def def = remote.def;
-  def.anchor_w += reach * def.anchor_velocity;
-  // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
-  if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
+  const HandTrack& hand = remote.hand;
+  if (time <= hand.newest()) {
+    const HandTrack::Motion then = hand.at(time);
+    def.anchor_w = then.position;
+    def.anchor_velocity = then.velocity;
+    return def;
+  }
+  carry_on(hand.motion(), kNs * static_cast<double>(time - hand.newest()), def);
   return def;
 }
 
-void Springs::others_at(SessionTime time, std::vector<Pull>& out) const {
+void Springs::carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const {
+  const double reach = std::min(age, options_.max_anchor_extrapolation);
+  def.anchor_w = hand.position + reach * (hand.velocity + 0.5 * reach * hand.acceleration);
+  def.anchor_velocity = hand.velocity + reach * hand.acceleration;
+  // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
+  if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
+}
+
+void Springs::others_at(SessionTime time, std::vector<pbd::Tether::Def>& out) const {
   for (const Remote& remote : remote_) {
     const bool over = !remote.live && time >= remote.ended;
     if (over || time < remote.began) continue;
     if (!world_.contains(remote.def.body)) continue;
-    out.push_back({remote.peer, remote.last.spring, pull_at(remote, time)});
+    out.push_back(pull_at(remote, time));
   }
 }
 
@@ -269,7 +279,7 @@ void Springs::rows(std::vector<pbd::ConstraintId>& out) const {
 void Springs::record(std::vector<Pull>& out) const {
   out.clear();
   for (const Own& own : own_) {
-    if (tethers_.contains(own.tether)) out.push_back({0, own.spring, tethers_.def(own.tether)});
+    if (tethers_.contains(own.tether)) out.push_back({tethers_.def(own.tether), own.told.motion()});
   }
 }
 
@@ -279,6 +289,7 @@ void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
   pending_.clear();
   for (Own& own : own_) {
     if (own.mode != InputMode::Soft) continue;
+    own.told.add(own.moved != 0 ? own.moved : now, own.def.anchor_w, own.velocity);
     if (!own.announced) {
       events.push_back(message_of(own, SpringEvent::Create, now));
       own.announced = true;

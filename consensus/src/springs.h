@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "hand_track.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/update.h"
 #include "tandem/pbd/tether.h"
@@ -56,7 +57,9 @@ class Springs {
   /// Own ones as they do in the step to come.
   void record(std::vector<Pull>& out) const;
   /// The others' as they pulled at `time`, by all that is known of them now; appended.
-  void others_at(SessionTime time, std::vector<Pull>& out) const;
+  void others_at(SessionTime time, std::vector<pbd::Tether::Def>& out) const;
+  /// Put the anchor of `def` where a hand is taken to be `age` s after `hand` was told.
+  void carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const;
   const pbd::Tethers& block() const { return tethers_; }
   /// All rows of block(); appended.
   void rows(std::vector<pbd::ConstraintId>& out) const;
@@ -93,6 +96,7 @@ class Springs {
     pbd::ConstraintId tether = {};  ///< none in hard mode
     SessionTime moved = 0;          ///< ns, of the anchor; 0 = never
     pbd::Vec3 velocity = pbd::Vec3::Zero();
+    HandTrack told = {};
     bool announced = false;
   };
   struct Remote {
@@ -102,6 +106,7 @@ class Springs {
     SessionTime ended = 0;  ///< ns, once it is let go: since then it does not pull
     SessionTime heard = 0;
     pbd::ConstraintId tether = {};
+    HandTrack hand = {};
     pbd::Tether::Def def = {};  ///< of the last message, as it was limited
     bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
   };

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "hand_track.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/tether.h"
@@ -15,11 +16,10 @@
 
 namespace tandem::consensus {
 
-/// A user's spring as it pulls at one time.
+/// An own spring as it pulls in one step, and its hand as the others carry it on from there.
 struct Pull {
-  PeerId user = 0;  ///< 0 = one of this peer's own
-  std::uint32_t spring = 0;
   pbd::Tether::Def def;
+  HandTrack::Motion told;
 };
 
 /// What a world was at the end of each of the last steps, and what acted on it in the step that

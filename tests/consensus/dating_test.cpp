@@ -165,8 +165,8 @@ TEST_CASE("dating: with clocks hours apart copies agree as with a common one", "
   INFO("profile " << profile << ": " << 1e3 * common.apart << " mm, " << 1e3 * received.apart
                   << " mm on receipt; settled " << 1e3 * common.settled << ", "
                   << 1e3 * received.settled);
-  // 1 ms of jitter that is left, at 0.9 m/s.
-  CHECK(received.apart < common.apart + 1e-3);
+  // 1 ms of jitter that is left, at 0.9 m/s, and what it makes of the hand's acceleration.
+  CHECK(received.apart < 1.05 * common.apart + 1e-3);
   CHECK(received.settled < common.settled + 1e-3);
   // Else nothing is shown by it.
   CHECK(carry(link, link, Dating::Stamp, 3.0).apart > 0.05);
@@ -180,8 +180,8 @@ TEST_CASE("dating: unequal ways cost half of their difference in time", "[consen
   const Outcome common = carry(there, back, Dating::Stamp, 0.0);
   const Outcome received = carry(there, back, Dating::Receipt, 3.0);
   INFO(1e3 * common.apart << " mm, " << 1e3 * received.apart << " mm on receipt");
-  // 20 ms at 0.9 m/s.
-  CHECK(received.apart < common.apart + 0.02 * 0.9);
+  // 20 ms at 0.9 m/s, and at 2.7 m/s^2 over the spring's 0.1 s.
+  CHECK(received.apart < common.apart + 0.02 * (0.9 + 0.27));
   // Copies that rest within 1 mm of each of the others' are let sleep.
   CHECK(received.settled < 2e-3);
 }

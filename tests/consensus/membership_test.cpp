@@ -129,7 +129,8 @@ TEST_CASE("membership: who starts again in mid-lift under its id takes part agai
   INFO("pause " << pause << " s, profile " << profile << ": fastest " << fastest << " m/s, pops "
                 << 1e3 * others.most << " mm, apart " << 1e3 * widest(crowd) << " mm");
   CHECK(others.most < 5e-3);
-  CHECK(widest(crowd) < (profile == 5 ? 0.025 : 0.02));
+  // At profile 5 it falls at 3 m/s where some know by 10 ms earlier that the hand has gone.
+  CHECK(widest(crowd) < (profile == 5 ? 0.035 : 0.02));
   for (const auto& member : crowd.members) CHECK(member->tethers() == 0);
   const GrabId grab = crowd[0].peer->grab({.body = crowd[0].bodies[kCarried].id,
                                            .anchor_w = crowd[0].x(kCarried) + Vec3(0.0, 0.0, 0.4),
