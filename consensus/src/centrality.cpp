@@ -18,14 +18,14 @@ double distance(const StateOffset& a, const StateOffset& b) {
 
 }  // namespace
 
-StateOffset offset_of(const pbd::Vec3& way, const pbd::Vec3& turn, const pbd::Twist& twist) {
+StateOffset offset_of(const pbd::Correction& apart) {
   StateOffset offset;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    offset[k] = way[i];
-    offset[3 + k] = kLever * turn[i];
-    offset[6 + k] = kHorizon * twist.linear[i];
-    offset[9 + k] = kLever * kHorizon * twist.angular[i];
+    offset[k] = apart.translation[i];
+    offset[3 + k] = kLever * apart.rotation[i];
+    offset[6 + k] = kHorizon * apart.twist.linear[i];
+    offset[9 + k] = kLever * kHorizon * apart.twist.angular[i];
   }
   return offset;
 }

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-#include "tandem/pbd/types.h"
+#include "tandem/pbd/pose_target.h"
 
 namespace tandem::consensus {
 
@@ -17,7 +17,7 @@ using StateOffset = std::array<double, 12>;
 inline constexpr double kLever = 0.3;    ///< m
 inline constexpr double kHorizon = 0.1;  ///< s
 
-StateOffset offset_of(const pbd::Vec3& way, const pbd::Vec3& turn, const pbd::Twist& twist);
+StateOffset offset_of(const pbd::Correction& apart);
 
 /// What one peer says of a body.
 struct Vote {

@@ -49,7 +49,7 @@ double HandTrack::fit(double window) {
   const Vec3& here = sample(0).position;
   std::size_t used = 0;
   for (; used < count_; ++used) {
-    const double t = kNs * static_cast<double>(sample(used).stamp - newest()) / window;
+    const double t = seconds(sample(used).stamp - newest()) / window;
     if (t < -1.0) break;
     const Vec3 way = sample(used).position - here;
     square += way.squaredNorm();

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "hard_input.h"
 
+#include "body_state.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -33,19 +34,9 @@ pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
   return result;
 }
 
-pbd::BodyState carried(const pbd::BodyState& state, double dt) {
-  return {{state.pose.position + dt * state.twist.linear,
-           pbd::rotated(state.pose.orientation, dt * state.twist.angular)},
-          state.twist};
-}
-
 pbd::BodyState mean_of(const pbd::BodyState& own, const pbd::BodyState& others, int count) {
   const double part = static_cast<double>(count) / (1.0 + static_cast<double>(count));
-  const pbd::Vec3 turn = pbd::rotation_between(own.pose.orientation, others.pose.orientation);
-  return {{own.pose.position + part * (others.pose.position - own.pose.position),
-           pbd::rotated(own.pose.orientation, part * turn)},
-          {own.twist.linear + part * (others.twist.linear - own.twist.linear),
-           own.twist.angular + part * (others.twist.angular - own.twist.angular)}};
+  return moved(own, gap(own, others), part);
 }
 
 }  // namespace tandem::consensus

@@ -21,9 +21,6 @@ struct HardInput {
 pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
                   std::span<const Springs::Hand> hands);
 
-/// `state` after `dt` s with its own twist.
-pbd::BodyState carried(const pbd::BodyState& state, double dt);
-
 /// The mean of one state and of the mean of `count` others.
 pbd::BodyState mean_of(const pbd::BodyState& own, const pbd::BodyState& others, int count);
 

@@ -87,7 +87,7 @@ bool Outbox::renew(std::size_t most) {
 
 void Outbox::tell_again(PeerId peer, SessionTime now) {
   for (Link& link : links_) {
-    if (link.to != peer || kNs * static_cast<double>(now - link.told) < kTellAgain) continue;
+    if (link.to != peer || seconds(now - link.told) < kTellAgain) continue;
     link.told = now;
     link.sent.clear();
   }
@@ -133,7 +133,7 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
                 counters);
     withdraw(link, stats, counters);
     if (counters.bytes > before) link.posted = now;
-    if (options_.tolerance > 0.0 && kNs * static_cast<double>(now - link.posted) >= kAliveEvery) {
+    if (options_.tolerance > 0.0 && seconds(now - link.posted) >= kAliveEvery) {
       packet_.clear();
       encode(Alive{now}, packet_);
       post(link, Delivery::Newest, stats, counters);
@@ -147,7 +147,7 @@ bool Outbox::has_room(const Link& link, double anchors, SessionTime now) const {
   // What is longer than can be saved up goes on credit.
   if (link.anchor_room < std::min(anchors, most_saved(link))) return false;
   return link.room >= kWorthwhile * options_.packet_overhead ||
-         kNs * static_cast<double>(now - link.anchored) >= kAnchorsWait;
+         seconds(now - link.anchored) >= kAnchorsWait;
 }
 
 double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now) {
@@ -176,7 +176,7 @@ double Outbox::most_saved(const Link& link) const {
 }
 
 void Outbox::refill(Link& link, SessionTime now) const {
-  const double dt = std::max(0.0, kNs * static_cast<double>(now - link.last));
+  const double dt = std::max(0.0, seconds(now - link.last));
   link.last = now;
   if (link.kbit_per_s == 0.0) {
     // Nothing is saved without a budget, and nothing owed where there is one later.
@@ -191,7 +191,7 @@ void Outbox::refill(Link& link, SessionTime now) const {
 
 double Outbox::missed(const Sent& sent, const OutgoingState& state, SessionTime now) const {
   const StateUpdate& update = state.update;
-  const double dt = kNs * static_cast<double>(now - sent.stamp);
+  const double dt = seconds(now - sent.stamp);
   const Vec3 gravity = is_free(sent.flags) ? state.gravity : Vec3(Vec3::Zero());
   const Vec3 position = sent.pose.position + dt * sent.twist.linear + 0.5 * dt * dt * gravity;
   const Vec3 velocity = sent.twist.linear + dt * gravity;
@@ -220,7 +220,7 @@ bool Outbox::is_due(Sent& sent, const OutgoingState& state, bool limited, Sessio
   const StateUpdate& update = state.update;
   const bool known = sent.stamp != 0;
   const bool selective = options_.tolerance > 0.0;
-  const double since = kNs * static_cast<double>(now - sent.stamp);
+  const double since = seconds(now - sent.stamp);
   const bool weighs = selective || limited;
   const double missed_by = !weighs ? 0.0 : known ? missed(sent, state, now) : kMostMissed;
   const bool other_influence = influence_differs(sent, update.influence);
@@ -247,7 +247,7 @@ void Outbox::look(Link& link, std::span<const OutgoingState> states, const Inter
   due_.clear();
   withdrawn_.clear();
   for (Sent& sent : link.sent) sent.here = false;
-  const bool commits = kNs * static_cast<double>(now - link.committed) >= kCommitEvery;
+  const bool commits = seconds(now - link.committed) >= kCommitEvery;
   for (std::uint32_t i = 0; i < states.size(); ++i) {
     const OutgoingState& state = states[i];
     Sent& sent = link.sent[state.name];

@@ -164,7 +164,7 @@ void Partition::take_in(SessionTime now) {
     // Who has no cell decides on nothing.
     if (std::ranges::find(cells_, unknown.from, &PartitionCell::peer) == cells_.end()) continue;
     const StateUpdate& update = unknown.update;
-    const double age = kNs * static_cast<double>(now - update.stamp);
+    const double age = seconds(now - update.stamp);
     if (age < 0.0 || age > options_.patience) continue;
     pbd::Pose pose = update.pose;
     pbd::Twist twist = update.twist;

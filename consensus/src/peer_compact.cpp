@@ -127,7 +127,7 @@ bool Peer::Impl::lies_still(Shared& shared, const pbd::BodyState& state, Session
     shared.lies = state.pose;
     shared.lies_since = now;
   }
-  return kNs * static_cast<double>(now - shared.lies_since) >= kLyingFor;
+  return seconds(now - shared.lies_since) >= kLyingFor;
 }
 
 void Peer::Impl::encode_own_anchors() {
@@ -176,7 +176,7 @@ void Peer::Impl::send_selected(SessionTime now) {
   springs_.announce(now, spring_states_, spring_events_);
   anchors_.clear();
   const bool in_full = options_.sending.format == StateFormat::Full || !newcomers_.empty() ||
-                       kNs * static_cast<double>(now - springs_told_) >= kSpringsEvery;
+                       seconds(now - springs_told_) >= kSpringsEvery;
   if (in_full) springs_told_ = now;
   if (!in_full) encode_own_anchors();
   double beside = 0.0;

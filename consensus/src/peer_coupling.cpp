@@ -131,12 +131,8 @@ void Peer::Impl::estimate_owner(Shared& shared, std::span<const Inbox::Received>
     // Until the new owner has the grant nobody owns the body, and it moves as it does here.
     if (received.peer != owner || update.influence < 1.0F) continue;
     const Prediction prediction = carry(shared, owner, update, now);
-    estimates_.push_back({.peer = owner,
-                          .pose = {own.pose.position + prediction.translation,
-                                   pbd::rotated(own.pose.orientation, prediction.rotation)},
-                          .twist = {own.twist.linear + prediction.twist.linear,
-                                    own.twist.angular + prediction.twist.angular},
-                          .share = 1.0});
+    const pbd::BodyState there = moved(own, prediction);
+    estimates_.push_back({.peer = owner, .pose = there.pose, .twist = there.twist, .share = 1.0});
     observe(shared, owner, update, prediction, now);
     return;
   }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "body_state.h"
 #include "cached_chain.h"
 #include "centrality.h"
 #include "hard_input.h"
@@ -32,10 +33,10 @@
 namespace tandem::consensus {
 
 /// What one peer does in a step. Which bodies are shared is in peer_members.cpp, receiving and
-/// sending in peer_exchange.cpp, newcomers and what is put together again in peer_membership.cpp,
-/// who acts on what and hard inputs in peer_input.cpp, prediction and fusion in peer_agreement.cpp,
-/// how far others are believed in peer_robust.cpp, couplings other than the pass in
-/// peer_coupling.cpp.
+/// sending in peer_exchange.cpp, the order of a step in peer_step.cpp, newcomers and what is put
+/// together again in peer_membership.cpp, who acts on what and hard inputs in peer_input.cpp,
+/// prediction and fusion in peer_agreement.cpp, how far others are believed in peer_robust.cpp,
+/// couplings other than the pass in peer_coupling.cpp.
 class __attribute__((visibility("hidden"))) Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
@@ -84,6 +85,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   };
   /// States that tell of a jump, for some of them get lost.
   static constexpr int kJumpTold = 3;
+  /// m: what moves so much further in a step than its velocity says was put there.
+  static constexpr double kJump = 0.1;
   // Beside Springs::Grip, what touched a body in the last step.
   static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns
   static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
@@ -114,10 +117,17 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
 
   /// A state of another peer that counts, against the own one of its stamp.
   struct Stamped {
-    PeerId peer = 0;
     SessionTime stamp = 0;  ///< ns
     pbd::BodyState state;
     bool apart = false;  ///< beyond ReplayOptions::tolerance
+  };
+  /// How this peer stands to the others in one body.
+  struct Listening {
+    bool several = false;  ///< others may be outvoted
+    bool carried = false;  ///< their states are guessed for now, and not replayed
+    double own_lead = 0.0;
+    double own_announced = 0.0;
+    double own_confidence = 0.0;
   };
   /// How the estimates of one body were found, and what they are good for.
   struct Found {
@@ -165,12 +175,19 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   Found estimate(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
   /// A state carried to now by the predictor.
   Prediction carry(Shared& shared, PeerId from, const StateUpdate& update, SessionTime now);
-  /// The difference of a state to the own one of its stamp; it goes into stamped_ as well.
-  Prediction compare(const Shared& shared, PeerId from, const StateUpdate& update);
+  /// A state, and what the own one of its stamp misses to it.
+  Stamped compare(const Shared& shared, const StateUpdate& update, Prediction& missing);
+  /// What the `share` of newest[i], whose sender does not own the body, is beside the own state.
+  /// @param angle  rad, between the two at its stamp
+  double share_beside(const Shared& shared, std::span<const Inbox::Received> newest, std::size_t i,
+                      double share, bool leads, double angle, const Listening& listening,
+                      const InfluenceContext& known);
+  /// Where somebody leads, of estimates_ only those of leaders_ and owners.
+  void keep_leaders();
   /// Take over the fused estimates_ as what agreement wants.
   void want(Shared& shared, const Found& found, SessionTime now);
-  /// The mean at the oldest stamp of what stands: there it stands now as well.
-  pbd::PoseTarget at_rest(const Shared& shared, pbd::PoseTarget target);
+  /// What stands is still where its mean with the own state `then`, of the oldest stamp, was.
+  void stay(const pbd::BodyState& then, pbd::PoseTarget& target);
   /// Make a target of what is wanted.
   void aim(Wanted& wanted);
   bool replays() const { return replay_ != nullptr && replay_->possible(); }
@@ -183,11 +200,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// Whether a body was put somewhere else since the last step.
   bool jumps(const Shared& shared, const pbd::Correction& correction, double dt) const;
   /// Put a body where it is said to be, whatever is in between.
-  void place(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist);
+  void place(Shared& shared, const pbd::BodyState& state);
   /// The same where copies are apart for good, with all that joints hold to it, and with what
   /// touches those and is apart as well: put back one by one they would be inside each other.
-  void place_apart(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist, PeerId leader,
-                   SessionTime now);
+  void place_apart(Shared& shared, const pbd::BodyState& state, PeerId leader, SessionTime now);
   void place_along(Shared& shared, std::span<const Inbox::Received> newest, PeerId leader,
                    bool always, SessionTime now);
   /// What place_apart() takes along, into assembly_ and island_.
@@ -331,7 +347,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on receipt
   DecodedPacket incoming_;
   std::vector<PeerEstimate> estimates_;
-  std::vector<Stamped> stamped_;
+  std::vector<Stamped> stamped_;  ///< of estimates_
   std::vector<Wanted> wanted_;
   std::vector<Claim> claims_;  ///< of the body that estimate() was asked about
   std::vector<Claim> turns_;

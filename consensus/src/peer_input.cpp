@@ -69,8 +69,7 @@ void Peer::Impl::update_initiative(Shared& shared, std::span<const Inbox::Receiv
   const bool hands = believes_hands(newest.size());
   for (const Inbox::Received& received : newest) {
     if (received.update.flags.owner_driven && hands) acting.other = true;
-    round_trip = std::max(
-        round_trip, 2.0 * kNs * static_cast<double>(received.arrival - received.update.stamp));
+    round_trip = std::max(round_trip, 2.0 * seconds(received.arrival - received.update.stamp));
     const bool leads = received.update.flags.leads &&
                        (newest.size() < 2 || believes_lead(shared, received.peer, now));
     shared.initiative.hear(received.peer, leads, received.update.stamp);

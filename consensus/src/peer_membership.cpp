@@ -52,9 +52,9 @@ void Peer::Impl::greet_newcomers() {
   newcomers_.clear();
 }
 
-void Peer::Impl::place_apart(Shared& shared, const pbd::Pose& pose, const pbd::Twist& twist,
-                             PeerId leader, SessionTime now) {
-  place(shared, pose, twist);
+void Peer::Impl::place_apart(Shared& shared, const pbd::BodyState& state, PeerId leader,
+                             SessionTime now) {
+  place(shared, state);
   shared.jumped = kJumpTold;
   ++stats_.bodies_placed;
   collect_island(shared.def.body.index);
@@ -99,9 +99,7 @@ void Peer::Impl::place_along(Shared& shared, std::span<const Inbox::Received> ne
   const bool apart = there.translation.norm() > kApart || there.rotation.norm() > kTurned;
   if (!always && !apart) return;
   const pbd::BodyState own = world_.state(shared.def.body);
-  place(shared,
-        {own.pose.position + there.translation, pbd::rotated(own.pose.orientation, there.rotation)},
-        {own.twist.linear + there.twist.linear, own.twist.angular + there.twist.angular});
+  place(shared, moved(own, there));
   shared.jumped = kJumpTold;
   ++stats_.bodies_placed;
 }

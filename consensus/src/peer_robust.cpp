@@ -136,14 +136,14 @@ void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newes
   const bool newcomer =
       confidence() < kNewcomerPart && leaders_.empty() && to->way.norm() > kWrongPlace;
   if (newcomer && shared.joined) {
-    place(shared, estimate->pose, estimate->twist);
+    place(shared, {estimate->pose, estimate->twist});
     return;
   }
   const auto sent = std::find_if(newest.begin(), newest.end(),
                                  [to](const auto& r) { return r.peer == to->peer; });
   if (shared.held || sent->update.flags.held) return;
   if (!shared.lead.parted(to->way, to->turn, shared.blocked, now)) return;
-  place_apart(shared, estimate->pose, estimate->twist, to->peer, now);
+  place_apart(shared, {estimate->pose, estimate->twist}, to->peer, now);
 }
 
 void Peer::Impl::weigh_votes(const pbd::BodyState& own) {
@@ -165,13 +165,8 @@ void Peer::Impl::weigh_votes(const pbd::BodyState& own) {
   for (PeerEstimate& estimate : estimates_) {
     if (estimate.weight > kMoreThanOthers * second) ++report_of(estimate.peer).influence_cut;
     estimate.weight = std::min(estimate.weight, second);
-    const pbd::Twist twist{estimate.twist.linear - own.twist.linear,
-                           estimate.twist.angular - own.twist.angular};
-    votes_.push_back(
-        {.at = offset_of(estimate.pose.position - own.pose.position,
-                         pbd::rotation_between(own.pose.orientation, estimate.pose.orientation),
-                         twist),
-         .weight = estimate.weight / second});
+    votes_.push_back({.at = offset_of(gap(own, {estimate.pose, estimate.twist})),
+                      .weight = estimate.weight / second});
   }
   weigh_centrality(votes_);
   note_outliers();

@@ -36,7 +36,7 @@ bool plausible(const StateUpdate& state, const PlausibilityOptions& limits) {
 bool plausible(const StateUpdate& last, const StateUpdate& next,
                const PlausibilityOptions& limits) {
   if (!plausible(next, limits)) return false;
-  const double dt = std::max(kNs * static_cast<double>(next.stamp - last.stamp), 0.0);
+  const double dt = std::max(seconds(next.stamp - last.stamp), 0.0);
   const double steps = 1.0 + dt / kShareInterval;
 
   const double square = std::max(last.twist.linear.squaredNorm(), next.twist.linear.squaredNorm());

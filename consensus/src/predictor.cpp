@@ -16,7 +16,6 @@ using pbd::detail::require;
 
 namespace {
 
-using detail::seconds;
 using pbd::Vec3;
 
 /// s: of the low-pass on measured accelerations and their frequency.

@@ -4,16 +4,12 @@
 
 #include <memory>
 
+#include "body_state.h"
+#include "session_time.h"
 #include "tandem/consensus/predictor.h"
 
 /// What the predictors have in common.
 namespace tandem::consensus::detail {
-
-inline double seconds(SessionTime ns) { return 1e-9 * static_cast<double>(ns); }
-
-inline pbd::Twist difference(const pbd::Twist& a, const pbd::Twist& b) {
-  return {a.linear - b.linear, a.angular - b.angular};
-}
 
 /// Neither touches, is joined nor held at the stamp.
 inline bool is_free(const StateUpdate& update) {

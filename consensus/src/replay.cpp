@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "body_state.h"
 #include "cpu_clock.h"
 #include "session_time.h"
 #include "tandem/consensus/influence.h"
@@ -36,16 +37,13 @@ constexpr std::size_t kTogether = 3;
 pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;
-  const double dt = kNs * static_cast<double>(time - news.stamp);
+  const double dt = seconds(time - news.stamp);
   const pbd::BodyState then = history.state_beside(news.slot, news.stamp, news.state.twist);
   const pbd::BodyState own = history.state_at(news.slot, time);
-  const pbd::Vec3 drift = news.state.twist.linear - then.twist.linear;
-  const pbd::Vec3 spin = news.state.twist.angular - then.twist.angular;
-  const pbd::Vec3 turn =
-      pbd::rotation_between(then.pose.orientation, news.state.pose.orientation) + dt * spin;
-  return {{own.pose.position + (news.state.pose.position - then.pose.position) + dt * drift,
-           pbd::rotated(own.pose.orientation, turn)},
-          {own.twist.linear + drift, own.twist.angular + spin}};
+  pbd::Correction apart = gap(then, news.state);
+  apart.translation += dt * apart.twist.linear;
+  apart.rotation += dt * apart.twist.angular;
+  return moved(own, apart);
 }
 
 }  // namespace
@@ -111,12 +109,7 @@ void Replay::update(ReplayStats& stats) {
   gaps_.resize(covered_.size());
   for (std::uint32_t slot = 0; slot < covered_.size(); ++slot) {
     if (covered_[slot] == 0) continue;
-    const pbd::BodyState& own = history_.newest(slot);
-    const pbd::BodyState& there = copy_.world().states()[slot];
-    gaps_[slot] = {
-        there.pose.position - own.pose.position,
-        pbd::rotation_between(own.pose.orientation, there.pose.orientation),
-        {there.twist.linear - own.twist.linear, there.twist.angular - own.twist.angular}};
+    gaps_[slot] = gap(history_.newest(slot), copy_.world().states()[slot]);
   }
 }
 
@@ -225,7 +218,7 @@ bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
   blend(frame);
   apply_inputs(frame);
   const SessionTime time = history_.frame(frame).time;
-  const double dt = kNs * static_cast<double>(history_.frame(frame + 1).time - time);
+  const double dt = seconds(history_.frame(frame + 1).time - time);
   apply_springs(time);
   if (hook_ != nullptr) hook_->before_step(copy_.world(), time, dt);
   const pbd::StepReport& report = solver_->step(copy_.world(), dt);
@@ -238,7 +231,7 @@ void Replay::blend(std::size_t frame) {
   while (next_ < news_.size() && news_[next_].frame == frame) {
     const std::uint32_t slot = news_[next_].slot;
     double& weight = weights_[slot];
-    pbd::BodyState mean = copy_.world().states()[slot];
+    const pbd::BodyState before = copy_.world().states()[slot];
     estimates_.clear();
     double total = 0.0;
     for (; next_ < news_.size() && news_[next_].frame == frame && news_[next_].slot == slot;
@@ -255,14 +248,9 @@ void Replay::blend(std::size_t frame) {
       total += news.weight;
     }
     pbd::PoseTarget target;
-    if (!fuse(mean.pose, estimates_, target)) continue;
-    mean.pose.position += target.share * (target.pose.position - mean.pose.position);
-    mean.pose.orientation =
-        pbd::rotated(mean.pose.orientation, target.share * target.rotation_error);
-    mean.twist.linear += target.share * (target.twist.linear - mean.twist.linear);
-    mean.twist.angular += target.share * (target.twist.angular - mean.twist.angular);
+    if (!fuse(before.pose, estimates_, target)) continue;
     weight += total;
-    copy_.displace(slot, mean);
+    copy_.displace(slot, mean_with(before, target));
   }
 }
 
@@ -284,11 +272,8 @@ void Replay::apply_inputs(std::size_t number) {
       copy_.set_state(body.slot, history_.state_at(body.slot, frame.time), true);
       continue;
     }
-    pbd::BodyState state = *body.from;
-    const double dt = kNs * static_cast<double>(frame.time - body.stamp);
-    state.pose.position += dt * state.twist.linear;
-    state.pose.orientation = pbd::rotated(state.pose.orientation, dt * state.twist.angular);
-    copy_.set_state(body.slot, state, true);
+    const double dt = seconds(frame.time - body.stamp);
+    copy_.set_state(body.slot, carried(*body.from, dt), true);
   }
   for (const WorldHistory::Force& force : frame.forces) {
     const pbd::BodyId body = world.body_at(force.slot);
@@ -305,7 +290,7 @@ void Replay::apply_springs(SessionTime time) {
       history_.frame(history_.at_or_before(late ? known_until_ : time));
   for (const Pull& own : frame.pulls) {
     pbd::Tether::Def& def = pulls_.emplace_back(own.def);
-    if (late) springs_.carry_on(own.told, kNs * static_cast<double>(time - frame.time), def);
+    if (late) springs_.carry_on(own.told, seconds(time - frame.time), def);
   }
   springs_.others_at(time, pulls_);
   pbd::World& world = copy_.world();

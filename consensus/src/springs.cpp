@@ -82,7 +82,7 @@ void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   Own& own = find(id);
   pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
   if (own.moved != 0 && now > own.moved) {
-    const double dt = kNs * static_cast<double>(now - own.moved);
+    const double dt = seconds(now - own.moved);
     const pbd::Vec3 measured = (anchor_w - own.def.anchor_w) / dt;
     const double blend = 1.0 - std::exp(-dt / options_.anchor_velocity_filter);
     own.velocity += blend * (measured - own.velocity);
@@ -221,7 +221,7 @@ void Springs::prepare(SessionTime now) {
   std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
   for (Own& own : own_) {
     if (!tethers_.contains(own.tether)) continue;
-    double since = own.moved != 0 ? kNs * static_cast<double>(now - own.moved) : 0.0;
+    double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
     if (since > kStill) {
       // The others must hear that it stands, and that it still holds.
       own.velocity.setZero();
@@ -245,7 +245,7 @@ pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const 
     def.anchor_velocity = then.velocity;
     return def;
   }
-  carry_on(hand.motion(), kNs * static_cast<double>(time - hand.newest()), def);
+  carry_on(hand.motion(), seconds(time - hand.newest()), def);
   return def;
 }
 
@@ -376,7 +376,7 @@ bool Springs::holds_alone(pbd::BodyId body) const {
 void Springs::hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) const {
   for (const Own& own : own_) {
     if (own.mode != InputMode::Hard || own.body != body) continue;
-    const double since = own.moved != 0 ? kNs * static_cast<double>(now - own.moved) : 0.0;
+    const double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
     const double reach = since > kStill ? 0.0 : std::max(since, 0.0);
     out.push_back({own.def.attachment_l, own.def.anchor_w + reach * own.velocity});
   }

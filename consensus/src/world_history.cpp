@@ -3,17 +3,16 @@
 #include "world_history.h"
 
 #include <algorithm>
-#include <cstring>
 
+#include "body_state.h"
 #include "session_time.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
 namespace {
 
-/// m/s: what changes by more from frame to frame was hit. Spins count at a lever (m).
+/// m/s: what changes by more from frame to frame was hit.
 constexpr double kHit = 0.5;
-constexpr double kTurnLever = 0.1;
 
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
@@ -89,9 +88,8 @@ void WorldHistory::note_inputs(const pbd::World& world) {
       frame.forces.push_back({slot, wrench});
     }
   }
-  // The last word of agreement on a body counts.
-  std::stable_sort(agreed_.begin(), agreed_.end(),
-                   [](const State& a, const State& b) { return a.slot < b.slot; });
+  std::sort(agreed_.begin(), agreed_.end(),
+            [](const State& a, const State& b) { return a.slot < b.slot; });
   auto agreed = agreed_.begin();
   const std::span<const pbd::BodyState> states = world.states();
   for (std::uint32_t slot = 0; slot < states.size(); ++slot) {
@@ -105,9 +103,7 @@ void WorldHistory::note_inputs(const pbd::World& world) {
     if (type == pbd::BodyType::Kinematic || !same(state.pose, expected->pose)) {
       frame.placed.push_back({slot, state});
     } else if (!same(state.twist, expected->twist)) {
-      frame.pushed.push_back({slot,
-                              {state.twist.linear - expected->twist.linear,
-                               state.twist.angular - expected->twist.angular}});
+      frame.pushed.push_back({slot, difference(state.twist, expected->twist)});
     }
   }
 }
@@ -151,8 +147,8 @@ pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) cons
   if (n == last() || known <= before.time) return a;
   const Frame& after = frame(n + 1);
   const pbd::BodyState& b = after.states[slot];
-  const double dt = kNs * static_cast<double>(after.time - before.time);
-  const double f = kNs * static_cast<double>(known - before.time) / dt;
+  const double dt = seconds(after.time - before.time);
+  const double f = seconds(known - before.time) / dt;
   const pbd::Vec3 way = b.pose.position - a.pose.position;
   pbd::BodyState state;
   state.pose.position =
@@ -173,20 +169,10 @@ pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
   const Frame& after = frame(n + 1);
   const pbd::BodyState& a = before.states[slot];
   const pbd::BodyState& b = after.states[slot];
-  const bool hit = (b.twist.linear - a.twist.linear).norm() +
-                       kTurnLever * (b.twist.angular - a.twist.angular).norm() >
-                   kHit;
-  if (!hit) return state_at(slot, time);
-  const auto off = [&](const pbd::Twist& twist) {
-    return (twist.linear - other.linear).norm() +
-           kTurnLever * (twist.angular - other.angular).norm();
-  };
-  const bool first = off(a.twist) < off(b.twist);
-  pbd::BodyState state = first ? a : b;
-  const double dt = kNs * static_cast<double>(time - (first ? before : after).time);
-  state.pose.position += dt * state.twist.linear;
-  state.pose.orientation = pbd::rotated(state.pose.orientation, dt * state.twist.angular);
-  return state;
+  if (!(speed(difference(b.twist, a.twist)) > kHit)) return state_at(slot, time);
+  const bool first = speed(difference(a.twist, other)) < speed(difference(b.twist, other));
+  const double dt = seconds(time - (first ? before : after).time);
+  return carried(first ? a : b, dt);
 }
 
 MotionSample OwnMotion::newest() const {
