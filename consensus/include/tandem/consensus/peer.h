@@ -199,7 +199,8 @@ struct TANDEM_API EstimateEvent {
 class TANDEM_API PeerObserver {
  public:
   virtual ~PeerObserver() = default;
-  /// A remote state was carried to `now` and applied. `age` in s, from the sender's stamp.
+  /// A remote state was carried to `now` and applied. `age` in s, from the sender's stamp. Where it
+  /// is replayed, the position is the own one plus the difference of both at the stamp.
   virtual void on_prediction(PeerId from, const SharedId& body, SessionTime now,
                              const pbd::Vec3& predicted_position, double age) = 0;
   /// The same with what it came from. References are valid during the call.
