@@ -13,6 +13,12 @@ inline constexpr double kFaceShare = 0.05;
 /// round ones touch at one point, whose direction is exact.
 inline constexpr double kFaceSize = 5e-4;
 
+/// Cosine between the normals of an edge contact and of a face above which the face serves, where
+/// what lies over it is no deeper. Two long bars that cross are tilted by less than the eye sees,
+/// and yet edges part them better than the planes of whole faces do: held at one of the four places
+/// where their edges cross, a tower of 60 bars dropped by 5 % of their height went through itself.
+inline constexpr double kAlongside = 0.95;
+
 /// Share of the smaller part's size by which two boxes must overlap beside the direction in which
 /// they are apart.
 inline constexpr double kPassBy = 5e-3;

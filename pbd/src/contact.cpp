@@ -3,7 +3,6 @@
 #include "tandem/pbd/contact.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -21,8 +20,6 @@ constexpr double kAnchorMatch = 0.02;
 /// Overlap that is left alone, as a share of the way that a body falls from rest within a substep,
 /// twice: resting contacts stay as they are.
 constexpr double kPushSlop = 0.05;
-/// Sweeps over overlaps in a substep: one, or up to this many in islands that are hard to solve.
-constexpr int kPushSweeps = 8;
 
 /// What the next step wants to know of a contact.
 CarriedContact remember(const Contact& contact) {
@@ -155,11 +152,15 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   for (std::vector<TotalRow>& rows : m.total) rows.clear();
   if (!ctx.displaced.empty()) m.forgive(ctx);
   m.put_in_sequence();
-  m.order.build(m.contacts, m.support.arrange(m.contacts, m.sequence, ctx.bodies), ctx.bodies);
+  const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies);
+  m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,
+                  m.options.warm_start_gap, ctx.h);
+  m.order.build(m.contacts, arranged, ctx.bodies);
   const auto places = m.order.places();
   m.rows.resize(places.size());
   m.changes.resize(places.size());
   m.extra_rows = 0;
+  m.open_rows = 0;
   ctx.workers->for_chunks(places.size(), Impl::kGrain,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
@@ -167,7 +168,6 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
                               prepare_row(m.contacts[places[k]], ctx.bodies, m.options, m.rows[k]);
                             }
                           });
-  m.convergence.begin_step(ctx.bodies, ctx.order, m.rows);
 }
 
 void ContactBlock::begin_substep(const SubstepContext& ctx) {
@@ -207,22 +207,16 @@ double ContactBlock::project(const SubstepContext& ctx) {
     m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, fresh, ctx.bodies);
   });
   const ContactConvergence::Rule rule{
-      .sweeps = m.options.extra_sweeps,
-      .resting = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
+      .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
+      .rows = m.options.extra_rows / ctx.substeps,
       .fresh = fresh};
-  m.extra_rows += m.convergence.run(rule, places, ctx.reverse, m.rows, m.changes, ctx.bodies);
+  const auto [swept, open] =
+      m.convergence.run(rule, places, ctx.reverse, m.rows, m.changes, ctx.bodies);
+  m.extra_rows += swept;
+  m.open_rows = std::max(m.open_rows, open);
   m.pushed.assign(ctx.bodies.size(), 0);
-  for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
-    std::atomic<bool> any{false};
-    m.order.sweep(ctx.group, ctx.reverse != (sweep % 2 == 1), *ctx.workers, [&](std::uint32_t k) {
-      // Later sweeps are for islands that are hard to solve.
-      const bool wanted =
-          sweep == 0 || m.convergence.was_hard(ctx.bodies[m.rows[k].movable()].island);
-      if (wanted && push_row(m.rows[k], ctx.bodies, m.pushed))
-        any.store(true, std::memory_order_relaxed);
-    });
-    if (!any.load(std::memory_order_relaxed)) break;
-  }
+  m.order.sweep(ctx.group, ctx.reverse, *ctx.workers,
+                [&](std::uint32_t k) { push_row(m.rows[k], ctx.bodies, m.pushed); });
   return ctx.h * m.largest_change(ctx.group);
 }
 
@@ -256,7 +250,6 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
 }
 
 void ContactBlock::end_step(const SubstepContext& ctx) {
-  impl_->convergence.end_step(ctx.bodies);
   Impl& m = *impl_;
   m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), {});
   ctx.workers->for_chunks(m.contacts.size(), Impl::kGrain,
@@ -292,7 +285,6 @@ void ContactBlock::holds(LinkVisitor& visitor) const {
 }
 
 void ContactBlock::remove_body(BodyId body) {
-  impl_->convergence.remove_body(body.index);
   std::erase_if(impl_->contacts, [&](const Contact& contact) {
     return contact.manifold.body_a == body.index || contact.manifold.body_b == body.index;
   });
@@ -302,6 +294,7 @@ BlockReport ContactBlock::report() const {
   return {.name = name(),
           .rows = static_cast<int>(impl_->contacts.size()),
           .extra_rows = impl_->extra_rows,
+          .open_rows = impl_->open_rows,
           .residual = impl_->residual,
           .total_residual = impl_->total_residual};
 }
@@ -310,9 +303,9 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->changed.size()));
   for (const std::uint32_t body : impl_->changed) out.u32(body);
   out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
+  out.u32(static_cast<std::uint32_t>(impl_->open_rows));
   out.f64(impl_->residual);
   out.f64(impl_->total_residual);
-  impl_->convergence.save(out);
   out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
   for (const Contact& contact : impl_->contacts) {
     const Manifold& m = contact.manifold;
@@ -345,9 +338,9 @@ void ContactBlock::load(ByteReader& in) {
   const std::uint32_t changed = in.u32();
   for (std::uint32_t k = 0; k < changed && !in.failed(); ++k) impl_->changed.push_back(in.u32());
   impl_->extra_rows = static_cast<int>(in.u32());
+  impl_->open_rows = static_cast<int>(in.u32());
   impl_->residual = in.f64();
   impl_->total_residual = in.f64();
-  impl_->convergence.load(in);
   impl_->any_friction = false;
   impl_->any_restitution = false;
   const std::uint32_t size = in.u32();

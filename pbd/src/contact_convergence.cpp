@@ -3,94 +3,65 @@
 #include "contact_convergence.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "tandem/pbd/bytes.h"
+#include <bit>
+#include <cstddef>
 
 namespace tandem::pbd {
+namespace {
 
-void ContactConvergence::begin_step(std::span<const SolverBody> bodies, const BodyOrder& order,
-                                    std::span<const ContactRow> rows) {
-  islands_.assign(bodies.size(), {});
-  unsolved_.resize(bodies.size(), 0);
-  for (std::uint32_t rank = 0; rank < bodies.size(); ++rank) {
-    const SolverBody& body = bodies[order.slot(rank)];
-    if (body.group == SolverBody::kNoGroup) continue;
-    Island& island = islands_[body.island];
-    island.speed2 += body.v.squaredNorm();
-    island.unsolved += unsolved_[order.slot(rank)];
-    ++island.bodies;
-  }
-  island_of_.resize(rows.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    island_of_[k] = bodies[rows[k].movable()].island;
-    ++islands_[island_of_[k]].rows;
+/// Of a positive speed: the exponent of its binary number.
+std::size_t octave_of(float speed) { return std::bit_cast<std::uint32_t>(speed) >> 23; }
+
+/// The last of the budget is left over: looking for so few rows costs more than they bring.
+constexpr int kNotWorthIt = 8;
+
+}  // namespace
+
+void ContactConvergence::note(const ContactRow& row, double change,
+                              std::span<const SolverBody> bodies) {
+  const auto speed = static_cast<float>(change);
+  for (const std::uint32_t body : {row.a, row.b}) {
+    if (bodies[body].inv_mass > 0.0) moved_[body] = std::max(moved_[body], speed);
   }
 }
 
-void ContactConvergence::end_step(std::span<const SolverBody> bodies) {
-  constexpr std::uint8_t kMost = kPatience + kGrudge;
-  for (std::uint32_t i = 0; i < bodies.size() && i < unsolved_.size(); ++i) {
-    if (bodies[i].group == SolverBody::kNoGroup) continue;
-    std::uint8_t& unsolved = unsolved_[i];
-    if (islands_[bodies[i].island].open) {
-      if (unsolved < kMost) ++unsolved;
-    } else if (unsolved > 0) {
-      --unsolved;
+void ContactConvergence::keep_most_moved(std::span<const ContactRow> rows, int most) {
+  octaves_.fill(0);
+  for (const std::uint32_t k : open_) ++octaves_[octave_of(moved(rows[k]))];
+  std::size_t lowest = octaves_.size();
+  int sum = 0;
+  while (lowest > 0 && sum + octaves_[lowest - 1] <= most) sum += octaves_[--lowest];
+  std::erase_if(open_, [&](std::uint32_t k) { return octave_of(moved(rows[k])) < lowest; });
+}
+
+ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
+                                                    const ContactOrder::Places& places,
+                                                    bool reverse, std::span<ContactRow> rows,
+                                                    std::span<double> changes,
+                                                    std::span<SolverBody> bodies) {
+  Outcome outcome;
+  if (rule.rows == 0) return outcome;
+  moved_.assign(bodies.size(), 0.0f);
+  for (std::uint32_t k = places.begin; k < places.end; ++k) note(rows[k], changes[k], bodies);
+  for (;;) {
+    open_.clear();
+    for (std::uint32_t k = places.begin; k < places.end; ++k) {
+      if (moved(rows[k]) > rule.tolerance) open_.push_back(k);
     }
-  }
-}
-
-void ContactConvergence::remove_body(std::uint32_t slot) {
-  if (slot < unsolved_.size()) unsolved_[slot] = 0;
-}
-
-void ContactConvergence::save(ByteWriter& out) const {
-  out.u32(static_cast<std::uint32_t>(unsolved_.size()));
-  for (const std::uint8_t steps : unsolved_) out.u8(steps);
-}
-
-void ContactConvergence::load(ByteReader& in) {
-  unsolved_.clear();
-  const std::uint32_t size = in.u32();
-  for (std::uint32_t i = 0; i < size && !in.failed(); ++i) unsolved_.push_back(in.u8());
-}
-
-int ContactConvergence::run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
-                            std::span<ContactRow> rows, std::span<double> changes,
-                            std::span<SolverBody> bodies) {
-  if (rule.sweeps == 0) return 0;
-  const auto island_of = [&](std::uint32_t k) -> Island& { return islands_[island_of_[k]]; };
-  for (std::uint32_t k = places.begin; k < places.end; ++k) island_of(k).change2 = 0.0;
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    island_of(k).change2 += changes[k] * changes[k];
-  }
-  places_.clear();
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    Island& island = island_of(k);
-    if (!island.worth_it() || !is_open(rule, island)) continue;
-    if (island.given_up()) {
-      island.open = true;
-    } else {
-      island.hard = true;
-      places_.push_back(k);
-    }
-  }
-  int swept = 0;
-  for (int sweep = 0; sweep < rule.sweeps && !places_.empty(); ++sweep) {
+    outcome.open = static_cast<int>(open_.size());
+    const int left = rule.rows - outcome.swept;
+    if (left < rule.rows / kNotWorthIt) return outcome;
+    if (outcome.open > left) keep_most_moved(rows, left);
+    if (open_.empty()) return outcome;
+    for (const std::uint32_t k : open_) moved_[rows[k].a] = moved_[rows[k].b] = 0.0f;
     reverse = !reverse;
-    const std::size_t n = places_.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint32_t k = places_[reverse ? n - 1 - i : i];
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      const std::uint32_t k = open_[reverse ? open_.size() - 1 - i : i];
       changes[k] = solve_row(rows[k], ContactPass::Motion, rule.fresh, bodies);
     }
-    swept += static_cast<int>(n);
-    for (const std::uint32_t k : places_) island_of(k).change2 = 0.0;
-    for (const std::uint32_t k : places_) island_of(k).change2 += changes[k] * changes[k];
-    std::erase_if(places_, [&](std::uint32_t k) { return !is_open(rule, island_of(k)); });
+    for (const std::uint32_t k : open_) note(rows[k], changes[k], bodies);
+    outcome.swept += static_cast<int>(open_.size());
   }
-  for (const std::uint32_t k : places_) island_of(k).open = true;
-  return swept;
 }
 
 }  // namespace tandem::pbd

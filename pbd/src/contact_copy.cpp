@@ -17,9 +17,9 @@ bool ContactBlock::assign(const ConstraintBlock& source) {
   const Impl& from = *other->impl_;
   m.contacts = from.contacts;
   m.changed = from.changed;
-  m.convergence.assign(from.convergence);
   m.options = from.options;
   m.extra_rows = from.extra_rows;
+  m.open_rows = from.open_rows;
   m.residual = from.residual;
   m.total_residual = from.total_residual;
   m.any_friction = from.any_friction;

@@ -8,6 +8,7 @@
 #include "contact_convergence.h"
 #include "contact_order.h"
 #include "contact_row.h"
+#include "contact_statics.h"
 #include "contact_support.h"
 
 namespace tandem::pbd {
@@ -43,6 +44,8 @@ struct TotalRow {
 /// How heavily the contacts of an island are loaded.
 struct IslandLoad {
   double ratio2 = 0.0;  ///< sum of (load / weight of the lighter body)^2
+  double speed2 = 0.0;  ///< m^2/s^2, sum over bodies
+  std::uint32_t bodies = 0;
   std::uint32_t contacts = 0;
   double for_size = 0.0;  ///< substeps that its smallest body wants
   double wanted = 0.0;    ///< substeps
@@ -71,11 +74,13 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   std::vector<std::uint8_t> pushed;   ///< by body: has v_push or w_push in this substep
   std::vector<Residuals> worst;       ///< by worker
   ContactSupport support;
+  ContactStatics statics;
   ContactOrder order;
   ContactConvergence convergence;
   ContactOptions options;
   std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body
   int extra_rows = 0;             ///< rows swept again in this step
+  int open_rows = 0;              ///< rows that were left unsolved, in the worst substep
   double residual = 0.0;
   double total_residual = 0.0;
   bool any_friction = false;

@@ -17,10 +17,9 @@ namespace {
 constexpr double kSubstepsPerLoad = 4.0 / 11.0;
 constexpr double kFallShare = 0.08;
 constexpr double kMostSubsteps = 32.0;
-/// An island whose last sweep still changes this share of what gravity adds in a substep has not
-/// been solved, at the start of a tall pile for one: it gets this many times the substeps.
-constexpr double kUnsolved = 0.1;
-constexpr double kToSettle = 4.0;
+/// m/s, rms: an island that moves faster does not stand. An impact is no load, and only what stands
+/// can fall.
+constexpr double kStanding = 0.5;
 /// Contacts that a world refines in full; where more want it, each gets a share: thousands of small
 /// stacks cost too much.
 constexpr double kWorthRefining = 2000.0;
@@ -32,6 +31,13 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
   if (!(gravity > 0.0)) return;
   std::vector<IslandLoad>& loads = impl_->loads;
   loads.assign(ctx.bodies.size(), {});
+  for (std::uint32_t rank = 0; rank < ctx.bodies.size(); ++rank) {
+    const SolverBody& body = ctx.bodies[ctx.order.slot(rank)];
+    if (body.group == SolverBody::kNoGroup) continue;
+    IslandLoad& island = loads[body.island];
+    island.speed2 += body.v.squaredNorm();
+    ++island.bodies;
+  }
   for (std::size_t n = 0; n < impl_->contacts.size(); ++n) {
     const Contact& contact = impl_->contacts[impl_->nth(n)];
     const std::uint32_t a = contact.manifold.body_a;
@@ -40,8 +46,6 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
     if (ctx.bodies[movable].group == SolverBody::kNoGroup) continue;
     IslandLoad& island = loads[ctx.bodies[movable].island];
     ++island.contacts;
-    // An impact is no load, and only what stands can fall.
-    if (!impl_->convergence.stands(ctx.bodies[movable].island)) continue;
     const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
     const double load = contact.impulse / ctx.h;  // N, mean of the step
     island.ratio2 += load * load * lightness * lightness / (gravity * gravity);
@@ -50,16 +54,11 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
     island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
   }
-  const double unsolved = kUnsolved * gravity * ctx.h / ctx.substeps;
   double wanting = 0.0;  // contacts
   for (IslandLoad& island : loads) {
-    if (island.contacts == 0) continue;
+    if (island.contacts == 0 || island.speed2 > kStanding * kStanding * island.bodies) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
-    const auto lowest = static_cast<std::uint32_t>(&island - loads.data());
-    if (impl_->convergence.unrest(lowest) > unsolved) {
-      island.wanted = std::max(island.wanted, kToSettle * ctx.substeps);
-    }
     if (island.wanted > ctx.substeps) wanting += island.contacts;
   }
   const double share = std::min(1.0, kWorthRefining / std::max(1.0, wanting));

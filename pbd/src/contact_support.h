@@ -22,6 +22,8 @@ class ContactSupport {
   std::span<const std::uint32_t> arrange(std::span<const Contact> contacts,
                                          std::span<const std::uint32_t> sequence,
                                          std::span<const SolverBody> bodies);
+  /// Of a body that was in an arranged contact or cannot move, in contacts from what cannot move.
+  std::uint32_t distance(std::uint32_t body) const { return distance_[body]; }
 
  private:
   void link(std::span<const Contact> contacts, std::span<const SolverBody> bodies);

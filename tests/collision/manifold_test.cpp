@@ -132,6 +132,30 @@ TEST_CASE("manifold: crossing edges of two boxes touch at one point", "[collisio
   check_vec(f.on_b(m, 0), Vec3(0.1, 0, r - 0.01), 1e-9);
 }
 
+TEST_CASE("manifold: long bars that cross at hardly a tilt touch on a face, not at one crossing of "
+          "their edges",
+          "[collision][analytic]") {
+  // Bars of 2 m and 0.2 m, along x and along y, 1 mm in each other in the middle.
+  const Vec3 half(1.0, 0.1, 0.1);
+  for (const double tilt : {0.0, 0.003, 0.01, 0.05}) {
+    INFO("tilt " << tilt);
+    Fixture f;
+    f.add(Box{half}, at(Vec3::Zero(), Vec3(0, tilt, 0)));
+    f.add(Box{half}, {Vec3(0, 0, 0.199), tandem::pbd::exp_map(Vec3(tilt, 0, 0)) *
+                                             tandem::pbd::exp_map(Vec3(0, 0, M_PI / 2))});
+    f.collect();
+    const Manifold& m = only(f);
+    CHECK(m.count == 4);
+    CHECK(m.normal.z() > std::cos(1.5 * tilt) - 1e-12);
+    for (int i = 0; i < m.count; ++i) {
+      // The four places over each other, and how deep two tilted planes are there.
+      CHECK(std::abs(f.on_a(m, i).x()) == Approx(0.1).margin(0.1 * tilt + 1e-6));
+      CHECK(std::abs(f.on_a(m, i).y()) == Approx(0.1).margin(0.1 * tilt + 1e-6));
+      CHECK(f.gap(m, i) == Approx(-0.001).margin(0.25 * tilt + 1e-6));
+    }
+  }
+}
+
 TEST_CASE("manifold: a lying capsule has two points, a standing one hangs on one",
           "[collision][analytic]") {
   const Capsule capsule{0.2, 0.6};

@@ -84,7 +84,8 @@ struct TANDEM_API SubstepContext {
 struct TANDEM_API BlockReport {
   std::string_view name;
   int rows = 0;
-  int extra_rows = 0;           ///< solved again in islands that needed it, over all substeps
+  int extra_rows = 0;           ///< solved again where it was needed, over all substeps
+  int open_rows = 0;            ///< left unsolved by that, in the substep with most of them
   double residual = 0.0;        ///< m, largest violation of a rigid row at the end of the step
   double total_residual = 0.0;  ///< m, largest part of it that agreement left behind
 };

@@ -26,10 +26,11 @@ struct TANDEM_API ContactOptions {
   /// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over.
   /// Motion is not affected.
   double evenness = 0.1;
-  /// An island that stands and that one sweep has not solved is swept on, at most this often in a
-  /// substep, until the rms change of its normal velocities is below `resting_tolerance` times what
-  /// gravity adds in a substep.
-  int extra_sweeps = 8;
+  /// Rows that one sweep has not solved are swept on, those first whose bodies still move most,
+  /// until no normal velocity changes by more than `resting_tolerance` times what gravity adds in a
+  /// substep, or this many rows were swept again in the step (in each group of islands that take
+  /// the same number of substeps). BlockReport says how many were and what was left.
+  int extra_rows = 4000;
   double resting_tolerance = 0.01;
   /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.
   double clean_up_slop = 5e-3;

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "contact_statics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "contact_row.h"
+
+namespace tandem::pbd {
+namespace {
+
+/// Cosine to the vertical below which friction and not the normal holds up, or may.
+constexpr double kLevel = 0.5;
+
+double force_of(const Contact& contact) {
+  return contact.force[0] + contact.force[1] + contact.force[2] + contact.force[3];
+}
+
+/// Which points are no further apart than this, m.
+std::array<bool, 4> near_points(const Contact& contact, std::span<const SolverBody> bodies,
+                                double reach) {
+  const Manifold& m = contact.manifold;
+  std::array<bool, 4> near{};
+  for (int i = 0; i < m.count; ++i) {
+    near[static_cast<std::size_t>(i)] = gap_of(m, bodies[m.body_a], bodies[m.body_b], i) < reach;
+  }
+  return near;
+}
+
+}  // namespace
+
+ContactStatics::Rest ContactStatics::rest_of(const Contact& contact,
+                                             const ContactSupport& support) const {
+  const Manifold& m = contact.manifold;
+  const std::uint32_t a = support.distance(m.body_a);
+  const std::uint32_t b = support.distance(m.body_b);
+  const double cosine = m.normal.dot(up_);
+  if (a < b) return {m.body_b, m.body_a, cosine};
+  if (b < a) return {m.body_a, m.body_b, -cosine};
+  return {};
+}
+
+void ContactStatics::guess(std::span<Contact> contacts, std::span<const std::uint32_t> arranged,
+                           const ContactSupport& support, std::span<const SolverBody> bodies,
+                           const Vec3& gravity, double reach, double h) {
+  const double g = gravity.norm();
+  if (!(g > 0.0)) return;
+  up_ = -gravity / g;
+  fresh_.clear();
+  for (std::uint32_t k = 0; k < arranged.size(); ++k) {
+    const Contact& contact = contacts[arranged[k]];
+    if (contact.overlap >= 0.0) continue;  // it is not new
+    const Manifold& m = contact.manifold;
+    const double closing = m.normal.dot(bodies[m.body_a].v - bodies[m.body_b].v);
+    if (rest_of(contact, support).cosine < kLevel || std::abs(closing) > 2.0 * g * h) continue;
+    const std::array<bool, 4> near = near_points(contact, bodies, reach);
+    if (std::find(near.begin(), near.end(), true) != near.end()) fresh_.push_back(k);
+  }
+  if (fresh_.empty()) return;
+  missing_.assign(bodies.size(), 0.0);
+  count_.assign(bodies.size(), 0);
+  for (const std::uint32_t k : fresh_) {
+    const std::uint32_t body = rest_of(contacts[arranged[k]], support).upper;
+    if (count_[body]++ == 0) missing_[body] = bodies[body].gravity_scale * g / bodies[body].inv_mass;
+  }
+  for (const std::uint32_t i : arranged) {
+    const Rest rest = rest_of(contacts[i], support);
+    if (contacts[i].overlap < 0.0 || rest.cosine <= 0.0) continue;
+    missing_[rest.upper] -= rest.cosine * force_of(contacts[i]);
+    missing_[rest.lower] += rest.cosine * force_of(contacts[i]);
+  }
+  // What a body carries has a higher place than what carries it.
+  for (auto k = fresh_.rbegin(); k != fresh_.rend(); ++k) {
+    Contact& contact = contacts[arranged[*k]];
+    const Rest rest = rest_of(contact, support);
+    const double load = std::max(0.0, missing_[rest.upper]) / count_[rest.upper];
+    missing_[rest.lower] += load;
+    const std::array<bool, 4> near = near_points(contact, bodies, reach);
+    const auto points = static_cast<double>(std::count(near.begin(), near.end(), true));
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      if (near[i]) contact.force[i] = load / (rest.cosine * points);
+    }
+  }
+}
+
+}  // namespace tandem::pbd
