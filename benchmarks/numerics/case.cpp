@@ -42,7 +42,7 @@ std::vector<Case> all_cases() {
   std::vector<Case> cases;
   for (const auto& family :
        {analytic_cases, analytic_joint_cases, analytic_contact_cases, stiff_cases, mechanism_cases,
-        extreme_cases, extreme_contact_cases, refusal_cases}) {
+        extreme_cases, extreme_contact_cases, pile_cases, refusal_cases}) {
     for (Case& c : family()) cases.push_back(std::move(c));
   }
   return cases;

@@ -72,6 +72,7 @@ std::vector<Case> stiff_cases();
 std::vector<Case> mechanism_cases();
 std::vector<Case> extreme_cases();
 std::vector<Case> extreme_contact_cases();
+std::vector<Case> pile_cases();
 std::vector<Case> refusal_cases();
 /// All of the above, in that order.
 std::vector<Case> all_cases();

@@ -249,8 +249,8 @@ bool serve_by_face(const ConvexCore& a, const ConvexCore& b, const ContactAxis& 
   face_contact(a, b, face, reach, found);
   double deepest = HUGE_VAL;
   for (int i = 0; i < found.count; ++i) deepest = std::min(deepest, found.points[i].gap);
-  const double tolerance = kFaceShare * std::max(0.0, -edges.separation) +
-                           kFaceSize * std::min(a.size, b.size);
+  const double tolerance =
+      kFaceShare * std::max(0.0, -edges.separation) + kFaceSize * std::min(a.size, b.size);
   if (found.count < 2 || deepest < edges.separation - tolerance) return false;
   out = found;
   return true;

@@ -42,9 +42,9 @@ class ContactConvergence {
   /// Keep those open places whose bodies moved most, no more than `rows` of them: whole octaves.
   void keep_most_moved(std::span<const ContactRow> rows, int most);
 
-  std::vector<float> moved_;          ///< m/s, by body: largest change of a row since it was swept
-  std::vector<std::uint32_t> open_;   ///< places, ascending
-  std::array<int, 256> octaves_{};    ///< open rows by the exponent of how much they moved
+  std::vector<float> moved_;         ///< m/s, by body: largest change of a row since it was swept
+  std::vector<std::uint32_t> open_;  ///< places, ascending
+  std::array<int, 256> octaves_{};   ///< open rows by the exponent of how much they moved
 };
 
 }  // namespace tandem::pbd

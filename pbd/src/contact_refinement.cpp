@@ -14,7 +14,7 @@ namespace {
 /// heavy body on a light one) wants this many times n substeps; a body of the size r wants them
 /// shorter than this share of the time in which it topples, sqrt(r / g): pebbles of a millimetre
 /// rock otherwise. Up to a limit.
-constexpr double kSubstepsPerLoad = 4.0 / 11.0;
+constexpr double kSubstepsPerLoad = 1.0 / 11.0;
 constexpr double kFallShare = 0.08;
 constexpr double kMostSubsteps = 32.0;
 /// m/s, rms: an island that moves faster does not stand. An impact is no load, and only what stands

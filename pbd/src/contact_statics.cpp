@@ -63,7 +63,8 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const std::uin
   count_.assign(bodies.size(), 0);
   for (const std::uint32_t k : fresh_) {
     const std::uint32_t body = rest_of(contacts[arranged[k]], support).upper;
-    if (count_[body]++ == 0) missing_[body] = bodies[body].gravity_scale * g / bodies[body].inv_mass;
+    if (count_[body]++ == 0)
+      missing_[body] = bodies[body].gravity_scale * g / bodies[body].inv_mass;
   }
   for (const std::uint32_t i : arranged) {
     const Rest rest = rest_of(contacts[i], support);

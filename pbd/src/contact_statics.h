@@ -21,8 +21,8 @@ class ContactStatics {
   /// @param arranged  as ContactSupport has made them
   /// @param h         s, length of a substep
   void guess(std::span<Contact> contacts, std::span<const std::uint32_t> arranged,
-             const ContactSupport& support, std::span<const SolverBody> bodies,
-             const Vec3& gravity, double reach, double h);
+             const ContactSupport& support, std::span<const SolverBody> bodies, const Vec3& gravity,
+             double reach, double h);
 
  private:
   /// Which body a contact holds up, and which one carries it.

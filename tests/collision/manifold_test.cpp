@@ -132,9 +132,10 @@ TEST_CASE("manifold: crossing edges of two boxes touch at one point", "[collisio
   check_vec(f.on_b(m, 0), Vec3(0.1, 0, r - 0.01), 1e-9);
 }
 
-TEST_CASE("manifold: long bars that cross at hardly a tilt touch on a face, not at one crossing of "
-          "their edges",
-          "[collision][analytic]") {
+TEST_CASE(
+    "manifold: long bars that cross at hardly a tilt touch on a face, not at one crossing of "
+    "their edges",
+    "[collision][analytic]") {
   // Bars of 2 m and 0.2 m, along x and along y, 1 mm in each other in the middle.
   const Vec3 half(1.0, 0.1, 0.1);
   for (const double tilt : {0.0, 0.003, 0.01, 0.05}) {

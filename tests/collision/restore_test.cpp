@@ -47,7 +47,7 @@ struct Scene {
       add(shape, {Vec3(random.in(-0.5, 0.5), random.in(-0.5, 0.5), 0.5 + 0.7 * i), random.quat()});
     }
     for (int i = 0; i < 4; ++i) add(Box{Vec3::Constant(0.25)}, at(5.0, 0, 0.25 + 0.5 * i));
-    add(Box{Vec3::Constant(0.25)}, at(5.0, 0, 2.25), BodyType::Dynamic, 40.0);
+    add(Box{Vec3::Constant(0.25)}, at(5.0, 0, 2.25), BodyType::Dynamic, 200.0);
     sleeper = add(Box{Vec3::Constant(0.3)}, at(-5.0, 0, 0.3));
     add(Box{Vec3::Constant(0.3)}, at(-5.0, 0, 0.9));
     lift = add(Box{Vec3(0.5, 0.5, 0.1)}, at(0, 5.0, 0.5), BodyType::Kinematic);

@@ -10,9 +10,9 @@ using namespace tandem::pbd;
 
 namespace {
 
-/// Balls of 1 kg in a row along x; row k holds ball k + 1 off ball k, body 0 does not move. Where the
-/// last ball comes in at 1 m/s, all impulses have to be 1 N s, and as many sweeps as balls do not
-/// make them so: each gives half of the blow to the next one.
+/// Balls of 1 kg in a row along x; row k holds ball k + 1 off ball k, body 0 does not move. Where
+/// the last ball comes in at 1 m/s, all impulses have to be 1 N s, and as many sweeps as balls do
+/// not make them so: each gives half of the blow to the next one.
 struct Train {
   std::vector<SolverBody> bodies;
   std::vector<ContactRow> rows;
