@@ -173,11 +173,12 @@ def main():
            "## What must hold", "", *must_hold.table(points), "",
            "## Error against run time", "",
            "Seven scenes, the engines taking turns, each over its range of substeps and iterations. "
-           "Overlap is measured from the poses with the sharp shapes, the same for all engines.", "",
+           "Overlap is measured from the poses with the sharp shapes, the same for all engines. All "
+           "runs on this page last 10 s, the chain's 5 s.", "",
            "![Error against run time](work_precision.svg)", "",
            "At the default settings; in brackets the spread over the repeats:", "",
            *default_lines(points), "",
-           "Three more engines, measured on another day on the same kind of machine, in single "
+           "Three more engines, as long, measured on another day on the same kind of machine, in single "
            "precision, with the flags that their authors ship:", "", *peer_lines(peers), "",
            "## Where Tandem is worse", "", *worse_lines(points, rows, peers), "",
            "## The numerics set", "",

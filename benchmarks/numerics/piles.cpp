@@ -5,6 +5,7 @@
 // side gaps, or have the heavy above the light.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <utility>
 
@@ -46,12 +47,13 @@ struct Stand {
 /// @param order  0 as they were added, else a seed to shuffle by
 Stand stand(const Sheet& sheet, const Pile& pile, int order) {
   Scene scene = pile.scene;
-  std::vector<SceneBody> boxes = pile.boxes;
+  std::vector<std::size_t> turn(pile.boxes.size());
+  std::iota(turn.begin(), turn.end(), std::size_t{0});
   std::mt19937 random(static_cast<std::uint32_t>(order));
-  for (std::size_t i = boxes.size() - 1; order > 0 && i > 0; --i) {
-    std::swap(boxes[i], boxes[random() % (i + 1)]);
+  for (std::size_t i = turn.size() - 1; order > 0 && i > 0; --i) {
+    std::swap(turn[i], turn[random() % (i + 1)]);
   }
-  scene.bodies.insert(scene.bodies.end(), boxes.begin(), boxes.end());
+  for (const std::size_t i : turn) scene.bodies.push_back(pile.boxes[i]);
   const auto engine = sheet.make(scene);
   PenetrationProbe probe(scene);
   Stand result;

@@ -31,7 +31,6 @@ class Point:
     def __init__(self, rows):
         first = rows[0]
         self.engine, self.scene, self.setting = first["engine"], first["scene"], first["setting"]
-        self.frames = first["frames"]
         self.values = {k: number(v) for k, v in first.items()
                        if k not in ("engine", "scene", "setting", "hash")}
         self.hashes = {r.get("hash", "") for r in rows}  # of the last frame's states: one
