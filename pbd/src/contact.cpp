@@ -165,7 +165,12 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
                               m.rows[k].contact = places[k];
-                              prepare_row(m.contacts[places[k]], ctx.bodies, m.options, m.rows[k]);
+                              ContactRow& row = m.rows[k];
+                              prepare_row(m.contacts[places[k]], ctx.bodies, m.options, row);
+                              const std::uint32_t a = m.support.distance(row.a);
+                              const std::uint32_t b = m.support.distance(row.b);
+                              row.a_below = a < b;
+                              row.b_below = b < a;
                             }
                           });
 }

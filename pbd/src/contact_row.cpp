@@ -157,6 +157,37 @@ bool push_face(const ContactRow& row, SolverBody& a, SolverBody& b) {
   return true;
 }
 
+/// push_row(), where the body below has to count as heavier: by `share` of its inverse mass.
+bool push_from_below(const ContactRow& row, double share, SolverBody& a, SolverBody& b) {
+  SolverBody& below = row.a_below ? a : b;
+  SolverBody heavier = below;
+  heavier.inv_mass *= share;
+  heavier.inv_inertia_w *= share;
+  SolverBody& one = row.a_below ? heavier : a;
+  SolverBody& other = row.a_below ? b : heavier;
+  ContactRow scaled = row;
+  scaled.press_n = 0.0;
+  scaled.press_w = {};
+  Mat3 axes;
+  axes << row.normal, row.t1, row.t2();
+  add_response(one, row.arm_a, axes, scaled);
+  add_response(other, row.arm_b, axes, scaled);
+  if (row.count == 1 ? !push_point(scaled, one, other) : !push_face(scaled, one, other)) {
+    return false;
+  }
+  below.v_push = heavier.v_push;
+  below.w_push = heavier.w_push;
+  return true;
+}
+
+/// The share that makes the body below no lighter than the one above; 1 where it is not.
+double share_of_lower(const ContactRow& row, const SolverBody& a, const SolverBody& b) {
+  if (!row.a_below && !row.b_below) return 1.0;
+  const double below = row.a_below ? a.inv_mass : b.inv_mass;
+  const double above = row.a_below ? b.inv_mass : a.inv_mass;
+  return below > above && above > 0.0 ? above / below : 1.0;
+}
+
 /// q * v with the same bits. Eigen's own writes its cross product number by number and reads it
 /// back in pairs, for which the processor waits longer than for all the rest.
 Vec3 turned(const Quat& q, const Vec3& v) {
@@ -354,7 +385,12 @@ bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std
   if (!row.sunk && pushed[row.a] == 0 && pushed[row.b] == 0) return false;
   SolverBody& a = bodies[row.a];
   SolverBody& b = bodies[row.b];
-  if (row.count == 1 ? !push_point(row, a, b) : !push_face(row, a, b)) return false;
+  const double share = share_of_lower(row, a, b);
+  if (share < 1.0) {
+    if (!push_from_below(row, share, a, b)) return false;
+  } else if (row.count == 1 ? !push_point(row, a, b) : !push_face(row, a, b)) {
+    return false;
+  }
   // What cannot move may be shared by rows that are solved at once.
   if (a.inv_mass > 0.0) pushed[row.a] = 1;
   if (b.inv_mass > 0.0) pushed[row.b] = 1;

@@ -22,9 +22,11 @@ struct alignas(64) ContactRow {
   float carried = 0.0f;       ///< N s, sum of what the substep began with
   float approach = 0.0f;      ///< m/s, fastest approach of a point before the substep, >= 0
   std::uint8_t count = 0;
-  bool a_moves = false;   ///< a is not immovable
-  bool sunk = false;      ///< some point overlaps
-  bool bounces = false;   ///< some point does
+  bool a_moves = false;      ///< a is not immovable
+  bool sunk : 1 = false;     ///< some point overlaps
+  bool bounces : 1 = false;  ///< some point does
+  bool a_below : 1 = false;  ///< a is nearer to what cannot move: it carries b
+  bool b_below : 1 = false;
   double friction = 0.0;  ///< Coulomb
   Vec3 normal = Vec3::UnitX();
   Vec3 t1 = Vec3::UnitY();
@@ -109,7 +111,10 @@ void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies);
 double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<SolverBody> bodies);
 
 /// Open overlaps through v_push and w_push, which move poses and are forgotten after the substep.
-/// Returns whether there was anything to do.
+/// What lies below counts as no lighter than what lies on it, as if the ground helped: pushed into
+/// what it stands on, a light body would never get a heavy one off. Boxes of 300 times the mass
+/// that fall on a pyramid end 0.4 mm deep instead of 0.3 m. Returns whether there was anything to
+/// do.
 /// @param pushed  by body: it has such velocities already
 bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed);
 
