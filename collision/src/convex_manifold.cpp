@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "axis_rules.h"
+#include "face_contact.h"
 
 namespace tandem::collision {
 namespace {
@@ -196,63 +197,6 @@ bool will_meet(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis
       }
     }
   }
-  return true;
-}
-
-/// Points on the axis' face as the reference.
-void face_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
-                  const Reach& reach, RawManifold& out) {
-  const Vec3& n = axis.normal;
-  const bool of_a = axis.owner == FaceOwner::A;
-  const CoreFace reference = of_a ? face_towards(a, n) : face_towards(b, -n);
-  const CoreFace incident = of_a ? face_towards(b, -n) : face_towards(a, n);
-  const double plane = of_a ? a.reach(n) : -b.reach(-n);
-  const ClippedFace clipped = clip_face(reference, n, incident, of_a);
-  for (int i = 0; i < clipped.count; ++i) {
-    const Vec3& p = clipped.corners[i].position;
-    const double along = n.dot(p) - plane;  // positive from a to b
-    const Vec3 opposite = p - along * n;
-    const double gap = (of_a ? along : -along) - a.radius - b.radius;
-    if (gap >= reach.margin) continue;
-    out.add({of_a ? opposite : p, of_a ? p : opposite, gap, clipped.corners[i].feature});
-  }
-}
-
-/// The face of either box that looks nearly along the normal of an edge contact, of a where both do
-/// alike; FaceOwner::None where there is none.
-ContactAxis face_alongside(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
-  ContactAxis best;
-  double cosine = kAlongside;
-  const auto look = [&](const ConvexCore& core, FaceOwner owner) {
-    for (int i = 0; i < 3; ++i) {
-      const double value = core.axes.col(i).dot(n);
-      if (std::abs(value) <= cosine + kRoundTolerance) continue;
-      cosine = std::abs(value);
-      best = {std::copysign(1.0, value) * core.axes.col(i), 0.0, owner};
-    }
-  };
-  look(a, FaceOwner::A);
-  look(b, FaceOwner::B);
-  return best;
-}
-
-/// Contact on a face in place of one between edges, see kAlongside. Whether it serves. Boxes only:
-/// what lies beside the face of another hull may still be in that hull.
-bool serve_by_face(const ConvexCore& a, const ConvexCore& b, const ContactAxis& edges,
-                   const Reach& reach, RawManifold& out) {
-  if (a.kind != CoreKind::Box || b.kind != CoreKind::Box) return false;
-  const ContactAxis face = face_alongside(a, b, edges.normal);
-  if (face.owner == FaceOwner::None) return false;
-  RawManifold found;
-  found.normal = face.normal;
-  found.owner = face.owner;
-  face_contact(a, b, face, reach, found);
-  double deepest = HUGE_VAL;
-  for (int i = 0; i < found.count; ++i) deepest = std::min(deepest, found.points[i].gap);
-  const double tolerance =
-      kFaceShare * std::max(0.0, -edges.separation) + kFaceSize * std::min(a.size, b.size);
-  if (found.count < 2 || deepest < edges.separation - tolerance) return false;
-  out = found;
   return true;
 }
 

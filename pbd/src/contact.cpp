@@ -164,8 +164,8 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   ctx.workers->for_chunks(places.size(), Impl::kGrain,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
-                              m.rows[k].contact = places[k];
                               ContactRow& row = m.rows[k];
+                              row.contact = places[k];
                               prepare_row(m.contacts[places[k]], ctx.bodies, m.options, row);
                               const std::uint32_t a = m.support.distance(row.a);
                               const std::uint32_t b = m.support.distance(row.b);

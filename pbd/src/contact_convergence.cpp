@@ -40,7 +40,10 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
                                                     std::span<double> changes,
                                                     std::span<SolverBody> bodies) {
   Outcome outcome;
-  if (rule.rows == 0) return outcome;
+  const auto first = changes.begin() + places.begin;
+  const auto last = changes.begin() + places.end;
+  const bool solved = std::none_of(first, last, [&](double c) { return c > rule.tolerance; });
+  if (rule.rows == 0 || solved) return outcome;
   moved_.assign(bodies.size(), 0.0f);
   for (std::uint32_t k = places.begin; k < places.end; ++k) note(rows[k], changes[k], bodies);
   for (;;) {

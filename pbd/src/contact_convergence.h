@@ -39,7 +39,7 @@ class ContactConvergence {
   /// How much the bodies of a row were moved, m/s.
   float moved(const ContactRow& row) const { return std::max(moved_[row.a], moved_[row.b]); }
   void note(const ContactRow& row, double change, std::span<const SolverBody> bodies);
-  /// Keep those open places whose bodies moved most, no more than `rows` of them: whole octaves.
+  /// Keep those open places whose bodies moved most, no more than `most` of them: whole octaves.
   void keep_most_moved(std::span<const ContactRow> rows, int most);
 
   std::vector<float> moved_;         ///< m/s, by body: largest change of a row since it was swept

@@ -381,20 +381,19 @@ double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<Solver
   return change;
 }
 
-bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed) {
-  if (!row.sunk && pushed[row.a] == 0 && pushed[row.b] == 0) return false;
+void push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed) {
+  if (!row.sunk && pushed[row.a] == 0 && pushed[row.b] == 0) return;
   SolverBody& a = bodies[row.a];
   SolverBody& b = bodies[row.b];
   const double share = share_of_lower(row, a, b);
   if (share < 1.0) {
-    if (!push_from_below(row, share, a, b)) return false;
+    if (!push_from_below(row, share, a, b)) return;
   } else if (row.count == 1 ? !push_point(row, a, b) : !push_face(row, a, b)) {
-    return false;
+    return;
   }
   // What cannot move may be shared by rows that are solved at once.
   if (a.inv_mass > 0.0) pushed[row.a] = 1;
   if (b.inv_mass > 0.0) pushed[row.b] = 1;
-  return true;
 }
 
 }  // namespace tandem::pbd

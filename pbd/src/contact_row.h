@@ -113,10 +113,9 @@ double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<Solver
 /// Open overlaps through v_push and w_push, which move poses and are forgotten after the substep.
 /// What lies below counts as no lighter than what lies on it, as if the ground helped: pushed into
 /// what it stands on, a light body would never get a heavy one off. Boxes of 300 times the mass
-/// that fall on a pyramid end 0.4 mm deep instead of 0.3 m. Returns whether there was anything to
-/// do.
+/// that fall on a pyramid end 1 mm deep instead of 0.3 m.
 /// @param pushed  by body: it has such velocities already
-bool push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed);
+void push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed);
 
 /// Gap of point i as the bodies stand, m.
 double gap_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b, int i);

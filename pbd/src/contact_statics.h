@@ -19,6 +19,7 @@ class ContactStatics {
  public:
   /// Sets the forces of contacts that have no predecessor, touch and do not hit.
   /// @param arranged  as ContactSupport has made them
+  /// @param reach     m: points with a wider gap do not touch
   /// @param h         s, length of a substep
   void guess(std::span<Contact> contacts, std::span<const std::uint32_t> arranged,
              const ContactSupport& support, std::span<const SolverBody> bodies, const Vec3& gravity,
