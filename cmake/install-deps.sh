@@ -13,7 +13,7 @@ set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build
-  libeigen3-dev libccd-dev libfcl-dev libtinyobjloader-dev libasio-dev
+  libeigen3-dev libxsimd-dev libccd-dev libfcl-dev libtinyobjloader-dev libasio-dev
   pkgconf libsodium-dev libtomlplusplus-dev libcpp-httplib-dev libtinygltf-dev
   catch2
 )

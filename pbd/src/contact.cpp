@@ -21,6 +21,8 @@ constexpr double kAnchorMatch = 0.02;
 /// twice: resting contacts stay as they are.
 constexpr double kPushSlop = 0.05;
 
+constexpr std::size_t kPoints = Manifold::kMaxPoints;
+
 /// What the next step wants to know of a contact.
 CarriedContact remember(const Contact& contact) {
   CarriedContact carried{.body_a = contact.manifold.body_a,
@@ -118,7 +120,10 @@ bool ContactBlock::any_friction() const { return impl_->any_friction; }
 bool ContactBlock::any_restitution() const { return impl_->any_restitution; }
 bool ContactBlock::empty() const { return impl_->contacts.empty(); }
 
-void ContactBlock::configure(const ContactOptions& options) { impl_->options = options; }
+void ContactBlock::configure(const ContactOptions& options) {
+  impl_->options = options;
+  impl_->kernels = &contact_kernels(options.lanes);
+}
 
 void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
   const auto by_key = [](const Manifold& l, const Manifold& r) { return l.key < r.key; };
@@ -157,20 +162,31 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
                   m.options.warm_start_gap, ctx.h);
   m.order.build(m.contacts, arranged, ctx.bodies);
   const auto places = m.order.places();
-  m.rows.resize(places.size());
-  m.changes.resize(places.size());
+  m.rows.resize(places.size() / kLanes);
   m.extra_rows = 0;
   m.open_rows = 0;
-  ctx.workers->for_chunks(places.size(), Impl::kGrain,
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
+  const auto prepare = [&](ContactRows& rows, std::span<const std::uint32_t> contacts) {
+    rows.faces = m.contacts[contacts[0]].manifold.count > 1;
+    rows.count = 0;
+    rows.a_moves = rows.b_moves = rows.a_below = rows.b_below = 0;
+    for (const std::uint32_t contact : contacts) {
+      if (contact == ContactOrder::kNone) break;
+      const std::size_t lane = rows.count++;
+      rows.contact[lane] = contact;
+      set_row(m.contacts[contact], ctx.bodies, rows, lane);
+      const std::uint32_t a = m.support.distance(rows.a[lane]);
+      const std::uint32_t b = m.support.distance(rows.b[lane]);
+      rows.a_below = static_cast<LaneMask>(rows.a_below | unsigned{a < b} << lane);
+      rows.b_below = static_cast<LaneMask>(rows.b_below | unsigned{b < a} << lane);
+    }
+    repeat_first_frame(rows);
+    m.kernels->prepare(rows, m.options.evenness, numbers);
+  };
+  ctx.workers->for_chunks(m.rows.size(), Impl::kGrain / kLanes,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
-                              ContactRow& row = m.rows[k];
-                              row.contact = places[k];
-                              prepare_row(m.contacts[places[k]], ctx.bodies, m.options, row);
-                              const std::uint32_t a = m.support.distance(row.a);
-                              const std::uint32_t b = m.support.distance(row.b);
-                              row.a_below = a < b;
-                              row.b_below = b < a;
+                              prepare(m.rows[k], places.subspan(k * kLanes, kLanes));
                             }
                           });
 }
@@ -184,73 +200,85 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .gravity = ctx.gravity};
-  m.for_rows(ctx, [&](ContactRow& row, Contact& contact) {
-    const bool in_total = ctx.shared && (ctx.bodies[row.a].total || ctx.bodies[row.b].total);
-    for (std::size_t i = 0; i < row.count; ++i) {
-      if (ctx.substep == 0) row.impulse[i] = contact.force[i] * ctx.h;
+  const auto begin = [&](ContactRows& rows, std::size_t lane) {
+    Contact& contact = m.contacts[rows.contact[lane]];
+    const bool in_total =
+        ctx.shared && (ctx.bodies[rows.a[lane]].total || ctx.bodies[rows.b[lane]].total);
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      if (ctx.substep == 0) rows.impulse[i][lane] = contact.force[i] * ctx.h;
       if (!in_total && contact.debt[i] != 0.0) contact.debt[i] *= kGapDecay;
     }
-    if (ctx.substep == 0) row.carried = static_cast<float>(sum(row.impulse));
-    begin_row(contact, rule, ctx.h, ctx.bodies, row);
+    if (ctx.substep == 0) rows.carried[lane] = rows.load(lane);
+    begin_row(contact, rule, ctx.h, ctx.bodies, rows, lane);
+  };
+  m.for_rows(ctx, [&](ContactRows& rows) {
+    rows.bounces = false;
+    for (std::size_t lane = 0; lane < rows.count; ++lane) begin(rows, lane);
+    repeat_first_state(rows);
   });
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
   m.order.sweep(ctx.group, false, *ctx.workers, [&](std::uint32_t k) {
-    const ContactRow& row = m.rows[k];
-    if (row.loaded()) warm_start_row(row, ctx.bodies);
+    m.prefetch_bodies(k, false, numbers);
+    m.kernels->warm_start(m.rows[k], numbers);
   });
 }
 
 double ContactBlock::project(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool fresh = ctx.substep == 0;
-  const ContactOrder::Places places = m.order.range(ctx.group);
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
-    m.changes[k] = solve_row(m.rows[k], ContactPass::Motion, fresh, ctx.bodies);
+    m.prefetch_bodies(k, ctx.reverse, numbers);
+    m.kernels->solve(m.rows[k], ContactPass::Motion, turns_of(fresh), kAllLanes, numbers);
   });
   const ContactConvergence::Rule rule{
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
       .rows = m.options.extra_rows / ctx.substeps,
       .fresh = fresh};
-  const auto [swept, open] =
-      m.convergence.run(rule, places, ctx.reverse, m.rows, m.changes, ctx.bodies);
+  const auto [swept, open] = m.convergence.run(rule, m.order.range(ctx.group), ctx.reverse, m.rows,
+                                               *m.kernels, ctx.bodies);
   m.extra_rows += swept;
   m.open_rows = std::max(m.open_rows, open);
   m.pushed.assign(ctx.bodies.size(), 0);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers,
-                [&](std::uint32_t k) { push_row(m.rows[k], ctx.bodies, m.pushed); });
+                [&](std::uint32_t k) { m.push(m.rows[k], numbers); });
   return ctx.h * m.largest_change(ctx.group);
 }
 
 double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool fresh = ctx.substep == 0;
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    m.prefetch_bodies(k, m.rows.size(), ctx.reverse, ctx.bodies);
-    ContactRow& row = m.rows[k];
-    m.changes[k] = row.loaded() ? solve_row(row, ContactPass::Velocity, fresh, ctx.bodies) : 0.0;
+    m.prefetch_bodies(k, ctx.reverse, numbers);
+    m.kernels->solve(m.rows[k], ContactPass::Velocity, turns_of(fresh), kAllLanes, numbers);
   });
   return m.largest_change(ctx.group);
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
-  impl_->for_rows(ctx, [&](const ContactRow& row, Contact& contact) {
-    double sum = 0.0;
-    for (int i = 0; i < row.count; ++i) sum += row.impulse[i];
-    contact.impulse += sum;
-    if (sum > 0.0) {
-      contact.approach_speed = std::max(contact.approach_speed, static_cast<double>(row.approach));
+  const auto finish = [&](const ContactRows& rows, std::size_t lane) {
+    Contact& contact = impl_->contacts[rows.contact[lane]];
+    const double load = rows.load(lane);
+    contact.impulse += load;
+    if (load > 0.0) {
+      contact.approach_speed = std::max(contact.approach_speed, rows.approach[lane]);
     }
     if (!ctx.last) return;
-    contact.carried_share = share_to_carry(row, ctx.gravity.norm(), ctx.h);
-    contact.friction_force = (row.slide[0] * row.t1 + row.slide[1] * row.t2()) / ctx.h;
+    contact.carried_share = share_to_carry(rows, lane, ctx.gravity.norm(), ctx.h);
+    contact.friction_force = friction_of(rows, lane) / ctx.h;
     // What a spoiled step leaves behind must not spoil the next one.
-    for (int i = 0; i < row.count; ++i) {
-      contact.force[i] = std::isfinite(row.impulse[i]) ? row.impulse[i] / ctx.h : 0.0;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      const double impulse = rows.impulse[i][lane];
+      contact.force[i] = std::isfinite(impulse) ? impulse / ctx.h : 0.0;
     }
+  };
+  impl_->for_rows(ctx, [&](const ContactRows& rows) {
+    for (std::size_t lane = 0; lane < rows.count; ++lane) finish(rows, lane);
   });
 }
 

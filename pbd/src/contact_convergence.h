@@ -31,20 +31,31 @@ class ContactConvergence {
   };
 
   /// @param reverse  the direction of the first sweep
-  /// @param changes  m/s, by place: what that sweep changed; kept up to date
   Outcome run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
-              std::span<ContactRow> rows, std::span<double> changes, std::span<SolverBody> bodies);
+              std::span<ContactRows> rows, const ContactKernels& kernels,
+              std::span<SolverBody> bodies);
 
  private:
-  /// How much the bodies of a row were moved, m/s.
-  float moved(const ContactRow& row) const { return std::max(moved_[row.a], moved_[row.b]); }
-  void note(const ContactRow& row, double change, std::span<const SolverBody> bodies);
-  /// Keep those open places whose bodies moved most, no more than `most` of them: whole octaves.
-  void keep_most_moved(std::span<const ContactRow> rows, int most);
+  struct Open {
+    std::uint32_t block = 0;
+    LaneMask lanes = 0;
+  };
 
-  std::vector<float> moved_;         ///< m/s, by body: largest change of a row since it was swept
-  std::vector<std::uint32_t> open_;  ///< places, ascending
-  std::array<int, 256> octaves_{};   ///< open rows by the exponent of how much they moved
+  /// How much the bodies of a row were moved, m/s.
+  float moved(const ContactRows& rows, std::size_t lane) const {
+    return std::max(moved_[rows.a[lane]], moved_[rows.b[lane]]);
+  }
+  void note(const ContactRows& rows, LaneMask lanes);
+  /// The rows with a body that moved by more than this, m/s.
+  void find_open(const ContactOrder::Places& places, std::span<const ContactRows> rows,
+                 float tolerance);
+  int count_open() const;
+  /// Keep those open rows whose bodies moved most, no more than `most`: whole octaves.
+  void keep_most_moved(std::span<const ContactRows> rows, int most);
+
+  std::vector<float> moved_;        ///< m/s, by body: largest change of a row since it was swept
+  std::vector<Open> open_;          ///< by ascending block
+  std::array<int, 256> octaves_{};  ///< open rows by the exponent of how much they moved
 };
 
 }  // namespace tandem::pbd

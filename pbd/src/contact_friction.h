@@ -1,15 +1,76 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+//
+// Friction of manifolds: one block at the centre of pressure and one row of twist.
 #pragma once
 
-#include "contact_row.h"
+#include "contact_lcp.h"
 
-namespace tandem::pbd {
+namespace tandem::pbd::kernel {
 
-/// Stop sliding and twisting as far as the load allows: the multipliers of the substep stay within
-/// the ellipsoid (slide / limit)^2 + (twist / limit)^2 <= 1, about what a patch can do at once.
-/// Returns the change of F_1, F_2 (N s) and T_n (N m s).
-/// @param slip  V_1, V_2 (m/s) and W_n (rad/s) of the row
-Vec3 rub(ContactRow& row, const Vec3& slip);
+/// Responses of V_1, V_2 and W_n to F_1, F_2 and T_n; symmetric.
+template <class V>
+struct Grip {
+  V m11 = V(0.0), m12 = V(0.0), m22 = V(0.0), m1n = V(0.0), m2n = V(0.0), mnn = V(0.0);
+};
 
-}  // namespace tandem::pbd
+/// Friction's impulses: F_1, F_2 (N s) and T_n (N m s).
+template <class V>
+struct Slide {
+  V f1, f2, tn;
+};
+
+/// How far friction reaches for the load that the normals carry.
+template <class V>
+struct FrictionLimit {
+  V slide;  ///< N s
+  V twist;  ///< N m s; the load's spread about its centre turns it into a moment
+};
+
+/// Cut the multipliers back to the ellipsoid at the point where friction dissipates most: a body
+/// that spins fast hardly resists being pushed. Two limits of their own would brake such a body
+/// twice over.
+template <class V>
+void keep_within(const Grip<V>& grip, const V& determinant, const FrictionLimit<V>& limit,
+                 Slide<V>& f) {
+  const V zero(0.0), one(1.0);
+  const Mask<V> holds = limit.slide > zero;
+  const Mask<V> twists = holds & (grip.mnn > zero) & (limit.twist > zero);
+  f.f1 = xsimd::select(holds, f.f1, zero);
+  f.f2 = xsimd::select(holds, f.f2, zero);
+  f.tn = xsimd::select(twists, f.tn, zero);
+  const V slide = xsimd::sqrt(f.f1 * f.f1 + f.f2 * f.f2);
+  const V u = slide / limit.slide;
+  const V v = xsimd::select(twists, f.tn / limit.twist, zero);
+  const Mask<V> outside = holds & (u * u + v * v > one);
+  if (xsimd::none(outside)) return;
+  const Mask<V> bent = outside & (v != zero);
+  V slide_scale = xsimd::select(outside, one / u, one);
+  if (xsimd::any(bent)) {
+    constexpr int kIterations = 10;
+    const V m_slide = (determinant + determinant) / (grip.m11 + grip.m22);
+    const V p = m_slide * limit.slide * limit.slide;
+    const V q = grip.mnn * limit.twist * limit.twist;
+    // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is nearly straight.
+    const V a = m_slide * slide * limit.slide;
+    const V b = grip.mnn * xsimd::abs(f.tn) * limit.twist;
+    V bound = zero, use = zero;
+    Mask<V> open = bent;
+    for (int i = 0; i < kIterations; ++i) {
+      const V s = a / (p + bound), t = b / (q + bound);
+      const V now = xsimd::sqrt(s * s + t * t);
+      use = xsimd::select(open, now, use);
+      open = open & (now > V(1.0 + 1e-6));
+      if (xsimd::none(open)) break;
+      const V step = (now - one) * now * now / (s * s / (p + bound) + t * t / (q + bound));
+      bound = xsimd::select(open, bound + step, bound);
+    }
+    const V rest = most(one, use);
+    slide_scale = xsimd::select(bent, p / ((p + bound) * rest), slide_scale);
+    f.tn = xsimd::select(bent, f.tn * (q / ((q + bound) * rest)), f.tn);
+  }
+  f.f1 *= slide_scale;
+  f.f2 *= slide_scale;
+}
+
+}  // namespace tandem::pbd::kernel

@@ -8,6 +8,7 @@
 #include "contact_convergence.h"
 #include "contact_order.h"
 #include "contact_row.h"
+#include "contact_rows.h"
 #include "contact_statics.h"
 #include "contact_support.h"
 
@@ -58,19 +59,18 @@ struct Residuals {
 };
 
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
-  static constexpr std::size_t kAhead = 4;   ///< rows
-  static constexpr std::size_t kGrain = 64;  ///< rows given to a worker at a time
+  static constexpr std::size_t kAhead = 2;   ///< blocks of rows
+  static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
 
   std::vector<Contact> contacts;        ///< by ascending key
   std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
   std::vector<CarriedContact> carried;
   std::vector<std::uint32_t> changed;        ///< bodies that lost a load, until the next step
-  std::vector<ContactRow> rows;              ///< by place in the order
+  std::vector<ContactRows> rows;             ///< by place in the order
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
   std::vector<Vec3> turns;            ///< rad, by body: of this sweep, not in its orientation yet
   std::vector<std::uint32_t> turned;  ///< bodies with such turns
   std::vector<std::uint8_t> cleaned;  ///< by body: moved by this clean-up
-  std::vector<double> changes;        ///< m/s, by place: of a normal velocity in the last sweep
   std::vector<std::uint8_t> pushed;   ///< by body: has v_push or w_push in this substep
   std::vector<Residuals> worst;       ///< by worker
   ContactSupport support;
@@ -78,6 +78,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   ContactOrder order;
   ContactConvergence convergence;
   ContactOptions options;
+  const ContactKernels* kernels = &contact_kernels(0);
   std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body
   int extra_rows = 0;             ///< rows swept again in this step
   int open_rows = 0;              ///< rows that were left unsolved, in the worst substep
@@ -111,42 +112,51 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
 
   /// What lies all over the memory is on its way when its turn comes.
-  void prefetch_bodies(std::size_t k, std::size_t end, bool reverse,
-                       std::span<const SolverBody> bodies) const {
-    if (reverse ? k < kAhead : k + kAhead >= end) return;
-    const ContactRow& soon = rows[reverse ? k - kAhead : k + kAhead];
-    for (const std::uint32_t body : {soon.a, soon.b}) {
-      __builtin_prefetch(&bodies[body].v);
-      __builtin_prefetch(&bodies[body].inv_inertia_w(2, 0));
+  void prefetch_bodies(std::size_t k, bool reverse, BodyNumbers bodies) const {
+    if (reverse ? k < kAhead : k + kAhead >= rows.size()) return;
+    const ContactRows& soon = rows[reverse ? k - kAhead : k + kAhead];
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      for (const double* body : {bodies.of(soon.a[i]), bodies.of(soon.b[i])}) {
+        __builtin_prefetch(body);
+        __builtin_prefetch(body + 8);
+      }
     }
   }
-  void prefetch_contact(std::size_t k, std::size_t end) const {
-    if (k + kAhead >= end) return;
-    const Contact& soon = contacts[rows[k + kAhead].contact];
-    __builtin_prefetch(&soon.manifold.normal);
-    __builtin_prefetch(&soon.manifold.points[0].anchor_b_l);
-    __builtin_prefetch(&soon.force);
-    __builtin_prefetch(&soon.approach_speed);
-  }
 
-  /// Call visit(row, contact) for the rows of the context's group, shared out among workers.
+  /// Call visit(rows) for the blocks of rows of the context's group, shared out among workers.
   template <class Visit>
   void for_rows(const SubstepContext& ctx, Visit&& visit) {
     const ContactOrder::Places places = order.range(ctx.group);
-    ctx.workers->for_chunks(
-        places.end - places.begin, kGrain, [&](std::size_t begin, std::size_t end, int) {
-          for (std::size_t k = places.begin + begin; k < places.begin + end; ++k) {
-            prefetch_contact(k, places.begin + end);
-            visit(rows[k], contacts[rows[k].contact]);
-          }
-        });
+    ctx.workers->for_chunks(places.end - places.begin, kGrain / kLanes,
+                            [&](std::size_t begin, std::size_t end, int) {
+                              for (std::size_t k = begin; k < end; ++k) {
+                                visit(rows[places.begin + k]);
+                              }
+                            });
+  }
+
+  /// See ContactKernels::push: rows that overlap, or whose bodies others have pushed.
+  void push(const ContactRows& each, BodyNumbers bodies) {
+    LaneMask asked = each.sunk;
+    for (std::size_t i = 0; i < each.count; ++i) {
+      if ((pushed[each.a[i]] | pushed[each.b[i]]) != 0)
+        asked = static_cast<LaneMask>(asked | 1u << i);
+    }
+    if (asked == 0) return;
+    const LaneMask acted = kernels->push(each, asked, bodies);
+    for (std::size_t i = 0; i < each.count; ++i) {
+      // What cannot move may be shared by rows that are solved at once.
+      if ((acted & each.a_moves) >> i & 1u) pushed[each.a[i]] = 1;
+      if ((acted & each.b_moves) >> i & 1u) pushed[each.b[i]] = 1;
+    }
   }
 
   double largest_change(std::uint32_t group) const {
     const ContactOrder::Places places = order.range(group);
     double largest = 0.0;
-    for (std::uint32_t k = places.begin; k < places.end; ++k)
-      largest = std::max(largest, changes[k]);
+    for (std::uint32_t k = places.begin; k < places.end; ++k) {
+      largest = std::max(largest, *std::max_element(rows[k].change.begin(), rows[k].change.end()));
+    }
     return largest;
   }
 };

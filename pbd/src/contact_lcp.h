@@ -1,37 +1,62 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The normals of one manifold, solved together.
+// The normals of manifolds, each solved together.
 #pragma once
 
-#include <Eigen/Core>
-#include <algorithm>
 #include <array>
-#include <cmath>
 
-namespace tandem::pbd {
+#include "contact_lanes.h"
 
-using Four = Eigen::Array<double, 4, 1>;
-using FourByFour = Eigen::Array<double, 4, 4>;
+namespace tandem::pbd::kernel {
 
-/// The sum, in an order that does not depend on the width of a machine's vectors.
-inline double sum(const Four& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+/// One number for each of the four points of a manifold.
+template <class V>
+struct Four {
+  V p[4];
+  V& operator[](std::size_t i) { return p[i]; }
+  const V& operator[](std::size_t i) const { return p[i]; }
+};
 
-/// x with B x = r, B symmetric and positive definite: L D L^T, written out.
-inline Four solve_symmetric(const FourByFour& B, const Four& r) {
-  const double i0 = 1.0 / B(0, 0);
-  const double l10 = B(1, 0) * i0, l20 = B(2, 0) * i0, l30 = B(3, 0) * i0;
-  const double i1 = 1.0 / (B(1, 1) - l10 * B(1, 0));
-  const double c21 = B(2, 1) - l20 * B(1, 0), c31 = B(3, 1) - l30 * B(1, 0);
-  const double l21 = c21 * i1, l31 = c31 * i1;
-  const double i2 = 1.0 / (B(2, 2) - l20 * B(2, 0) - l21 * c21);
-  const double c32 = B(3, 2) - l30 * B(2, 0) - l31 * c21;
-  const double l32 = c32 * i2;
-  const double i3 = 1.0 / (B(3, 3) - l30 * B(3, 0) - l31 * c31 - l32 * c32);
-  const double y1 = r[1] - l10 * r[0];
-  const double y2 = r[2] - l20 * r[0] - l21 * y1;
-  const double y3 = r[3] - l30 * r[0] - l31 * y1 - l32 * y2;
-  Four x;
+template <class V>
+V sum(const Four<V>& x) {
+  return (x[0] + x[1]) + (x[2] + x[3]);
+}
+
+template <class V>
+V dot(const Four<V>& l, const Four<V>& r) {
+  return (l[0] * r[0] + l[1] * r[1]) + (l[2] * r[2] + l[3] * r[3]);
+}
+
+/// Symmetric; the lower triangle.
+template <class V>
+struct Sym4 {
+  V m00, m10, m11, m20, m21, m22, m30, m31, m32, m33;
+  friend Four<V> operator*(const Sym4& m, const Four<V>& x) {
+    return {{(m.m00 * x[0] + m.m10 * x[1]) + (m.m20 * x[2] + m.m30 * x[3]),
+             (m.m10 * x[0] + m.m11 * x[1]) + (m.m21 * x[2] + m.m31 * x[3]),
+             (m.m20 * x[0] + m.m21 * x[1]) + (m.m22 * x[2] + m.m32 * x[3]),
+             (m.m30 * x[0] + m.m31 * x[1]) + (m.m32 * x[2] + m.m33 * x[3])}};
+  }
+};
+
+/// x with m x = r, m positive definite: L D L^T, written out.
+template <class V>
+Four<V> solve_symmetric(const Sym4<V>& m, const Four<V>& r) {
+  const V one(1.0);
+  const V i0 = one / m.m00;
+  const V l10 = m.m10 * i0, l20 = m.m20 * i0, l30 = m.m30 * i0;
+  const V i1 = one / (m.m11 - l10 * m.m10);
+  const V c21 = m.m21 - l20 * m.m10, c31 = m.m31 - l30 * m.m10;
+  const V l21 = c21 * i1, l31 = c31 * i1;
+  const V i2 = one / (m.m22 - l20 * m.m20 - l21 * c21);
+  const V c32 = m.m32 - l30 * m.m20 - l31 * c21;
+  const V l32 = c32 * i2;
+  const V i3 = one / (m.m33 - l30 * m.m30 - l31 * c31 - l32 * c32);
+  const V y1 = r[1] - l10 * r[0];
+  const V y2 = r[2] - l20 * r[0] - l21 * y1;
+  const V y3 = r[3] - l30 * r[0] - l31 * y1 - l32 * y2;
+  Four<V> x;
   x[3] = y3 * i3;
   x[2] = y2 * i2 - l32 * x[3];
   x[1] = y1 * i1 - l21 * x[2] - l31 * x[3];
@@ -39,96 +64,68 @@ inline Four solve_symmetric(const FourByFour& B, const Four& r) {
   return x;
 }
 
-/// The same of the first two or three unknowns alone, whose diagonal is larger by the share
-/// `ridge`; the rest of x is 0.
-inline Four solve_leading(int count, const FourByFour& B, const Four& r, double ridge) {
-  const double b00 = B(0, 0) + ridge * B(0, 0);
-  const double b11 = B(1, 1) + ridge * B(1, 1);
-  const double i0 = 1.0 / b00;
-  const double l10 = B(1, 0) * i0;
-  const double i1 = 1.0 / (b11 - l10 * B(1, 0));
-  const double y1 = r[1] - l10 * r[0];
-  Four x = Four::Zero();
-  if (count == 2) {
-    x[1] = y1 * i1;
-    x[0] = r[0] * i0 - l10 * x[1];
-    return x;
-  }
-  const double b22 = B(2, 2) + ridge * B(2, 2);
-  const double l20 = B(2, 0) * i0;
-  const double c21 = B(2, 1) - l20 * B(1, 0);
-  const double l21 = c21 * i1;
-  const double i2 = 1.0 / (b22 - l20 * B(2, 0) - l21 * c21);
-  x[2] = (r[2] - l20 * r[0] - l21 * y1) * i2;
-  x[1] = y1 * i1 - l21 * x[2];
-  x[0] = r[0] * i0 - l10 * x[1] - l20 * x[2];
-  return x;
-}
-
-/// B d, column by column.
-inline Four times(const FourByFour& B, const Four& d) {
-  return B.col(0) * d[0] + B.col(1) * d[1] + B.col(2) * d[2] + B.col(3) * d[3];
-}
-
-/// Solve  0 <= z + d  _|_  e + B d >= 0  for d, the change of the multipliers z (N s) of `count`
-/// points with velocities e (m/s) and the mobility B (1/kg, symmetric, positive semi-definite).
+/// Solve  0 <= z + d  _|_  e + B d >= 0  for d, the change of the multipliers z (N s) of as many
+/// points with velocities e (m/s) and the mobility B (1/kg, positive semi-definite). Points that
+/// are not there have z = 0.
 /// Principal pivoting: guess which points carry a load, solve, exchange those on the wrong side;
 /// all at once at first, one at a time later, which cannot cycle.
 /// Source: [murty1974] for one at a time.
-inline Four solve_lcp(int count, const FourByFour& B, const Four& z, const Four& e) {
-  if (count == 1) {
-    Four d = Four::Zero();
-    if (B(0, 0) > 0.0) d[0] = std::max(-z[0], -e[0] / B(0, 0));
-    return d;
-  }
+/// @param there  which points there are
+template <class V>
+Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const Four<V>& z,
+                  const Four<V>& e) {
   // Added to the diagonal as a share of it: three points on a line, or bodies that cannot turn,
   // leave B singular. It acts on the change only, so repeated solves converge to the rigid answer.
-  constexpr double kRidge = 1e-6;
+  const V ridged(1.0 + 1e-6);
   constexpr int kAtOnce = 3;
   constexpr int kMost = 16;
-  Four active;  // 1 where a point carries a load, else 0
-  double fastest = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    active[i] = i < count && (z[i] > 0.0 || e[i] < 0.0) ? 1.0 : 0.0;
-    if (i < count) fastest = std::max(fastest, std::abs(e[i]));
+  const V zero(0.0);
+  const V one(1.0);
+  std::array<Mask<V>, 4> loaded;
+  V fastest = zero;
+  for (std::size_t i = 0; i < 4; ++i) {
+    loaded[i] = there[i] & ((z[i] > zero) | (e[i] < zero));
+    fastest = most(fastest, xsimd::select(there[i], xsimd::abs(e[i]), zero));
   }
-  const double tolerance = 1e-9 * fastest;
-  Four d = Four::Zero();
+  const V slowest = V(-1e-9) * fastest;
+  Four<V> out;
+  Mask<V> wrong = zero == zero;
   for (int iteration = 0; iteration < kMost; ++iteration) {
-    if (count < 4 && sum(active) == count) {  // all of them: most often so, and then it is less
-      d = solve_leading(count, B, -e, kRidge);
-      bool pulls = false;
-      for (int i = count - 1; i >= 0; --i) {
-        if (!(z[i] + d[i] < 0.0)) continue;
-        active[i] = 0.0;
-        pulls = true;
-        if (iteration >= kAtOnce) break;
-      }
-      if (!pulls) break;
-      continue;
-    }
     // Points without a load drop theirs; the others answer for that.
-    const Four dropped = (active - 1.0) * z;
-    const Four r = dropped - active * (e + times(B, dropped));
-    FourByFour M;
-    for (int j = 0; j < 4; ++j) {
-      M.col(j) = B.col(j) * active * active[j];
-      M(j, j) += active[j] > 0.0 ? kRidge * M(j, j) : 1.0;
+    Four<V> dropped, r, share;
+    for (std::size_t i = 0; i < 4; ++i) {
+      dropped[i] = xsimd::select(loaded[i], zero, -z[i]);
+      share[i] = xsimd::select(loaded[i], one, zero);
     }
-    d = solve_symmetric(M, r);
-    const Four velocity = e + times(B, d);
-    bool wrong = false;
-    for (int i = count - 1; i >= 0; --i) {
-      const bool loaded = active[i] > 0.0;
-      const bool exchange = loaded ? z[i] + d[i] < 0.0 : velocity[i] < -tolerance;
-      if (!exchange) continue;
-      active[i] = loaded ? 0.0 : 1.0;
-      wrong = true;
-      if (iteration >= kAtOnce) break;
+    const Four<V> answer = B * dropped;
+    for (std::size_t i = 0; i < 4; ++i) {
+      r[i] = xsimd::select(loaded[i], -(e[i] + answer[i]), dropped[i]);
     }
-    if (!wrong) break;
+    const auto diagonal = [&](const V& value, std::size_t i) {
+      return xsimd::select(loaded[i], ridged * value, one);
+    };
+    const Four<V> d = solve_symmetric<V>(
+        {diagonal(B.m00, 0), B.m10 * (share[1] * share[0]), diagonal(B.m11, 1),
+         B.m20 * (share[2] * share[0]), B.m21 * (share[2] * share[1]), diagonal(B.m22, 2),
+         B.m30 * (share[3] * share[0]), B.m31 * (share[3] * share[1]),
+         B.m32 * (share[3] * share[2]), diagonal(B.m33, 3)},
+        r);
+    for (std::size_t i = 0; i < 4; ++i) out[i] = xsimd::select(wrong, d[i], out[i]);
+    const Four<V> response = B * d;
+    Mask<V> exchanged = zero != zero;
+    for (std::size_t i = 4; i-- > 0;) {
+      const Mask<V> sinks = e[i] + response[i] < slowest;
+      const Mask<V> pulls = z[i] + d[i] < zero;
+      Mask<V> exchange = there[i] & ((loaded[i] & pulls) | (~loaded[i] & sinks));
+      if (iteration >= kAtOnce) exchange = exchange & ~exchanged;
+      loaded[i] = loaded[i] ^ exchange;
+      exchanged = exchanged | exchange;
+    }
+    wrong = wrong & exchanged;
+    if (xsimd::none(wrong)) break;
   }
-  return d.max(-z);
+  for (std::size_t i = 0; i < 4; ++i) out[i] = most(out[i], -z[i]);
+  return out;
 }
 
-}  // namespace tandem::pbd
+}  // namespace tandem::pbd::kernel

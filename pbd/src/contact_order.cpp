@@ -7,8 +7,13 @@
 namespace tandem::pbd {
 namespace {
 
-/// Rows below which sharing a level out costs more than it saves.
-constexpr std::uint32_t kWide = 16;
+/// Blocks below which sharing a level out costs more than it saves.
+constexpr std::uint32_t kWide = 4;
+
+/// Kinds of rows in a level: of one point, and faces.
+constexpr std::uint32_t kKinds = 2;
+
+constexpr std::uint32_t kBlock = kLanes;
 
 }  // namespace
 
@@ -32,27 +37,30 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const std:
     if (group >= level_count_.size()) level_count_.resize(group + 1, 0);
     level_count_[group] = std::max(level_count_[group], level + 1);
   }
-  // Counting sort by group, then level; equal ones stay in sequence.
+  // Counting sort by group, level and kind; equal ones stay in sequence.
   first_level_.assign(level_count_.size() + 1, 0);
   for (std::size_t g = 0; g < level_count_.size(); ++g) {
     first_level_[g + 1] = first_level_[g] + level_count_[g];
   }
-  starts_.assign(first_level_.back() + 1, 0);
+  starts_.assign(kKinds * first_level_.back() + 1, 0);
   for (const std::uint32_t i : sequence) {
-    const std::uint32_t group = group_of(contacts[i], bodies);
-    slot_of_contact_[i] += first_level_[group];
+    const std::uint32_t level = slot_of_contact_[i] + first_level_[group_of(contacts[i], bodies)];
+    slot_of_contact_[i] = kKinds * level + (contacts[i].manifold.count > 1 ? 1 : 0);
     ++starts_[slot_of_contact_[i] + 1];
   }
-  for (std::size_t s = 1; s < starts_.size(); ++s) starts_[s] += starts_[s - 1];
-  places_.resize(starts_.back());
+  for (std::size_t s = 1; s < starts_.size(); ++s) {
+    starts_[s] = starts_[s - 1] + (starts_[s] + kBlock - 1) / kBlock * kBlock;
+  }
+  places_.assign(starts_.back(), kNone);
   groups_.clear();
   runs_.clear();
+  const auto block_of = [&](std::uint32_t level) { return starts_[kKinds * level] / kBlock; };
   for (std::size_t g = 0; g < level_count_.size(); ++g) {
-    Group group{.begin = starts_[first_level_[g]],
-                .end = starts_[first_level_[g + 1]],
+    Group group{.begin = block_of(first_level_[g]),
+                .end = block_of(first_level_[g + 1]),
                 .first_run = static_cast<std::uint32_t>(runs_.size())};
-    for (std::uint32_t s = first_level_[g]; s < first_level_[g + 1]; ++s) {
-      add_run(starts_[s], starts_[s + 1], group);
+    for (std::uint32_t level = first_level_[g]; level < first_level_[g + 1]; ++level) {
+      add_run(block_of(level), block_of(level + 1), group);
     }
     group.last_run = static_cast<std::uint32_t>(runs_.size());
     groups_.push_back(group);

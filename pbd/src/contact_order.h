@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "contact_rows.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/workers.h"
 
@@ -20,16 +21,19 @@ inline std::uint32_t group_of(const Contact& contact, std::span<const SolverBody
 /// The order in which rows are swept: the sequence that is given, within each group, cut into
 /// *levels*: a row's level is one above the highest of the earlier rows that share a movable body
 /// with it. Rows of one level share no such body, so they may be solved in any order or at once,
-/// with the same bits as one after the other.
+/// with the same bits as one after the other. They lie in blocks of kLanes: those of one point by
+/// themselves, as many as there are in each level, the last one filled up with kNone.
 class ContactOrder {
  public:
-  /// `places()[k]` is the contact solved at place k.
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  /// `places()[kLanes * k + lane]` is the contact solved in that lane of block k.
   /// @param sequence  indices of the contacts of awake groups, in the order meant above
   void build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
              std::span<const SolverBody> bodies);
   std::span<const std::uint32_t> places() const { return places_; }
 
-  /// Call visit(place) for the rows of a group, forwards or backwards.
+  /// Call visit(block) for the rows of a group, forwards or backwards.
   template <class Visit>
   void sweep(std::uint32_t group, bool reverse, Workers& workers, Visit&& visit) const {
     if (group >= groups_.size()) return;
@@ -58,10 +62,10 @@ class ContactOrder {
     });
   }
   struct Places {
-    std::uint32_t begin = 0;
+    std::uint32_t begin = 0;  ///< blocks
     std::uint32_t end = 0;
   };
-  /// The places of a group.
+  /// The blocks of a group.
   Places range(std::uint32_t group) const {
     if (group >= groups_.size()) return {};
     return {groups_[group].begin, groups_[group].end};
@@ -88,7 +92,7 @@ class ContactOrder {
   std::vector<Group> groups_;
   std::vector<Run> runs_;
   std::vector<std::uint32_t> level_of_body_;
-  std::vector<std::uint32_t> slot_of_contact_;  ///< group and level, as an index into starts_
+  std::vector<std::uint32_t> slot_of_contact_;  ///< group, level and kind, an index into starts_
   std::vector<std::uint32_t> starts_;
   std::vector<std::uint32_t> level_count_;  ///< by group
   std::vector<std::uint32_t> first_level_;  ///< by group, into starts_

@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
-#include "contact_friction.h"
-#include "contact_lcp.h"
-#include "contact_motion.h"
-#include "contact_point.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -19,115 +16,43 @@ namespace {
 constexpr double kGrowth = 2.0;
 constexpr double kLeastGravity = 1.0;
 
-/// How often a row's normals and friction take turns where friction starts anew: left half-way,
-/// what stands on a slope would creep. Elsewhere once is enough.
-constexpr int kTurns = 3;
-
 double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.dot(a.cross(b)); }
 
 /// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
 /// u_i is the area of the triangle of the other three, signs alternating.
-Four idle_combination(const ContactArms& arms, const Vec3& normal) {
-  const auto area = [&](int i, int j, int k) {
+std::array<double, 4> idle_combination(const ContactArms& arms, const Vec3& normal) {
+  const auto area = [&](std::size_t i, std::size_t j, std::size_t k) {
     return cross_component(normal, arms.b[j] - arms.b[i], arms.b[k] - arms.b[i]);
   };
-  const Four u(area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2));
-  const double norm = std::sqrt(sum(u.square()));
-  return norm > 0.0 ? Four(u / norm) : Four(Four::Zero());
+  std::array<double, 4> u{area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
+  const double norm = std::sqrt((u[0] * u[0] + u[1] * u[1]) + (u[2] * u[2] + u[3] * u[3]));
+  for (double& each : u) each = norm > 0.0 ? each / norm : 0.0;
+  return u;
 }
 
-/// Where friction acts: the centre of pressure of the carried forces, as weights of the points; all
-/// alike where there are none.
-Four pressure_weights(const Contact& contact) {
-  const Four weight(contact.force[0], contact.force[1], contact.force[2], contact.force[3]);
-  const double total = sum(weight);
-  if (total > 0.0) return weight / total;
-  return Four::Constant(1.0 / contact.manifold.count);
+void set_bit(LaneMask& mask, std::size_t lane, bool value) {
+  mask = static_cast<LaneMask>((mask & ~(1u << lane)) | (unsigned{value} << lane));
 }
 
-/// Add a body's share of the responses at the end of its arm, in the contact's axes.
-void add_response(const SolverBody& body, const Vec3& arm, const Mat3& axes, ContactRow& row) {
-  const Mat3 inertia = axes.transpose() * body.inv_inertia_w * axes;
-  const Mat3 lever = skew(axes.transpose() * arm);
-  const Mat3 spin = inertia * lever;           // W per force
-  const Mat3 move = lever.transpose() * spin;  // V per force, beside inv_mass
-  row.press_n += body.inv_mass + move(0, 0);
-  row.slip_n[0] += move(1, 0);
-  row.slip_n[1] += move(2, 0);
-  row.grip[0] += body.inv_mass + move(1, 1);
-  row.grip[1] += move(1, 2);
-  row.grip[2] += body.inv_mass + move(2, 2);
-  if (row.count == 1) return;
-  row.press_w[0] += spin(1, 0);
-  row.press_w[1] += spin(2, 0);
-  row.press_w[2] += inertia(1, 1);
-  row.press_w[3] += inertia(1, 2);
-  row.press_w[4] += inertia(2, 2);
-  row.slip_w[0] += spin(1, 1);
-  row.slip_w[1] += spin(2, 1);
-  row.slip_w[2] += spin(1, 2);
-  row.slip_w[3] += spin(2, 2);
-  row.slip_w[4] += spin(0, 0);
-  row.slip_w[5] += inertia(0, 1);
-  row.slip_w[6] += inertia(0, 2);
-  row.grip_w[0] += spin(0, 1);
-  row.grip_w[1] += spin(0, 2);
-  row.grip_w[2] += inertia(0, 0);
+void set_vector(LaneArray<3>& lanes, std::size_t lane, const Vec3& value) {
+  for (std::size_t k = 0; k < 3; ++k) lanes[k][lane] = value[static_cast<Eigen::Index>(k)];
 }
 
-/// Response of the points' normal velocities to their impulses, idle combination included, 1/kg.
-FourByFour mobility_of(const ContactRow& row) {
-  const double nn = row.press_n;
-  const auto& [n1, n2, m11, m12, m22] = row.press_w;
-  // Responses of V_n, W_1 and W_2 to a unit impulse at each point.
-  const Four v = nn + n1 * row.s + n2 * row.r;
-  const Four w1 = n1 + m11 * row.s + m12 * row.r;
-  const Four w2 = n2 + m12 * row.s + m22 * row.r;
-  FourByFour B;
-  for (int j = 0; j < 4; ++j) {
-    B.col(j) = v[j] + row.s * w1[j] + row.r * w2[j] + row.idle * row.idle[j];
-  }
-  return B;
+/// Lanes from `count` on become as the first.
+void repeat_first_of(std::size_t count, Lanes& lanes) {
+  for (std::size_t lane = count; lane < kLanes; ++lane) lanes[lane] = lanes[0];
+}
+template <std::size_t n>
+void repeat_first_of(std::size_t count, LaneArray<n>& array) {
+  for (Lanes& lanes : array) repeat_first_of(count, lanes);
+}
+template <class... Members>
+void repeat_first(std::size_t count, Members&... members) {
+  (repeat_first_of(count, members), ...);
 }
 
-/// Velocities of the points along the normal, m/s.
-Four normal_velocities(const ContactRow& row, const Vec3& t2, const RelativeMotion& motion) {
-  const double v = row.normal.dot(motion.v);
-  const double w1 = row.t1.dot(motion.w);
-  const double w2 = t2.dot(motion.w);
-  return v + w1 * row.s + w2 * row.r;
-}
-
-/// What the points' impulses add up to: F_n, T_1, T_2.
-Vec3 press_of(const ContactRow& row, const Four& z) {
-  return {sum(z), sum(row.s * z), sum(row.r * z)};
-}
-
-/// What friction's impulses (F_1, F_2, T_n) do to V_1, V_2 and W_n.
-Vec3 gripped(const ContactRow& row, const Vec3& f) {
-  const auto& [m11, m12, m22] = row.grip;
-  const auto& [m1n, m2n, mnn] = row.grip_w;
-  return {m11 * f[0] + m12 * f[1] + m1n * f[2], m12 * f[0] + m22 * f[1] + m2n * f[2],
-          m1n * f[0] + m2n * f[1] + mnn * f[2]};
-}
-
-/// Change both bodies' `linear` and `angular` velocities.
-void apply_wrench(const ContactRow& row, const Vec3& t2, const ContactWrench& wrench, SolverBody& a,
-                  SolverBody& b, Vec3 SolverBody::*linear, Vec3 SolverBody::*angular) {
-  const auto to_world = [&](const Vec3& p) -> Vec3 {
-    return p[0] * row.normal + p[1] * row.t1 + p[2] * t2;
-  };
-  apply_wrench(row, to_world(wrench.force), to_world(wrench.couple), a, b, linear, angular);
-}
-
-/// The fastest change of a normal velocity that the points ask for, m/s: how far they are from
-/// 0 <= z _|_ e >= 0.
-double disagreement(const ContactRow& row, const FourByFour& B, const Four& e) {
-  double largest = 0.0;
-  for (int i = 0; i < row.count; ++i) {
-    largest = std::max(largest, std::abs(std::min(e[i], B(i, i) * row.impulse[i])));
-  }
-  return largest;
+Vec3 vector_of(const LaneArray<3>& lanes, std::size_t lane) {
+  return {lanes[0][lane], lanes[1][lane], lanes[2][lane]};
 }
 
 /// Speed (m/s) after a bounce off a gap (m) that closes within the substep: restitution e is the
@@ -136,56 +61,6 @@ double disagreement(const ContactRow& row, const FourByFour& B, const Four& e) {
 double bounce_of(double e, double approach, double gap, double a, double h) {
   const double energy2 = approach * approach + 2.0 * a * gap + a * h * approach;
   return 0.5 * a * h + std::sqrt(0.25 * a * a * h * h + e * e * energy2);
-}
-
-/// push_row(), of a row that is sunk or whose bodies were pushed.
-bool push_face(const ContactRow& row, SolverBody& a, SolverBody& b) {
-  const Vec3 t2 = row.t2();
-  const RelativeMotion motion{
-      b.v_push - a.v_push + b.w_push.cross(row.arm_b) - a.w_push.cross(row.arm_a),
-      b.w_push - a.w_push};
-  const Four e = normal_velocities(row, t2, motion) + row.bias;
-  bool active = false;
-  for (int i = 0; i < row.count; ++i) {
-    active = active || e[i] < 0.0;
-  }
-  if (!active) return false;
-  const Four dz = solve_lcp(row.count, mobility_of(row), Four::Zero(), e);
-  const Vec3 press = press_of(row, dz);
-  apply_wrench(row, t2, {.force = {press[0], 0.0, 0.0}, .couple = {0.0, press[1], press[2]}}, a, b,
-               &SolverBody::v_push, &SolverBody::w_push);
-  return true;
-}
-
-/// push_row(), where the body below has to count as heavier: by `share` of its inverse mass.
-bool push_from_below(const ContactRow& row, double share, SolverBody& a, SolverBody& b) {
-  SolverBody& below = row.a_below ? a : b;
-  SolverBody heavier = below;
-  heavier.inv_mass *= share;
-  heavier.inv_inertia_w *= share;
-  SolverBody& one = row.a_below ? heavier : a;
-  SolverBody& other = row.a_below ? b : heavier;
-  ContactRow scaled = row;
-  scaled.press_n = 0.0;
-  scaled.press_w = {};
-  Mat3 axes;
-  axes << row.normal, row.t1, row.t2();
-  add_response(one, row.arm_a, axes, scaled);
-  add_response(other, row.arm_b, axes, scaled);
-  if (row.count == 1 ? !push_point(scaled, one, other) : !push_face(scaled, one, other)) {
-    return false;
-  }
-  below.v_push = heavier.v_push;
-  below.w_push = heavier.w_push;
-  return true;
-}
-
-/// The share that makes the body below no lighter than the one above; 1 where it is not.
-double share_of_lower(const ContactRow& row, const SolverBody& a, const SolverBody& b) {
-  if (!row.a_below && !row.b_below) return 1.0;
-  const double below = row.a_below ? a.inv_mass : b.inv_mass;
-  const double above = row.a_below ? b.inv_mass : a.inv_mass;
-  return below > above && above > 0.0 ? above / below : 1.0;
 }
 
 /// q * v with the same bits. Eigen's own writes its cross product number by number and reads it
@@ -209,6 +84,16 @@ double gap_between(const Manifold& m, const Vec3& p_a, const Vec3& p_b) {
 }
 
 }  // namespace
+
+BodyNumbers numbers_of(std::span<SolverBody> bodies) {
+  static_assert(offsetof(SolverBody, v) == 0 && offsetof(SolverBody, w) == 3 * sizeof(double) &&
+                offsetof(SolverBody, inv_mass) == 6 * sizeof(double) &&
+                offsetof(SolverBody, inv_inertia_w) == 7 * sizeof(double) &&
+                offsetof(SolverBody, w_push) == offsetof(SolverBody, v_push) + 3 * sizeof(double));
+  return {.first = bodies.empty() ? nullptr : bodies.front().v.data(),
+          .stride = sizeof(SolverBody) / sizeof(double),
+          .push = offsetof(SolverBody, v_push) / sizeof(double)};
+}
 
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
   return gap_between(m, a.x + anchor_of(a, m.points[i].anchor_a_l),
@@ -236,50 +121,75 @@ ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b,
   return arms;
 }
 
-void prepare_row(const Contact& contact, std::span<const SolverBody> bodies,
-                 const ContactOptions& options, ContactRow& row) {
+void set_row(const Contact& contact, std::span<const SolverBody> bodies, ContactRows& rows,
+             std::size_t lane) {
   const Manifold& m = contact.manifold;
   const SolverBody& a = bodies[m.body_a];
   const SolverBody& b = bodies[m.body_b];
-  const std::uint32_t place = row.contact;
-  row = {};
-  row.contact = place;
-  row.a = m.body_a;
-  row.b = m.body_b;
-  row.a_moves = a.inv_mass > 0.0;
-  row.count = static_cast<std::uint8_t>(m.count);
-  row.friction = m.friction;
-  row.normal = m.normal;
+  rows.a[lane] = m.body_a;
+  rows.b[lane] = m.body_b;
+  set_bit(rows.a_moves, lane, a.inv_mass > 0.0);
+  set_bit(rows.b_moves, lane, b.inv_mass > 0.0);
+  Vec3 t1;
   Vec3 t2;
-  tangent_frame(row.normal, row.t1, t2);
+  tangent_frame(m.normal, t1, t2);
   const ContactArms arms = arms_of(m, a, b);
-  const Four weight = pressure_weights(contact);
-  row.arm_a.setZero();
-  row.arm_b.setZero();
-  for (int i = 0; i < m.count; ++i) {
-    row.arm_a += weight[i] * arms.a[i];
-    row.arm_b += weight[i] * arms.b[i];
+  // Friction acts at the centre of pressure of the carried forces.
+  const auto& f = contact.force;
+  const double total = (f[0] + f[1]) + (f[2] + f[3]);
+  Vec3 arm_a = Vec3::Zero();
+  Vec3 arm_b = Vec3::Zero();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+    const double weight = total > 0.0 ? f[i] / total : 1.0 / m.count;
+    arm_a += weight * arms.a[i];
+    arm_b += weight * arms.b[i];
   }
-  for (int i = 0; i < m.count && m.count > 1; ++i) {
-    const Vec3 from_centre = arms.a[i] - row.arm_a;
-    row.s[i] = t2.dot(from_centre);
-    row.r[i] = -row.t1.dot(from_centre);
+  set_vector(rows.normal, lane, m.normal);
+  set_vector(rows.t1, lane, t1);
+  set_vector(rows.arm_a, lane, arm_a);
+  set_vector(rows.arm_b, lane, arm_b);
+  rows.friction[lane] = m.friction;
+  rows.slide[0][lane] = rows.slide[1][lane] = rows.twist[lane] = 0.0;
+  rows.points[lane] = m.count;
+  if (!rows.faces) return;
+  const std::array<double, 4> idle =
+      m.count == 4 ? idle_combination(arms, m.normal) : std::array<double, 4>{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool there = i < static_cast<std::size_t>(m.count);
+    const Vec3 from_centre = there ? Vec3(arms.a[i] - arm_a) : Vec3(Vec3::Zero());
+    const double s = t2.dot(from_centre);
+    const double r = -t1.dot(from_centre);
+    rows.s[i][lane] = s;
+    rows.r[i][lane] = r;
+    rows.reach[i][lane] = std::sqrt(s * s + r * r);
+    rows.idle[i][lane] = idle[i];
   }
-  Mat3 axes;
-  axes << row.normal, row.t1, t2;
-  if (a.inv_mass > 0.0) add_response(a, row.arm_a, axes, row);
-  if (b.inv_mass > 0.0) add_response(b, row.arm_b, axes, row);
-  if (m.count < 4) return;
-  const FourByFour B = mobility_of(row);
-  row.idle =
-      std::sqrt(options.evenness * sum(B.matrix().diagonal())) * idle_combination(arms, m.normal);
+}
+
+void repeat_first_frame(ContactRows& rows) {
+  for (std::size_t lane = rows.count; lane < kLanes; ++lane) {
+    rows.a[lane] = rows.a[0];
+    rows.b[lane] = rows.b[0];
+  }
+  repeat_first(rows.count, rows.friction, rows.points, rows.normal, rows.t1, rows.arm_a, rows.arm_b,
+               rows.s, rows.r, rows.reach, rows.idle);
+}
+
+void repeat_first_state(ContactRows& rows) {
+  repeat_first(rows.count, rows.slide, rows.impulse, rows.bias, rows.bounce, rows.twist);
+}
+
+Vec3 friction_of(const ContactRows& rows, std::size_t lane) {
+  const Vec3 t1 = vector_of(rows.t1, lane);
+  const Vec3 t2 = vector_of(rows.normal, lane).cross(t1);
+  return rows.slide[0][lane] * t1 + rows.slide[1][lane] * t2;
 }
 
 void begin_row(const Contact& contact, const SubstepRule& rule, double h,
-               std::span<const SolverBody> bodies, ContactRow& row) {
+               std::span<const SolverBody> bodies, ContactRows& rows, std::size_t lane) {
   const Manifold& m = contact.manifold;
-  const SolverBody& a = bodies[row.a];
-  const SolverBody& b = bodies[row.b];
+  const SolverBody& a = bodies[m.body_a];
+  const SolverBody& b = bodies[m.body_b];
   // One rotation of the normal serves all points.
   const Vec3 n_a = a.q.conjugate() * m.normal;
   const Vec3 n_b = b.q.conjugate() * m.normal;
@@ -287,113 +197,44 @@ void begin_row(const Contact& contact, const SubstepRule& rule, double h,
   // m/s^2, how gravity adds to the approach of the two
   const double fall =
       std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(rule.gravity));
-  const Four velocity = row.count == 1
-                            ? Four(Four::Constant(row.normal.dot(relative_velocity(row, a, b))))
-                            : normal_velocities(row, row.t2(), relative_motion(row, a, b));
-  const double share = share_to_carry(row, rule.gravity.norm(), h);
-  row.impulse *= share;
-  row.slide[0] *= share;
-  row.slide[1] *= share;
-  if (row.count > 1) row.twist *= share;
+  const Vec3 arm_a = vector_of(rows.arm_a, lane);
+  const Vec3 arm_b = vector_of(rows.arm_b, lane);
+  const Vec3 spin = b.w - a.w;
+  const Vec3 t1 = vector_of(rows.t1, lane);
+  const double closing = m.normal.dot(b.v - a.v + b.w.cross(arm_b) - a.w.cross(arm_a));
+  const double w1 = t1.dot(spin);
+  const double w2 = m.normal.cross(t1).dot(spin);
+  const double share = share_to_carry(rows, lane, rule.gravity.norm(), h);
   double fastest = 0.0;
-  Four bounce = Four::Zero();
-  row.sunk = false;
-  row.bounces = false;
-  for (int i = 0; i < m.count; ++i) {
+  bool sunk = false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
     const double gap =
         apart + n_b.dot(m.points[i].anchor_b_l) - n_a.dot(m.points[i].anchor_a_l) - contact.debt[i];
-    row.bias[i] = gap > 0.0 ? gap / h : std::max(rule.push_gain * gap / h, -rule.push_speed);
-    row.sunk = row.sunk || gap < -rule.push_slop;
-    if (gap >= rule.warm_start_gap) row.impulse[i] = 0.0;
-    const double approach = -velocity[i];
-    fastest = std::max(fastest, approach);
-    if (m.restitution > 0.0 && approach > rule.bounce_speed) {
-      row.bounces = true;
-      bounce[i] = bounce_of(m.restitution, approach, std::max(gap, 0.0), fall, h);
-    }
+    rows.bias[i][lane] = gap > 0.0 ? gap / h : std::max(rule.push_gain * gap / h, -rule.push_speed);
+    sunk = sunk || gap < -rule.push_slop;
+    rows.impulse[i][lane] = gap < rule.warm_start_gap ? share * rows.impulse[i][lane] : 0.0;
+    const double velocity =
+        rows.faces ? closing + w1 * rows.s[i][lane] + w2 * rows.r[i][lane] : closing;
+    fastest = std::max(fastest, -velocity);
+    const bool bounces = m.restitution > 0.0 && -velocity > rule.bounce_speed;
+    rows.bounces = rows.bounces || bounces;
+    rows.bounce[i][lane] =
+        bounces ? bounce_of(m.restitution, -velocity, std::max(gap, 0.0), fall, h) : 0.0;
   }
-  if (row.bounces) row.bounce = bounce;
-  row.approach = static_cast<float>(fastest);
-  row.carried = static_cast<float>(sum(row.impulse));
-  if (row.loaded()) return;
-  row.slide = {};
-  if (row.count > 1) row.twist = 0.0;
+  set_bit(rows.sunk, lane, sunk);
+  rows.approach[lane] = fastest;
+  rows.carried[lane] = rows.load(lane);
+  const double friction = rows.carried[lane] > 0.0 ? share : 0.0;
+  rows.slide[0][lane] *= friction;
+  rows.slide[1][lane] *= friction;
+  rows.twist[lane] *= friction;
 }
 
-double share_to_carry(const ContactRow& row, double gravity, double h) {
-  const double load = sum(row.impulse);
-  const double most = kGrowth * static_cast<double>(row.carried) +
-                      std::max(gravity, kLeastGravity) * h / row.press_n;
+double share_to_carry(const ContactRows& rows, std::size_t lane, double gravity, double h) {
+  const double load = rows.load(lane);
+  const double most =
+      kGrowth * rows.carried[lane] + std::max(gravity, kLeastGravity) * h / rows.press_n[lane];
   return load > most ? most / load : 1.0;
-}
-
-void warm_start_row(const ContactRow& row, std::span<SolverBody> bodies) {
-  if (row.count == 1) return warm_start_point(row, bodies[row.a], bodies[row.b]);
-  const Vec3 press = press_of(row, row.impulse);
-  apply_wrench(
-      row, row.t2(),
-      {.force = {press[0], row.slide[0], row.slide[1]}, .couple = {row.twist, press[1], press[2]}},
-      bodies[row.a], bodies[row.b], &SolverBody::v, &SolverBody::w);
-}
-
-double solve_row(ContactRow& row, ContactPass pass, bool fresh, std::span<SolverBody> bodies) {
-  SolverBody& a = bodies[row.a];
-  SolverBody& b = bodies[row.b];
-  const int turns = fresh ? kTurns : 1;
-  if (row.count == 1) return solve_point(row, pass, turns, a, b);
-  const Vec3 t2 = row.t2();
-  const RelativeMotion motion = relative_motion(row, a, b);
-  Four e = normal_velocities(row, t2, motion);
-  bool active = false;
-  for (int i = 0; i < row.count; ++i) {
-    // In the velocity pass a point that carries nothing may still close what is left of its gap.
-    const bool closing = pass == ContactPass::Motion || row.impulse[i] <= 0.0;
-    if (closing) e[i] += std::max(row.bias[i], 0.0);
-    if (pass == ContactPass::Velocity && row.bounces) e[i] -= row.bounce[i];
-    active = active || e[i] < 0.0 || row.impulse[i] > 0.0;
-  }
-  if (!active) return 0.0;
-  e += sum(row.idle * row.impulse) * row.idle;
-  const FourByFour B = mobility_of(row);
-  const double change = disagreement(row, B, e);
-  const Vec3 slip(row.t1.dot(motion.v), t2.dot(motion.v), row.normal.dot(motion.w));
-  Four pressed = Four::Zero();  // N s, changes so far
-  Vec3 rubbed = Vec3::Zero();   // of F_1, F_2, T_n
-  const Mat3 coupling = row.slip();
-  for (int turn = 0; turn < turns; ++turn) {
-    const Four dz = solve_lcp(row.count, B, row.impulse, e);
-    row.impulse += dz;
-    pressed += dz;
-    if (!row.rubs()) break;
-    // Friction sees what the normals have just done, and they what it does.
-    const Vec3 rub_change =
-        rub(row, slip + coupling * press_of(row, pressed) + gripped(row, rubbed));
-    rubbed += rub_change;
-    if (turn + 1 == turns) break;
-    const Vec3 back = coupling.transpose() * rub_change;
-    e += times(B, dz) + back[0] + back[1] * row.s + back[2] * row.r;
-  }
-  const Vec3 press = press_of(row, pressed);
-  apply_wrench(
-      row, t2,
-      {.force = {press[0], rubbed[0], rubbed[1]}, .couple = {rubbed[2], press[1], press[2]}}, a, b,
-      &SolverBody::v, &SolverBody::w);
-  return change;
-}
-
-void push_row(const ContactRow& row, std::span<SolverBody> bodies, std::span<std::uint8_t> pushed) {
-  if (!row.sunk && pushed[row.a] == 0 && pushed[row.b] == 0) return;
-  SolverBody& a = bodies[row.a];
-  SolverBody& b = bodies[row.b];
-  const double share = share_of_lower(row, a, b);
-  if (share < 1.0) {
-    if (!push_from_below(row, share, a, b)) return;
-  } else if (row.count == 1 ? !push_point(row, a, b) : !push_face(row, a, b)) {
-    return;
-  }
-  // What cannot move may be shared by rows that are solved at once.
-  if (a.inv_mass > 0.0) pushed[row.a] = 1;
-  if (b.inv_mass > 0.0) pushed[row.b] = 1;
 }
 
 }  // namespace tandem::pbd

@@ -111,16 +111,18 @@ void ContactBlock::begin_total(const SubstepContext& ctx) {
   rows.clear();
   const ContactOrder::Places places = m.order.range(ctx.group);
   for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    const ContactRow& solved = m.rows[k];
-    const SolverBody& a = ctx.bodies[solved.a];
-    const SolverBody& b = ctx.bodies[solved.b];
-    if (!a.total && !b.total) continue;
-    const Contact& contact = m.contacts[solved.contact];
-    TotalRow& row = rows.emplace_back();
-    row.contact = solved.contact;
-    set_row(contact.manifold, a, b, row);
-    for (int i = 0; i < row.count; ++i) {
-      row.bound[i] = std::min(0.0, row.gap[i] - contact.debt[i]);
+    const ContactRows& solved = m.rows[k];
+    for (std::size_t lane = 0; lane < solved.count; ++lane) {
+      const SolverBody& a = ctx.bodies[solved.a[lane]];
+      const SolverBody& b = ctx.bodies[solved.b[lane]];
+      if (!a.total && !b.total) continue;
+      const Contact& contact = m.contacts[solved.contact[lane]];
+      TotalRow& row = rows.emplace_back();
+      row.contact = solved.contact[lane];
+      set_row(contact.manifold, a, b, row);
+      for (int i = 0; i < row.count; ++i) {
+        row.bound[i] = std::min(0.0, row.gap[i] - contact.debt[i]);
+      }
     }
   }
 }

@@ -42,7 +42,9 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&
          in_range(contact.evenness, 0.0, 10.0, "contact.evenness", error) &&
          in_range(contact.clean_up_slop, 0.0, 1.0, "contact.clean_up_slop", error) &&
-         in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold", error);
+         in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold",
+                  error) &&
+         in_range(contact.lanes, 0, 4, "contact.lanes", error);
 }
 
 }  // namespace tandem::pbd

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "contact_lcp.h"
 
+#include <Eigen/Core>
 #include <Eigen/LU>
 #include <random>
 
@@ -13,18 +14,23 @@ using namespace tandem::pbd;
 
 namespace {
 
+using Batch = xsimd::batch<double, xsimd::default_arch>;
+using Vec4 = Eigen::Vector4d;
+using Mat4 = Eigen::Matrix4d;
+
 /// A manifold's mobility, multipliers and velocities, drawn at random.
 struct Problem {
-  FourByFour B = FourByFour::Zero();
-  Four z = Four::Zero();
-  Four e = Four::Zero();
+  int count;
+  Mat4 B = Mat4::Zero();
+  Vec4 z = Vec4::Zero();
+  Vec4 e = Vec4::Zero();
 
-  Problem(std::mt19937& random, int count, int rank) {
+  Problem(std::mt19937& random, int points, int rank) : count(points) {
     std::normal_distribution<double> normal;
     for (int k = 0; k < rank; ++k) {
-      Four row = Four::Zero();
+      Vec4 row = Vec4::Zero();
       for (int i = 0; i < count; ++i) row[i] = normal(random);
-      B += (row.matrix() * row.matrix().transpose()).array();
+      B += row * row.transpose();
     }
     for (int i = 0; i < count; ++i) {
       z[i] = std::max(0.0, normal(random));
@@ -33,26 +39,58 @@ struct Problem {
   }
 };
 
+/// The answers of the kernel to `first` in lane 0 and `other` in the others; that of lane 0.
+Vec4 solve(const Problem& first, const Problem& other) {
+  const auto both = [](double value, double others) {
+    Lanes lanes;
+    lanes.fill(others);
+    lanes[0] = value;
+    return kernel::load<Batch>(lanes, 0);
+  };
+  const auto four = [&](const Vec4& value, const Vec4& others) {
+    kernel::Four<Batch> out;
+    for (int i = 0; i < 4; ++i) out[static_cast<std::size_t>(i)] = both(value[i], others[i]);
+    return out;
+  };
+  const auto entry = [&](int i, int j) { return both(first.B(i, j), other.B(i, j)); };
+  std::array<kernel::Mask<Batch>, 4> there;
+  for (int i = 0; i < 4; ++i) {
+    there[static_cast<std::size_t>(i)] = both(first.count, other.count) > Batch(i);
+  }
+  const kernel::Four<Batch> d =
+      kernel::solve_lcp<Batch>(there,
+                               {entry(0, 0), entry(1, 0), entry(1, 1), entry(2, 0), entry(2, 1),
+                                entry(2, 2), entry(3, 0), entry(3, 1), entry(3, 2), entry(3, 3)},
+                               four(first.z, other.z), four(first.e, other.e));
+  Vec4 out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    Lanes lanes;
+    kernel::store(d[i], lanes, 0);
+    out[static_cast<Eigen::Index>(i)] = lanes[0];
+  }
+  return out;
+}
+
 /// The answer by trying all sets of loaded points: the one that is right in all signs.
-Four brute_force(int count, const Problem& p) {
-  for (unsigned set = 0; set < (1u << count); ++set) {
-    Eigen::Matrix4d M = Eigen::Matrix4d::Identity();
-    Eigen::Vector4d r = -p.z.matrix();
-    for (int i = 0; i < count; ++i) {
+Vec4 brute_force(const Problem& p) {
+  for (unsigned set = 0; set < (1u << p.count); ++set) {
+    Mat4 M = Mat4::Identity();
+    Vec4 r = -p.z;
+    for (int i = 0; i < p.count; ++i) {
       if (!(set >> i & 1u)) continue;
-      M.row(i) = p.B.matrix().row(i);
+      M.row(i) = p.B.row(i);
       r[i] = -p.e[i];
     }
-    const Four d = M.fullPivLu().solve(r).array();
-    const Four velocity = p.e + (p.B.matrix() * d.matrix()).array();
+    const Vec4 d = M.fullPivLu().solve(r);
+    const Vec4 velocity = p.e + p.B * d;
     bool right = true;
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < p.count; ++i) {
       right = right && p.z[i] + d[i] >= -1e-9 && velocity[i] >= -1e-9;
     }
     if (right) return d;
   }
   FAIL("no set of loaded points is right");
-  return Four::Zero();
+  return Vec4::Zero();
 }
 
 }  // namespace
@@ -62,13 +100,15 @@ TEST_CASE("contact: the points of a manifold are solved as trying all sets does"
   for (int count = 1; count <= 4; ++count) {
     for (int trial = 0; trial < 2000; ++trial) {
       const Problem p(random, count, 6);
-      const Four expected = brute_force(count, p);
-      const Four d = solve_lcp(count, p.B, p.z, p.e);
+      const Problem other(random, 1 + trial % 4, 6);
+      const Vec4 expected = brute_force(p);
+      const Vec4 d = solve(p, other);
       CAPTURE(count, trial);
       // The ridge makes a share of 1e-6 of the difference, times the condition of B.
-      const double condition =
-          p.B.matrix().topLeftCorner(count, count).inverse().norm() * p.B.matrix().norm();
-      CHECK((d - expected).abs().maxCoeff() <= 1e-5 * condition * (1.0 + p.z.maxCoeff()));
+      const double condition = p.B.topLeftCorner(count, count).inverse().norm() * p.B.norm();
+      CHECK((d - expected).cwiseAbs().maxCoeff() <= 1e-5 * condition * (1.0 + p.z.maxCoeff()));
+      // What is solved beside it has no say.
+      CHECK(solve(p, p) == d);
     }
   }
 }
@@ -80,18 +120,17 @@ TEST_CASE("contact: points whose share of a load is open converge to one that ho
     for (int trial = 0; trial < 500; ++trial) {
       Problem p(random, 4, rank);
       // Velocities that some impulses can stop.
-      const Four way(1.0, -2.0, 0.5, 0.3);
-      p.e = (p.B.matrix() * way.matrix()).array();
-      const double fastest = p.e.abs().maxCoeff();
+      p.e = p.B * Vec4(1.0, -2.0, 0.5, 0.3);
+      const double fastest = p.e.cwiseAbs().maxCoeff();
       for (int repeat = 0; repeat < 30; ++repeat) {
-        const Four d = solve_lcp(4, p.B, p.z, p.e);
+        const Vec4 d = solve(p, p);
         p.z += d;
-        p.e += (p.B.matrix() * d.matrix()).array();
+        p.e += p.B * d;
       }
       CAPTURE(rank, trial);
       CHECK(p.z.minCoeff() >= 0.0);
       CHECK(p.e.minCoeff() >= -1e-6 * fastest);
-      CHECK((p.z * p.e).abs().maxCoeff() <= 1e-6 * fastest * p.z.maxCoeff());
+      CHECK(p.z.cwiseProduct(p.e).cwiseAbs().maxCoeff() <= 1e-6 * fastest * p.z.maxCoeff());
     }
   }
 }

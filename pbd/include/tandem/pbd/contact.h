@@ -36,6 +36,9 @@ struct TANDEM_API ContactOptions {
   double clean_up_slop = 5e-3;
   /// Impacts slower than this many times |gravity| * h do not bounce.
   double restitution_threshold = 2.0;
+  /// Rows that are solved at once by vector instructions, 2 or 4; 0: as many as the processor can.
+  /// The bits are the same.
+  int lanes = 0;
 
   friend bool operator==(const ContactOptions&, const ContactOptions&) = default;
 };

@@ -1,0 +1,520 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What is done with rows, for A::size of them at once. This is most of a sweep.
+#pragma once
+
+#include "contact_friction.h"
+
+namespace tandem::pbd::kernel {
+
+/// The bodies of rows, read at once, in the rows' frames.
+template <class A, bool pushes = false>
+struct Pair {
+  using V = xsimd::batch<double, A>;
+  V3<V> n, t1, t2, arm_a, arm_b;
+  Side<A, pushes> a, b;
+
+  Pair(const ContactRows& rows, std::size_t at, BodyNumbers bodies)
+      : n(load<V>(rows.normal, at)),
+        t1(load<V>(rows.t1, at)),
+        t2(cross(n, t1)),
+        arm_a(load<V>(rows.arm_a, at)),
+        arm_b(load<V>(rows.arm_b, at)),
+        a(rows.a, at, bodies),
+        b(rows.b, at, bodies) {}
+
+  /// m/s, of b against a at the centre of pressure, world.
+  V3<V> velocity() const { return b.v() - a.v() + cross(b.w(), arm_b) - cross(a.w(), arm_a); }
+  V3<V> spin() const { return b.w() - a.w(); }
+
+  /// Change both bodies' velocities by a force (N s) and a couple (N m s) on b at the centre of
+  /// pressure, world, and their opposites on a.
+  /// @tparam couples  else there is none
+  /// @param share_a  of the inverse mass and inertia of a that counts
+  template <bool couples>
+  void apply(const ContactRows& rows, const V3<V>& force, const V3<V>& couple,
+             const V& share_a = V(1.0), const V& share_b = V(1.0)) {
+    const auto moment = [&](const V3<V>& arm) {
+      if constexpr (couples) {
+        return cross(arm, force) + couple;
+      } else {
+        return cross(arm, force);
+      }
+    };
+    a.add((-share_a * a.inv_mass()) * force, -share_a * (a.inv_inertia() * moment(arm_a)));
+    b.add((share_b * b.inv_mass()) * force, share_b * (b.inv_inertia() * moment(arm_b)));
+    a.write(rows.a_moves);
+    b.write(rows.b_moves);
+  }
+};
+
+/// Responses of a row at the centre of pressure, in its axes; see ContactRows.
+template <class V>
+struct Responses {
+  V press_n = V(0.0), n1 = V(0.0), n2 = V(0.0);  ///< of V_n, W_1, W_2 to F_n, T_1, T_2; symmetric
+  V w11 = V(0.0), w12 = V(0.0), w22 = V(0.0);
+  Grip<V> grip;
+  V slip_1n = V(0.0), slip_11 = V(0.0), slip_12 = V(0.0);  ///< of V_1 to F_n, T_1, T_2
+  V slip_2n = V(0.0), slip_21 = V(0.0), slip_22 = V(0.0);
+  V slip_nn = V(0.0), slip_n1 = V(0.0), slip_n2 = V(0.0);  ///< of W_n
+
+  /// Add those of a body, of whose inverse mass and inertia a share counts.
+  template <class Body>
+  void add(const V& share, const Body& body, const V3<V>& arm, const V3<V>& n, const V3<V>& t1,
+           const V3<V>& t2) {
+    const V inv_mass = share * body.inv_mass();
+    const Sym3<V> inertia = body.inv_inertia();
+    const V3<V> in = share * (inertia * n), i1 = share * (inertia * t1),
+                i2 = share * (inertia * t2);
+    const V inn = dot(n, in), in1 = dot(n, i1), in2 = dot(n, i2);
+    const V i11 = dot(t1, i1), i12 = dot(t1, i2), i22 = dot(t2, i2);
+    const V ln = dot(n, arm), l1 = dot(t1, arm), l2 = dot(t2, arm);
+    // W per force: inertia * (arm x F), by rows (n, 1, 2) and columns (F_n, F_1, F_2).
+    const V snn = in1 * l2 - in2 * l1, sn1 = in2 * ln - inn * l2, sn2 = inn * l1 - in1 * ln;
+    const V s1n = i11 * l2 - i12 * l1, s11 = i12 * ln - in1 * l2, s12 = in1 * l1 - i11 * ln;
+    const V s2n = i12 * l2 - i22 * l1, s21 = i22 * ln - in2 * l2, s22 = in2 * l1 - i12 * ln;
+    // V per force, beside 1/m: W x arm.
+    press_n += inv_mass + (s1n * l2 - s2n * l1);
+    slip_1n += s2n * ln - snn * l2;
+    slip_2n += snn * l1 - s1n * ln;
+    grip.m11 += inv_mass + (s21 * ln - sn1 * l2);
+    grip.m12 += sn1 * l1 - s11 * ln;
+    grip.m22 += inv_mass + (sn2 * l1 - s12 * ln);
+    n1 += s1n;
+    n2 += s2n;
+    w11 += i11;
+    w12 += i12;
+    w22 += i22;
+    slip_11 += s11;
+    slip_12 += s21;
+    slip_21 += s12;
+    slip_22 += s22;
+    slip_nn += snn;
+    slip_n1 += in1;
+    slip_n2 += in2;
+    grip.m1n += sn1;
+    grip.m2n += sn2;
+    grip.mnn += inn;
+  }
+};
+
+/// The normals of faces: what the points of a manifold have in common.
+template <class V>
+struct Face {
+  std::array<Mask<V>, 4> there;
+  Four<V> s, r, idle;
+
+  Face(const ContactRows& rows, std::size_t at) {
+    const V points = load<V>(rows.points, at);
+    for (std::size_t i = 0; i < 4; ++i) {
+      there[i] = points > V(static_cast<double>(i));
+      s[i] = load<V>(rows.s[i], at);
+      r[i] = load<V>(rows.r[i], at);
+      idle[i] = load<V>(rows.idle[i], at);
+    }
+  }
+
+  /// Response of the points' normal velocities to their impulses, idle combination included, 1/kg.
+  Sym4<V> mobility(const Responses<V>& m) const {
+    // Responses of V_n, W_1 and W_2 to a unit impulse at each point.
+    Four<V> v, w1, w2;
+    for (std::size_t i = 0; i < 4; ++i) {
+      v[i] = m.press_n + m.n1 * s[i] + m.n2 * r[i];
+      w1[i] = m.n1 + m.w11 * s[i] + m.w12 * r[i];
+      w2[i] = m.n2 + m.w12 * s[i] + m.w22 * r[i];
+    }
+    const auto of = [&](std::size_t i, std::size_t j) {
+      return v[j] + s[i] * w1[j] + r[i] * w2[j] + idle[i] * idle[j];
+    };
+    return {of(0, 0), of(1, 0), of(1, 1), of(2, 0), of(2, 1),
+            of(2, 2), of(3, 0), of(3, 1), of(3, 2), of(3, 3)};
+  }
+};
+
+/// The responses as they were prepared.
+template <class V, bool faces>
+Responses<V> responses(const ContactRows& rows, std::size_t at) {
+  Responses<V> m;
+  m.press_n = load<V>(rows.press_n, at);
+  m.grip.m11 = load<V>(rows.grip[0], at);
+  m.grip.m12 = load<V>(rows.grip[1], at);
+  m.grip.m22 = load<V>(rows.grip[2], at);
+  m.slip_1n = load<V>(rows.slip_n[0], at);
+  m.slip_2n = load<V>(rows.slip_n[1], at);
+  if constexpr (faces) {
+    m.n1 = load<V>(rows.press_w[0], at);
+    m.n2 = load<V>(rows.press_w[1], at);
+    m.w11 = load<V>(rows.press_w[2], at);
+    m.w12 = load<V>(rows.press_w[3], at);
+    m.w22 = load<V>(rows.press_w[4], at);
+    m.grip.m1n = load<V>(rows.grip_w[0], at);
+    m.grip.m2n = load<V>(rows.grip_w[1], at);
+    m.grip.mnn = load<V>(rows.grip_w[2], at);
+    m.slip_11 = load<V>(rows.slip_w[0], at);
+    m.slip_12 = load<V>(rows.slip_w[1], at);
+    m.slip_21 = load<V>(rows.slip_w[2], at);
+    m.slip_22 = load<V>(rows.slip_w[3], at);
+    m.slip_nn = load<V>(rows.slip_w[4], at);
+    m.slip_n1 = load<V>(rows.slip_w[5], at);
+    m.slip_n2 = load<V>(rows.slip_w[6], at);
+  }
+  return m;
+}
+
+template <class A, bool faces>
+void prepare(ContactRows& rows, std::size_t at, double evenness, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const Pair<A> pair(rows, at, bodies);
+  Responses<V> m{};
+  m.add(V(1.0), pair.a, pair.arm_a, pair.n, pair.t1, pair.t2);
+  m.add(V(1.0), pair.b, pair.arm_b, pair.n, pair.t1, pair.t2);
+  store(m.press_n, rows.press_n, at);
+  store(m.grip.m11, rows.grip[0], at);
+  store(m.grip.m12, rows.grip[1], at);
+  store(m.grip.m22, rows.grip[2], at);
+  store(m.slip_1n, rows.slip_n[0], at);
+  store(m.slip_2n, rows.slip_n[1], at);
+  if constexpr (faces) {
+    const std::array<V, 5> press{m.n1, m.n2, m.w11, m.w12, m.w22};
+    for (std::size_t i = 0; i < press.size(); ++i) store(press[i], rows.press_w[i], at);
+    const std::array<V, 3> grip{m.grip.m1n, m.grip.m2n, m.grip.mnn};
+    for (std::size_t i = 0; i < grip.size(); ++i) store(grip[i], rows.grip_w[i], at);
+    const std::array<V, 7> slip{m.slip_11, m.slip_12, m.slip_21, m.slip_22,
+                                m.slip_nn, m.slip_n1, m.slip_n2};
+    for (std::size_t i = 0; i < slip.size(); ++i) store(slip[i], rows.slip_w[i], at);
+    const Face<V> face(rows, at);
+    Face<V> plain = face;
+    for (V& idle : plain.idle.p) idle = V(0.0);
+    const Sym4<V> B = plain.mobility(m);
+    const V scale = xsimd::sqrt(V(evenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
+    for (std::size_t i = 0; i < 4; ++i) store(scale * face.idle[i], rows.idle[i], at);
+  }
+}
+
+template <class A, bool faces>
+void warm_start(const ContactRows& rows, std::size_t at, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  Pair<A> pair(rows, at, bodies);
+  V press = load<V>(rows.impulse[0], at);
+  V3<V> couple{press, press, press};
+  if constexpr (faces) {
+    V p1(0.0), p2(0.0);
+    p1 = press * load<V>(rows.s[0], at);
+    p2 = press * load<V>(rows.r[0], at);
+    for (std::size_t i = 1; i < 4; ++i) {
+      const V z = load<V>(rows.impulse[i], at);
+      press += z;
+      p1 += z * load<V>(rows.s[i], at);
+      p2 += z * load<V>(rows.r[i], at);
+    }
+    couple = load<V>(rows.twist, at) * pair.n + p1 * pair.t1 + p2 * pair.t2;
+  }
+  const V3<V> force =
+      press * pair.n + load<V>(rows.slide[0], at) * pair.t1 + load<V>(rows.slide[1], at) * pair.t2;
+  pair.template apply<faces>(rows, force, couple);
+}
+
+/// The lanes from `at` on whose bit is set.
+template <class V>
+Mask<V> lanes_of(LaneMask mask, std::size_t at) {
+  static constexpr auto kSets = [] {
+    std::array<Lanes, 1u << kLanes> sets{};
+    for (std::size_t m = 0; m < sets.size(); ++m) {
+      for (std::size_t i = 0; i < kLanes; ++i) sets[m][i] = m >> i & 1u ? 1.0 : 0.0;
+    }
+    return sets;
+  }();
+  return load<V>(kSets[mask & kAllLanes], at) > V(0.0);
+}
+
+template <class V>
+LaneMask bits_of(const Mask<V>& mask, std::size_t at) {
+  Lanes set{};
+  store(xsimd::select(mask, V(1.0), V(0.0)), set, at);
+  LaneMask out = 0;
+  for (std::size_t i = at; i < at + V::size; ++i) {
+    if (set[i] > 0.0) out = static_cast<LaneMask>(out | 1u << i);
+  }
+  return out;
+}
+
+/// Change of the multiplier z of a point alone, whose velocity is e and its mobility m.
+template <class V>
+V solve_point(const V& m, const V& z, const V& e) {
+  return most(-z, xsimd::select(m > V(0.0), -e / m, V(0.0)));
+}
+
+template <class A>
+void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
+                  BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const V zero(0.0);
+  Pair<A> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity();
+  V z = load<V>(rows.impulse[0], at);
+  V e = dot(pair.n, velocity);
+  // See solve_faces().
+  const V closing = most(load<V>(rows.bias[0], at), zero);
+  Mask<V> active = z > zero;
+  if (pass == ContactPass::Motion) {
+    e += closing;
+    active = active | (e < zero);
+  } else {
+    if (rows.bounces) e -= load<V>(rows.bounce[0], at);
+  }
+  const Mask<V> meant = lanes_of<V>(asked, at);
+  active = active & meant;
+  const V before = load<V>(rows.change, at);
+  if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
+  e = xsimd::select(active, e, zero);
+  const Responses<V> m = responses<V, false>(rows, at);
+  const V change = xsimd::abs(least(e, m.press_n * z));
+  store(xsimd::select(meant, change, before), rows.change, at);
+  const V friction = load<V>(rows.friction, at);
+  const Mask<V> rubs = active & (friction > zero);
+  const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
+  const V scale = V(1.0) / (m.grip.m11 * m.grip.m22 - m.grip.m12 * m.grip.m12);
+  V f1 = load<V>(rows.slide[0], at), f2 = load<V>(rows.slide[1], at);
+  V pressed = zero, rubbed_1 = zero, rubbed_2 = zero;  // N s, changes so far
+  for (int turn = 0; turn < turns; ++turn) {
+    V dz = solve_point(m.press_n, z, e);
+    if (turn > 0) dz = xsimd::select(rubs, dz, zero);
+    z += dz;
+    pressed += dz;
+    if (xsimd::none(rubs)) break;
+    // Friction sees what the normal has just done, and the normal what it does.
+    const V v1 = slip_1 + m.slip_1n * pressed + (m.grip.m11 * rubbed_1 + m.grip.m12 * rubbed_2);
+    const V v2 = slip_2 + m.slip_2n * pressed + (m.grip.m12 * rubbed_1 + m.grip.m22 * rubbed_2);
+    V s1 = f1 - scale * (m.grip.m22 * v1 - m.grip.m12 * v2);
+    V s2 = f2 - scale * (m.grip.m11 * v2 - m.grip.m12 * v1);
+    const V limit = friction * z;
+    const V length = xsimd::sqrt(s1 * s1 + s2 * s2);
+    const V share = xsimd::select(length > limit, limit / length, V(1.0));
+    s1 = xsimd::select(rubs, xsimd::select(limit > zero, share * s1, zero), f1);
+    s2 = xsimd::select(rubs, xsimd::select(limit > zero, share * s2, zero), f2);
+    const V d1 = s1 - f1, d2 = s2 - f2;
+    f1 = s1;
+    f2 = s2;
+    rubbed_1 += d1;
+    rubbed_2 += d2;
+    if (turn + 1 < turns) e += m.press_n * dz + (m.slip_1n * d1 + m.slip_2n * d2);
+  }
+  store(z, rows.impulse[0], at);
+  store(f1, rows.slide[0], at);
+  store(f2, rows.slide[1], at);
+  const V3<V> force = pressed * pair.n + rubbed_1 * pair.t1 + rubbed_2 * pair.t2;
+  pair.template apply<false>(rows, force, force);
+}
+
+template <class A>
+void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
+                 BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const V zero(0.0);
+  Pair<A> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity(), spin = pair.spin();
+  const Face<V> face(rows, at);
+  const V vn = dot(pair.n, velocity), w1 = dot(pair.t1, spin), w2 = dot(pair.t2, spin);
+  Four<V> z, e;
+  Mask<V> active = zero != zero;
+  for (std::size_t i = 0; i < 4; ++i) {
+    z[i] = load<V>(rows.impulse[i], at);
+    active = active | (z[i] > zero);
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const V closing = most(load<V>(rows.bias[i], at), zero);
+    e[i] = vn + w1 * face.s[i] + w2 * face.r[i];
+    if (pass == ContactPass::Motion) {
+      e[i] += closing;
+      active = active | (face.there[i] & (e[i] < zero));
+    } else {
+      // A point that carries nothing may still close what is left of its gap. A row that carries
+      // nothing at all has no say.
+      e[i] += xsimd::select(z[i] > zero, zero, closing);
+      if (rows.bounces) e[i] -= load<V>(rows.bounce[i], at);
+    }
+  }
+  const Mask<V> meant = lanes_of<V>(asked, at);
+  active = active & meant;
+  const V before = load<V>(rows.change, at);
+  if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
+  const V idle = dot(face.idle, z);
+  for (std::size_t i = 0; i < 4; ++i) {
+    e[i] = xsimd::select(active & face.there[i], e[i] + idle * face.idle[i], zero);
+  }
+  const Responses<V> m = responses<V, true>(rows, at);
+  const Sym4<V> B = face.mobility(m);
+  // How far the points are from 0 <= z _|_ e >= 0.
+  const Four<V> alone{{B.m00 * z[0], B.m11 * z[1], B.m22 * z[2], B.m33 * z[3]}};
+  V change = zero;
+  for (std::size_t i = 0; i < 4; ++i) {
+    change = most(change, xsimd::abs(least(e[i], alone[i])));
+  }
+  store(xsimd::select(meant, change, before), rows.change, at);
+
+  const V friction = load<V>(rows.friction, at);
+  const Mask<V> rubs = active & (friction > zero);
+  const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
+  const V slip_n = dot(pair.n, spin);
+  const Grip<V>& grip = m.grip;
+  const V determinant = grip.m11 * grip.m22 - grip.m12 * grip.m12;
+  const V scale = V(1.0) / determinant;
+  const V inverse_twist = xsimd::select(grip.mnn > zero, V(1.0) / grip.mnn, zero);
+  const Four<V> reach{{load<V>(rows.reach[0], at), load<V>(rows.reach[1], at),
+                       load<V>(rows.reach[2], at), load<V>(rows.reach[3], at)}};
+  Slide<V> slide{load<V>(rows.slide[0], at), load<V>(rows.slide[1], at), load<V>(rows.twist, at)};
+  V fn = zero, c1 = zero, c2 = zero;  // N s, N m s: what the normals did so far
+  Slide<V> rubbed{zero, zero, zero};
+  for (int turn = 0; turn < turns; ++turn) {
+    Four<V> dz = solve_lcp<V>(face.there, B, z, e);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (turn > 0) dz[i] = xsimd::select(rubs, dz[i], zero);
+      z[i] += dz[i];
+    }
+    fn += sum(dz);
+    c1 += dot(face.s, dz);
+    c2 += dot(face.r, dz);
+    if (xsimd::none(rubs)) break;
+    // Friction sees what the normals have just done, and they what it does.
+    const V v1 = slip_1 + (m.slip_1n * fn + m.slip_11 * c1 + m.slip_12 * c2) +
+                 (grip.m11 * rubbed.f1 + grip.m12 * rubbed.f2 + grip.m1n * rubbed.tn);
+    const V v2 = slip_2 + (m.slip_2n * fn + m.slip_21 * c1 + m.slip_22 * c2) +
+                 (grip.m12 * rubbed.f1 + grip.m22 * rubbed.f2 + grip.m2n * rubbed.tn);
+    const V wn = slip_n + (m.slip_nn * fn + m.slip_n1 * c1 + m.slip_n2 * c2) +
+                 (grip.m1n * rubbed.f1 + grip.m2n * rubbed.f2 + grip.mnn * rubbed.tn);
+    Slide<V> next{slide.f1 - scale * (grip.m22 * v1 - grip.m12 * v2),
+                  slide.f2 - scale * (grip.m11 * v2 - grip.m12 * v1),
+                  slide.tn - inverse_twist * wn};
+    keep_within<V>(grip, determinant, {friction * sum(z), friction * dot(z, reach)}, next);
+    next = {xsimd::select(rubs, next.f1, slide.f1), xsimd::select(rubs, next.f2, slide.f2),
+            xsimd::select(rubs, next.tn, slide.tn)};
+    const Slide<V> d{next.f1 - slide.f1, next.f2 - slide.f2, next.tn - slide.tn};
+    slide = next;
+    rubbed = {rubbed.f1 + d.f1, rubbed.f2 + d.f2, rubbed.tn + d.tn};
+    if (turn + 1 == turns) break;
+    const V back_n = m.slip_1n * d.f1 + m.slip_2n * d.f2 + m.slip_nn * d.tn;
+    const V back_1 = m.slip_11 * d.f1 + m.slip_21 * d.f2 + m.slip_n1 * d.tn;
+    const V back_2 = m.slip_12 * d.f1 + m.slip_22 * d.f2 + m.slip_n2 * d.tn;
+    const Four<V> response = B * dz;
+    for (std::size_t i = 0; i < 4; ++i) {
+      e[i] += response[i] + (back_n + back_1 * face.s[i] + back_2 * face.r[i]);
+    }
+  }
+  for (std::size_t i = 0; i < 4; ++i) store(z[i], rows.impulse[i], at);
+  store(slide.f1, rows.slide[0], at);
+  store(slide.f2, rows.slide[1], at);
+  store(slide.tn, rows.twist, at);
+  pair.template apply<true>(rows, fn * pair.n + rubbed.f1 * pair.t1 + rubbed.f2 * pair.t2,
+                            rubbed.tn * pair.n + c1 * pair.t1 + c2 * pair.t2);
+}
+
+template <class A, bool faces>
+LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const V zero(0.0), one(1.0);
+  Pair<A, true> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity();
+  const V vn = dot(pair.n, velocity);
+  Mask<V> active = zero != zero;
+  Four<V> e{{vn, zero, zero, zero}};
+  if constexpr (faces) {
+    const Face<V> face(rows, at);
+    const V3<V> spin = pair.spin();
+    const V w1 = dot(pair.t1, spin), w2 = dot(pair.t2, spin);
+    for (std::size_t i = 0; i < 4; ++i) {
+      e[i] = vn + w1 * face.s[i] + w2 * face.r[i] + load<V>(rows.bias[i], at);
+      e[i] = xsimd::select(face.there[i], e[i], zero);
+      active = active | (e[i] < zero);
+    }
+  } else {
+    e[0] += load<V>(rows.bias[0], at);
+    active = e[0] < zero;
+  }
+  active = active & lanes_of<V>(asked, at);
+  if (xsimd::none(active)) return 0;
+  Responses<V> m = responses<V, faces>(rows, at);
+  const V mass_a = pair.a.inv_mass(), mass_b = pair.b.inv_mass();
+  const Mask<V> a_lighter = lanes_of<V>(rows.a_below, at) & (mass_a > mass_b) & (mass_b > zero);
+  const Mask<V> b_lighter = lanes_of<V>(rows.b_below, at) & (mass_b > mass_a) & (mass_a > zero);
+  const Mask<V> scaled = a_lighter | b_lighter;
+  const V share_a = xsimd::select(a_lighter, mass_b / mass_a, one);
+  const V share_b = xsimd::select(b_lighter, mass_a / mass_b, one);
+  if (xsimd::any(scaled)) {
+    Responses<V> s{};
+    s.add(share_a, pair.a, pair.arm_a, pair.n, pair.t1, pair.t2);
+    s.add(share_b, pair.b, pair.arm_b, pair.n, pair.t1, pair.t2);
+    m.press_n = xsimd::select(scaled, s.press_n, m.press_n);
+    if constexpr (faces) {
+      m.n1 = xsimd::select(scaled, s.n1, m.n1);
+      m.n2 = xsimd::select(scaled, s.n2, m.n2);
+      m.w11 = xsimd::select(scaled, s.w11, m.w11);
+      m.w12 = xsimd::select(scaled, s.w12, m.w12);
+      m.w22 = xsimd::select(scaled, s.w22, m.w22);
+    }
+  }
+  if constexpr (faces) {
+    const Face<V> face(rows, at);
+    const Four<V> none{{zero, zero, zero, zero}};
+    for (V& each : e.p) each = xsimd::select(active, each, zero);
+    const Four<V> dz = solve_lcp<V>(face.there, face.mobility(m), none, e);
+    pair.template apply<true>(rows, sum(dz) * pair.n,
+                              dot(face.s, dz) * pair.t1 + dot(face.r, dz) * pair.t2, share_a,
+                              share_b);
+  } else {
+    const V3<V> force = solve_point(m.press_n, zero, xsimd::select(active, e[0], zero)) * pair.n;
+    pair.template apply<false>(rows, force, force, share_a, share_b);
+  }
+  return bits_of<V>(active, at);
+}
+
+/// Call `visit.operator()<B>(at)` for the batches that these lanes lie in.
+/// @tparam Half  for lanes that lie in one half of the others' batch
+template <class A, class Half, class Visit>
+void for_batches(LaneMask lanes, Visit&& visit) {
+  constexpr std::size_t half = kLanes / 2;
+  constexpr LaneMask low = (1u << half) - 1u;
+  const bool first = (lanes & low) != 0;
+  const bool second = (lanes & ~low) != 0;
+  if (xsimd::batch<double, A>::size == kLanes && first && second) {
+    visit.template operator()<A>(std::size_t{0});
+    return;
+  }
+  if (first) visit.template operator()<Half>(std::size_t{0});
+  if (second) visit.template operator()<Half>(half);
+}
+
+template <class A, class Half>
+ContactKernels kernels() {
+  static_assert(xsimd::batch<double, Half>::size == kLanes / 2);
+  ContactKernels out;
+  out.prepare = [](ContactRows& rows, double evenness, BodyNumbers bodies) {
+    for_batches<A, Half>(kAllLanes, [&]<class B>(std::size_t at) {
+      rows.faces ? prepare<B, true>(rows, at, evenness, bodies)
+                 : prepare<B, false>(rows, at, evenness, bodies);
+    });
+  };
+  out.warm_start = [](const ContactRows& rows, BodyNumbers bodies) {
+    for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
+      rows.faces ? warm_start<B, true>(rows, at, bodies) : warm_start<B, false>(rows, at, bodies);
+    });
+  };
+  out.solve = [](ContactRows& rows, ContactPass pass, int turns, LaneMask asked,
+                 BodyNumbers bodies) {
+    for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
+      rows.faces ? solve_faces<B>(rows, at, pass, turns, asked, bodies)
+                 : solve_points<B>(rows, at, pass, turns, asked, bodies);
+    });
+  };
+  out.push = [](const ContactRows& rows, LaneMask asked, BodyNumbers bodies) {
+    unsigned acted = 0;
+    for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
+      acted |= rows.faces ? push<B, true>(rows, at, asked, bodies)
+                          : push<B, false>(rows, at, asked, bodies);
+    });
+    return static_cast<LaneMask>(acted);
+  };
+  return out;
+}
+
+}  // namespace tandem::pbd::kernel

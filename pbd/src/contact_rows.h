@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Contacts as the sweeps see them. What is included here is compiled for several instruction sets:
+// no type whose layout depends on them may come in.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tandem::pbd {
+
+/// Rows that lie side by side, number by number: vector instructions take two or four at once.
+inline constexpr std::size_t kLanes = 4;
+struct alignas(32) Lanes : std::array<double, kLanes> {};
+template <std::size_t n>
+using LaneArray = std::array<Lanes, n>;
+/// One bit for each lane.
+using LaneMask = std::uint8_t;
+inline constexpr LaneMask kAllLanes = (1u << kLanes) - 1u;
+
+/// Up to four contacts that share no movable body: frames and mobilities of one step, multipliers
+/// of one substep. Both bodies of a contact are seen from one point, the centre of pressure, in the
+/// axes (normal, t1, t2): V is its relative velocity and W the relative spin. Point i approaches
+/// with  V_n + s_i W_1 + r_i W_2, friction sees V_1, V_2 and W_n; all impulses add up to one force
+/// and one couple there. Contacts of one point lie together, without what they do not need: the
+/// point is the centre of pressure, so that s, r, the couple and the twist are 0.
+/// Lanes that are not in use repeat the first one and move no body.
+struct alignas(64) ContactRows {
+  std::array<std::uint32_t, kLanes> a{};
+  std::array<std::uint32_t, kLanes> b{};
+  std::array<std::uint32_t, kLanes> contact{};  ///< index into the block's contacts
+  std::uint8_t count = 0;                       ///< lanes in use
+  bool faces = false;                           ///< two to four points each; else one
+  LaneMask a_moves = 0;                         ///< a is not immovable
+  LaneMask b_moves = 0;
+  LaneMask sunk = 0;     ///< some point overlaps
+  LaneMask a_below = 0;  ///< a is nearer to what cannot move: it carries b
+  LaneMask b_below = 0;
+  bool bounces = false;  ///< some point of some contact does
+  Lanes carried{};       ///< N s, sum of what the substep began with
+  Lanes approach{};      ///< m/s, fastest approach of a point before the substep, >= 0
+  Lanes change{};        ///< m/s, of a normal velocity in the last sweep
+  Lanes friction{};      ///< Coulomb
+  LaneArray<3> normal{};
+  LaneArray<3> t1{};
+  LaneArray<3> arm_a{};  ///< m, world, centre of mass to centre of pressure
+  LaneArray<3> arm_b{};
+  LaneArray<2> slide{};  ///< N s, both passes
+  // Responses to forces (1/kg), couples (1/(kg m^2)) and between both (1/(kg m)).
+  Lanes press_n{};         ///< of V_n to F_n
+  LaneArray<3> grip{};     ///< of V_1, V_2 to F_1, F_2; symmetric: 11, 12, 22
+  LaneArray<2> slip_n{};   ///< of V_1, V_2 to F_n
+  LaneArray<4> impulse{};  ///< N s, normal, >= 0, of both passes
+  /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
+  /// which the overlap is pushed open.
+  LaneArray<4> bias{};
+  LaneArray<4> bounce{};  ///< m/s, >= 0: normal velocity after an impact
+
+  Lanes points{};        ///< how many
+  LaneArray<4> s{};      ///< m, along t2 from the centre of pressure
+  LaneArray<4> r{};      ///< m, against t1
+  LaneArray<4> reach{};  ///< m, from the centre of pressure
+  /// Combination of the four impulses that changes no motion, times the root of its compliance.
+  LaneArray<4> idle{};
+  /// Of V_n, W_1, W_2 to F_n, T_1, T_2, beside press_n; symmetric: n1, n2, 11, 12, 22
+  LaneArray<5> press_w{};
+  /// Of V_1, V_2, W_n to F_n, T_1, T_2, beside slip_n: 11, 12, 21, 22, nn, n1, n2
+  LaneArray<7> slip_w{};
+  /// Of V_1, V_2, W_n to F_1, F_2, T_n, beside grip; symmetric: 1n, 2n, nn
+  LaneArray<3> grip_w{};
+  Lanes twist{};  ///< N m s, both passes
+
+  std::uint32_t movable(std::size_t lane) const { return a_moves >> lane & 1u ? a[lane] : b[lane]; }
+  /// N s
+  double load(std::size_t lane) const {
+    return (impulse[0][lane] + impulse[1][lane]) + (impulse[2][lane] + impulse[3][lane]);
+  }
+};
+
+constexpr LaneMask lanes_in_use(const ContactRows& rows) {
+  return static_cast<LaneMask>((1u << rows.count) - 1u);
+}
+
+/// Which velocities a row asks for.
+enum class ContactPass {
+  Motion,    ///< the substep's: gaps may close but not overlap more
+  Velocity,  ///< that of its end: none into the contact, bounces
+};
+
+/// Where the kernels find what they read and write of bodies, as numbers:
+/// v, w, 1/m and the inverse inertia (3, 3, 1 and 9 numbers), v_push and w_push `push` further on.
+struct BodyNumbers {
+  double* first = nullptr;
+  std::size_t stride = 0;  ///< numbers, from body to body
+  std::size_t push = 0;    ///< numbers, from v to v_push
+  double* of(std::uint32_t body) const { return first + body * stride; }
+};
+
+/// What is done with four rows at once. All widths give the same bits: lanes know nothing of each
+/// other, and nothing is contracted.
+struct ContactKernels {
+  /// Responses, from frames, arms and the places of the points. `idle` comes as a unit vector.
+  void (*prepare)(ContactRows& rows, double evenness, BodyNumbers bodies);
+  /// Change v and w of both bodies as the rows' impulses do.
+  void (*warm_start)(const ContactRows& rows, BodyNumbers bodies);
+  /// Solve each row's normals, then its friction. Sets `change`.
+  /// @param turns  how often normals and friction take turns
+  /// @param asked  the rows meant
+  void (*solve)(ContactRows& rows, ContactPass pass, int turns, LaneMask asked, BodyNumbers bodies);
+  /// Open overlaps through v_push and w_push, which move poses and are forgotten after the substep.
+  /// What lies below counts as no lighter than what lies on it, as if the ground helped: pushed
+  /// into what it stands on, a light body would never get a heavy one off. Boxes of 300 times the
+  /// mass that fall on a pyramid end 1 mm deep instead of 0.3 m.
+  /// @param asked  the rows that have a say
+  /// @return those that did something
+  LaneMask (*push)(const ContactRows& rows, LaneMask asked, BodyNumbers bodies);
+};
+
+/// Where friction starts anew, normals and friction take as many turns: left half-way, what stands
+/// on a slope would creep. Elsewhere once is enough.
+constexpr int turns_of(bool fresh) { return fresh ? 3 : 1; }
+
+/// @param width  rows at once: 2 or 4; 0, as many as this processor can
+const ContactKernels& contact_kernels(int width);
+/// The widest that this build and this processor have.
+int widest_kernels();
+
+}  // namespace tandem::pbd
