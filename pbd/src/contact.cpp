@@ -21,7 +21,14 @@ constexpr double kAnchorMatch = 0.02;
 /// twice: resting contacts stay as they are.
 constexpr double kPushSlop = 0.05;
 
-constexpr std::size_t kPoints = Manifold::kMaxPoints;
+/// m/s^2: carried impulses may grow by what holds a body that weighs as much as the contact's
+/// effective mass, in this gravity at least.
+constexpr double kLeastGravity = 1.0;
+
+/// See SubstepRule::growth.
+double growth_of(const SubstepContext& ctx) {
+  return std::max(ctx.gravity.norm(), kLeastGravity) * ctx.h;
+}
 
 /// What the next step wants to know of a contact.
 CarriedContact remember(const Contact& contact) {
@@ -157,6 +164,9 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   for (std::vector<TotalRow>& rows : m.total) rows.clear();
   if (!ctx.displaced.empty()) m.forgive(ctx);
   m.put_in_sequence();
+  m.any_debt = std::any_of(m.contacts.begin(), m.contacts.end(), [](const Contact& contact) {
+    return contact.debt != decltype(contact.debt){};
+  });
   const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies);
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
@@ -174,13 +184,13 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
       if (contact == ContactOrder::kNone) break;
       const std::size_t lane = rows.count++;
       rows.contact[lane] = contact;
-      set_row(m.contacts[contact], ctx.bodies, rows, lane);
+      set_row(m.contacts[contact], ctx.bodies, ctx.gravity, rows, lane);
       const std::uint32_t a = m.support.distance(rows.a[lane]);
       const std::uint32_t b = m.support.distance(rows.b[lane]);
       rows.a_below = static_cast<LaneMask>(rows.a_below | unsigned{a < b} << lane);
       rows.b_below = static_cast<LaneMask>(rows.b_below | unsigned{b < a} << lane);
     }
-    repeat_first_frame(rows);
+    repeat_first_row(rows);
     m.kernels->prepare(rows, m.options.evenness, numbers);
   };
   ctx.workers->for_chunks(m.rows.size(), Impl::kGrain / kLanes,
@@ -194,27 +204,18 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
 void ContactBlock::begin_substep(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const double weight = ctx.gravity.norm() * ctx.h;  // m/s, what gravity adds in a substep
-  const SubstepRule rule{.push_gain = m.options.push_gain,
+  const SubstepRule rule{.h = ctx.h,
+                         .first = ctx.substep == 0,
+                         .push_gain = m.options.push_gain,
                          .push_speed = m.options.push_speed,
                          .push_slop = kPushSlop * weight * ctx.h,
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
-                         .gravity = ctx.gravity};
-  const auto begin = [&](ContactRows& rows, std::size_t lane) {
-    Contact& contact = m.contacts[rows.contact[lane]];
-    const bool in_total =
-        ctx.shared && (ctx.bodies[rows.a[lane]].total || ctx.bodies[rows.b[lane]].total);
-    for (std::size_t i = 0; i < kPoints; ++i) {
-      if (ctx.substep == 0) rows.impulse[i][lane] = contact.force[i] * ctx.h;
-      if (!in_total && contact.debt[i] != 0.0) contact.debt[i] *= kGapDecay;
-    }
-    if (ctx.substep == 0) rows.carried[lane] = rows.load(lane);
-    begin_row(contact, rule, ctx.h, ctx.bodies, rows, lane);
-  };
+                         .growth = growth_of(ctx)};
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
   m.for_rows(ctx, [&](ContactRows& rows) {
-    rows.bounces = false;
-    for (std::size_t lane = 0; lane < rows.count; ++lane) begin(rows, lane);
-    repeat_first_state(rows);
+    if (m.any_debt || ctx.shared) m.take_debts(ctx, rows);
+    m.kernels->begin(rows, rule, numbers);
   });
 }
 
@@ -261,18 +262,17 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
+  if (!ctx.last) return;
+  const double growth = growth_of(ctx);
   const auto finish = [&](const ContactRows& rows, std::size_t lane) {
     Contact& contact = impl_->contacts[rows.contact[lane]];
     const double load = rows.load(lane);
-    contact.impulse += load;
-    if (load > 0.0) {
-      contact.approach_speed = std::max(contact.approach_speed, rows.approach[lane]);
-    }
-    if (!ctx.last) return;
-    contact.carried_share = share_to_carry(rows, lane, ctx.gravity.norm(), ctx.h);
+    contact.impulse = rows.pressed[lane] + load;
+    contact.approach_speed = std::max(rows.fastest[lane], load > 0.0 ? rows.approach[lane] : 0.0);
+    contact.carried_share = share_to_carry(rows, lane, growth);
     contact.friction_force = friction_of(rows, lane) / ctx.h;
     // What a spoiled step leaves behind must not spoil the next one.
-    for (std::size_t i = 0; i < kPoints; ++i) {
+    for (std::size_t i = 0; i < rows.most_points(); ++i) {
       const double impulse = rows.impulse[i][lane];
       contact.force[i] = std::isfinite(impulse) ? impulse / ctx.h : 0.0;
     }

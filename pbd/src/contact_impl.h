@@ -11,6 +11,7 @@
 #include "contact_rows.h"
 #include "contact_statics.h"
 #include "contact_support.h"
+#include "tandem/pbd/corrections.h"
 
 namespace tandem::pbd {
 
@@ -86,6 +87,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   double total_residual = 0.0;
   bool any_friction = false;
   bool any_restitution = false;
+  bool any_debt = false;  ///< when the step began
 
   /// A contact without a successor: what it held up has to wake.
   void note_lost(const CarriedContact& lost) {
@@ -133,6 +135,18 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
                                 visit(rows[places.begin + k]);
                               }
                             });
+  }
+
+  /// What agreement left behind, for this substep: it fades where agreement does not go on.
+  void take_debts(const SubstepContext& ctx, ContactRows& each) {
+    for (std::size_t lane = 0; lane < each.count; ++lane) {
+      Contact& contact = contacts[each.contact[lane]];
+      const bool goes_on = ctx.bodies[each.a[lane]].total || ctx.bodies[each.b[lane]].total;
+      for (std::size_t i = 0; i < each.most_points(); ++i) {
+        if (!goes_on) contact.debt[i] *= kGapDecay;
+        each.debt[i][lane] = contact.debt[i];
+      }
+    }
   }
 
   /// See ContactKernels::push: rows that overlap, or whose bodies others have pushed.

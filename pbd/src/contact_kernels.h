@@ -192,6 +192,99 @@ void prepare(ContactRows& rows, std::size_t at, double evenness, BodyNumbers bod
   }
 }
 
+/// The lanes of a batch from `at` on, as bits.
+template <class V>
+unsigned bits_of(const Mask<V>& mask, std::size_t at) {
+  Lanes set{};
+  store(xsimd::select(mask, V(1.0), V(0.0)), set, at);
+  unsigned out = 0;
+  for (std::size_t i = at; i < at + V::size; ++i) out |= unsigned{set[i] > 0.0} << i;
+  return out;
+}
+
+/// What begin() finds, as bits.
+struct Begun {
+  unsigned sunk = 0;
+  bool bounces = false;
+};
+
+template <class A, bool faces>
+Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  constexpr std::size_t points = faces ? 4 : 1;
+  const V zero(0.0), one(1.0), h(rule.h);
+  const Pair<A> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity(), spin = pair.spin();
+  const V vn = dot(pair.n, velocity), w1 = dot(pair.t1, spin), w2 = dot(pair.t2, spin);
+  // One rotation of the normal serves all points.
+  const V3<V> n_a = pair.a.to_local(pair.n), n_b = pair.b.to_local(pair.n);
+  const V apart = dot(pair.n, pair.b.x() - pair.a.x()) - load<V>(rows.radii, at);
+
+  V impulse[points];
+  for (std::size_t i = 0; i < points; ++i) {
+    impulse[i] = load<V>(rows.impulse[i], at);
+    if (rule.first) impulse[i] *= h;
+  }
+  const auto total = [&] {
+    if constexpr (faces) {
+      return (impulse[0] + impulse[1]) + (impulse[2] + impulse[3]);
+    } else {
+      return impulse[0];
+    }
+  };
+  const V pressed = total();
+  const V carried = rule.first ? pressed : load<V>(rows.carried, at);
+  if (rule.first) {
+    store(zero, rows.pressed, at);
+    store(zero, rows.fastest, at);
+  } else {
+    const V stopped = xsimd::select(pressed > zero, load<V>(rows.approach, at), zero);
+    store(load<V>(rows.pressed, at) + pressed, rows.pressed, at);
+    store(most(load<V>(rows.fastest, at), stopped), rows.fastest, at);
+  }
+  const V limit = V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
+  const V share = xsimd::select(pressed > limit, limit / pressed, one);
+
+  const V count = load<V>(rows.points, at);
+  const V restitution = load<V>(rows.restitution, at);
+  const bool elastic = xsimd::any(restitution > zero);
+  V fastest = zero;
+  Mask<V> sunk = zero != zero, bounces = zero != zero;
+  for (std::size_t i = 0; i < points; ++i) {
+    const Mask<V> there = count > V(static_cast<double>(i));
+    const V gap = apart + dot(n_b, load<V>(rows.anchor_b[i], at)) -
+                  dot(n_a, load<V>(rows.anchor_a[i], at)) - load<V>(rows.debt[i], at);
+    const V opened = most(V(rule.push_gain) * gap / h, V(-rule.push_speed));
+    store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
+    sunk = sunk | (there & (gap < V(-rule.push_slop)));
+    impulse[i] = xsimd::select(gap < V(rule.warm_start_gap), share * impulse[i], zero);
+    store(impulse[i], rows.impulse[i], at);
+    V approach = zero - vn;
+    if constexpr (faces) {
+      approach -= w1 * load<V>(rows.s[i], at) + w2 * load<V>(rows.r[i], at);
+    }
+    fastest = most(fastest, xsimd::select(there, approach, zero));
+    if (!elastic) continue;
+    // Restitution e is the ratio of energies, e^2, of what semi-implicit Euler conserves in free
+    // fall, v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not depend on h.
+    const Mask<V> back = there & (restitution > zero) & (approach > V(rule.bounce_speed));
+    const V a = load<V>(rows.fall, at);
+    const V twice = approach * approach + (a + a) * most(gap, zero) + a * h * approach;
+    const V half = V(0.5) * a * h;
+    const V speed = half + xsimd::sqrt(half * half + restitution * restitution * twice);
+    store(xsimd::select(back, speed, zero), rows.bounce[i], at);
+    bounces = bounces | back;
+  }
+  store(fastest, rows.approach, at);
+  const V now = total();
+  store(now, rows.carried, at);
+  const V friction = xsimd::select(now > zero, share, zero);
+  store(friction * load<V>(rows.slide[0], at), rows.slide[0], at);
+  store(friction * load<V>(rows.slide[1], at), rows.slide[1], at);
+  if constexpr (faces) store(friction * load<V>(rows.twist, at), rows.twist, at);
+  return {bits_of<V>(sunk, at), xsimd::any(bounces)};
+}
+
 template <class A, bool faces>
 void warm_start(const ContactRows& rows, std::size_t at, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
@@ -226,17 +319,6 @@ Mask<V> lanes_of(LaneMask mask, std::size_t at) {
     return sets;
   }();
   return load<V>(kSets[mask & kAllLanes], at) > V(0.0);
-}
-
-template <class V>
-LaneMask bits_of(const Mask<V>& mask, std::size_t at) {
-  Lanes set{};
-  store(xsimd::select(mask, V(1.0), V(0.0)), set, at);
-  LaneMask out = 0;
-  for (std::size_t i = at; i < at + V::size; ++i) {
-    if (set[i] > 0.0) out = static_cast<LaneMask>(out | 1u << i);
-  }
-  return out;
 }
 
 /// Change of the multiplier z of a point alone, whose velocity is e and its mobility m.
@@ -465,7 +547,7 @@ LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbe
     const V3<V> force = solve_point(m.press_n, zero, xsimd::select(active, e[0], zero)) * pair.n;
     pair.template apply<false>(rows, force, force, share_a, share_b);
   }
-  return bits_of<V>(active, at);
+  return static_cast<LaneMask>(bits_of<V>(active, at));
 }
 
 /// Call `visit.operator()<B>(at)` for the batches that these lanes lie in.
@@ -492,6 +574,16 @@ ContactKernels kernels() {
     for_batches<A, Half>(kAllLanes, [&]<class B>(std::size_t at) {
       rows.faces ? prepare<B, true>(rows, at, evenness, bodies)
                  : prepare<B, false>(rows, at, evenness, bodies);
+    });
+  };
+  out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies) {
+    rows.sunk = 0;
+    rows.bounces = false;
+    for_batches<A, Half>(kAllLanes, [&]<class B>(std::size_t at) {
+      const Begun begun = rows.faces ? begin<B, true>(rows, at, rule, bodies)
+                                     : begin<B, false>(rows, at, rule, bodies);
+      rows.sunk = static_cast<LaneMask>(rows.sunk | begun.sunk);
+      rows.bounces = rows.bounces || begun.bounces;
     });
   };
   out.warm_start = [](const ContactRows& rows, BodyNumbers bodies) {

@@ -132,6 +132,19 @@ class Side {
     return {properties().c3, second.c2, third.c1, second.c3, third.c2, third.c3};
   }
 
+  /// m
+  V3<V> x() const {
+    const auto x = Columns<A>::read(from(BodyNumbers::kX), at_);
+    return {x.c0, x.c1, x.c2};
+  }
+  /// A vector (world) in the frames of the bodies.
+  V3<V> to_local(const V3<V>& v) const {
+    const auto q = Columns<A>::read(from(BodyNumbers::kQ), at_);
+    const V3<V> u{q.c0, q.c1, q.c2};
+    const V3<V> t = V(2.0) * cross(v, u);
+    return v + q.c3 * t + cross(t, u);
+  }
+
   void add(const V3<V>& linear, const V3<V>& angular) {
     linear_.c0 += linear.x;
     linear_.c1 += linear.y;

@@ -11,11 +11,6 @@
 namespace tandem::pbd {
 namespace {
 
-/// Carried impulses grow by this factor in a substep at most, beyond what holds a body that weighs
-/// as much as the contact's effective mass, in this gravity at least (m/s^2).
-constexpr double kGrowth = 2.0;
-constexpr double kLeastGravity = 1.0;
-
 double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.dot(a.cross(b)); }
 
 /// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
@@ -55,14 +50,6 @@ Vec3 vector_of(const LaneArray<3>& lanes, std::size_t lane) {
   return {lanes[0][lane], lanes[1][lane], lanes[2][lane]};
 }
 
-/// Speed (m/s) after a bounce off a gap (m) that closes within the substep: restitution e is the
-/// ratio of energies, e^2, of what semi-implicit Euler conserves in free fall,
-/// v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not depend on h.
-double bounce_of(double e, double approach, double gap, double a, double h) {
-  const double energy2 = approach * approach + 2.0 * a * gap + a * h * approach;
-  return 0.5 * a * h + std::sqrt(0.25 * a * a * h * h + e * e * energy2);
-}
-
 /// q * v with the same bits. Eigen's own writes its cross product number by number and reads it
 /// back in pairs, for which the processor waits longer than for all the rest.
 Vec3 turned(const Quat& q, const Vec3& v) {
@@ -86,6 +73,8 @@ double gap_between(const Manifold& m, const Vec3& p_a, const Vec3& p_b) {
 }  // namespace
 
 BodyNumbers numbers_of(std::span<SolverBody> bodies) {
+  static_assert(offsetof(SolverBody, x) == BodyNumbers::kX * sizeof(double) &&
+                offsetof(SolverBody, q) == BodyNumbers::kQ * sizeof(double));
   static_assert(offsetof(SolverBody, v) == 0 && offsetof(SolverBody, w) == 3 * sizeof(double) &&
                 offsetof(SolverBody, inv_mass) == 6 * sizeof(double) &&
                 offsetof(SolverBody, inv_inertia_w) == 7 * sizeof(double) &&
@@ -121,8 +110,8 @@ ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b,
   return arms;
 }
 
-void set_row(const Contact& contact, std::span<const SolverBody> bodies, ContactRows& rows,
-             std::size_t lane) {
+void set_row(const Contact& contact, std::span<const SolverBody> bodies, const Vec3& gravity,
+             ContactRows& rows, std::size_t lane) {
   const Manifold& m = contact.manifold;
   const SolverBody& a = bodies[m.body_a];
   const SolverBody& b = bodies[m.body_b];
@@ -149,6 +138,15 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, Contact
   set_vector(rows.arm_a, lane, arm_a);
   set_vector(rows.arm_b, lane, arm_b);
   rows.friction[lane] = m.friction;
+  rows.restitution[lane] = m.restitution;
+  rows.radii[lane] = m.radius_a + m.radius_b;
+  rows.fall[lane] = std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(gravity));
+  for (std::size_t i = 0; i < rows.most_points(); ++i) {
+    rows.impulse[i][lane] = contact.force[i];
+    rows.debt[i][lane] = contact.debt[i];
+    set_vector(rows.anchor_a[i], lane, m.points[i].anchor_a_l);
+    set_vector(rows.anchor_b[i], lane, m.points[i].anchor_b_l);
+  }
   rows.slide[0][lane] = rows.slide[1][lane] = rows.twist[lane] = 0.0;
   rows.points[lane] = m.count;
   if (!rows.faces) return;
@@ -166,17 +164,17 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, Contact
   }
 }
 
-void repeat_first_frame(ContactRows& rows) {
+void repeat_first_row(ContactRows& rows) {
   for (std::size_t lane = rows.count; lane < kLanes; ++lane) {
     rows.a[lane] = rows.a[0];
     rows.b[lane] = rows.b[0];
   }
   repeat_first(rows.count, rows.friction, rows.points, rows.normal, rows.t1, rows.arm_a, rows.arm_b,
-               rows.s, rows.r, rows.reach, rows.idle);
-}
-
-void repeat_first_state(ContactRows& rows) {
-  repeat_first(rows.count, rows.slide, rows.impulse, rows.bias, rows.bounce, rows.twist);
+               rows.slide, rows.impulse, rows.debt, rows.radii, rows.restitution, rows.fall);
+  for (std::size_t i = 0; i < 4; ++i) {
+    repeat_first(rows.count, rows.anchor_a[i], rows.anchor_b[i]);
+  }
+  if (rows.faces) repeat_first(rows.count, rows.s, rows.r, rows.reach, rows.idle, rows.twist);
 }
 
 Vec3 friction_of(const ContactRows& rows, std::size_t lane) {
@@ -185,55 +183,9 @@ Vec3 friction_of(const ContactRows& rows, std::size_t lane) {
   return rows.slide[0][lane] * t1 + rows.slide[1][lane] * t2;
 }
 
-void begin_row(const Contact& contact, const SubstepRule& rule, double h,
-               std::span<const SolverBody> bodies, ContactRows& rows, std::size_t lane) {
-  const Manifold& m = contact.manifold;
-  const SolverBody& a = bodies[m.body_a];
-  const SolverBody& b = bodies[m.body_b];
-  // One rotation of the normal serves all points.
-  const Vec3 n_a = a.q.conjugate() * m.normal;
-  const Vec3 n_b = b.q.conjugate() * m.normal;
-  const double apart = m.normal.dot(b.x - a.x) - m.radius_a - m.radius_b;
-  // m/s^2, how gravity adds to the approach of the two
-  const double fall =
-      std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(rule.gravity));
-  const Vec3 arm_a = vector_of(rows.arm_a, lane);
-  const Vec3 arm_b = vector_of(rows.arm_b, lane);
-  const Vec3 spin = b.w - a.w;
-  const Vec3 t1 = vector_of(rows.t1, lane);
-  const double closing = m.normal.dot(b.v - a.v + b.w.cross(arm_b) - a.w.cross(arm_a));
-  const double w1 = t1.dot(spin);
-  const double w2 = m.normal.cross(t1).dot(spin);
-  const double share = share_to_carry(rows, lane, rule.gravity.norm(), h);
-  double fastest = 0.0;
-  bool sunk = false;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
-    const double gap =
-        apart + n_b.dot(m.points[i].anchor_b_l) - n_a.dot(m.points[i].anchor_a_l) - contact.debt[i];
-    rows.bias[i][lane] = gap > 0.0 ? gap / h : std::max(rule.push_gain * gap / h, -rule.push_speed);
-    sunk = sunk || gap < -rule.push_slop;
-    rows.impulse[i][lane] = gap < rule.warm_start_gap ? share * rows.impulse[i][lane] : 0.0;
-    const double velocity =
-        rows.faces ? closing + w1 * rows.s[i][lane] + w2 * rows.r[i][lane] : closing;
-    fastest = std::max(fastest, -velocity);
-    const bool bounces = m.restitution > 0.0 && -velocity > rule.bounce_speed;
-    rows.bounces = rows.bounces || bounces;
-    rows.bounce[i][lane] =
-        bounces ? bounce_of(m.restitution, -velocity, std::max(gap, 0.0), fall, h) : 0.0;
-  }
-  set_bit(rows.sunk, lane, sunk);
-  rows.approach[lane] = fastest;
-  rows.carried[lane] = rows.load(lane);
-  const double friction = rows.carried[lane] > 0.0 ? share : 0.0;
-  rows.slide[0][lane] *= friction;
-  rows.slide[1][lane] *= friction;
-  rows.twist[lane] *= friction;
-}
-
-double share_to_carry(const ContactRows& rows, std::size_t lane, double gravity, double h) {
+double share_to_carry(const ContactRows& rows, std::size_t lane, double growth) {
   const double load = rows.load(lane);
-  const double most =
-      kGrowth * rows.carried[lane] + std::max(gravity, kLeastGravity) * h / rows.press_n[lane];
+  const double most = kGrowth * rows.carried[lane] + growth / rows.press_n[lane];
   return load > most ? most / load : 1.0;
 }
 

@@ -41,6 +41,8 @@ struct alignas(64) ContactRows {
   bool bounces = false;  ///< some point of some contact does
   Lanes carried{};       ///< N s, sum of what the substep began with
   Lanes approach{};      ///< m/s, fastest approach of a point before the substep, >= 0
+  Lanes pressed{};       ///< N s, normal, sum over the substeps before this one
+  Lanes fastest{};       ///< m/s, approach that an impulse stopped in one of them
   Lanes change{};        ///< m/s, of a normal velocity in the last sweep
   Lanes friction{};      ///< Coulomb
   LaneArray<3> normal{};
@@ -56,7 +58,13 @@ struct alignas(64) ContactRows {
   /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
   /// which the overlap is pushed open.
   LaneArray<4> bias{};
-  LaneArray<4> bounce{};  ///< m/s, >= 0: normal velocity after an impact
+  LaneArray<4> bounce{};       ///< m/s, >= 0: normal velocity after an impact
+  LaneArray<3> anchor_a[4]{};  ///< m, frames of the bodies
+  LaneArray<3> anchor_b[4]{};
+  LaneArray<4> debt{};  ///< m, <= 0: the overlap that agreement left behind
+  Lanes radii{};        ///< m, of both bodies, along the normal
+  Lanes restitution{};
+  Lanes fall{};  ///< m/s^2, >= 0: how gravity adds to the approach of the two
 
   Lanes points{};        ///< how many
   LaneArray<4> s{};      ///< m, along t2 from the centre of pressure
@@ -72,9 +80,10 @@ struct alignas(64) ContactRows {
   LaneArray<3> grip_w{};
   Lanes twist{};  ///< N m s, both passes
 
-  std::uint32_t movable(std::size_t lane) const { return a_moves >> lane & 1u ? a[lane] : b[lane]; }
+  std::size_t most_points() const { return faces ? 4 : 1; }
   /// N s
   double load(std::size_t lane) const {
+    if (!faces) return impulse[0][lane];
     return (impulse[0][lane] + impulse[1][lane]) + (impulse[2][lane] + impulse[3][lane]);
   }
 };
@@ -83,6 +92,23 @@ constexpr LaneMask lanes_in_use(const ContactRows& rows) {
   return static_cast<LaneMask>((1u << rows.count) - 1u);
 }
 
+/// How gaps become velocities in a substep.
+struct SubstepRule {
+  double h = 0.0;               ///< s
+  bool first = false;           ///< of its step: impulses come as forces, N
+  double push_gain = 0.0;       ///< share of an overlap opened in a substep
+  double push_speed = 0.0;      ///< m/s, at most
+  double push_slop = 0.0;       ///< m, overlap that is left alone
+  double warm_start_gap = 0.0;  ///< m, carried impulses of wider gaps are dropped
+  double bounce_speed = 0.0;    ///< m/s, slower impacts do not bounce
+  double growth = 0.0;          ///< m/s: an effective mass times this may be carried on in any case
+};
+
+/// Carried impulses grow by this factor in a substep at most, beyond SubstepRule::growth: an impact
+/// is no load, and replayed in the next substep it would throw off again what has just landed. A
+/// load builds up over a few substeps instead.
+inline constexpr double kGrowth = 2.0;
+
 /// Which velocities a row asks for.
 enum class ContactPass {
   Motion,    ///< the substep's: gaps may close but not overlap more
@@ -90,8 +116,11 @@ enum class ContactPass {
 };
 
 /// Where the kernels find what they read and write of bodies, as numbers:
-/// v, w, 1/m and the inverse inertia (3, 3, 1 and 9 numbers), v_push and w_push `push` further on.
+/// v, w, 1/m and the inverse inertia (3, 3, 1 and 9 numbers), then x and q from the numbers kX and
+/// kQ on, and v_push and w_push from `push` on.
 struct BodyNumbers {
+  static constexpr std::size_t kX = 16;
+  static constexpr std::size_t kQ = 19;
   double* first = nullptr;
   std::size_t stride = 0;  ///< numbers, from body to body
   std::size_t push = 0;    ///< numbers, from v to v_push
@@ -103,6 +132,10 @@ struct BodyNumbers {
 struct ContactKernels {
   /// Responses, from frames, arms and the places of the points. `idle` comes as a unit vector.
   void (*prepare)(ContactRows& rows, double evenness, BodyNumbers bodies);
+  /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is
+  /// carried from substep to substep, which heaps need, but starts anew in each step: carried on,
+  /// it never comes to rest.
+  void (*begin)(ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies);
   /// Change v and w of both bodies as the rows' impulses do.
   void (*warm_start)(const ContactRows& rows, BodyNumbers bodies);
   /// Solve each row's normals, then its friction. Sets `change`.
