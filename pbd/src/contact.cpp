@@ -30,56 +30,46 @@ double growth_of(const SubstepContext& ctx) {
   return std::max(ctx.gravity.norm(), kLeastGravity) * ctx.h;
 }
 
-/// What the next step wants to know of a contact.
-CarriedContact remember(const Contact& contact) {
-  CarriedContact carried{.body_a = contact.manifold.body_a,
-                         .body_b = contact.manifold.body_b,
-                         .key = contact.manifold.key,
-                         .count = contact.manifold.count,
-                         .force = contact.force,
-                         .debt = contact.debt,
-                         .overlap = contact.overlap};
-  for (int i = 0; i < contact.manifold.count; ++i) {
-    carried.feature[i] = contact.manifold.points[i].feature;
-    carried.force[i] *= contact.carried_share;
-    carried.anchor_b_l[i] = contact.manifold.points[i].anchor_b_l;
-  }
-  return carried;
-}
-
-/// Carry forces from the old contact of the same pair to the new one.
-void carry(const CarriedContact& old, Contact& contact) {
+/// Which of the old points is the new one: of the same feature, or the nearest one close by.
+std::array<int, 4> match_points(const Manifold& old, const Manifold& m) {
+  std::array<int, 4> match{-1, -1, -1, -1};
   std::array<bool, 4> taken{};
-  std::array<bool, 4> done{};
-  const Manifold& m = contact.manifold;
-  contact.overlap = old.overlap;
-  const auto take = [&](int i, int j) {
-    contact.force[i] = old.force[j];
-    contact.debt[i] = old.debt[j];
-    taken[j] = true;
-    done[i] = true;
-  };
   for (int i = 0; i < m.count; ++i) {
-    for (int j = 0; j < old.count; ++j) {
-      if (!taken[j] && m.points[i].feature == old.feature[j]) {
-        take(i, j);
-        break;
-      }
+    for (int j = 0; j < old.count && match[i] < 0; ++j) {
+      if (!taken[j] && m.points[i].feature == old.points[j].feature) match[i] = j;
     }
+    if (match[i] >= 0) taken[match[i]] = true;
   }
   for (int i = 0; i < m.count; ++i) {
-    if (done[i]) continue;
-    int best = -1;
+    if (match[i] >= 0) continue;
     double nearest = kAnchorMatch * kAnchorMatch;
     for (int j = 0; j < old.count; ++j) {
-      const double d2 = (m.points[i].anchor_b_l - old.anchor_b_l[j]).squaredNorm();
-      if (!taken[j] && d2 < nearest) {
-        nearest = d2;
-        best = j;
-      }
+      const double d2 = (m.points[i].anchor_b_l - old.points[j].anchor_b_l).squaredNorm();
+      if (taken[j] || d2 >= nearest) continue;
+      nearest = d2;
+      match[i] = j;
     }
-    if (best >= 0) take(i, best);
+    if (match[i] >= 0) taken[match[i]] = true;
   }
+  return match;
+}
+
+/// The contact of a pair becomes that of this step and keeps the forces of its points.
+void follow(const Manifold& manifold, Contact& contact) {
+  const std::array<int, 4> match = match_points(contact.manifold, manifold);
+  const Contact old{
+      .force = contact.force, .carried_share = contact.carried_share, .debt = contact.debt};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool known = match[i] >= 0;
+    const auto j = static_cast<std::size_t>(known ? match[i] : 0);
+    contact.force[i] = known ? old.carried_share * old.force[j] : 0.0;
+    contact.debt[i] = known ? old.debt[j] : 0.0;
+  }
+  contact.manifold = manifold;
+  contact.friction_force.setZero();
+  contact.carried_share = 1.0;
+  contact.approach_speed = 0.0;
+  contact.impulse = 0.0;
 }
 
 /// What is known of a contact at the end of a step.
@@ -137,25 +127,32 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
   if (!std::is_sorted(manifolds.begin(), manifolds.end(), by_key)) {
     std::sort(manifolds.begin(), manifolds.end(), by_key);
   }
-  auto& contacts = impl_->contacts;
-  auto& carried = impl_->carried;
-  carried.clear();
-  for (const Contact& contact : contacts) {
-    carried.push_back(remember(contact));
-  }
-  contacts.clear();
-  impl_->any_friction = false;
-  impl_->any_restitution = false;
-  std::size_t j = 0;
+  Impl& m = *impl_;
+  m.any_friction = false;
+  m.any_restitution = false;
   for (const Manifold& manifold : manifolds) {
-    Contact& contact = contacts.emplace_back();
-    contact.manifold = manifold;
-    impl_->any_friction = impl_->any_friction || manifold.friction > 0.0;
-    impl_->any_restitution = impl_->any_restitution || manifold.restitution > 0.0;
-    while (j < carried.size() && carried[j].key < manifold.key) impl_->note_lost(carried[j++]);
-    if (j < carried.size() && carried[j].key == manifold.key) carry(carried[j++], contact);
+    m.any_friction = m.any_friction || manifold.friction > 0.0;
+    m.any_restitution = m.any_restitution || manifold.restitution > 0.0;
   }
-  while (j < carried.size()) impl_->note_lost(carried[j++]);
+  auto next = manifolds.begin();
+  std::erase_if(m.contacts, [&](const Contact& contact) {
+    while (next != manifolds.end() && next->key < contact.manifold.key) ++next;
+    if (next != manifolds.end() && next->key == contact.manifold.key) return false;
+    m.note_lost(contact);
+    return true;
+  });
+  // The others move up to make room for new ones, the last one first.
+  std::size_t left = m.contacts.size();
+  m.contacts.resize(manifolds.size());
+  for (std::size_t i = manifolds.size(); i-- > 0;) {
+    const bool known = left > 0 && m.contacts[left - 1].manifold.key == manifolds[i].key;
+    if (known) {
+      if (--left != i) m.contacts[i] = m.contacts[left];
+      follow(manifolds[i], m.contacts[i]);
+    } else {
+      m.contacts[i] = {.manifold = manifolds[i]};
+    }
+  }
   manifolds.clear();
 }
 

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <numeric>
 
 namespace tandem::pbd {
 namespace {
 
 /// Of a positive speed: the exponent of its binary number.
-std::size_t octave_of(float speed) { return std::bit_cast<std::uint32_t>(speed) >> 23; }
+std::uint8_t octave_of(float speed) {
+  return static_cast<std::uint8_t>(std::bit_cast<std::uint32_t>(speed) >> 23);
+}
 
 /// The last of the budget is left over: looking for so few rows costs more than they bring.
 constexpr int kNotWorthIt = 8;
@@ -35,38 +38,32 @@ void ContactConvergence::note(const ContactRows& rows, LaneMask lanes) {
 void ContactConvergence::find_open(const ContactOrder::Places& places,
                                    std::span<const ContactRows> rows, float tolerance) {
   open_.clear();
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    unsigned lanes = 0;
-    for (std::size_t i = 0; i < rows[k].count; ++i) {
-      lanes |= unsigned{moved(rows[k], i) > tolerance} << i;
-    }
-    if (lanes != 0) open_.push_back({k, static_cast<LaneMask>(lanes)});
-  }
-}
-
-int ContactConvergence::count_open() const {
-  int sum = 0;
-  for (const Open& open : open_) sum += std::popcount(open.lanes);
-  return sum;
-}
-
-void ContactConvergence::keep_most_moved(std::span<const ContactRows> rows, int most) {
-  const auto octave = [&](const Open& open, std::size_t i) {
-    return octave_of(moved(rows[open.block], i));
-  };
   octaves_.fill(0);
-  for (const Open& open : open_) {
-    for_lanes(open.lanes, [&](std::size_t i) { ++octaves_[octave(open, i)]; });
+  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+    Open open{.block = k};
+    for (std::size_t i = 0; i < rows[k].count; ++i) {
+      const float speed = moved(rows[k], i);
+      if (!(speed > tolerance)) continue;
+      open.lanes = static_cast<LaneMask>(open.lanes | 1u << i);
+      open.octave[i] = octave_of(speed);
+      ++octaves_[open.octave[i]];
+    }
+    if (open.lanes != 0) open_.push_back(open);
   }
+}
+
+int ContactConvergence::keep_most_moved(int most) {
   std::size_t lowest = octaves_.size();
-  int sum = 0;
-  while (lowest > 0 && sum + octaves_[lowest - 1] <= most) sum += octaves_[--lowest];
+  int kept = 0;
+  while (lowest > 0 && kept + octaves_[lowest - 1] <= most) kept += octaves_[--lowest];
+  if (lowest == 0) return kept;
   for (Open& open : open_) {
     for_lanes(open.lanes, [&](std::size_t i) {
-      if (octave(open, i) < lowest) open.lanes = static_cast<LaneMask>(open.lanes & ~(1u << i));
+      if (open.octave[i] < lowest) open.lanes = static_cast<LaneMask>(open.lanes & ~(1u << i));
     });
   }
   std::erase_if(open_, [](const Open& open) { return open.lanes == 0; });
+  return kept;
 }
 
 ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
@@ -85,15 +82,14 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
   const BodyNumbers numbers = numbers_of(bodies);
   for (;;) {
     find_open(places, rows, static_cast<float>(rule.tolerance));
-    outcome.open = count_open();
+    outcome.open = std::accumulate(octaves_.begin(), octaves_.end(), 0);
     const int left = rule.rows - outcome.swept;
     if (left < rule.rows / kNotWorthIt) return outcome;
-    if (outcome.open > left) keep_most_moved(rows, left);
-    if (open_.empty()) return outcome;
-    for (const auto& [block, lanes] : open_) {
-      for_lanes(lanes, [&, &each = rows[block]](std::size_t i) {
-        moved_[each.a[i]] = moved_[each.b[i]] = 0.0f;
-      });
+    const int kept = keep_most_moved(left);
+    if (kept == 0) return outcome;
+    for (const Open& open : open_) {
+      const ContactRows& each = rows[open.block];
+      for_lanes(open.lanes, [&](std::size_t i) { moved_[each.a[i]] = moved_[each.b[i]] = 0.0f; });
     }
     reverse = !reverse;
     for (std::size_t i = 0; i < open_.size(); ++i) {
@@ -101,8 +97,8 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
       kernels.solve(rows[open.block], ContactPass::Motion, turns_of(rule.fresh), open.lanes,
                     numbers);
     }
-    for (const auto& [block, lanes] : open_) note(rows[block], lanes);
-    outcome.swept += count_open();
+    for (const Open& open : open_) note(rows[open.block], open.lanes);
+    outcome.swept += kept;
   }
 }
 

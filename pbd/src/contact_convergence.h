@@ -39,6 +39,7 @@ class ContactConvergence {
   struct Open {
     std::uint32_t block = 0;
     LaneMask lanes = 0;
+    std::array<std::uint8_t, kLanes> octave{};  ///< how much each row's bodies moved
   };
 
   /// How much the bodies of a row were moved, m/s.
@@ -49,9 +50,9 @@ class ContactConvergence {
   /// The rows with a body that moved by more than this, m/s.
   void find_open(const ContactOrder::Places& places, std::span<const ContactRows> rows,
                  float tolerance);
-  int count_open() const;
   /// Keep those open rows whose bodies moved most, no more than `most`: whole octaves.
-  void keep_most_moved(std::span<const ContactRows> rows, int most);
+  /// @return how many
+  int keep_most_moved(int most);
 
   std::vector<float> moved_;        ///< m/s, by body: largest change of a row since it was swept
   std::vector<Open> open_;          ///< by ascending block

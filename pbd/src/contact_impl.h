@@ -15,19 +15,6 @@
 
 namespace tandem::pbd {
 
-/// What is kept of a contact while the next step's are made.
-struct CarriedContact {
-  std::uint32_t body_a = 0;
-  std::uint32_t body_b = 0;
-  std::uint64_t key = 0;
-  int count = 0;
-  std::array<std::uint32_t, 4> feature{};
-  std::array<double, 4> force{};
-  std::array<double, 4> debt{};
-  double overlap = -1.0;
-  std::array<Vec3, 4> anchor_b_l;
-};
-
 /// A contact in the total channel: positions only.
 struct TotalRow {
   std::uint32_t contact = 0;
@@ -65,9 +52,8 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
 
   std::vector<Contact> contacts;        ///< by ascending key
   std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
-  std::vector<CarriedContact> carried;
-  std::vector<std::uint32_t> changed;        ///< bodies that lost a load, until the next step
-  std::vector<ContactRows> rows;             ///< by place in the order
+  std::vector<std::uint32_t> changed;   ///< bodies that lost a load, until the next step
+  std::vector<ContactRows> rows;        ///< by place in the order
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
   std::vector<Vec3> turns;            ///< rad, by body: of this sweep, not in its orientation yet
   std::vector<std::uint32_t> turned;  ///< bodies with such turns
@@ -90,10 +76,10 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   bool any_debt = false;  ///< when the step began
 
   /// A contact without a successor: what it held up has to wake.
-  void note_lost(const CarriedContact& lost) {
-    if (*std::max_element(lost.force.begin(), lost.force.end()) <= 0.0) return;
-    changed.push_back(lost.body_a);
-    changed.push_back(lost.body_b);
+  void note_lost(const Contact& lost) {
+    if (!lost.loaded() || !(lost.carried_share > 0.0)) return;
+    changed.push_back(lost.manifold.body_a);
+    changed.push_back(lost.manifold.body_b);
   }
 
   /// See SubstepContext::displaced: overlaps are left, to fade.

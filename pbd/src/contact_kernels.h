@@ -15,7 +15,7 @@ struct Pair {
   V3<V> n, t1, t2, arm_a, arm_b;
   Side<A, pushes> a, b;
 
-  Pair(const ContactRows& rows, std::size_t at, BodyNumbers bodies)
+  [[gnu::always_inline]] Pair(const ContactRows& rows, std::size_t at, BodyNumbers bodies)
       : n(load<V>(rows.normal, at)),
         t1(load<V>(rows.t1, at)),
         t2(cross(n, t1)),
@@ -33,8 +33,9 @@ struct Pair {
   /// @tparam couples  else there is none
   /// @param share_a  of the inverse mass and inertia of a that counts
   template <bool couples>
-  void apply(const ContactRows& rows, const V3<V>& force, const V3<V>& couple,
-             const V& share_a = V(1.0), const V& share_b = V(1.0)) {
+  [[gnu::always_inline]] void apply(const ContactRows& rows, const V3<V>& force,
+                                    const V3<V>& couple, const V& share_a = V(1.0),
+                                    const V& share_b = V(1.0)) {
     const auto moment = [&](const V3<V>& arm) {
       if constexpr (couples) {
         return cross(arm, force) + couple;
@@ -134,7 +135,7 @@ struct Face {
 
 /// The responses as they were prepared.
 template <class V, bool faces>
-Responses<V> responses(const ContactRows& rows, std::size_t at) {
+[[gnu::always_inline]] inline Responses<V> responses(const ContactRows& rows, std::size_t at) {
   Responses<V> m;
   m.press_n = load<V>(rows.press_n, at);
   m.grip.m11 = load<V>(rows.grip[0], at);

@@ -72,7 +72,8 @@ struct Columns {
   using V = xsimd::batch<double, A>;
   V c0, c1, c2, c3;
 
-  static Columns read(const std::array<const double*, kLanes>& from, std::size_t at) {
+  [[gnu::always_inline]] static Columns read(const std::array<const double*, kLanes>& from,
+                                             std::size_t at) {
     static_assert(V::size == 2);
     const V p = V::load_unaligned(from[at]), q = V::load_unaligned(from[at + 1]);
     const V r = V::load_unaligned(from[at] + 2), s = V::load_unaligned(from[at + 1] + 2);
@@ -93,7 +94,8 @@ struct Columns<xsimd::avx2> {
   static V halves(const double* low, const double* high) {
     return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(low)), _mm_loadu_pd(high), 1);
   }
-  static Columns read(const std::array<const double*, kLanes>& from, std::size_t) {
+  [[gnu::always_inline]] static Columns read(const std::array<const double*, kLanes>& from,
+                                             std::size_t) {
     const V p = halves(from[0], from[2]), q = halves(from[1], from[3]);
     const V r = halves(from[0] + 2, from[2] + 2), s = halves(from[1] + 2, from[3] + 2);
     return {_mm256_unpacklo_pd(p, q), _mm256_unpackhi_pd(p, q), _mm256_unpacklo_pd(r, s),
