@@ -176,6 +176,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   const auto prepare = [&](ContactRows& rows, std::span<const std::uint32_t> contacts) {
     rows.faces = m.contacts[contacts[0]].manifold.count > 1;
     rows.count = 0;
+    rows.change = {};
     rows.a_moves = rows.b_moves = rows.a_below = rows.b_below = 0;
     for (const std::uint32_t contact : contacts) {
       if (contact == ContactOrder::kNone) break;

@@ -8,6 +8,16 @@
 
 namespace tandem::pbd::kernel {
 
+/// The lanes of a batch from `at` on, as bits.
+template <class V>
+unsigned bits_of(const Mask<V>& mask, std::size_t at) {
+  Lanes set{};
+  store(xsimd::select(mask, V(1.0), V(0.0)), set, at);
+  unsigned out = 0;
+  for (std::size_t i = at; i < at + V::size; ++i) out |= unsigned{set[i] > 0.0} << i;
+  return out;
+}
+
 /// The bodies of rows, read at once, in the rows' frames.
 template <class A, bool pushes = false>
 struct Pair {
@@ -31,9 +41,10 @@ struct Pair {
   /// Change both bodies' velocities by a force (N s) and a couple (N m s) on b at the centre of
   /// pressure, world, and their opposites on a.
   /// @tparam couples  else there is none
+  /// @param lanes  the rows that do so: even adding 0 could change a bit
   /// @param share_a  of the inverse mass and inertia of a that counts
   template <bool couples>
-  [[gnu::always_inline]] void apply(const ContactRows& rows, const V3<V>& force,
+  [[gnu::always_inline]] void apply(const ContactRows& rows, unsigned lanes, const V3<V>& force,
                                     const V3<V>& couple, const V& share_a = V(1.0),
                                     const V& share_b = V(1.0)) {
     const auto moment = [&](const V3<V>& arm) {
@@ -45,8 +56,8 @@ struct Pair {
     };
     a.add((-share_a * a.inv_mass()) * force, -share_a * (a.inv_inertia() * moment(arm_a)));
     b.add((share_b * b.inv_mass()) * force, share_b * (b.inv_inertia() * moment(arm_b)));
-    a.write(rows.a_moves);
-    b.write(rows.b_moves);
+    a.write(rows.a_moves & lanes);
+    b.write(rows.b_moves & lanes);
   }
 };
 
@@ -193,16 +204,6 @@ void prepare(ContactRows& rows, std::size_t at, double evenness, BodyNumbers bod
   }
 }
 
-/// The lanes of a batch from `at` on, as bits.
-template <class V>
-unsigned bits_of(const Mask<V>& mask, std::size_t at) {
-  Lanes set{};
-  store(xsimd::select(mask, V(1.0), V(0.0)), set, at);
-  unsigned out = 0;
-  for (std::size_t i = at; i < at + V::size; ++i) out |= unsigned{set[i] > 0.0} << i;
-  return out;
-}
-
 /// What begin() finds, as bits.
 struct Begun {
   unsigned sunk = 0;
@@ -265,16 +266,19 @@ Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumb
       approach -= w1 * load<V>(rows.s[i], at) + w2 * load<V>(rows.r[i], at);
     }
     fastest = most(fastest, xsimd::select(there, approach, zero));
-    if (!elastic) continue;
-    // Restitution e is the ratio of energies, e^2, of what semi-implicit Euler conserves in free
-    // fall, v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not depend on h.
-    const Mask<V> back = there & (restitution > zero) & (approach > V(rule.bounce_speed));
-    const V a = load<V>(rows.fall, at);
-    const V twice = approach * approach + (a + a) * most(gap, zero) + a * h * approach;
-    const V half = V(0.5) * a * h;
-    const V speed = half + xsimd::sqrt(half * half + restitution * restitution * twice);
-    store(xsimd::select(back, speed, zero), rows.bounce[i], at);
-    bounces = bounces | back;
+    V bounce = zero;
+    if (elastic) {
+      // Restitution e is the ratio of energies, e^2, of what semi-implicit Euler conserves in free
+      // fall, v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not depend on h.
+      const Mask<V> back = there & (restitution > zero) & (approach > V(rule.bounce_speed));
+      const V a = load<V>(rows.fall, at);
+      const V twice = approach * approach + (a + a) * most(gap, zero) + a * h * approach;
+      const V half = V(0.5) * a * h;
+      const V speed = half + xsimd::sqrt(half * half + restitution * restitution * twice);
+      bounce = xsimd::select(back, speed, zero);
+      bounces = bounces | back;
+    }
+    store(bounce, rows.bounce[i], at);
   }
   store(fastest, rows.approach, at);
   const V now = total();
@@ -306,7 +310,7 @@ void warm_start(const ContactRows& rows, std::size_t at, BodyNumbers bodies) {
   }
   const V3<V> force =
       press * pair.n + load<V>(rows.slide[0], at) * pair.t1 + load<V>(rows.slide[1], at) * pair.t2;
-  pair.template apply<faces>(rows, force, couple);
+  pair.template apply<faces>(rows, kAllLanes, force, couple);
 }
 
 /// The lanes from `at` on whose bit is set.
@@ -387,7 +391,7 @@ void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns
   store(f1, rows.slide[0], at);
   store(f2, rows.slide[1], at);
   const V3<V> force = pressed * pair.n + rubbed_1 * pair.t1 + rubbed_2 * pair.t2;
-  pair.template apply<false>(rows, force, force);
+  pair.template apply<false>(rows, bits_of<V>(active, at), force, force);
 }
 
 template <class A>
@@ -488,7 +492,8 @@ void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
   store(slide.f1, rows.slide[0], at);
   store(slide.f2, rows.slide[1], at);
   store(slide.tn, rows.twist, at);
-  pair.template apply<true>(rows, fn * pair.n + rubbed.f1 * pair.t1 + rubbed.f2 * pair.t2,
+  pair.template apply<true>(rows, bits_of<V>(active, at),
+                            fn * pair.n + rubbed.f1 * pair.t1 + rubbed.f2 * pair.t2,
                             rubbed.tn * pair.n + c1 * pair.t1 + c2 * pair.t2);
 }
 
@@ -516,6 +521,7 @@ LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbe
   }
   active = active & lanes_of<V>(asked, at);
   if (xsimd::none(active)) return 0;
+  const unsigned bits = bits_of<V>(active, at);
   Responses<V> m = responses<V, faces>(rows, at);
   const V mass_a = pair.a.inv_mass(), mass_b = pair.b.inv_mass();
   const Mask<V> a_lighter = lanes_of<V>(rows.a_below, at) & (mass_a > mass_b) & (mass_b > zero);
@@ -541,14 +547,14 @@ LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbe
     const Four<V> none{{zero, zero, zero, zero}};
     for (V& each : e.p) each = xsimd::select(active, each, zero);
     const Four<V> dz = solve_lcp<V>(face.there, face.mobility(m), none, e);
-    pair.template apply<true>(rows, sum(dz) * pair.n,
+    pair.template apply<true>(rows, bits, sum(dz) * pair.n,
                               dot(face.s, dz) * pair.t1 + dot(face.r, dz) * pair.t2, share_a,
                               share_b);
   } else {
     const V3<V> force = solve_point(m.press_n, zero, xsimd::select(active, e[0], zero)) * pair.n;
-    pair.template apply<false>(rows, force, force, share_a, share_b);
+    pair.template apply<false>(rows, bits, force, force, share_a, share_b);
   }
-  return static_cast<LaneMask>(bits_of<V>(active, at));
+  return static_cast<LaneMask>(bits);
 }
 
 /// Call `visit.operator()<B>(at)` for the batches that these lanes lie in.
@@ -572,7 +578,7 @@ ContactKernels kernels() {
   static_assert(xsimd::batch<double, Half>::size == kLanes / 2);
   ContactKernels out;
   out.prepare = [](ContactRows& rows, double evenness, BodyNumbers bodies) {
-    for_batches<A, Half>(kAllLanes, [&]<class B>(std::size_t at) {
+    for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
       rows.faces ? prepare<B, true>(rows, at, evenness, bodies)
                  : prepare<B, false>(rows, at, evenness, bodies);
     });
@@ -580,7 +586,7 @@ ContactKernels kernels() {
   out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies) {
     rows.sunk = 0;
     rows.bounces = false;
-    for_batches<A, Half>(kAllLanes, [&]<class B>(std::size_t at) {
+    for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
       const Begun begun = rows.faces ? begin<B, true>(rows, at, rule, bodies)
                                      : begin<B, false>(rows, at, rule, bodies);
       rows.sunk = static_cast<LaneMask>(rows.sunk | begun.sunk);

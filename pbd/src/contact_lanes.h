@@ -156,7 +156,7 @@ class Side {
     angular_.c1 += angular.z;
   }
   /// To those bodies that move.
-  void write(LaneMask moves) const {
+  void write(unsigned moves) const {
     for (std::size_t i = 0; i < V::size; ++i) {
       if ((moves >> (at_ + i) & 1u) == 0) continue;
       double* to = from_[at_ + i] + push_;
