@@ -7,9 +7,9 @@
 namespace tandem::pbd {
 namespace {
 
-/// Rows that may repeat each other share their load as if they had this much compliance, relative
-/// to their own mobility. A rope of 50 links held at both ends sags by less than 1e-8 m from it.
-constexpr double kRedundancy = 1e-9;
+/// Loops that add energy are solved again with this much more compliance, so often at most.
+constexpr double kSofter = 100.0;
+constexpr int kSoften = 2;
 /// Moves that shrink less than this from iteration to iteration call for a better matrix.
 constexpr double kSlow = 0.3;
 /// m; smaller moves are rounding as like as not.
@@ -40,13 +40,20 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
   const auto is_slow = [&] {
     return state.iteration > 1 && state.last_move > kSlow * before && state.last_move > kFine;
   };
-  if (is_slow() && !state.restarted) {
-    restart(part, records, ctx);
-    state.restarted = true;
+  const auto start_anew = [&](bool learn) {
+    restart(part, records, ctx, learn);
     state.factored = false;
     state.iteration = 0;
     prepare(part, state, records, ctx);
     state.last_move = newton(part, state, records, ctx);
+  };
+  if (!part.regular && state.softened < kSoften && adds_energy(part, ctx)) {
+    ++state.softened;
+    state.redundancy *= kSofter;
+    start_anew(false);
+  } else if (is_slow() && !state.restarted) {
+    state.restarted = true;
+    start_anew(true);
   } else if (is_slow()) {
     turn_gradients(part, state, records, ctx);
   }
@@ -55,7 +62,7 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
 
 double JointSystem::newton(const JointGraph::Part& part, PartState& state,
                            std::span<const JointRecord> records, const SubstepContext& ctx) {
-  const bool changed = evaluate(part, records, ctx);
+  const bool changed = evaluate(part, state, records, ctx);
   if (changed || !state.factored) {
     assemble(part);
     factor(part);
@@ -171,8 +178,8 @@ void JointSystem::weigh(const JointGraph::Part& part, std::span<const JointRecor
   }
 }
 
-bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRecord> records,
-                           const SubstepContext& ctx) {
+bool JointSystem::evaluate(const JointGraph::Part& part, const PartState& state,
+                           std::span<const JointRecord> records, const SubstepContext& ctx) {
   bool changed = false;
   const SolverBody ground;
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
@@ -194,7 +201,7 @@ bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRe
       for (int i = 0; i < 3; ++i) {
         node.coordinate[i] = static_cast<std::uint8_t>(i);
         const ForceLaw& law = node.law[i];
-        node.at[i] = part.regular ? law.at : std::max(law.at, kRedundancy * node.w[i]);
+        node.at[i] = part.regular ? law.at : std::max(law.at, state.redundancy * node.w[i]);
         right[i] = -(place.d[i] - law.target) - node.at[i] * node.lambda[i];
       }
       continue;
@@ -216,7 +223,7 @@ bool JointSystem::evaluate(const JointGraph::Part& part, std::span<const JointRe
       changed = changed || n >= node.n || node.coordinate[n] != i || node.kind[n] != segment.kind;
       node.coordinate[n] = static_cast<std::uint8_t>(i);
       node.kind[n] = segment.kind;
-      node.at[n] = part.regular ? segment.at : std::max(segment.at, kRedundancy * node.w[i]);
+      node.at[n] = part.regular ? segment.at : std::max(segment.at, state.redundancy * node.w[i]);
       right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
       ++n;
     });

@@ -16,6 +16,12 @@ constexpr double kStiffFrom = 2.0;
 constexpr double kStiffTo = 8.0;
 /// Part of a part's kinetic energy that its joints may have given it before it is taken back.
 constexpr double kSurplus = 0.01;
+/// Part of it that one substep of loops may add before they are solved again, softer.
+constexpr double kMostAdded = 0.1;
+/// Part of it that others may have changed since joints were solved, by rounding.
+constexpr double kUndisturbed = 1e-9;
+/// Part of it that is given back in one substep, at most.
+constexpr double kMostGiven = 1.0;
 
 }  // namespace
 
@@ -24,9 +30,9 @@ void JointSystem::add_pull(const JointGraph::Node& plan, NodeState& node, const 
   if (plan.slot_b != kNone) node.pull_b = std::max(node.pull_b, node.r_b.dot(lambda));
 }
 
-/// Start the substep anew, now that the load is known.
+/// Start the substep anew.
 void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRecord> records,
-                          const SubstepContext& ctx) {
+                          const SubstepContext& ctx, bool learn) {
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     Slot& slot = slots_[s];
     SolverBody& body = ctx.bodies[graph_.bodies()[s]];
@@ -42,9 +48,27 @@ void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRec
     Vec3 lambda = Vec3::Zero();
     for_bits(records[plan.joint].used & 7u,
              [&](int i) { lambda += node.lambda[i] * node.dir.col(i); });
-    add_pull(plan, node, lambda);
+    if (learn) add_pull(plan, node, lambda);
     node.lambda.fill(0.0);
   }
+}
+
+/// A projection never adds kinetic energy. Where the corrections of a loop do, its rows are close
+/// to repeating each other and ask for moves far larger than what they violate.
+bool JointSystem::adds_energy(const JointGraph::Part& part, const SubstepContext& ctx) const {
+  double before = 0.0;  // J, twice
+  double after = 0.0;
+  const double rate = 1.0 / ctx.h;
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const Slot& slot = slots_[s];
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    const Mat3 inertia = inverse_where_free(body.inv_inertia_w);
+    const Vec3 v = slot.v + rate * slot.sum_dx;
+    const Vec3 w = slot.w + rate * slot.sum_dtheta;
+    before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(inertia * slot.w);
+    after += v.squaredNorm() / body.inv_mass + w.dot(inertia * w);
+  }
+  return after > (1.0 + kMostAdded) * before;
 }
 
 /// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
@@ -90,8 +114,15 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
       // Neighbours that turn against each other at a rate that is not resolved are braked.
       const Vec3 turn = ctx.h * (ctx.bodies[graph_.bodies()[plan.slot_b]].w -
                                  ctx.bodies[graph_.bodies()[plan.slot_a]].w);
-      slots_[plan.slot_a].dtheta += kStiffDamping * share(plan.slot_a) * std::max(a, 0.0) * turn;
-      slots_[plan.slot_b].dtheta -= kStiffDamping * share(plan.slot_b) * std::max(b, 0.0) * turn;
+      // About the link itself nothing is stiff.
+      const auto across = [&](const Vec3& r) {
+        return Vec3(turn - r * (r.dot(turn) / r.squaredNorm()));
+      };
+      const auto brake = [&](std::uint32_t s, const Vec3& r, double pull, double sign) {
+        if (pull > 0.0) slots_[s].dtheta += sign * kStiffDamping * share(s) * pull * across(r);
+      };
+      brake(plan.slot_a, node.r_a, a, 1.0);
+      brake(plan.slot_b, node.r_b, b, -1.0);
     });
   }
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
@@ -114,13 +145,33 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
   }
 }
 
+bool JointSystem::is_ideal(const JointGraph::Part& part) const {
+  bool held = false;
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    const JointGraph::Node& plan = graph_.nodes()[k];
+    const NodeState& node = nodes_[k];
+    if (plan.joint == kNone || node.off) continue;
+    held = held || plan.slot_a == kNone || plan.slot_b == kNone;
+    for (const Segment::Kind kind : node.last_kind) {
+      if (kind == Segment::Kind::Lower || kind == Segment::Kind::Upper) return false;
+    }
+  }
+  return held;
+}
+
 /// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
 /// a substep than its gradients can follow, the surplus is taken back from the motion of the part
 /// against its mean: it may shake where it is not resolved, but not more and more.
+///
+/// Loops lose energy as well. Where rows repeat each other to first order only, as in a lattice
+/// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
+/// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
+/// contacts have left to lose. What floats freely keeps its angular momentum instead.
 void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
                         const SubstepContext& ctx) {
   double work = 0.0;
-  double energy = 0.0;  // before, against the mean
+  double energy = 0.0;     // before, against the mean
+  double disturbed = 0.0;  // J, of what others changed since joints were solved
   double mass = 0.0;
   Vec3 mean = Vec3::Zero();
   const double rate = 1.0 / ctx.h;
@@ -142,16 +193,37 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     work += dv.dot(slot.v + 0.5 * dv) / body.inv_mass +
             0.5 * (momentum_l.dot(body.inv_inertia_w * momentum_l) - slot.w.dot(inertia * slot.w));
     energy += 0.5 * ((body.v - mean).squaredNorm() / body.inv_mass + body.w.dot(inertia * body.w));
+    if (part.regular) continue;
+    // Joints meet half of what other forces have added: poses are those between two velocities.
+    work -= 0.5 * dv.dot(slot.v - slot.v_start) / body.inv_mass +
+            0.5 * dw.dot(inertia * slot.w - slot.momentum_start);
+    disturbed += 0.5 * (body.v - slot.v - dv).squaredNorm() / body.inv_mass;
   }
   std::uint32_t first = part.node;
   while (graph_.nodes()[first].joint == kNone) ++first;
   double& surplus = records[graph_.nodes()[first].joint].surplus;
   const double room = kSurplus * energy;
-  surplus = std::max(surplus + work, -room);
-  if (!(surplus > room)) return;
-  const double excess = surplus - room;
+  double least = -room;
+  if (!part.regular) {
+    // What contacts do to one body the joints share out next, and lose that much at most.
+    std::uint32_t second = first + 1;
+    while (graph_.nodes()[second].joint == kNone) ++second;
+    double& shared = records[graph_.nodes()[second].joint].surplus;
+    const double lost = std::clamp(-work, 0.0, shared);
+    work += lost;
+    shared = 0.5 * (shared - lost);
+    if (disturbed > kUndisturbed * energy) {
+      shared += disturbed;
+    } else if (is_ideal(part)) {
+      least -= kMostGiven * energy;
+    }
+  }
+  surplus = std::max(surplus + work, least);
+  const double kept = std::clamp(surplus, -room, room);
+  const double excess = surplus - kept;
+  surplus = kept;
+  if (!(std::abs(excess) > 0.0)) return;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
-  surplus = room;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     body.v = mean + scale * (body.v - mean);

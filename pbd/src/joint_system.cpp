@@ -102,6 +102,13 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
     slots_[s].q_start = ctx.bodies[graph_.bodies()[s]].q;
   }
   if (channel == Channel::Real) keep_time(part, records, ctx);
+  if (!part.regular) {
+    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+      const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+      slots_[s].v_start = body.v;
+      slots_[s].momentum_start = inverse_where_free(body.inv_inertia_w) * body.w;
+    }
+  }
   const SolverBody ground;
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];

@@ -49,6 +49,11 @@ class JointSystem {
 
  private:
   static constexpr std::uint32_t kNone = JointGraph::kNone;
+  /// Rows of loops may repeat each other: they share their load as if they had this much
+  /// compliance, relative to their own mobility. A rope of 50 links held at both ends sags by less
+  /// than 1e-6 m from it. Less of it lets rounding and the squares of turns become loads of their
+  /// own: at 1e-9 a lattice of 4 x 4 bodies flies apart.
+  static constexpr double kRedundancy = 1e-6;
   using Rows = Eigen::Matrix<double, 3, kCoordinates>;
   /// Column k belongs to coordinate k: dC/dt = dir (v_b - v_a) + arm_b w_b - arm_a w_a.
   struct NodeState {
@@ -78,16 +83,20 @@ class JointSystem {
     Vec3 sum_dtheta = Vec3::Zero();
     Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
     Vec3 w = Vec3::Zero();
-    Quat q_start = Quat::Identity();  ///< at the start of the substep
-    Quat q = Quat::Identity();        ///< predicted
-    bool alone = false;               ///< no other rows have turned it from there
-    bool carried = false;             ///< see turn()
+    Vec3 v_start = Vec3::Zero();         ///< m/s, before gravity and other forces; loops only
+    Vec3 momentum_start = Vec3::Zero();  ///< N m s, likewise
+    Quat q_start = Quat::Identity();     ///< at the start of the substep
+    Quat q = Quat::Identity();           ///< predicted
+    bool alone = false;                  ///< no other rows have turned it from there
+    bool carried = false;                ///< see turn()
   };
   struct PartState {
     bool prepared = false;
     bool factored = false;
     int iteration = 0;
     bool restarted = false;
+    int softened = 0;  ///< how often; see adds_energy()
+    double redundancy = kRedundancy;
     double last_move = 0.0;
     Channel channel = Channel::Real;
   };
@@ -104,8 +113,8 @@ class JointSystem {
                       std::span<const JointRecord> records, const SubstepContext& ctx);
   double newton(const JointGraph::Part& part, PartState& state,
                 std::span<const JointRecord> records, const SubstepContext& ctx);
-  bool evaluate(const JointGraph::Part& part, std::span<const JointRecord> records,
-                const SubstepContext& ctx);
+  bool evaluate(const JointGraph::Part& part, const PartState& state,
+                std::span<const JointRecord> records, const SubstepContext& ctx);
   void assemble(const JointGraph::Part& part);
   void factor(const JointGraph::Part& part);
   void solve(const JointGraph::Part& part);
@@ -118,8 +127,12 @@ class JointSystem {
   /// Inverse inertia times gradients, and the mobility of each row by itself.
   void weigh(const JointGraph::Part& part, std::span<const JointRecord> records);
   void stiffen(const JointGraph::Part& part, const SubstepContext& ctx);
+  /// @param learn  whether the multipliers so far are the load that bodies are stiffened by
   void restart(const JointGraph::Part& part, std::span<const JointRecord> records,
-               const SubstepContext& ctx);
+               const SubstepContext& ctx, bool learn);
+  bool adds_energy(const JointGraph::Part& part, const SubstepContext& ctx) const;
+  /// Whether what a part loses may be given back: nothing stops inelastically in it.
+  bool is_ideal(const JointGraph::Part& part) const;
   static void add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda);
 
   JointGraph graph_;
