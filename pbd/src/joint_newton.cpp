@@ -47,7 +47,8 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     prepare(part, state, records, ctx);
     state.last_move = newton(part, state, records, ctx);
   };
-  if (!part.regular && state.softened < kSoften && adds_energy(part, ctx)) {
+  const bool may_soften = !part.regular && passive_[p] != 0 && state.softened < kSoften;
+  if (may_soften && adds_energy(part, ctx)) {
     ++state.softened;
     state.redundancy *= kSofter;
     start_anew(false);
