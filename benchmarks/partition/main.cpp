@@ -39,7 +39,7 @@ struct Options {
   std::size_t peers = 4;
   double latency = 0.001;  ///< s
   double seconds = 6.0;
-  consensus::PartitionOptions partition;
+  PartitionOptions partition;
   bool balance = true;  ///< borders move so that each peer has as many bodies
 };
 
@@ -77,10 +77,9 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-std::vector<consensus::PartitionCell> cells_for(const std::vector<Vec3>& places,
-                                                std::size_t peers) {
-  std::vector<consensus::PartitionCell> cells;
-  for (const consensus::Cell& cell : consensus::split_cells(places, peers)) {
+std::vector<PartitionCell> cells_for(const std::vector<Vec3>& places, std::size_t peers) {
+  std::vector<PartitionCell> cells;
+  for (const Cell& cell : split_cells(places, peers)) {
     cells.push_back({cells.size() + 1, cell});
   }
   return cells;
@@ -148,7 +147,7 @@ class Run {
     std::vector<Vec3> places;
     const demos::Scene whole = build_scene(options.which, options.size);
     for (const demos::SceneBody& body : whole.bodies) places.push_back(body.start);
-    std::vector<consensus::PartitionCell> cells;
+    std::vector<PartitionCell> cells;
     if (options.peers > 1) cells = cells_for(places, options.peers);
     for (std::size_t i = 0; i < options.peers; ++i) {
       network_.transport(i + 1);
@@ -198,7 +197,7 @@ class Run {
         sum += cpu;
         step.add(cpu);
       }
-      const consensus::PartitionStats members = sites_[s]->members();
+      const PartitionStats members = sites_[s]->members();
       json.begin_object().field("step_mean_s", sum / static_cast<double>(cpu_[s].size()));
       json.field("step_p95_s", step.at(95));
       if (options_.peers > 1) {

@@ -57,8 +57,7 @@ demos::Scene build_scene(Which which, int size) {
 }
 
 Site::Site(demos::Scene scene, consensus::Transport& transport,
-           const std::vector<consensus::PartitionCell>& cells,
-           const consensus::PartitionOptions& options)
+           const std::vector<PartitionCell>& cells, const PartitionOptions& options)
     : scene_(std::move(scene)), self_(transport.self()) {
   colliders_.resize(scene_.bodies.size());
   std::vector<std::size_t> by_slot(scene_.world->slot_count(), scene_.bodies.size());
@@ -83,9 +82,8 @@ Site::Site(demos::Scene scene, consensus::Transport& transport,
   if (cells.empty()) return;
   peer_ = std::make_unique<consensus::Peer>(*scene_.world, transport,
                                             consensus::PeerOptions{.authority_ramp = 0.0});
-  consensus::PartitionBodies& bodies = *this;
-  partition_ =
-      std::make_unique<consensus::Partition>(*scene_.world, *peer_, bodies, self_, cells, options);
+  PartitionBodies& bodies = *this;
+  partition_ = std::make_unique<Partition>(*scene_.world, *peer_, bodies, self_, cells, options);
   for (const demos::SceneBody& body : scene_.bodies) partition_->add(body.id, body.body);
 }
 
@@ -112,8 +110,8 @@ std::vector<pbd::Vec3> Site::decided() const {
   return places;
 }
 
-consensus::PartitionStats Site::members() const {
-  return partition_ != nullptr ? partition_->stats() : consensus::PartitionStats{};
+PartitionStats Site::members() const {
+  return partition_ != nullptr ? partition_->stats() : PartitionStats{};
 }
 
 pbd::BodyId Site::appear(const consensus::SharedId& id, const pbd::Pose& pose,

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "partition.h"
 #include "scenes/scene.h"
-#include "tandem/consensus/partition.h"
 #include "tandem/pbd/solver.h"
 
 namespace tandem::partition_bench {
@@ -22,12 +22,11 @@ enum class Which : std::uint8_t {
 demos::Scene build_scene(Which which, int size);
 
 /// One peer of a world in parts, or the only one of a whole world.
-class Site final : private consensus::PartitionBodies {
+class Site final : private PartitionBodies {
  public:
   /// @param cells  empty: the whole world is here, and nothing is shared
-  Site(demos::Scene scene, consensus::Transport& transport,
-       const std::vector<consensus::PartitionCell>& cells,
-       const consensus::PartitionOptions& options);
+  Site(demos::Scene scene, consensus::Transport& transport, const std::vector<PartitionCell>& cells,
+       const PartitionOptions& options);
 
   /// s of processor time that the step took, agreement and sending included.
   double step(consensus::SessionTime from, consensus::SessionTime to);
@@ -37,14 +36,12 @@ class Site final : private consensus::PartitionBodies {
   bool decides(std::size_t body) const;
   /// m, world: where the bodies are on which it has the last word.
   std::vector<pbd::Vec3> decided() const;
-  void set_cells(std::vector<consensus::PartitionCell> cells) {
-    partition_->set_cells(std::move(cells));
-  }
+  void set_cells(std::vector<PartitionCell> cells) { partition_->set_cells(std::move(cells)); }
   const pbd::Pose& pose(std::size_t body) const { return scene_.pose(body); }
   const pbd::Twist& twist(std::size_t body) const { return scene_.twist(body); }
   const demos::Scene& scene() const { return scene_; }
   const consensus::PeerStats& stats() const { return peer_->stats(); }
-  consensus::PartitionStats members() const;
+  PartitionStats members() const;
 
  private:
   pbd::BodyId appear(const consensus::SharedId& id, const pbd::Pose& pose,
@@ -64,7 +61,7 @@ class Site final : private consensus::PartitionBodies {
   consensus::PeerId self_;
   pbd::Solver solver_;
   std::unique_ptr<consensus::Peer> peer_;
-  std::unique_ptr<consensus::Partition> partition_;
+  std::unique_ptr<Partition> partition_;
 };
 
 }  // namespace tandem::partition_bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "tandem/consensus/cells.h"
+#include "cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "tandem/pbd/typed_block.h"
 
-namespace tandem::consensus {
+namespace tandem::partition_bench {
 
 using pbd::Vec3;
 
@@ -72,4 +72,4 @@ std::vector<Cell> split_cells(std::span<const Vec3> points, std::size_t count,
   return cells;
 }
 
-}  // namespace tandem::consensus
+}  // namespace tandem::partition_bench

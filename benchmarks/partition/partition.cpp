@@ -1,25 +1,30 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "tandem/consensus/partition.h"
+#include "partition.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "session_time.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/typed_block.h"
 
-namespace tandem::consensus {
+namespace tandem::partition_bench {
 
 using pbd::detail::require;
 
 namespace {
 
+consensus::SessionTime to_ns(double seconds) {
+  return static_cast<consensus::SessionTime>(std::llround(1e9 * seconds));
+}
+
 /// Index of a peer's cell. @throws std::invalid_argument where there is not one
-std::size_t cell_of(std::span<const PartitionCell> cells, PeerId peer) {
+std::size_t cell_of(std::span<const PartitionCell> cells, consensus::PeerId peer) {
   std::size_t found = cells.size();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cells[i].peer == 0 || (cells[i].peer == peer && found != cells.size())) {
@@ -48,8 +53,9 @@ void PartitionOptions::validate() const {
           "above 0 to 1e8 s");
 }
 
-Partition::Partition(pbd::World& world, Peer& peer, PartitionBodies& bodies, PeerId self,
-                     std::vector<PartitionCell> cells, const PartitionOptions& options)
+Partition::Partition(pbd::World& world, consensus::Peer& peer, PartitionBodies& bodies,
+                     consensus::PeerId self, std::vector<PartitionCell> cells,
+                     const PartitionOptions& options)
     : world_(world), peer_(peer), bodies_(bodies), self_(self), options_(options) {
   options.validate();
   set_cells(std::move(cells));
@@ -63,7 +69,7 @@ void Partition::set_cells(std::vector<PartitionCell> cells) {
   cells_ = std::move(cells);
 }
 
-void Partition::add(const SharedId& id, pbd::BodyId body) {
+void Partition::add(const consensus::SharedId& id, pbd::BodyId body) {
   peer_.share({.id = id, .body = body});
   const auto at = members_.begin() + place_of(id);
   Member& member = *members_.insert(at, Member{.id = id, .body = body});
@@ -77,7 +83,7 @@ void Partition::add(const SharedId& id, pbd::BodyId body) {
   set_side(member, true, 0);
 }
 
-void Partition::update(SessionTime now) {
+void Partition::update(consensus::SessionTime now) {
   updated_ = now;
   take_in(now);
   stats_.own = stats_.common = stats_.followed = 0;
@@ -117,23 +123,24 @@ void Partition::update(SessionTime now) {
   });
 }
 
-std::ptrdiff_t Partition::place_of(const SharedId& id) const {
+std::ptrdiff_t Partition::place_of(const consensus::SharedId& id) const {
   return std::ranges::lower_bound(members_, id, {}, &Member::id) - members_.begin();
 }
 
-bool Partition::is_fresh(const Member& member, PeerId from, SessionTime now) const {
+bool Partition::is_fresh(const Member& member, consensus::PeerId from,
+                         consensus::SessionTime now) const {
   const auto heard = peer_.heard(member.id, from);
   return heard.has_value() && *heard > now - to_ns(options_.patience);
 }
 
-void Partition::set_side(Member& member, bool comes, SessionTime now) {
+void Partition::set_side(Member& member, bool comes, consensus::SessionTime now) {
   const pbd::Vec3& position = world_.pose(member.body).position;
   const double depth = own_depth(position);
   const double in = member.side == Side::Own ? options_.overlap - options_.slack : options_.overlap;
   const double out =
       member.side == Side::Followed ? options_.overlap - options_.slack : options_.overlap;
   Side side = depth > in ? Side::Own : depth < -out ? Side::Followed : Side::Common;
-  PeerId owner = 0;
+  consensus::PeerId owner = 0;
   if (side == Side::Followed) {
     owner = peer_at(position);
     // What came as somebody's is believed to be; what was here goes to nobody who says nothing.
@@ -159,12 +166,12 @@ void Partition::set_side(Member& member, bool comes, SessionTime now) {
 }
 
 /// Bodies that others tell of and that are not here.
-void Partition::take_in(SessionTime now) {
-  for (const UnknownState& unknown : peer_.unknown()) {
+void Partition::take_in(consensus::SessionTime now) {
+  for (const consensus::UnknownState& unknown : peer_.unknown()) {
     // Who has no cell decides on nothing.
     if (std::ranges::find(cells_, unknown.from, &PartitionCell::peer) == cells_.end()) continue;
-    const StateUpdate& update = unknown.update;
-    const double age = seconds(now - update.stamp);
+    const consensus::StateUpdate& update = unknown.update;
+    const double age = 1e-9 * static_cast<double>(now - update.stamp);
     if (age < 0.0 || age > options_.patience) continue;
     pbd::Pose pose = update.pose;
     pbd::Twist twist = update.twist;
@@ -187,7 +194,8 @@ void Partition::take_in(SessionTime now) {
   }
 }
 
-bool Partition::concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const {
+bool Partition::concerns(consensus::PeerId to, const consensus::SharedId& id,
+                         const pbd::Pose& pose) const {
   const auto at = members_.begin() + place_of(id);
   if (at == members_.end() || at->id != id) return true;
   if (at->side == Side::Followed) return false;
@@ -200,7 +208,7 @@ bool Partition::concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) c
   return false;
 }
 
-PeerId Partition::peer_at(const pbd::Vec3& position) const {
+consensus::PeerId Partition::peer_at(const pbd::Vec3& position) const {
   return cells_[cell_at(position)].peer;
 }
 
@@ -221,4 +229,4 @@ double Partition::own_depth(const pbd::Vec3& position) const {
   return depth_in(cells_[own_cell_].cell, position);
 }
 
-}  // namespace tandem::consensus
+}  // namespace tandem::partition_bench
