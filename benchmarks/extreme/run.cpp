@@ -17,7 +17,7 @@ consensus::PeerOptions options_of(const Scene& scene, const Scheme& scheme, std:
   const Conditions& conditions = scene.conditions;
   consensus::PeerOptions options;
   options.coupling = scheme.coupling;
-  options.two_step.thresholds = scheme.published;
+  options.two_step_thresholds = scheme.published;
   // All have been in the session for long.
   options.authority_ramp = 0.0;
   // Who hears a part of the others alone cannot tell who is far from the rest.

@@ -63,7 +63,7 @@ consensus::PeerOptions options_of(const Scheme& scheme) {
   options.coupling = scheme.coupling;
   options.authority_ramp = 0.0;
   if (scheme.published) options = consensus::with_published_rules(options);
-  options.two_step.thresholds = scheme.thresholds;
+  options.two_step_thresholds = scheme.thresholds;
   return options;
 }
 

@@ -56,7 +56,7 @@ constexpr int kDelays[] = {0, 1, 2, 3, 5, 8, 11, 15, 20, 30};
 consensus::PeerOptions options_of(const Scheme& scheme, double share) {
   consensus::PeerOptions options;
   options.coupling = scheme.coupling;
-  options.two_step.thresholds = false;
+  options.two_step_thresholds = false;
   options.authority_ramp = 0.0;
   options.replay.share = share;
   if (!scheme.published) return options;

@@ -13,7 +13,7 @@ namespace {
 bool finite(const Prediction& p) {
   return std::isfinite(p.translation.squaredNorm()) && std::isfinite(p.rotation.squaredNorm()) &&
          std::isfinite(p.twist.linear.squaredNorm()) &&
-         std::isfinite(p.twist.angular.squaredNorm()) && std::isfinite(p.variance);
+         std::isfinite(p.twist.angular.squaredNorm());
 }
 
 /// An application's predictor: no number of its own gets into a world unseen.

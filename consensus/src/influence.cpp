@@ -44,9 +44,15 @@ void InfluenceOptions::validate() const {
           "above 0 to 1e8 s");
 }
 
-double effective_share(const InfluenceOptions& options, double announced, double age,
-                       bool self_owns) {
-  if (self_owns || !(announced > 0.0) || !(age <= options.max_age)) return 0.0;
+double announced_share(const InfluenceOptions& options, bool held_alone, bool leads) {
+  const double share =
+      held_alone ? std::max(options.baseline, options.held_alone) : options.baseline;
+  // Where nothing is agreed upon nobody leads.
+  return leads && share > 0.0 ? std::max(share, options.leading) : share;
+}
+
+double effective_share(const InfluenceOptions& options, double announced, double age) {
+  if (!(announced > 0.0) || !(age <= options.max_age)) return 0.0;
   if (announced >= 1.0) return 1.0;
   return announced * std::exp2(-std::max(age, 0.0) / options.half_life);
 }

@@ -145,7 +145,7 @@ void Peer::Impl::aim(Wanted& wanted) {
 PredictionContext Peer::Impl::context_of(Shared& shared, PeerId from, SessionTime now) {
   return {.now = now,
           .gravity = world_.all_props()[shared.def.body.index].gravity_scale * world_.gravity(),
-          .memory = keeps_heard_ ? &heard_from(shared, from, now).memory : nullptr};
+          .memory = predictor_->remembers() ? &heard_from(shared, from, now).memory : nullptr};
 }
 
 Prediction Peer::Impl::carry(Shared& shared, PeerId from, const StateUpdate& update,
@@ -223,26 +223,18 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
     const double claimed = static_cast<double>(update.influence);
     Prediction prediction;
     const Stamped stamped = compare(shared, update, prediction);
-    const InfluenceContext known{.leads = listening.own_lead, .age = seconds(now - update.stamp)};
-    double share = 0.0;
-    if (owner) {
-      share = hearing_.apply(1.0, known);
-    } else {
-      const double most = leads ? kMaxLeadersInfluence : kMaxSharedInfluence;
-      share = hearing_.apply(std::min(claimed, most), known);
-      if (!(share > 0.0)) continue;
-      share = share_beside(shared, newest, i, share, leads, prediction.rotation.norm(), listening,
-                           known);
+    const double age = seconds(now - update.stamp);
+    const double most = leads ? kMaxLeadersInfluence : kMaxSharedInfluence;
+    double share = effective_share(options_.influence, owner ? 1.0 : std::min(claimed, most), age);
+    if (share > 0.0 && !owner) {
+      share =
+          share_beside(shared, newest, i, share, leads, prediction.rotation.norm(), age, listening);
     }
     if (!(share > 0.0)) continue;
     const bool teleports = owner && update.flags.teleported && update.stamp > shared.landed;
     const bool newcomer = !owner && !shared.joined && listening.own_confidence < 1.0 &&
                           claimed > listening.own_announced;
     if (listening.carried || teleports || newcomer) prediction = carry(shared, from, update, now);
-    if (!options_.acceptance.empty() && !owner) {
-      share = accepted(share, prediction, heard_from(shared, from, now), now);
-      if (!(share > 0.0)) continue;
-    }
     const pbd::BodyState there = moved(own, prediction);
     observe(shared, from, update, prediction, now);
     if (teleports) {
@@ -285,12 +277,13 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
 }
 
 double Peer::Impl::share_beside(const Shared& shared, std::span<const Inbox::Received> newest,
-                                std::size_t i, double share, bool leads, double angle,
-                                const Listening& listening, const InfluenceContext& known) {
+                                std::size_t i, double share, bool leads, double angle, double age,
+                                const Listening& listening) {
   // At the stamp the own state is as old, and decays as much.
-  const double mine = listening.carried
-                          ? listening.own_confidence
-                          : weight_of_share(hearing_.apply(listening.own_announced, known));
+  const double mine =
+      listening.carried
+          ? listening.own_confidence
+          : weight_of_share(effective_share(options_.influence, listening.own_announced, age));
   double weight = (1.0 - listening.own_lead) * weight_of_share(share) / mine;
   if (options_.arbitration && listening.own_confidence >= 1.0) {  // a newcomer leads nobody
     // Compared at the stamp: what spins fast turns far within the age of an update.
@@ -305,8 +298,8 @@ double Peer::Impl::share_beside(const Shared& shared, std::span<const Inbox::Rec
   // It leads, and does not own.
   const double guessed =
       std::min(share_of_weight(weight), leads ? kMaxLeadersInfluence : kMaxSharedInfluence);
-  if (!options_.hearing.empty()) return guessed;
-  return std::min(guessed, std::max(leads ? kFollowing : 0.0, stable_share(known.age)));
+  if (!options_.influence.limits_guesses) return guessed;
+  return std::min(guessed, std::max(leads ? kFollowing : 0.0, stable_share(age)));
 }
 
 void Peer::Impl::keep_leaders() {
@@ -322,39 +315,25 @@ void Peer::Impl::keep_leaders() {
   stamped_.resize(kept);
 }
 
-double Peer::Impl::accepted(double share, const Prediction& prediction, const Heard& heard,
-                            SessionTime now) const {
-  if (options_.acceptance.empty()) return share;
-  return options_.acceptance.apply(share, {.confidence = confidence(),
-                                           .heard_for = seconds(now - heard.first),
-                                           .variance = prediction.variance,
-                                           .distance = prediction.translation.norm(),
-                                           .angle = prediction.rotation.norm(),
-                                           .speed = prediction.twist.linear.norm(),
-                                           .angular_speed = prediction.twist.angular.norm()});
-}
-
 Peer::Impl::Heard& Peer::Impl::heard_from(Shared& shared, PeerId peer, SessionTime now) {
   auto it = std::lower_bound(shared.heard.begin(), shared.heard.end(), peer,
                              [](const Heard& h, PeerId id) { return h.peer < id; });
   if (it == shared.heard.end() || it->peer != peer) {
-    it = shared.heard.insert(it, {.peer = peer, .first = now, .last = now, .memory = {}});
+    it = shared.heard.insert(it, {.peer = peer, .last = now, .memory = {}});
   } else if (seconds(now - it->last) > options_.influence.max_age) {
-    *it = {.peer = peer, .first = now, .last = now, .memory = {}};  // away, or started again
+    *it = {.peer = peer, .last = now, .memory = {}};  // away, or started again
   }
   it->last = now;
   return *it;
 }
 
-double Peer::Impl::announced(const Shared& shared) {
+double Peer::Impl::announced(const Shared& shared) const {
   if (ownership_ != nullptr && !shared.def.owner.has_value()) {
     return ownership_->mine(index_of(shared)) ? 1.0 : 0.0;
   }
-  return announcement_.apply(0.0, {.owned = shared.def.owner.has_value(),
-                                   .sender_owns = shared.def.owner == transport_.self(),
-                                   .held_alone = springs_.holds_alone(shared.def.body),
-                                   .leads = shared.initiative.strength(),
-                                   .confidence = confidence()});
+  if (shared.def.owner.has_value()) return shared.def.owner == transport_.self() ? 1.0 : 0.0;
+  return confidence() * announced_share(options_.influence, springs_.holds_alone(shared.def.body),
+                                        shared.initiative.strength() >= 1.0);
 }
 
 double Peer::Impl::confidence() const {

@@ -15,17 +15,6 @@ namespace tandem::consensus {
 
 using pbd::detail::require;
 
-void TwoStepOptions::validate() const {
-  const auto limit = [](double value, const char* field) {
-    require(value >= 0.0 && std::isfinite(value), "TwoStepOptions", field, value,
-            "finite and >= 0");
-  };
-  limit(limits.distance, "limits.distance");
-  limit(limits.angle, "limits.angle");
-  limit(limits.speed, "limits.speed");
-  limit(limits.angular_speed, "limits.angular_speed");
-}
-
 void VirtualCouplingOptions::validate() const {
   require(frequency > 0.0 && frequency <= 100.0, "VirtualCouplingOptions", "frequency", frequency,
           "above 0 to 100 Hz");
@@ -42,12 +31,7 @@ PeerOptions with_published_rules(PeerOptions options) {
   options.predictor = PredictorKind::Euler;
   options.own_predictor = nullptr;
   options.prediction.extrapolates_orientation = false;
-  options.announcement = {};
-  options.announcement.then(baseline(options.influence.baseline))
-      .then(raised_while_held_alone(options.influence.held_alone))
-      .then(owner_alone());
-  options.hearing = {};
-  options.hearing.then(age_decay(options.influence.half_life, options.influence.max_age));
+  options.influence.limits_guesses = false;
   options.initiative = false;
   options.arbitration = false;
   options.authority_ramp = 0.0;
@@ -59,7 +43,7 @@ void Peer::Impl::apply_coupling() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const pbd::PoseTarget& target = targets_[i];
     pbd::Correction& done = targeted_[i]->averaged;
-    const bool thresholds = options_.coupling == Coupling::TwoStep && options_.two_step.thresholds;
+    const bool thresholds = options_.coupling == Coupling::TwoStep && options_.two_step_thresholds;
     if (!thresholds && rests(world_, target, step_dt_, targeted_[i]->still)) continue;
     if (target.share >= 1.0) {
       done = follow_state(world_, target);
@@ -67,7 +51,7 @@ void Peer::Impl::apply_coupling() {
       // A force is no correction: predictors are not told.
       pull_towards(world_, target, step_dt_, options_.virtual_coupling);
     } else {
-      done = average_state(world_, target, step_dt_, options_.two_step);
+      done = average_state(world_, target, step_dt_, options_.two_step_thresholds);
     }
     history_.note_agreement(target.body.index, world_);
   }

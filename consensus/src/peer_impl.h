@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "body_state.h"
-#include "cached_chain.h"
 #include "centrality.h"
 #include "hard_input.h"
 #include "initiative.h"
@@ -76,11 +75,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void set_interest(const Interest* interest) { interest_ = interest; }
 
  private:
-  /// What is kept of another peer's states of one body.
+  /// What the predictor keeps of another peer's states of one body.
   struct Heard {
     PeerId peer = 0;
-    SessionTime first = 0;  ///< ns, when the first state was used
-    SessionTime last = 0;   ///< ns, when the last one was
+    SessionTime last = 0;  ///< ns, when the last one was used
     PredictorMemory memory;
   };
   /// States that tell of a jump, for some of them get lost.
@@ -103,7 +101,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
     Lead lead = {};
     Initiative initiative = {};
     LeadClaims lead_claims = {};
-    std::vector<Heard> heard = {};  ///< by peer; empty where no rule and no predictor asks
+    std::vector<Heard> heard = {};  ///< by peer; empty where the predictor does not remember
     /// What is needed for each body in each step ends here.
     HardInput hard = {};
     pbd::Correction averaged = {};        ///< before the step, where the pass does not do it
@@ -178,10 +176,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// A state, and what the own one of its stamp misses to it.
   Stamped compare(const Shared& shared, const StateUpdate& update, Prediction& missing);
   /// What the `share` of newest[i], whose sender does not own the body, is beside the own state.
-  /// @param angle  rad, between the two at its stamp
+  /// @param angle  rad, between the two at its stamp     @param age  s
   double share_beside(const Shared& shared, std::span<const Inbox::Received> newest, std::size_t i,
-                      double share, bool leads, double angle, const Listening& listening,
-                      const InfluenceContext& known);
+                      double share, bool leads, double angle, double age,
+                      const Listening& listening);
   /// Where somebody leads, of estimates_ only those of leaders_ and owners.
   void keep_leaders();
   /// Take over the fused estimates_ as what agreement wants.
@@ -209,12 +207,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// What place_apart() takes along, into assembly_ and island_.
   void collect_island(std::uint32_t slot);
   bool hard_at_sender(const StateUpdate& update) const;
-  double accepted(double share, const Prediction& prediction, const Heard& heard,
-                  SessionTime now) const;
   PredictionContext context_of(Shared& shared, PeerId from, SessionTime now);
   Heard& heard_from(Shared& shared, PeerId peer, SessionTime now);
   /// The share that others should give this peer's states of a body.
-  double announced(const Shared& shared);
+  double announced(const Shared& shared) const;
   /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
   /// after the first step, so that a newcomer takes over what the others know and is heard later.
   double confidence() const;
@@ -301,8 +297,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void collect_concerning(PeerId peer);
 
   PeerOptions options_;
-  CachedChain announcement_;
-  CachedChain hearing_;
   pbd::World& world_;
   Transport& transport_;
   Springs springs_;
@@ -311,7 +305,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   Inbox inbox_;
   SenderClocks sender_clocks_;
   std::unique_ptr<Predictor> predictor_;
-  bool keeps_heard_ = false;  ///< a rule or the predictor asks for Heard
   PeerObserver* observer_ = nullptr;
   const Interest* interest_ = nullptr;
   PeerStats stats_;

@@ -39,7 +39,7 @@ void Peer::Impl::share(const ShareDef& def) {
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
   const auto shared = shared_.insert(at, Shared{.def = def});
-  if (keeps_heard_) shared->heard.reserve(kUsualPeers);
+  if (predictor_->remembers()) shared->heard.reserve(kUsualPeers);
   if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
   inbox_.add_id(def.id);
   count_owner(def.owner, true);

@@ -23,9 +23,6 @@ constexpr double kLongestStep = 0.5;
 
 Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)
     : options_(options),
-      announcement_(options.announcement.empty() ? default_announcement(options.influence)
-                                                 : options.announcement),
-      hearing_(options.hearing.empty() ? default_hearing(options.influence) : options.hearing),
       world_(world),
       transport_(transport),
       springs_(world, options_),
@@ -35,8 +32,7 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
               .plausibility = options.plausibility}),
       predictor_(options.own_predictor != nullptr
                      ? detail::make_guarded(options.own_predictor)
-                     : make_predictor(options.predictor, options.prediction)),
-      keeps_heard_(predictor_->remembers() || !options.acceptance.empty()) {
+                     : make_predictor(options.predictor, options.prediction)) {
   // Others' forces pull, and an owner's state is not averaged.
   const bool averaged =
       options.coupling == Coupling::OnePass || options.coupling == Coupling::TwoStep;

@@ -8,6 +8,20 @@
 namespace tandem::consensus {
 namespace {
 
+/// Differences that are left alone.
+struct Limits {
+  double distance = 0.0;       ///< m
+  double angle = 0.0;          ///< rad
+  double speed = 0.0;          ///< m/s
+  double angular_speed = 0.0;  ///< rad/s
+};
+/// [friston] Sec. 4.6.
+constexpr Limits kThresholds{
+    .distance = 1e-3, .angle = 0.017453292519943295, .speed = 1e-2, .angular_speed = 1e-2};
+/// As pbd::SolverOptions and the solver's targets have them.
+constexpr Limits kSlow{.distance = 1e-3, .angle = 0.0175, .speed = 0.01, .angular_speed = 0.02};
+constexpr double kRestAfter = 0.5;  // s
+
 pbd::Vec3 rotation_to(const pbd::World& world, const pbd::PoseTarget& target) {
   if (target.use_rotation_error) return target.rotation_error;
   return pbd::rotation_between(world.pose(target.body).orientation, target.pose.orientation);
@@ -16,7 +30,7 @@ pbd::Vec3 rotation_to(const pbd::World& world, const pbd::PoseTarget& target) {
 /// @param share   of each difference that is closed now
 /// @param limits  smaller differences stay
 pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, double share,
-                          const SleepLimits& limits) {
+                          const Limits& limits) {
   if (left_asleep(world, target)) return {};
   const pbd::BodyState own = world.state(target.body);
   const auto part = [share](const pbd::Vec3& gap, double limit) {
@@ -39,13 +53,7 @@ pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, doub
   return correction;
 }
 
-constexpr SleepLimits kNoLimits{.distance = 0.0, .angle = 0.0, .speed = 0.0, .angular_speed = 0.0};
-/// As pbd::SolverOptions and the solver's targets have them.
-constexpr SleepLimits kSlow{
-    .distance = 1e-3, .angle = 0.0175, .speed = 0.01, .angular_speed = 0.02};
-constexpr double kRestAfter = 0.5;  // s
-
-bool within(const pbd::World& world, const pbd::PoseTarget& target, const SleepLimits& limits) {
+bool within(const pbd::World& world, const pbd::PoseTarget& target, const Limits& limits) {
   const pbd::Vec3 apart = target.pose.position - world.pose(target.body).position;
   return apart.norm() <= limits.distance && rotation_to(world, target).norm() <= limits.angle;
 }
@@ -66,13 +74,13 @@ bool left_asleep(const pbd::World& world, const pbd::PoseTarget& target) {
 }
 
 pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
-                              const TwoStepOptions& options) {
+                              bool thresholds) {
   return close_gap(world, target, share_per_step(target.share, dt),
-                   options.thresholds ? options.limits : kNoLimits);
+                   thresholds ? kThresholds : Limits{});
 }
 
 pbd::Correction follow_state(pbd::World& world, const pbd::PoseTarget& target) {
-  return close_gap(world, target, 1.0, kNoLimits);
+  return close_gap(world, target, 1.0, Limits{});
 }
 
 }  // namespace tandem::consensus

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include "tandem/consensus/coupling.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/world.h"
 
@@ -11,9 +10,10 @@ namespace tandem::consensus {
 /// The first of the paper's two steps, [friston] Secs. 4.2 and 4.6: move a body towards the mean of
 /// its remote states before it is simulated; poses are set, velocities are averaged and know
 /// nothing of it.
-/// @param dt  s, of the step to come     @return what was done
+/// @param dt          s, of the step to come
+/// @param thresholds  see PeerOptions::two_step_thresholds     @return what was done
 pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
-                              const TwoStepOptions& options);
+                              bool thresholds);
 
 /// Put a body where its owner has it. @return what was done
 pbd::Correction follow_state(pbd::World& world, const pbd::PoseTarget& target);

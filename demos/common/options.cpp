@@ -251,12 +251,6 @@ constexpr Option kOptions[] = {
      [](std::string_view name, Reader& in, DemoOptions& o) { o.mode = mode(in.value(name)); }},
     {"--extrapolation", Where::Everywhere, read_seconds<&DemoOptions::extrapolation>},
     {"--spring-extrapolation", Where::Everywhere, read_seconds<&DemoOptions::spring_extrapolation>},
-    {"--damped-start", Where::Everywhere, read_seconds<&DemoOptions::damped_start>},
-    {"--modelled-error", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.modelled_error = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
-     }},
-    {"--sleeping-threshold", Where::Everywhere, read_flag<&DemoOptions::sleeping_threshold>},
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
     {"--record", Where::Everywhere,
@@ -276,7 +270,7 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
   const bool as_published = scheme == Scheme::OnePassPlain || scheme == Scheme::TwoStepPaper ||
                             scheme == Scheme::TwoStepPlain || scheme == Scheme::Pd;
   if (as_published) options = consensus::with_published_rules(std::move(options));
-  options.two_step.thresholds = scheme == Scheme::TwoStepPaper;
+  options.two_step_thresholds = scheme == Scheme::TwoStepPaper;
   switch (scheme) {
     case Scheme::OnePass:
     case Scheme::OnePassPlain:
@@ -323,9 +317,6 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   result.mode = mode;
   result.prediction.max_extrapolation = extrapolation;
   result.max_anchor_extrapolation = spring_extrapolation;
-  if (modelled_error > 0.0) result.acceptance.then(consensus::modelled_error(modelled_error));
-  if (damped_start > 0.0) result.acceptance.then(consensus::damped_start(damped_start));
-  if (sleeping_threshold) result.acceptance.then(consensus::sleeping_threshold());
   ablation.apply(result);
   return result;
 }

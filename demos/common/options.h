@@ -57,9 +57,6 @@ struct DemoOptions {
   consensus::InputMode mode = consensus::InputMode::Soft;
   double extrapolation = 1.0;         ///< s, longest of states
   double spring_extrapolation = 0.3;  ///< s, longest of users' springs
-  double damped_start = 0.0;          ///< s, over which a peer's share grows; 0 = at once
-  double modelled_error = 0.0;        ///< m, of a predictor, that halves a share; 0 = none does
-  bool sleeping_threshold = false;    ///< leave small differences alone, [friston] Sec. 4.6
   Scheme scheme = Scheme::OnePass;
   double pd_frequency = consensus::VirtualCouplingOptions{}.frequency;  ///< Hz, of Scheme::Pd
   double update_hz = 60.0;

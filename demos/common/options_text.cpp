@@ -46,9 +46,6 @@ Session:
   --replay-substeps N              of a replayed step; 0 = as the world's own (0)
   --extrapolation S  longest extrapolation of states (1)
   --spring-extrapolation S         of users' springs; 0 = off (0.3)
-  --damped-start S   shares grow over this time since a peer was heard (0)
-  --modelled-error M a predictor's own error that halves a share (0 = no rule)
-  --sleeping-threshold             leave differences below 1 mm, 1 cm/s and 1 degree alone
   --compact          states rounded to few bits
   --budget K         kbit/s that a peer sends to each other one, headers included (0 = unlimited;
                      over UDP 2000)

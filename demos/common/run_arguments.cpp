@@ -92,9 +92,6 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   if (o.predictor) words.add("--predictor", std::string(to_string(*o.predictor)));
   words.number("--extrapolation", o.extrapolation, usual.extrapolation);
   words.number("--spring-extrapolation", o.spring_extrapolation, usual.spring_extrapolation);
-  words.number("--damped-start", o.damped_start, usual.damped_start);
-  words.number("--modelled-error", o.modelled_error, usual.modelled_error);
-  words.flag("--sleeping-threshold", o.sleeping_threshold);
   words.flag("--compact", o.compact);
   words.number("--budget", o.budget, usual.budget);
   words.number("--tolerance", o.tolerance, usual.tolerance);

@@ -37,7 +37,7 @@ double overlap_of_walls_apart(Coupling coupling, int profile) {
   Session session(network_profile(profile));
   PeerOptions options = kAtOnce;
   options.coupling = coupling;
-  options.two_step.thresholds = false;
+  options.two_step_thresholds = false;
   for (int i = 0; i < 2; ++i) {
     Site& site = session.add(static_cast<PeerId>(i + 1), 0.0, options, kWeightless);
     site.share(ball(Vec3::Zero()));

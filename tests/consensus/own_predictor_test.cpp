@@ -81,8 +81,6 @@ TEST_CASE("own predictor: where it says what is no number, the state counts as i
             none);
     }
   }
-  CHECK(hashes({.own_predictor = std::make_shared<Forwarding>(
-                    PredictorKind::Euler, [](Prediction& p) { p.variance = kNan; })}) == none);
 }
 
 TEST_CASE("own predictor: it is asked in place of a replay", "[consensus]") {

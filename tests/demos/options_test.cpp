@@ -121,17 +121,13 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
 TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]") {
   const consensus::PeerOptions plain = parse({}).peer_options();
   CHECK(plain.mode == consensus::InputMode::Soft);
-  CHECK(plain.acceptance.empty());
-  const DemoOptions o =
-      parse({"--mode", "hard", "--predictor=second-order", "--extrapolation", "0.2",
-             "--spring-extrapolation=0", "--damped-start", "2", "--modelled-error", "0.01"});
+  const DemoOptions o = parse({"--mode", "hard", "--predictor=second-order", "--extrapolation",
+                               "0.2", "--spring-extrapolation=0"});
   const consensus::PeerOptions peer = o.peer_options();
   CHECK(peer.mode == consensus::InputMode::Hard);
   CHECK(peer.predictor == consensus::PredictorKind::SecondOrder);
   CHECK(peer.prediction.max_extrapolation == 0.2);
   CHECK(peer.max_anchor_extrapolation == 0.0);
-  CHECK(peer.acceptance.apply(0.4, {.heard_for = 1.0, .variance = 1e-4}) == Approx(0.1));
-  CHECK(parse({"--sleeping-threshold"}).peer_options().acceptance.apply(0.4, {}) == 0.0);
   for (const char* name : {"none", "euler", "second-order", "replay"}) {
     CHECK(to_string(parse({"--predictor", name}).predictor_kind()) == name);
   }
@@ -195,19 +191,18 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   const consensus::PeerOptions two_step = of("two-step");
   CHECK(two_step.coupling == Coupling::TwoStep);
   CHECK(two_step.predictor == of("one-pass").predictor);
-  CHECK(two_step.hearing.empty());
+  CHECK(two_step.influence.limits_guesses);
   CHECK(two_step.initiative);
-  CHECK_FALSE(two_step.two_step.thresholds);
+  CHECK_FALSE(two_step.two_step_thresholds);
   for (const char* name : {"two-step-paper", "two-step-plain"}) {
     const consensus::PeerOptions paper = of(name);
     CHECK(paper.coupling == Coupling::TwoStep);
     CHECK(paper.predictor == PredictorKind::Euler);
     CHECK_FALSE(paper.prediction.extrapolates_orientation);
     CHECK_FALSE(paper.initiative);
-    CHECK(paper.announcement.apply(0.0, {.leads = 1.0, .confidence = 0.0}) == 0.08);
-    // What is fresh counts in full.
-    CHECK(paper.hearing.apply(0.9, {.leads = 1.0, .age = 0.0}) == 0.9);
-    CHECK(paper.two_step.thresholds == (std::string_view(name) == "two-step-paper"));
+    CHECK(paper.authority_ramp == 0.0);
+    CHECK_FALSE(paper.influence.limits_guesses);
+    CHECK(paper.two_step_thresholds == (std::string_view(name) == "two-step-paper"));
   }
   CHECK(of("one-pass-plain").coupling == Coupling::OnePass);
   CHECK(of("one-pass-plain").predictor == PredictorKind::Euler);

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "tandem/consensus/policy.h"
 #include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
@@ -22,18 +21,6 @@ enum class Coupling : std::uint8_t {
   /// has asked for is the lowest id's.
   SingleOwner,
   VirtualCoupling,  ///< a spring and a damper to the remote state, [friston] Sec. 2.6
-};
-
-/// Of Coupling::TwoStep.
-struct TANDEM_API TwoStepOptions {
-  /// Leave positions, orientations and velocities alone, each by itself, that differ by less than
-  /// its limit, as in [friston] Sec. 4.6. Without, only bodies that rest are left alone, on the
-  /// terms on which one pass lets them sleep: slow and within 1 mm and 1 degree for half a second.
-  bool thresholds = true;
-  SleepLimits limits;
-
-  /// @throws std::invalid_argument naming field, value and rule
-  void validate() const;
 };
 
 /// Of Coupling::VirtualCoupling: force = mass (w^2 e + 2 z w de/dt), w = 2 pi frequency, z =

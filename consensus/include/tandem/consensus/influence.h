@@ -44,17 +44,22 @@ struct TANDEM_API InfluenceOptions {
   double half_life = 0.5;
   /// s: an older update has expired and counts nothing.
   double max_age = 1.0;
+  /// Whether a guess of where a body is now counts stable_share() of its age at most.
+  bool limits_guesses = true;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
+/// What a peer announces for a body that has no owner, once its own authority has grown to all.
+/// @param held_alone  its user holds the body by a constraint that no other peer simulates
+/// @param leads       its user was the last to act on the body, and the only one
+TANDEM_API double announced_share(const InfluenceOptions& options, bool held_alone, bool leads);
+
 /// How much of an announced share counts for an update of age `age` (s, session time; negative
-/// counts as 0) where states are extrapolated:  announced * 2^(-age / half_life).
+/// counts as 0):  announced * 2^(-age / half_life).
 /// An announced share of 1 (or more) makes us the follower of an owner: 1 until the update expires.
-/// Where we own the body ourselves (`self_owns`) remote states count 0.
 /// Result in [0, 1]; 0 where an input is not a number. @pre options are valid. Cost O(1).
-TANDEM_API double effective_share(const InfluenceOptions& options, double announced, double age,
-                                  bool self_owns = false);
+TANDEM_API double effective_share(const InfluenceOptions& options, double announced, double age);
 
 }  // namespace tandem::consensus

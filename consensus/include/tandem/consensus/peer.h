@@ -12,7 +12,6 @@
 #include "tandem/consensus/coupling.h"
 #include "tandem/consensus/inbox.h"
 #include "tandem/consensus/influence.h"
-#include "tandem/consensus/policy.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/replay.h"
 #include "tandem/consensus/robust.h"
@@ -78,11 +77,6 @@ struct TANDEM_API PeerOptions {
   Dating dating = Dating::Stamp;
   SendOptions sending;
   InfluenceOptions influence;
-  /// Rules of influence; empty = default_announcement() and default_hearing() of `influence`.
-  PolicyChain announcement;
-  PolicyChain hearing;
-  /// Further rules, after a state was carried to now; empty = none.
-  PolicyChain acceptance;
   PredictorKind predictor = PredictorKind::Replay;
   ReplayOptions replay;
   PredictorOptions prediction;
@@ -93,7 +87,11 @@ struct TANDEM_API PeerOptions {
   RobustOptions robust;
   PlausibilityOptions plausibility;
   Coupling coupling = Coupling::OnePass;
-  TwoStepOptions two_step;
+  /// Of TwoStep: leave positions, orientations and velocities alone, each by itself, that differ by
+  /// less than 1 mm, 1 degree, 1 cm/s and 0.01 rad/s, as in [friston] Sec. 4.6. Without, only
+  /// bodies that rest are left alone, on the terms on which one pass lets them sleep: slow and
+  /// within 1 mm and 1 degree for half a second.
+  bool two_step_thresholds = true;
   VirtualCouplingOptions virtual_coupling;
   /// Whose user was the last to act on a body leads, see docs/ARCHITECTURE.md; false: nobody does.
   bool initiative = true;

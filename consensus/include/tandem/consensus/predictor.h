@@ -69,7 +69,6 @@ struct TANDEM_API Prediction {
   pbd::Vec3 rotation = pbd::Vec3::Zero();     ///< rad, own to target orientation, world
   pbd::Twist twist;                           ///< target minus own twist
   pbd::TargetMotion motion = pbd::TargetMotion::WithBody;
-  double variance = 0.0;  ///< m^2, expected square of the error in position; 0 = not known
 };
 
 /// What a predictor may know besides the update and the own history.
