@@ -32,7 +32,6 @@ void PeerOptions::validate() const {
   replay.validate();
   robust.validate();
   plausibility.validate();
-  virtual_coupling.validate();
   require(update_hz >= 1e-3 && update_hz <= 10000.0, "PeerOptions", "update_hz", update_hz,
           "0.001 to 10000");
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",

@@ -7,25 +7,9 @@
 
 #include "peer_impl.h"
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
 #include "two_step.h"
-#include "virtual_coupling.h"
 
 namespace tandem::consensus {
-
-using pbd::detail::require;
-
-void VirtualCouplingOptions::validate() const {
-  require(frequency > 0.0 && frequency <= 100.0, "VirtualCouplingOptions", "frequency", frequency,
-          "above 0 to 100 Hz");
-  require(damping_ratio >= 0.0 && damping_ratio <= 100.0, "VirtualCouplingOptions", "damping_ratio",
-          damping_ratio, "0 to 100");
-  require(max_acceleration > 0.0 && std::isfinite(max_acceleration), "VirtualCouplingOptions",
-          "max_acceleration", max_acceleration, "finite and > 0 m/s^2");
-  require(max_angular_acceleration > 0.0 && std::isfinite(max_angular_acceleration),
-          "VirtualCouplingOptions", "max_angular_acceleration", max_angular_acceleration,
-          "finite and > 0 rad/s^2");
-}
 
 PeerOptions with_published_rules(PeerOptions options) {
   options.predictor = PredictorKind::Euler;
@@ -42,17 +26,11 @@ PeerOptions with_published_rules(PeerOptions options) {
 void Peer::Impl::apply_coupling() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const pbd::PoseTarget& target = targets_[i];
-    pbd::Correction& done = targeted_[i]->averaged;
     const bool thresholds = options_.coupling == Coupling::TwoStep && options_.two_step_thresholds;
     if (!thresholds && rests(world_, target, step_dt_, targeted_[i]->still)) continue;
-    if (target.share >= 1.0) {
-      done = follow_state(world_, target);
-    } else if (options_.coupling == Coupling::VirtualCoupling) {
-      // A force is no correction: predictors are not told.
-      pull_towards(world_, target, step_dt_, options_.virtual_coupling);
-    } else {
-      done = average_state(world_, target, step_dt_, options_.two_step_thresholds);
-    }
+    targeted_[i]->averaged =
+        target.share >= 1.0 ? follow_state(world_, target)
+                            : average_state(world_, target, step_dt_, options_.two_step_thresholds);
     history_.note_agreement(target.body.index, world_);
   }
 }

@@ -189,8 +189,7 @@ void Peer::Impl::note_outliers() {
 
 void Peer::Impl::limit(const pbd::BodyState& own, Wanted& wanted) {
   pbd::PoseTarget& target = wanted.target;
-  // A virtual coupling's force has a limit of its own.
-  if (target.share >= 1.0 || options_.coupling == Coupling::VirtualCoupling) return;
+  if (target.share >= 1.0) return;
   const RobustOptions& most = options_.robust;
   bool capped = false;
   const double inverse = 1.0 / target.share;

@@ -27,11 +27,17 @@ pbd::Vec3 rotation_to(const pbd::World& world, const pbd::PoseTarget& target) {
   return pbd::rotation_between(world.pose(target.body).orientation, target.pose.orientation);
 }
 
+bool within(const pbd::World& world, const pbd::PoseTarget& target, const Limits& limits) {
+  const pbd::Vec3 apart = target.pose.position - world.pose(target.body).position;
+  return apart.norm() <= limits.distance && rotation_to(world, target).norm() <= limits.angle;
+}
+
 /// @param share   of each difference that is closed now
 /// @param limits  smaller differences stay
 pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, double share,
                           const Limits& limits) {
-  if (left_asleep(world, target)) return {};
+  // What sleeps and agrees is no reason to wake it: as the solver's own targets have it.
+  if (!world.awake(target.body) && within(world, target, kSlow)) return {};
   const pbd::BodyState own = world.state(target.body);
   const auto part = [share](const pbd::Vec3& gap, double limit) {
     return gap.norm() > limit ? pbd::Vec3(share * gap) : pbd::Vec3(pbd::Vec3::Zero());
@@ -53,11 +59,6 @@ pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, doub
   return correction;
 }
 
-bool within(const pbd::World& world, const pbd::PoseTarget& target, const Limits& limits) {
-  const pbd::Vec3 apart = target.pose.position - world.pose(target.body).position;
-  return apart.norm() <= limits.distance && rotation_to(world, target).norm() <= limits.angle;
-}
-
 }  // namespace
 
 bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, double& still) {
@@ -67,10 +68,6 @@ bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, do
   const bool agrees = within(world, target, kSlow);
   still = agrees && slow(world.twist(target.body)) && slow(target.twist) ? still + dt : 0.0;
   return still >= kRestAfter;
-}
-
-bool left_asleep(const pbd::World& world, const pbd::PoseTarget& target) {
-  return !world.awake(target.body) && within(world, target, kSlow);
 }
 
 pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,

@@ -24,7 +24,4 @@ pbd::Correction follow_state(pbd::World& world, const pbd::PoseTarget& target);
 /// @param dt  s, since the last call     @param[in,out] still  s, for how long it has been so
 bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, double& still);
 
-/// Whether a body sleeps and its target is no reason to wake it: what the solver's own targets do.
-bool left_asleep(const pbd::World& world, const pbd::PoseTarget& target);
-
 }  // namespace tandem::consensus

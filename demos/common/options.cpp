@@ -66,6 +66,7 @@ struct Option {
 constexpr double kEndless = 3600.0;  // s, of users' scripts
 constexpr std::string_view kSeconds = "s, a number from 0 to 10";
 constexpr std::string_view kChance = "a number from 0 to 0.99";
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
 
 template <bool DemoOptions::*Member>
@@ -289,7 +290,9 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
       options.predictor = consensus::PredictorKind::Euler;
       break;
     case Scheme::Pd:
-      options.coupling = Coupling::VirtualCoupling;
+      // Its force has a limit of its own.
+      options.robust.max_correction = options.robust.max_turn = kUnlimited;
+      options.robust.max_velocity_correction = options.robust.max_spin_correction = kUnlimited;
       // A spring is not stable against a turning body that is said to stand still.
       options.prediction.extrapolates_orientation = true;
       break;
@@ -308,7 +311,6 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   result.influence.baseline = influence;
   if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement at all
   apply(other, result);
-  result.virtual_coupling.frequency = pd_frequency;
   if (predictor) {
     result.predictor = *predictor;
     result.prediction.extrapolates_orientation = true;

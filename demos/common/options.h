@@ -14,6 +14,7 @@
 #include "common/ablation.h"
 #include "common/physics.h"
 #include "common/session_key.h"
+#include "common/virtual_coupling.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
 
@@ -58,7 +59,7 @@ struct DemoOptions {
   double extrapolation = 1.0;         ///< s, longest of states
   double spring_extrapolation = 0.3;  ///< s, longest of users' springs
   Scheme scheme = Scheme::OnePass;
-  double pd_frequency = consensus::VirtualCouplingOptions{}.frequency;  ///< Hz, of Scheme::Pd
+  double pd_frequency = VirtualCouplingOptions{}.frequency;  ///< Hz, of Scheme::Pd
   double update_hz = 60.0;
   int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
   std::vector<double> rates = {60.0};              ///< steps each second of the peers, in turn

@@ -109,6 +109,9 @@ void Participant::make_peer(const DemoOptions& options) {
   peer_->set_observer(this);
   targets_ = options.ablation.around(*peer_);
   if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
+  if (options.scheme_of(number_) == Scheme::Pd) {
+    pull_.emplace(*scene_.world, *peer_, VirtualCouplingOptions{.frequency = options.pd_frequency});
+  }
   for (const SceneBody& body : scene_.bodies) {
     peer_->share({.id = body.id, .body = body.body, .owner = owner_of(options, body)});
   }
@@ -117,6 +120,7 @@ void Participant::make_peer(const DemoOptions& options) {
 void Participant::change_rules(const DemoOptions& options) {
   // Targets that are asked for in its place end with it.
   targets_.reset();
+  pull_.reset();
   if (watch_ != nullptr) watch_->rules(options);
   make_peer(options);
   if (watch_ != nullptr) watch_->attach(scene_, *peer_);
@@ -188,6 +192,7 @@ void Participant::begin(consensus::SessionTime now) {
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = thread_cpu_s();
   peer_->before_step(now + clock_ahead_);
+  if (pull_) pull_->pull(now + clock_ahead_);
   record_.cpu_s += thread_cpu_s() - cpu_before;
   if (watch_ != nullptr) watch_->told();
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];

@@ -107,6 +107,7 @@ class Participant final : private consensus::PeerObserver {
   Signals signals_;
   std::optional<consensus::Peer> peer_;         ///< always there; controls keep its address
   std::unique_ptr<pbd::TargetSource> targets_;  ///< null: the peer is asked
+  std::optional<VirtualCoupling> pull_;         ///< of Scheme::Pd
   consensus::PeerObserver* observer_ = nullptr;
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;

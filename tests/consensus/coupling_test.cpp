@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What one-pass is compared with: two steps as published, none, virtual couplings.
+// What one-pass is compared with: two steps as published, none.
 #include <cmath>
-#include <numbers>
 
 #include "consensus/peer_fixture.h"
 #include "consensus/stub_transport.h"
@@ -136,85 +135,6 @@ TEST_CASE("coupling: none still follows who drives a body by hand", "[consensus]
   CHECK(gap(session[0], session[1]) < 1e-6);
 }
 
-/// e'' + 2 z w e' + w^2 e = 0 from rest at 1, z <= 1.
-double oscillator(double w, double z, double t) {
-  if (z > 1.0 - 1e-9) return (1.0 + w * t) * std::exp(-w * t);
-  const double wd = w * std::sqrt(1.0 - z * z);
-  return std::exp(-z * w * t) * (std::cos(wd * t) + z * w / wd * std::sin(wd * t));
-}
-
-TEST_CASE("coupling: what a virtual coupling leaves between two free bodies is a damped oscillator",
-          "[consensus][analytic]") {
-  // At 1 kHz implicit Euler is within w dt of the exact solution.
-  const double ratio = GENERATE(0.7071067811865476, 0.2);
-  PeerOptions options{.update_hz = 1000.0,
-                      .coupling = Coupling::VirtualCoupling,
-                      .virtual_coupling = {.damping_ratio = ratio}};
-  const auto session = two_balls(with_published_rules(options), {}, 1000.0);
-  Site& a = (*session)[0];
-  Site& b = (*session)[1];
-  session->run(0.01);
-  b.world.set_pose(b.body, {Vec3(0.3, 0.0, 0.0), Quat(Eigen::AngleAxisd(0.2, Vec3::UnitZ()))});
-  session->run(0.002);
-  // Both pull: twice the stiffness and twice the damping for what is between them.
-  const double w = std::sqrt(2.0) * 2.0 * std::numbers::pi * options.virtual_coupling.frequency;
-  const double z = std::sqrt(2.0) * ratio;
-  for (int i = 1; i <= 10; ++i) {
-    session->run(0.1);
-    const double t = 0.1 * i;
-    INFO("t = " << t << ", damping ratio " << z);
-    CHECK((b.x().x() - a.x().x()) / 0.3 == Approx(oscillator(w, z, t)).margin(0.01));
-    const double angle = a.pose().orientation.angularDistance(b.pose().orientation);
-    CHECK(angle / 0.2 == Approx(std::abs(oscillator(w, z, t))).margin(0.015));
-    // Equal and opposite: the middle stays.
-    CHECK(a.x().x() + b.x().x() == Approx(0.3).epsilon(1e-6));
-  }
-}
-
-TEST_CASE("coupling: a virtual coupling's force is cut, in proportion to the mass",
-          "[consensus][analytic]") {
-  const double mass = GENERATE(0.1, 10.0);
-  PeerOptions options{.coupling = Coupling::VirtualCoupling};
-  Session session;
-  for (PeerId id = 1; id <= 2; ++id) {
-    pbd::BodyDef def = ball(Vec3::Zero());
-    def.mass = mass;
-    session.add(id, 0.0, with_published_rules(options), kWeightless).share(def);
-  }
-  session.run(0.1);
-  session[1].displace({1000.0, 0.0, 0.0});
-  session.run(2.0 * kFrame);
-  const double before = session[0].v().x();
-  session.run(kFrame);
-  CHECK(session[0].v().x() - before ==
-        Approx(options.virtual_coupling.max_acceleration * kFrame).epsilon(1e-6));
-}
-
-TEST_CASE("coupling: a virtual coupling at its defaults settles over every profile",
-          "[consensus]") {
-  const int profile = GENERATE(1, 2, 3, 4, 5);
-  const bool resting = GENERATE(true, false);
-  const PeerOptions options = with_published_rules({.coupling = Coupling::VirtualCoupling});
-  Session session(network_profile(profile));
-  for (PeerId id = 1; id <= 2; ++id) {
-    Site& site = session.add(id, 0.007 * static_cast<double>(id), options,
-                             resting ? pbd::WorldDef{} : kWeightless);
-    site.share(cube({0.0, 0.0, kHalf.z()}));
-    if (resting) put_on_plane(site, 0.05);
-  }
-  session.run(0.5);
-  session[1].displace({0.3, 0.0, 0.0});
-  double fastest = 0.0;
-  session.after = [&](Site& site) { fastest = std::max(fastest, site.v().norm()); };
-  session.run(10.0);
-  CAPTURE(profile, resting);
-  // Friction holds what the spring cannot move, (1 + 2 z w dt) mu g / w^2 = 5.4 cm. What moves does
-  // so together: while the news was under way only one of them was pulled.
-  CHECK(gap(session[0], session[1]) < (resting ? 0.055 : 1e-3));
-  CHECK((session[0].v() - session[1].v()).norm() < 1e-3);
-  CHECK(fastest < 2.0);
-}
-
 TEST_CASE("coupling: nobody leads where initiative is off", "[consensus]") {
   for (const bool initiative : {true, false}) {
     StubTransport transport(1);
@@ -255,23 +175,6 @@ TEST_CASE("coupling: copies on different faces are averaged where arbitration is
     if (arbitration) CHECK(first < 0.6);
     if (!arbitration) CHECK(first == Approx(0.7).margin(0.05));
   }
-}
-
-TEST_CASE("coupling: options outside of their rules are refused by name", "[consensus][fault]") {
-  const auto refusal = [](const PeerOptions& options) -> std::string {
-    try {
-      options.validate();
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return {};
-  };
-  CHECK(refusal({.virtual_coupling = {.frequency = 0.0}}).find("frequency") != std::string::npos);
-  CHECK(refusal({.virtual_coupling = {.damping_ratio = -0.1}}).find("damping_ratio") !=
-        std::string::npos);
-  CHECK(refusal({.virtual_coupling = {.max_acceleration = 0.0}}).find("max_acceleration") !=
-        std::string::npos);
-  CHECK(refusal({}).empty());
 }
 
 }  // namespace

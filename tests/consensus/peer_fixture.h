@@ -47,7 +47,8 @@ struct Site {
   std::unique_ptr<Peer> peer;
   PeerId id;
   pbd::BodyId body;
-  std::function<void(Site&, SessionTime)> user;  ///< acts before each step
+  std::function<void(Site&, SessionTime)> user;     ///< acts before each step
+  std::function<void(Site&, SessionTime)> coupled;  ///< acts when the peer is ready for the step
 
   /// Add the shared body.
   void share(const pbd::BodyDef& def, std::optional<PeerId> owner = std::nullopt) {
@@ -132,6 +133,7 @@ class Session {
     if (!site.inside) {
       if (site.user) site.user(site, from);
       site.peer->before_step(from);
+      if (site.coupled) site.coupled(site, from);
       site.solver.step(site.world, 1e-9 * static_cast<double>(to - from));
       site.inside = true;
     } else {

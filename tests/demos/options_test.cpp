@@ -210,8 +210,8 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   CHECK(of("none").coupling == Coupling::None);
   CHECK(of("single-owner").coupling == Coupling::SingleOwner);
   CHECK(of("single-owner").predictor == PredictorKind::Euler);
-  CHECK(of("pd").coupling == Coupling::VirtualCoupling);
-  CHECK(parse({"--pd-frequency", "2"}).peer_options().virtual_coupling.frequency == 2.0);
+  CHECK(of("pd").predictor == PredictorKind::Euler);
+  CHECK(parse({"--pd-frequency", "2"}).pd_frequency == 2.0);
   // What is said counts.
   CHECK(parse({"--coupling=pd", "--predictor", "second-order"}).peer_options().predictor ==
         PredictorKind::SecondOrder);

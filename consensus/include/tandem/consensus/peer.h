@@ -92,7 +92,6 @@ struct TANDEM_API PeerOptions {
   /// bodies that rest are left alone, on the terms on which one pass lets them sleep: slow and
   /// within 1 mm and 1 degree for half a second.
   bool two_step_thresholds = true;
-  VirtualCouplingOptions virtual_coupling;
   /// Whose user was the last to act on a body leads, see docs/ARCHITECTURE.md; false: nobody does.
   bool initiative = true;
   /// Where no average brings copies together (they rest on different faces, or something solid is
