@@ -58,85 +58,31 @@ void add_outer(Mat4& m, const Vec4& r, double weight) {
   }
 }
 
-Vec4 normalized(const Vec4& v) {
-  const double norm = std::sqrt(dot(v, v));
-  return {v[0] / norm, v[1] / norm, v[2] / norm, v[3] / norm};
-}
-
-Vec4 times(const Mat4& m, const Vec4& v) {
-  return {dot(m[0], v), dot(m[1], v), dot(m[2], v), dot(m[3], v)};
-}
-
-/// Dominant eigenvector by power iteration from the aligned sum of states within kPowerSpread: each
-/// iteration divides the error, below 1e-3 at the start, by at least 100. A fixed number of them
-/// costs less than looking whether they are still needed.
-Vec4 dominant_by_power(const Mat4& m, Vec4 u) {
-  constexpr int kIterations = 5;
-  // The dominant eigenvalue is nearly the trace, so that nothing has to be normalised on the way.
-  const double scale = 1.0 / (m[0][0] + m[1][1] + m[2][2] + m[3][3]);
-  for (int i = 0; i < kIterations; ++i) {
-    u = times(m, u);
-    for (double& component : u) component *= scale;
-  }
-  return normalized(u);
-}
-
-/// One Jacobi rotation: makes a[p][q] zero and turns the eigenvectors (columns of v) along.
-void jacobi_rotate(Mat4& a, Mat4& v, std::size_t p, std::size_t q) {
-  const double tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-  // The smaller root of t^2 + 2 tau t - 1; an infinite tau gives t = 0.
-  const double t = (tau >= 0.0 ? 1.0 : -1.0) / (std::abs(tau) + std::sqrt(1.0 + tau * tau));
-  const double c = 1.0 / std::sqrt(1.0 + t * t);
-  const double s = t * c;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double kp = a[k][p];
-    const double kq = a[k][q];
-    a[k][p] = c * kp - s * kq;
-    a[k][q] = s * kp + c * kq;
-  }
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double pk = a[p][k];
-    const double qk = a[q][k];
-    a[p][k] = c * pk - s * qk;
-    a[q][k] = s * pk + c * qk;
-    const double vp = v[k][p];
-    const double vq = v[k][q];
-    v[k][p] = c * vp - s * vq;
-    v[k][q] = s * vp + c * vq;
-  }
-  a[p][q] = 0.0;  // up to rounding it was
-  a[q][p] = 0.0;
-}
-
-/// Dominant eigenvector of a symmetric positive semidefinite matrix by cyclic Jacobi rotations, on
-/// the half sphere around no rotation.
-/// @param[out] open  whether the two largest eigenvalues are the same
-Vec4 dominant_exact(Mat4 a, bool& open) {
-  constexpr int kSweeps = 12;
-  Mat4 v{};
-  for (std::size_t k = 0; k < 4; ++k) v[k][k] = 1.0;
-  const double scale = a[0][0] + a[1][1] + a[2][2] + a[3][3];
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double off = 0.0;
-    for (std::size_t p = 0; p < 3; ++p) {
-      for (std::size_t q = p + 1; q < 4; ++q) {
-        off = std::max(off, std::abs(a[p][q]));
-        if (a[p][q] != 0.0) jacobi_rotate(a, v, p, q);
-      }
+/// Dominant eigenvector of a symmetric positive semidefinite matrix, on the half sphere around no
+/// rotation. Squared again and again the matrix becomes the projection on that vector: four times
+/// where states agree within 20 degrees.
+/// @param[out] open  whether the two largest eigenvalues are the same, to 1e-9
+Vec4 dominant(Mat4 m, bool& open) {
+  constexpr int kSquarings = 35;
+  constexpr double kLeft = 1e-14;  // of the other eigenvalues; its square is below rounding
+  open = true;
+  for (int squared = 0; squared < kSquarings && open; ++squared) {
+    const double scale = 1.0 / (m[0][0] + m[1][1] + m[2][2] + m[3][3]);
+    for (Vec4& row : m) {
+      for (double& entry : row) entry *= scale;
     }
-    // Converges quadratically: what was below this is below rounding after the sweep.
-    if (off <= 1e-9 * scale) break;
+    const Mat4 root = m;
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i; j < 4; ++j) m[i][j] = m[j][i] = dot(root[i], root[j]);
+    }
+    open = m[0][0] + m[1][1] + m[2][2] + m[3][3] < 1.0 - kLeft;
   }
   std::size_t best = 0;
   for (std::size_t k = 1; k < 4; ++k) {
-    if (a[k][k] > a[best][best]) best = k;
+    if (m[k][k] > m[best][best]) best = k;
   }
-  open = false;
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (k != best && a[best][best] - a[k][k] <= kOpen * a[best][best]) open = true;
-  }
-  const double sign = v[0][best] < 0.0 ? -1.0 : 1.0;
-  return normalized({sign * v[0][best], sign * v[1][best], sign * v[2][best], sign * v[3][best]});
+  const double scale = (m[best][0] < 0.0 ? -1.0 : 1.0) / std::sqrt(dot(m[best], m[best]));
+  return {scale * m[best][0], scale * m[best][1], scale * m[best][2], scale * m[best][3]};
 }
 
 /// Rotation vector from the local orientation (weight 1) to its mean with one state `r` of weight
@@ -181,88 +127,44 @@ Tally weigh(std::span<PeerEstimate> estimates) {
   return tally;
 }
 
-/// Smallest cosines of half the angle between two states that count.
-struct Spread {
-  double remote = 1.0;  ///< between remote states
-  double all = 1.0;     ///< the local state included
-};
-
-Spread spread_of(const Quat& local, std::span<const PeerEstimate> estimates) {
-  Spread spread;
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    if (!(estimates[i].weight > 0.0)) continue;
-    const Quat& q = estimates[i].pose.orientation;
-    spread.all = std::min(spread.all, std::abs(dot(local, q)));
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!(estimates[j].weight > 0.0)) continue;
-      spread.remote = std::min(spread.remote, std::abs(dot(q, estimates[j].pose.orientation)));
-    }
-  }
-  spread.all = std::min(spread.all, spread.remote);
-  return spread;
-}
-
-constexpr double kPowerCosine = 0.984807753012208;  // of half of kPowerSpread
 constexpr double kMeanCosine = 0.8660254037844386;  // of half of kMeanSpread
 
+/// Whether no two of the states that count are further apart than kMeanSpread.
+bool have_mean(std::span<const PeerEstimate> estimates) {
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (!(estimates[i].weight > 0.0)) continue;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!(estimates[j].weight > 0.0)) continue;
+      const double cosine = dot(estimates[i].pose.orientation, estimates[j].pose.orientation);
+      if (std::abs(cosine) < kMeanCosine) return false;
+    }
+  }
+  return true;
+}
+
 /// The average over two or more remote states close enough to be averaged.
-MeanRotation mean_of_many(const Quat& local, std::span<const PeerEstimate> estimates,
-                          const Tally& tally, const Spread& spread) {
-  const Vec4 reference = relative_to(local, estimates[tally.heaviest].pose.orientation);
+MeanRotation mean_of_many(const Quat& local, std::span<const PeerEstimate> estimates, bool owned) {
   Mat4 m{};
-  Vec4 sum{};
   for (const PeerEstimate& e : estimates) {
-    if (!(e.weight > 0.0)) continue;
-    const Vec4 r = relative_to(local, e.pose.orientation);
-    add_outer(m, r, e.weight);
-    const double aligned = dot(r, reference) < 0.0 ? -e.weight : e.weight;
-    for (std::size_t k = 0; k < 4; ++k) sum[k] += aligned * r[k];
+    if (e.weight > 0.0) add_outer(m, relative_to(local, e.pose.orientation), e.weight);
   }
   bool open = false;
-  const Vec4 remote =
-      spread.remote >= kPowerCosine ? dominant_by_power(m, sum) : dominant_exact(m, open);
+  const Vec4 remote = dominant(m, open);
   MeanRotation mean;
   mean.remote = from_relative(local, remote);
-  if (tally.owned) {
+  if (owned) {
     mean.correction = log_rotation(remote);
     return mean;
   }
   m[0][0] += 1.0;  // the local state, (1, 0, 0, 0) with weight 1
-  sum[0] += 1.0;
-  const Vec4 all = spread.all >= kPowerCosine ? dominant_by_power(m, sum) : dominant_exact(m, open);
+  const Vec4 all = dominant(m, open);
   if (!open) mean.correction = log_rotation(all);
   return mean;
 }
 
-RotationMean choose(const Tally& tally, const Spread& spread) {
-  if (tally.used == 1) return RotationMean::Single;
-  if (spread.remote < kMeanCosine) return RotationMean::Heaviest;
-  const double relevant = tally.owned ? spread.remote : spread.all;
-  return relevant < kPowerCosine ? RotationMean::Exact : RotationMean::Power;
-}
-
-/// The usual case: one other peer, that does not own the body. The general code gives the same
-/// bits.
-bool fuse_one(const pbd::Pose& local, PeerEstimate& estimate, pbd::PoseTarget& target) {
-  estimate.weight = weight_of_share(estimate.share);
-  if (!(estimate.weight > 0.0)) return false;
-  target.share = share_of_weight(estimate.weight);
-  target.pose = estimate.pose;
-  target.twist = estimate.twist;
-  target.rotation_error =
-      mean_with_single(relative_to(local.orientation, estimate.pose.orientation), estimate.weight) /
-      target.share;
-  target.use_rotation_error = true;
-  return true;
-}
-
 }  // namespace
 
-bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target,
-          FusionInfo* info) {
-  if (info == nullptr && estimates.size() == 1 && estimates[0].share < 1.0) {
-    return fuse_one(local, estimates[0], target);
-  }
+bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target) {
   const auto by_peer = [](const PeerEstimate& a, const PeerEstimate& b) { return a.peer < b.peer; };
   if (!std::is_sorted(estimates.begin(), estimates.end(), by_peer)) {
     std::sort(estimates.begin(), estimates.end(), by_peer);
@@ -282,27 +184,18 @@ bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTa
   }
 
   constexpr double kOwner = std::numeric_limits<double>::infinity();
-  const Spread spread = spread_of(local.orientation, estimates);
-  const RotationMean how = choose(tally, spread);
   MeanRotation mean;
-  if (how == RotationMean::Single || how == RotationMean::Heaviest) {
+  if (tally.used == 1 || !have_mean(estimates)) {
     const PeerEstimate& heaviest = estimates[tally.heaviest];
     mean.remote = heaviest.pose.orientation;
     mean.correction = mean_with_single(relative_to(local.orientation, mean.remote),
                                        tally.owned ? kOwner : heaviest.weight);
   } else {
-    mean = mean_of_many(local.orientation, estimates, tally, spread);
+    mean = mean_of_many(local.orientation, estimates, tally.owned);
   }
   target.pose.orientation = mean.remote;
   target.rotation_error = mean.correction / target.share;
   target.use_rotation_error = true;
-
-  if (info != nullptr) {
-    info->used = tally.used;
-    info->weight = tally.owned ? kOwner : tally.total;
-    info->spread = 2.0 * std::acos(spread.all);
-    info->rotation = how;
-  }
   return true;
 }
 

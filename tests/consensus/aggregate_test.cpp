@@ -32,15 +32,12 @@ TEST_CASE("aggregate: positions and velocities are the weighted means of Eq. 1",
       total += weight;
     }
     pbd::PoseTarget target;
-    FusionInfo info;
-    REQUIRE(fuse(local, estimates, target, &info));
+    REQUIRE(fuse(local, estimates, target));
     const Vec3 x_new = local.position + target.share * (target.pose.position - local.position);
     CHECK((x_new - x_all / (1.0 + total)).norm() < 1e-12);
     CHECK((target.twist.linear - v / total).norm() < 1e-12);
     CHECK((target.twist.angular - w / total).norm() < 1e-12);
     CHECK(target.share == Approx(total / (1.0 + total)).epsilon(1e-14));
-    CHECK(info.weight == Approx(total).epsilon(1e-14));
-    CHECK(info.used == static_cast<int>(estimates.size()));
     CHECK(target.use_rotation_error);
   }
 }
@@ -48,8 +45,6 @@ TEST_CASE("aggregate: positions and velocities are the weighted means of Eq. 1",
 TEST_CASE("aggregate: rotations are the eigenvector average of Eq. 2, local state included",
           "[consensus][analytic]") {
   Dice dice(2);
-  int power = 0;
-  int exact = 0;
   for (int round = 0; round < 4000; ++round) {
     const pbd::Pose local = some_pose(dice);
     const double spread = (round % 2 == 0 ? 20.0 : 60.0) * kDegree;
@@ -64,16 +59,11 @@ TEST_CASE("aggregate: rotations are the eigenvector average of Eq. 2, local stat
       remote.add(e.pose.orientation, e.share / (1.0 - e.share));
     }
     pbd::PoseTarget target;
-    FusionInfo info;
-    REQUIRE(fuse(local, estimates, target, &info));
-    power += info.rotation == RotationMean::Power ? 1 : 0;
-    exact += info.rotation == RotationMean::Exact ? 1 : 0;
+    REQUIRE(fuse(local, estimates, target));
     CHECK(angle_between(applied(local, target), all.result()) < 1e-12);
     CHECK(angle_between(target.pose.orientation, remote.result()) < 1e-12);
     CHECK(std::abs(target.pose.orientation.norm() - 1.0) < 1e-14);
   }
-  CHECK(power > 1000);
-  CHECK(exact > 1000);
 }
 
 TEST_CASE("aggregate: one peer turns the local state by atan2(W sin t, 1 + W cos t)",
@@ -90,13 +80,10 @@ TEST_CASE("aggregate: one peer turns the local state by atan2(W sin t, 1 + W cos
       e.pose.orientation = turned(t * axis) * local.orientation;
       e.pose.orientation.coeffs() *= -1.0;
       pbd::PoseTarget target;
-      FusionInfo info;
-      REQUIRE(fuse(local, std::span(&e, 1), target, &info));
+      REQUIRE(fuse(local, std::span(&e, 1), target));
       const double expected = std::atan2(weight * std::sin(t), 1.0 + weight * std::cos(t));
       INFO("angle " << degrees << " weight " << weight);
-      CHECK(info.rotation == RotationMean::Single);
       CHECK((target.share * target.rotation_error - expected * axis).norm() < 1e-11);
-      CHECK(info.spread == Approx(t).margin(1e-7));
     }
   }
 }

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "tandem/consensus/transport.h"
@@ -21,26 +20,8 @@ struct TANDEM_API PeerEstimate {
   double weight = 0.0;  ///< set by fuse(): against the local 1, or 1 per owner where there is one
 };
 
-/// How the rotation average was found.
-enum class RotationMean : std::uint8_t {
-  Single,    ///< one remote state: closed form
-  Power,     ///< aligned sum and power iterations: states agree within kPowerSpread
-  Exact,     ///< eigenvectors of the 4x4 matrix
-  Heaviest,  ///< remote states too far apart to be averaged: the heaviest of them alone
-};
-
-/// Largest angle (rad) between two states, the local one included, up to which the cheap form is
-/// used: 20 degrees.
-inline constexpr double kPowerSpread = 0.3490658503988659;
 /// Largest angle (rad) between two remote states up to which they are averaged: 60 degrees.
 inline constexpr double kMeanSpread = 1.0471975511965976;
-
-struct TANDEM_API FusionInfo {
-  int used = 0;         ///< remote states that counted
-  double weight = 0.0;  ///< their total weight against the local 1; +infinity for owners
-  double spread = 0.0;  ///< rad, largest angle between two of the states, the local included
-  RotationMean rotation = RotationMean::Single;
-};
 
 /// Fuse any number of remote states of one body into one target, [friston] Eqs. 1 and 2 with the
 /// local state at weight 1:
@@ -64,6 +45,6 @@ struct TANDEM_API FusionInfo {
 /// @return false where there is nothing to agree on: no estimate with a share above 0
 /// Cost O(N^2) dot products for N estimates, no allocation. Errors: none.
 TANDEM_API bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates,
-                     pbd::PoseTarget& target, FusionInfo* info = nullptr);
+                     pbd::PoseTarget& target);
 
 }  // namespace tandem::consensus
