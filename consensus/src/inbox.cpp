@@ -35,32 +35,11 @@ void InboxOptions::validate() const {
 }
 
 void InboxCounters::count(InboxVerdict verdict) {
-  switch (verdict) {
-    case InboxVerdict::Accepted:
-      ++accepted;
-      break;
-    case InboxVerdict::Duplicate:
-      ++duplicate;
-      break;
-    case InboxVerdict::Late:
-      ++late;
-      break;
-    case InboxVerdict::Expired:
-      ++expired;
-      break;
-    case InboxVerdict::Future:
-      ++future;
-      break;
-    case InboxVerdict::Implausible:
-      ++implausible;
-      break;
-    case InboxVerdict::UnknownId:
-      ++unknown_id;
-      break;
-    case InboxVerdict::UnknownPeer:
-      ++unknown_peer;
-      break;
-  }
+  constexpr std::uint64_t InboxCounters::*kCounters[] = {
+      &InboxCounters::accepted,   &InboxCounters::duplicate,   &InboxCounters::late,
+      &InboxCounters::expired,    &InboxCounters::future,      &InboxCounters::implausible,
+      &InboxCounters::unknown_id, &InboxCounters::unknown_peer};
+  ++(this->*kCounters[static_cast<std::size_t>(verdict)]);
 }
 
 std::uint64_t InboxCounters::dropped() const {

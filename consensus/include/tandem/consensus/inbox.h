@@ -24,7 +24,7 @@ struct TANDEM_API InboxOptions {
   void validate() const;
 };
 
-/// Why an update was kept or not.
+/// Why an update was kept or not; in the order of InboxCounters.
 enum class InboxVerdict : std::uint8_t {
   Accepted,
   Duplicate,    ///< same stamp as the one kept
