@@ -96,8 +96,7 @@ bool Peer::Impl::believes_lead(Shared& shared, PeerId from, SessionTime now) {
 }
 
 bool Peer::Impl::believes_hands(std::size_t others) const {
-  return !options_.robust.outvote || others < 2 || options_.robust.unseen_hands ||
-         options_.mode != InputMode::Soft;
+  return !options_.robust.outvote || others < 2 || options_.mode != InputMode::Soft;
 }
 
 bool Peer::Impl::owns_any(PeerId peer) const {

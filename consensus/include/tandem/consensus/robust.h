@@ -19,9 +19,6 @@ struct TANDEM_API RobustOptions {
   /// somebody leads a body and has reason to, only those count, or nobody could move anything.
   /// Needs a mesh: who hears two neighbours of a long chain cannot tell who is far from the rest.
   bool outvote = true;
-  /// Believe that a body is moved by hand (UpdateFlags::owner_driven) though nobody else knows the
-  /// hand. Always so with InputMode::Asymmetric and Hard; only among three and more.
-  bool unseen_hands = false;
   /// Most that agreement asks for in 1/60 s; not of the state of an owner. Infinity = no limit.
   double max_correction = 0.25;           ///< m
   double max_turn = 1.0;                  ///< rad
