@@ -6,7 +6,6 @@
 
 #include "cpu_clock.h"
 #include "peer_impl.h"
-#include "predictors.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -27,6 +26,13 @@ constexpr double kFollowing = 0.25;
 /// weight, see Lead.
 constexpr double kNoDoubt = 0.5;
 constexpr double kNoMean = 1.2;
+
+/// Lengths as well: they are what a rotation and a distance are made from.
+bool finite(const Prediction& p) {
+  return std::isfinite(p.translation.squaredNorm()) && std::isfinite(p.rotation.squaredNorm()) &&
+         std::isfinite(p.twist.linear.squaredNorm()) &&
+         std::isfinite(p.twist.angular.squaredNorm());
+}
 
 }  // namespace
 
@@ -151,7 +157,10 @@ PredictionContext Peer::Impl::context_of(Shared& shared, PeerId from, SessionTim
 Prediction Peer::Impl::carry(Shared& shared, PeerId from, const StateUpdate& update,
                              SessionTime now) {
   const OwnMotion own(history_, shared.def.body.index);
-  Prediction prediction = predictor_->predict(update, own, context_of(shared, from, now));
+  const PredictionContext context = context_of(shared, from, now);
+  Prediction prediction = predictor_->predict(update, own, context);
+  // No number of an application's own gets into a world unseen.
+  if (!finite(prediction)) prediction = as_stamped_->predict(update, own, context);
   if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
   return prediction;
 }

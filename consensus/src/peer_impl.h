@@ -304,7 +304,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   std::unique_ptr<Replay> replay_;  ///< null: predictor_ carries all states to now
   Inbox inbox_;
   SenderClocks sender_clocks_;
-  std::unique_ptr<Predictor> predictor_;
+  std::shared_ptr<const Predictor> predictor_;
+  std::unique_ptr<Predictor> as_stamped_ = make_predictor(PredictorKind::None);
   PeerObserver* observer_ = nullptr;
   const Interest* interest_ = nullptr;
   PeerStats stats_;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "peer_impl.h"
-#include "predictors.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -31,7 +30,7 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
               .max_future = options.max_future,
               .plausibility = options.plausibility}),
       predictor_(options.own_predictor != nullptr
-                     ? detail::make_guarded(options.own_predictor)
+                     ? options.own_predictor
                      : make_predictor(options.predictor, options.prediction)) {
   // Others' forces pull, and an owner's state is not averaged.
   const bool averaged =

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "predictors.h"
+#include "body_state.h"
+#include "session_time.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/typed_block.h"
 
@@ -22,6 +23,22 @@ using pbd::Vec3;
 constexpr double kAccelerationFilter = 0.05;
 constexpr double kMostFrequency = 100.0;  // Hz, where there was no acceleration before
 
+/// Neither touches, is joined nor held at the stamp.
+bool is_free(const StateUpdate& update) {
+  return !update.flags.in_contact && !update.flags.held && !update.flags.owner_driven;
+}
+
+/// What misses to a state that was carried on by itself.
+Prediction to_state(const StateUpdate& update, const MotionSample& own, const Vec3& position,
+                    const pbd::Twist& twist, double age) {
+  const pbd::Quat there = pbd::rotated(update.pose.orientation, age * update.twist.angular);
+  return {.translation = position - own.pose.position,
+          .rotation = pbd::rotation_between(own.pose.orientation, there),
+          .twist = difference(twist, own.twist),
+          .motion = update.flags.owner_driven ? pbd::TargetMotion::Inertial
+                                              : pbd::TargetMotion::WithBody};
+}
+
 /// Carries a state on by itself, to the order of its kind.
 class Extrapolator final : public Predictor {
  public:
@@ -32,7 +49,7 @@ class Extrapolator final : public Predictor {
                      const PredictionContext& context) const override {
     const double age = std::min(seconds(context.now - update.stamp), options_.max_extrapolation);
     if (kind_ == PredictorKind::None) {
-      return detail::to_state(update, own.newest(), update.pose.position, update.twist, 0.0);
+      return to_state(update, own.newest(), update.pose.position, update.twist, 0.0);
     }
     Vec3 position = update.pose.position + age * update.twist.linear;
     pbd::Twist twist = update.twist;
@@ -41,8 +58,8 @@ class Extrapolator final : public Predictor {
       position += 0.5 * age * age * acceleration;
       twist.linear += age * acceleration;
     }
-    return detail::to_state(update, own.newest(), position, twist,
-                            options_.extrapolates_orientation ? age : 0.0);
+    return to_state(update, own.newest(), position, twist,
+                    options_.extrapolates_orientation ? age : 0.0);
   }
   bool remembers() const override { return kind_ == PredictorKind::SecondOrder; }
 
@@ -51,7 +68,7 @@ class Extrapolator final : public Predictor {
   Vec3 acceleration_of(const StateUpdate& update, const PredictionContext& context) const {
     PredictorMemory* memory = context.memory;
     if (memory != nullptr && update.stamp > memory->stamp) measure(update, *memory);
-    if (detail::is_free(update)) return context.gravity;
+    if (is_free(update)) return context.gravity;
     if (memory == nullptr) return Vec3::Zero();
     const double half = 0.5 * options_.max_frequency;
     const double fit = std::clamp((options_.max_frequency - memory->frequency) / half, 0.0, 1.0);
@@ -87,16 +104,6 @@ class Extrapolator final : public Predictor {
 };
 
 }  // namespace
-
-Prediction detail::to_state(const StateUpdate& update, const MotionSample& own,
-                            const Vec3& position, const pbd::Twist& twist, double age) {
-  const pbd::Quat there = pbd::rotated(update.pose.orientation, age * update.twist.angular);
-  return {.translation = position - own.pose.position,
-          .rotation = pbd::rotation_between(own.pose.orientation, there),
-          .twist = difference(twist, own.twist),
-          .motion = update.flags.owner_driven ? pbd::TargetMotion::Inertial
-                                              : pbd::TargetMotion::WithBody};
-}
 
 void PredictorOptions::validate() const {
   require(max_extrapolation >= 0.0 && std::isfinite(max_extrapolation), "PredictorOptions",
