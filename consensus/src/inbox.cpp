@@ -3,11 +3,11 @@
 #include "tandem/consensus/inbox.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 
 #include "session_time.h"
+#include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus {
 namespace {
@@ -15,10 +15,11 @@ namespace {
 /// Beyond this a limit is as good as none; in ns it still fits a SessionTime with ease.
 constexpr double kLongestTime = 1e8;  // s, about three years
 
-void require_seconds(const char* field, double value) {
-  if (std::isfinite(value) && value >= 0.0 && value <= kLongestTime) return;
-  throw std::invalid_argument(std::string("InboxOptions::") + field + " = " +
-                              std::to_string(value) + ": must be 0 to 1e8 s");
+/// The entry with an id, of entries by ascending id; null where there is none.
+template <class Entries, class Id>
+auto* find(Entries& entries, const Id& id) {
+  const auto at = std::ranges::lower_bound(entries, id, {}, [](const auto& e) { return e.id; });
+  return at != entries.end() && at->id == id ? &*at : nullptr;
 }
 
 InboxOptions validated(const InboxOptions& options) {
@@ -29,8 +30,12 @@ InboxOptions validated(const InboxOptions& options) {
 }  // namespace
 
 void InboxOptions::validate() const {
-  require_seconds("max_age", max_age);
-  require_seconds("max_future", max_future);
+  const auto check = [](double value, const char* field) {
+    pbd::detail::require(value >= 0.0 && value <= kLongestTime, "InboxOptions", field, value,
+                         "0 to 1e8 s");
+  };
+  check(max_age, "max_age");
+  check(max_future, "max_future");
   plausibility.validate();
 }
 
@@ -66,7 +71,7 @@ void Inbox::remove_id(const SharedId& id) {
   std::erase_if(bodies_, [&](const Body& body) { return body.id == id; });
 }
 
-bool Inbox::contains(const SharedId& id) const { return find_body(id) != nullptr; }
+bool Inbox::contains(const SharedId& id) const { return find(bodies_, id) != nullptr; }
 
 void Inbox::add_peer(PeerId peer) {
   if (peer == 0) throw std::invalid_argument("Inbox::add_peer: peer = 0: must not be 0");
@@ -80,7 +85,7 @@ void Inbox::add_peer(PeerId peer) {
 }
 
 void Inbox::remove_peer(PeerId peer) {
-  Peer* const found = find_peer(peer);
+  Peer* const found = find(peers_, peer);
   if (found == nullptr) return;
   found->present = false;
   found->alive = 0;
@@ -92,15 +97,15 @@ void Inbox::remove_peer(PeerId peer) {
 InboxVerdict Inbox::offer(PeerId from, const StateUpdate& update, SessionTime now) {
   const InboxVerdict verdict = judge(from, update, now);
   totals_.count(verdict);
-  if (Peer* const peer = find_peer(from)) peer->counters.count(verdict);
+  if (Peer* const peer = find(peers_, from)) peer->counters.count(verdict);
   return verdict;
 }
 
 InboxVerdict Inbox::judge(PeerId from, const StateUpdate& update, SessionTime now) {
-  const Peer* const peer = find_peer(from);
+  const Peer* const peer = find(peers_, from);
   if (peer == nullptr || !peer->present) return InboxVerdict::UnknownPeer;
   const bool in_order = next_ < bodies_.size() && bodies_[next_].id == update.id;
-  Body* const body = in_order ? &bodies_[next_] : find_body(update.id);
+  Body* const body = in_order ? &bodies_[next_] : find(bodies_, update.id);
   if (body == nullptr) return InboxVerdict::UnknownId;
   next_ = static_cast<std::size_t>(body - bodies_.data()) + 1;
   // Sums on the side of the trusted clock: a stamp at the end of the range must not overflow.
@@ -132,13 +137,13 @@ InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, Se
 }
 
 std::span<const Inbox::Received> Inbox::newest(const SharedId& id) const {
-  const Body* const body = find_body(id);
+  const Body* const body = find(bodies_, id);
   if (body == nullptr) return {};
   return body->newest;
 }
 
 bool Inbox::note_alive(PeerId from, SessionTime stamp, SessionTime now) {
-  Peer* const peer = find_peer(from);
+  Peer* const peer = find(peers_, from);
   if (peer == nullptr || !peer->present || stamp > now + max_future_ns_) return false;
   const bool was_silent = peer->alive != 0 && peer->alive < now - max_age_ns_;
   if (stamp <= peer->alive) return false;
@@ -148,7 +153,7 @@ bool Inbox::note_alive(PeerId from, SessionTime stamp, SessionTime now) {
 
 SessionTime Inbox::holds_until(const Received& received) const {
   if (!received.update.flags.resting) return received.update.stamp;
-  const Peer* const peer = find_peer(received.peer);
+  const Peer* const peer = find(peers_, received.peer);
   return peer == nullptr ? received.update.stamp : std::max(received.update.stamp, peer->alive);
 }
 
@@ -163,28 +168,8 @@ std::size_t Inbox::prune(SessionTime now) {
 }
 
 InboxCounters Inbox::counters(PeerId peer) const {
-  const Peer* const found = find_peer(peer);
+  const Peer* const found = find(peers_, peer);
   return found == nullptr ? InboxCounters{} : found->counters;
-}
-
-const Inbox::Body* Inbox::find_body(const SharedId& id) const {
-  const auto at = std::lower_bound(bodies_.begin(), bodies_.end(), id,
-                                   [](const Body& b, const SharedId& i) { return b.id < i; });
-  return at != bodies_.end() && at->id == id ? &*at : nullptr;
-}
-
-Inbox::Body* Inbox::find_body(const SharedId& id) {
-  return const_cast<Body*>(static_cast<const Inbox*>(this)->find_body(id));
-}
-
-const Inbox::Peer* Inbox::find_peer(PeerId id) const {
-  const auto at = std::lower_bound(peers_.begin(), peers_.end(), id,
-                                   [](const Peer& p, PeerId peer) { return p.id < peer; });
-  return at != peers_.end() && at->id == id ? &*at : nullptr;
-}
-
-Inbox::Peer* Inbox::find_peer(PeerId id) {
-  return const_cast<Peer*>(static_cast<const Inbox*>(this)->find_peer(id));
 }
 
 }  // namespace tandem::consensus

@@ -10,20 +10,16 @@ namespace {
 /// ns: names come reliably and may be late by some resends.
 constexpr SessionTime kNamePatience = 500'000'000;
 
+template <class Tables>
+auto* table_of(Tables& tables, PeerId from) {
+  const auto it = std::ranges::find_if(tables, [from](const auto& t) { return t.peer == from; });
+  return it != tables.end() ? &*it : nullptr;
+}
+
 }  // namespace
 
-const NameTables::Table* NameTables::table_of(PeerId from) const {
-  const auto it = std::find_if(tables_.begin(), tables_.end(),
-                               [from](const Table& table) { return table.peer == from; });
-  return it != tables_.end() ? &*it : nullptr;
-}
-
-NameTables::Table* NameTables::table_of(PeerId from) {
-  return const_cast<Table*>(static_cast<const NameTables*>(this)->table_of(from));
-}
-
 void NameTables::learn(PeerId from, const NameUpdate& name) {
-  Table* table = table_of(from);
+  Table* table = table_of(tables_, from);
   if (table == nullptr) {
     tables_.push_back({.peer = from, .number = name.table, .ids = {}});
     table = &tables_.back();
@@ -36,7 +32,7 @@ void NameTables::learn(PeerId from, const NameUpdate& name) {
 }
 
 const SharedId* NameTables::find(PeerId from, const CompactState& state) const {
-  const Table* const table = table_of(from);
+  const Table* const table = table_of(tables_, from);
   if (table == nullptr || table->number != state.table || state.index >= table->ids.size()) {
     return nullptr;
   }
@@ -49,7 +45,7 @@ void NameTables::forget(PeerId from) {
 }
 
 bool NameTables::should_ask(PeerId from, bool missed, SessionTime now) {
-  Table* table = table_of(from);
+  Table* table = table_of(tables_, from);
   if (table == nullptr) {
     if (!missed) return false;
     tables_.push_back({.peer = from, .ids = {}});

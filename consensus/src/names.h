@@ -31,8 +31,6 @@ class NameTables {
     std::vector<SharedId> ids;  ///< by index; zeros = not known
     SessionTime missing_since = 0;
   };
-  Table* table_of(PeerId from);
-  const Table* table_of(PeerId from) const;
 
   std::vector<Table> tables_;
 };

@@ -120,10 +120,6 @@ class TANDEM_API Inbox {
     InboxCounters counters;
   };
 
-  Body* find_body(const SharedId& id);
-  const Body* find_body(const SharedId& id) const;
-  Peer* find_peer(PeerId id);
-  const Peer* find_peer(PeerId id) const;
   InboxVerdict judge(PeerId from, const StateUpdate& update, SessionTime now);
   InboxVerdict store(Body& body, PeerId from, const StateUpdate& update, SessionTime now);
 
