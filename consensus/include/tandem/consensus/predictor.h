@@ -44,8 +44,6 @@ struct TANDEM_API PredictorOptions {
   /// s: a state is carried on by its velocity no longer than this. A shorter time trades
   /// responsiveness for stability, [friston] Sec. 3.3.
   double max_extrapolation = 1.0;
-  /// Hz, of SecondOrder: accelerations that change faster count nothing, those at half of it fully.
-  double max_frequency = 4.0;
   /// Of Euler and SecondOrder: turn the orientation by the angular velocity. [friston]
   /// Sec. 4.2 does not.
   bool extrapolates_orientation = true;
