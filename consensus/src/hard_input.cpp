@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "hard_input.h"
 
-#include "body_state.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -32,11 +31,6 @@ pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
     }
   }
   return result;
-}
-
-pbd::BodyState mean_of(const pbd::BodyState& own, const pbd::BodyState& others, int count) {
-  const double part = static_cast<double>(count) / (1.0 + static_cast<double>(count));
-  return moved(own, gap(own, others), part);
 }
 
 }  // namespace tandem::consensus

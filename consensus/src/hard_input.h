@@ -21,7 +21,4 @@ struct HardInput {
 pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
                   std::span<const Springs::Hand> hands);
 
-/// The mean of one state and of the mean of `count` others.
-pbd::BodyState mean_of(const pbd::BodyState& own, const pbd::BodyState& others, int count);
-
 }  // namespace tandem::consensus

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "packet_limit.h"
 #include "session_time.h"
 #include "tandem/pbd/math.h"
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,11 @@
 #include "tandem/consensus/peer.h"
 
 namespace tandem::consensus {
+
+/// Bytes of the longest packet that decode() takes and the transport does.
+inline std::size_t packet_limit(const Transport& transport, Delivery delivery) {
+  return std::min(kMaxPacketBytes, transport.max_packet_bytes(delivery));
+}
 
 /// A state that may be sent.
 struct OutgoingState {

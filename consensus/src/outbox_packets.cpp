@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "outbox.h"
-#include "packet_limit.h"
 
 namespace tandem::consensus {
 

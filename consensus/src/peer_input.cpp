@@ -35,6 +35,21 @@ void Peer::Impl::mark_acting() {
   }
 }
 
+void Peer::Impl::note_contact(pbd::BodyId a, pbd::BodyId b) {
+  for (const auto& [body, other] : {std::pair(a, b), std::pair(b, a)}) {
+    if (world_.contains(body)) noted_contacts_.emplace_back(body.index, other.index);
+  }
+}
+
+void Peer::Impl::mark_noted_contacts() {
+  for (const auto& [body, other] : noted_contacts_) {
+    const std::uint8_t by = other < touching_.size() ? touching_[other] : std::uint8_t{0};
+    if (body < acting_.size())
+      acting_[body] = static_cast<std::uint8_t>(acting_[body] | kTouched | by);
+  }
+  noted_contacts_.clear();
+}
+
 void Peer::Impl::spread_acting() {
   constexpr std::uint8_t kOther = Springs::kRemote | kTouchedByOther | kJoinedToOther;
   const auto spread = [&](const std::pair<std::uint32_t, std::uint32_t>& pair) {
@@ -106,8 +121,8 @@ bool Peer::Impl::drag(Shared& shared, SessionTime now) {
   hard.shown = hard.own;
   pbd::PoseTarget others;
   if (!estimates_.empty() && fuse(hard.own.pose, estimates_, others)) {
-    hard.shown =
-        mean_of(hard.own, {others.pose, others.twist}, static_cast<int>(estimates_.size()));
+    const auto count = static_cast<double>(estimates_.size());
+    hard.shown = moved(hard.own, gap(hard.own, {others.pose, others.twist}), count / (1.0 + count));
   }
   world_.set_pose(shared.def.body, hard.shown.pose);
   world_.set_twist(shared.def.body, hard.shown.twist);

@@ -113,29 +113,28 @@ SpringUpdate Springs::message_of(const Own& own, SpringEvent event, SessionTime 
           .stamp = own.moved != 0 ? own.moved : now};
 }
 
-pbd::Tether::Def Springs::tether_of(const SpringUpdate& update, pbd::BodyId body) {
-  return {.body = body,
-          .anchor_l = update.attachment_l,
-          .anchor_w = update.anchor_w,
-          .anchor_velocity = update.anchor_velocity,
-          .stiffness = update.stiffness,
-          .damping = update.damping,
-          .max_force = update.max_force};
-}
-
 void Springs::let_go(Remote& remote, SessionTime when) {
   if (remote.live) remote.ended = when;
-  if (remote.live && tethers_.contains(remote.tether)) tethers_.remove(remote.tether);
+  if (pulls(remote)) tethers_.remove(remote.tether);
   remote.live = false;
+}
+
+std::vector<Springs::Remote>::iterator Springs::place_of(PeerId peer, std::uint32_t spring) {
+  return std::lower_bound(
+      remote_.begin(), remote_.end(), std::pair(peer, spring),
+      [](const Remote& r, const auto& key) { return std::pair(r.peer, r.last.spring) < key; });
+}
+
+Springs::Remote* Springs::find(PeerId peer, std::uint32_t spring) {
+  const auto it = place_of(peer, spring);
+  const bool known = it != remote_.end() && it->peer == peer && it->last.spring == spring;
+  return known ? &*it : nullptr;
 }
 
 Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
                                   SessionTime now) {
-  const auto key = std::pair(from, update.spring);
-  auto it = std::lower_bound(
-      remote_.begin(), remote_.end(), key,
-      [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
-  const bool known = it != remote_.end() && it->peer == from && it->last.spring == update.spring;
+  auto it = place_of(from, update.spring);
+  const bool known = find(from, update.spring) != nullptr;
   if (known) {
     // Nothing goes back. A removal has a revision of its own, so that what follows late is told
     // from a spring that was let go for the silence of its peer, which now goes on. Only a creation
@@ -157,10 +156,16 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   it->heard = now;
   if (update.event == SpringEvent::Remove) return Verdict::Taken;
   if (!it->live) it->began = update.stamp;
-  pbd::Tether::Def& def = it->def = tether_of(update, body);
+  pbd::Tether::Def& def = it->def = {.body = body,
+                                     .anchor_l = update.attachment_l,
+                                     .anchor_w = update.anchor_w,
+                                     .anchor_velocity = update.anchor_velocity,
+                                     .stiffness = update.stiffness,
+                                     .damping = update.damping,
+                                     .max_force = update.max_force};
   const bool limited = limit(def);
   if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0) || too_far(def) ||
-      too_many(*it, body)) {
+      (!it->live && held_by(from, body) >= options_.robust.max_springs_per_body)) {
     let_go(*it, now);
     return Verdict::Refused;
   }
@@ -175,13 +180,9 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   return limited ? Verdict::Limited : Verdict::Taken;
 }
 
-const SpringUpdate* Springs::last_of(PeerId from, std::uint32_t spring) const {
-  const auto key = std::pair(from, spring);
-  const auto it = std::lower_bound(
-      remote_.begin(), remote_.end(), key,
-      [](const Remote& r, const auto& k) { return std::pair(r.peer, r.last.spring) < k; });
-  const bool known = it != remote_.end() && it->peer == from && it->last.spring == spring;
-  return known ? &it->last : nullptr;
+const SpringUpdate* Springs::last_of(PeerId from, std::uint32_t spring) {
+  const Remote* const known = find(from, spring);
+  return known != nullptr ? &known->last : nullptr;
 }
 
 void Springs::drop_peer(PeerId from, SessionTime now) {
@@ -197,9 +198,7 @@ void Springs::drop_peer(PeerId from, SessionTime now) {
 
 void Springs::forget_body(pbd::BodyId body, SessionTime now) {
   for (Remote& remote : remote_) {
-    const bool on_it =
-        remote.live && tethers_.contains(remote.tether) && tethers_.def(remote.tether).body == body;
-    if (on_it) let_go(remote, now);
+    if (pulls(remote) && remote.def.body == body) let_go(remote, now);
   }
   while (true) {
     const auto own = std::ranges::find(own_, body, &Own::body);
@@ -215,7 +214,7 @@ void Springs::prepare(SessionTime now) {
   const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
   for (Remote& remote : remote_) {
     if (remote.live && now - remote.heard > timeout) let_go(remote, now);
-    if (!remote.live || !tethers_.contains(remote.tether)) continue;
+    if (!pulls(remote)) continue;
     tethers_.set(world_, remote.tether, pull_at(remote, now));
   }
   std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
@@ -266,13 +265,18 @@ void Springs::others_at(SessionTime time, std::vector<pbd::Tether::Def>& out) co
   }
 }
 
+void Springs::pulls(std::vector<pbd::Tether::Def>& out) const {
+  std::vector<pbd::ConstraintId> all;
+  rows(all);
+  for (const pbd::ConstraintId row : all) out.push_back(tethers_.def(row));
+}
+
 void Springs::rows(std::vector<pbd::ConstraintId>& out) const {
-  const auto add = [&](pbd::ConstraintId row) {
-    if (tethers_.contains(row)) out.push_back(row);
-  };
-  for (const Own& own : own_) add(own.tether);
+  for (const Own& own : own_) {
+    if (tethers_.contains(own.tether)) out.push_back(own.tether);
+  }
   for (const Remote& remote : remote_) {
-    if (remote.live) add(remote.tether);
+    if (pulls(remote)) out.push_back(remote.tether);
   }
 }
 
@@ -300,14 +304,11 @@ void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
 }
 
 bool Springs::holds(pbd::BodyId body) const {
-  const auto pulls = [&](pbd::ConstraintId tether) {
-    return tethers_.contains(tether) && tethers_.def(tether).body == body;
+  const auto mine = [&](const Own& own) {
+    return own.body == body && (own.mode == InputMode::Hard || tethers_.contains(own.tether));
   };
-  const auto drags = [&](const Own& o) { return o.mode == InputMode::Hard && o.body == body; };
-  return std::any_of(own_.begin(), own_.end(),
-                     [&](const Own& o) { return drags(o) || pulls(o.tether); }) ||
-         std::any_of(remote_.begin(), remote_.end(),
-                     [&](const Remote& r) { return r.live && pulls(r.tether); });
+  const auto theirs = [&](const Remote& r) { return pulls(r) && r.def.body == body; };
+  return std::ranges::any_of(own_, mine) || std::ranges::any_of(remote_, theirs);
 }
 
 bool Springs::holds_own(pbd::BodyId body) const {
@@ -324,17 +325,13 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
     }
   }
   for (const Remote& remote : remote_) {
-    if (remote.live && tethers_.contains(remote.tether)) {
-      set(tethers_.def(remote.tether).body, kRemote);
-    }
+    if (pulls(remote)) set(remote.def.body, kRemote);
   }
 }
 
-bool Springs::held_by(PeerId peer, pbd::BodyId body) const {
-  return std::any_of(remote_.begin(), remote_.end(), [&](const Remote& r) {
-    return r.peer == peer && r.live && tethers_.contains(r.tether) &&
-           tethers_.def(r.tether).body == body;
-  });
+int Springs::held_by(PeerId peer, pbd::BodyId body) const {
+  return static_cast<int>(std::ranges::count_if(
+      remote_, [&](const Remote& r) { return r.peer == peer && pulls(r) && r.def.body == body; }));
 }
 
 bool Springs::limit(pbd::Tether::Def& def) const {
@@ -357,15 +354,6 @@ bool Springs::too_far(const pbd::Tether::Def& def) const {
   const pbd::Vec3 held = pose.position + pose.orientation * def.anchor_l;
   const double reach = options_.robust.max_reach;
   return !((def.anchor_w - held).squaredNorm() <= reach * reach);
-}
-
-bool Springs::too_many(const Remote& remote, pbd::BodyId body) const {
-  if (remote.live) return false;
-  const auto others = std::count_if(remote_.begin(), remote_.end(), [&](const Remote& r) {
-    return r.peer == remote.peer && r.live && tethers_.contains(r.tether) &&
-           tethers_.def(r.tether).body == body;
-  });
-  return others >= options_.robust.max_springs_per_body;
 }
 
 bool Springs::holds_alone(pbd::BodyId body) const {

@@ -40,7 +40,7 @@ class Springs {
   /// Apply another peer's message. `body` is the local instance of update.body.
   Verdict receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
   /// What another peer last said of a spring; null where nothing is known of it.
-  const SpringUpdate* last_of(PeerId from, std::uint32_t spring) const;
+  const SpringUpdate* last_of(PeerId from, std::uint32_t spring);
   /// Let go what a peer holds, for good.
   void drop_peer(PeerId from, SessionTime now);
   /// Let go all springs on a body.
@@ -74,8 +74,8 @@ class Springs {
   };
   /// Set those bits of all bodies that somebody holds; by slot.
   void mark(std::vector<std::uint8_t>& grips) const;
-  /// Whether that peer's user holds the body by a spring.
-  bool held_by(PeerId peer, pbd::BodyId body) const;
+  /// How many springs of that peer's user hold the body.
+  int held_by(PeerId peer, pbd::BodyId body) const;
   /// Whether an own spring that no other peer simulates holds the body.
   bool holds_alone(pbd::BodyId body) const;
   /// An own spring's hand in hard mode.
@@ -112,13 +112,16 @@ class Springs {
   };
 
   Own& find(GrabId id);
+  std::vector<Remote>::iterator place_of(PeerId peer, std::uint32_t spring);
+  /// Null where nothing is known of it.
+  Remote* find(PeerId peer, std::uint32_t spring);
+  /// Whether it has a row: none where it was let go, or its body is gone.
+  bool pulls(const Remote& remote) const { return remote.live && tethers_.contains(remote.tether); }
   void let_go(Remote& remote, SessionTime when);
   pbd::Tether::Def pull_at(const Remote& remote, SessionTime time) const;
   /// Cut to what RobustOptions allow. @return whether anything was
   bool limit(pbd::Tether::Def& def) const;
-  bool too_many(const Remote& remote, pbd::BodyId body) const;
   bool too_far(const pbd::Tether::Def& def) const;
-  static pbd::Tether::Def tether_of(const SpringUpdate& update, pbd::BodyId body);
   static SpringUpdate message_of(const Own& own, SpringEvent event, SessionTime now);
 
   pbd::World& world_;

@@ -2,14 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Internal: what a vote counts beside others.
-#include "../../consensus/src/centrality.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "../../consensus/src/majority.h"
+#include "../../consensus/src/votes.h"
 #include "consensus/random.h"
 #include "support/catch.h"
 

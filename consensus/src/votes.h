@@ -5,9 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
+#include <vector>
 
+#include "tandem/consensus/transport.h"
 #include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/types.h"
 
+/// What three and more peers say of a body: how much each counts, who gives way, who leads.
 namespace tandem::consensus {
 
 /// A state of a body as seen from the local one, in metres: its 12 components are the way, what the
@@ -51,5 +56,31 @@ constexpr Periphery periphery(std::size_t votes) {
 /// Votes that are moved or turned together count the same. Cost O(N^2), no allocation. Errors:
 /// none.
 void weigh_centrality(std::span<Vote> votes);
+
+/// Where another peer has a body, as seen from where it is here: m, rad, or both in metres.
+struct Claim {
+  PeerId peer = 0;
+  pbd::Vec3 way = pbd::Vec3::Zero();
+  pbd::Vec3 turn = pbd::Vec3::Zero();
+};
+
+/// Who gives way where no average makes sense: those who are fewer, and of equally many those
+/// without the lowest id; so of two peers the higher id. All who see the same states come to the
+/// same. Whoever is within half of the distance between two of them is on that one's side.
+/// @return whether this peer gives way to claims[i]
+bool outvoted(std::span<const Claim> claims, std::size_t i, PeerId self);
+
+/// Who leads a body with a reason: those who hold it, or have let go of it lately.
+class LeadClaims {
+ public:
+  /// @param holds  that peer acts on the body now, as far as is known here
+  /// @return whether it is believed that it leads
+  bool founded(PeerId peer, bool holds, SessionTime now);
+
+ private:
+  /// ns: longer than anything flies that was thrown.
+  static constexpr SessionTime kLongest = 5'000'000'000;
+  std::vector<std::pair<PeerId, SessionTime>> held_;
+};
 
 }  // namespace tandem::consensus
