@@ -51,8 +51,6 @@ class Comparison final : public consensus::PeerObserver {
   /// @param bodies  of the scene, by index
   explicit Comparison(const std::vector<consensus::SharedId>& bodies);
 
-  void on_prediction(consensus::PeerId, const consensus::SharedId&, consensus::SessionTime,
-                     const pbd::Vec3&, double) override {}
   void on_estimate(const consensus::EstimateEvent& event) override;
 
   const std::vector<Trial>& trials() const { return trials_; }

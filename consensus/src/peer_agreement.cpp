@@ -185,10 +185,9 @@ void Peer::Impl::observe(Shared& shared, PeerId from, const StateUpdate& update,
                          const Prediction& prediction, SessionTime now) {
   if (observer_ == nullptr) return;
   const OwnMotion own(history_, shared.def.body.index);
-  noted_.push_back({from, shared.def.id,
-                    world_.state(shared.def.body).pose.position + prediction.translation,
-                    seconds(now - update.stamp)});
-  observer_->on_estimate({from, update, own, context_of(shared, from, now), prediction});
+  observer_->on_estimate({from, update, own, context_of(shared, from, now), prediction,
+                          world_.pose(shared.def.body).position + prediction.translation,
+                          seconds(now - update.stamp)});
 }
 
 Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Received> newest,
@@ -219,7 +218,6 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
       .own_announced = std::min(announced(shared), kMaxSharedInfluence),
       .own_confidence = confidence()};
   const pbd::BodyState& own = world_.states()[shared.def.body.index];
-  const PeerId self = transport_.self();
   double heaviest = 0.0;
   for (std::size_t i = 0; i < newest.size(); ++i) {
     const PeerId from = newest[i].peer;
@@ -255,17 +253,11 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
       shared.joined = true;
       place(shared, there);
       if (prediction.translation.squaredNorm() > kJump * kJump) shared.jumped = kJumpTold;
-    } else if (listening.several) {
+    } else if (!owner) {
       if (leads || (hands && update.flags.owner_driven)) leaders_.push_back(from);
       if (claimed > 0.0 || leads) {
         claims_.push_back(
             {.peer = from, .way = prediction.translation, .turn = prediction.rotation});
-      }
-    } else if (!owner && (leads || (from < self && listening.own_lead == 0.0))) {
-      const bool held = shared.held || update.flags.held;
-      if (options_.arbitration && !held &&
-          shared.lead.parted(prediction.translation, prediction.rotation, shared.blocked, now)) {
-        place_apart(shared, there, from, now);
       }
     }
     if (found.by_hand && owner && replays()) {
@@ -278,8 +270,9 @@ Peer::Impl::Found Peer::Impl::estimate(Shared& shared, std::span<const Inbox::Re
     if (share > heaviest) motion_ = prediction.motion;
     heaviest = std::max(heaviest, share);
   }
+  if (listening.own_lead == 0.0 && options_.arbitration)
+    give_way(shared, newest, listening.several, now);
   if (!listening.several) return found;
-  if (listening.own_lead == 0.0 && options_.arbitration) give_way(shared, newest, now);
   found.votes = leaders_.empty();
   if (!found.votes) keep_leaders();
   return found;

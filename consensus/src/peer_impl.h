@@ -11,15 +11,12 @@
 #include <vector>
 
 #include "body_state.h"
-#include "centrality.h"
 #include "hard_input.h"
 #include "initiative.h"
 #include "lead.h"
-#include "majority.h"
 #include "names.h"
 #include "outbox.h"
 #include "ownership.h"
-#include "packet_limit.h"
 #include "replay.h"
 #include "session_time.h"
 #include "springs.h"
@@ -27,6 +24,7 @@
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
+#include "votes.h"
 #include "world_history.h"
 
 namespace tandem::consensus {
@@ -140,14 +138,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
     bool replayed = false;  ///< where it is to be is the replay's to say
     pbd::PoseTarget target;
   };
-  /// An estimate that the observer is told of once all is done: recording is no aggregation.
-  struct Noted {
-    PeerId from = 0;
-    SharedId body;
-    pbd::Vec3 position;  ///< m, world
-    double age = 0.0;    ///< s
-  };
-
   Shared* find(const SharedId& id);
   Shared& at(const SharedId& id);
 
@@ -192,7 +182,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// Tell the observer of an estimate.
   void observe(Shared& shared, PeerId from, const StateUpdate& update, const Prediction& prediction,
                SessionTime now);
-  void tell_observer(SessionTime now);
   /// What this peer's user does to a body in hard mode. @return whether it is so
   bool drag(Shared& shared, SessionTime now);
   /// Whether a body was put somewhere else since the last step.
@@ -235,8 +224,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// Whether more say what newest[i] says of the orientation than what is so here.
   bool outvoted_at_stamp(const Shared& shared, std::span<const Inbox::Received> newest,
                          std::size_t i);
-  /// Of several others, put a body where the leader or the majority has it if nothing else helps.
-  void give_way(Shared& shared, std::span<const Inbox::Received> newest, SessionTime now);
+  /// Put a body where the leader has it, the majority of several or the lower id, if nothing else
+  /// helps.
+  void give_way(Shared& shared, std::span<const Inbox::Received> newest, bool several,
+                SessionTime now);
   /// Of several estimates_ those far from the rest count less.
   void weigh_votes(const pbd::BodyState& own);
   void note_outliers();
@@ -349,7 +340,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   std::vector<std::uint32_t> assembly_;  ///< slots of bodies that are placed together
   std::vector<std::uint32_t> island_;    ///< and of those that touch them
   std::vector<Vote> votes_;
-  std::vector<Noted> noted_;
   std::vector<Springs::Hand> hands_;
   std::vector<pbd::PoseTarget> targets_;
   std::vector<Shared*> targeted_;  ///< of targets_

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "centrality.h"
 #include "peer_impl.h"
 #include "tandem/consensus/robust.h"
 #include "tandem/pbd/math.h"
@@ -89,7 +88,7 @@ void Peer::Impl::receive_spring(PeerId from, const SpringUpdate& update, pbd::Bo
 }
 
 bool Peer::Impl::believes_lead(Shared& shared, PeerId from, SessionTime now) {
-  const bool holds = springs_.held_by(from, shared.def.body) || owns_any(from);
+  const bool holds = springs_.held_by(from, shared.def.body) > 0 || owns_any(from);
   if (!options_.robust.outvote || shared.lead_claims.founded(from, holds, now)) return true;
   ++report_of(from).unfounded_leads;
   return false;
@@ -119,12 +118,14 @@ bool Peer::Impl::outvoted_at_stamp(const Shared& shared, std::span<const Inbox::
   return outvoted(turns_, place, transport_.self());
 }
 
-void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newest,
+void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newest, bool several,
                           SessionTime now) {
   const Claim* to = nullptr;
   for (std::size_t i = 0; i < claims_.size() && to == nullptr; ++i) {
-    const bool other = leaders_.empty() ? outvoted(claims_, i, transport_.self())
-                                        : claims_[i].peer == leaders_.front();
+    const PeerId peer = claims_[i].peer;
+    const bool other = !leaders_.empty() ? peer == leaders_.front()
+                       : several         ? outvoted(claims_, i, transport_.self())
+                                         : peer < transport_.self();
     if (other) to = &claims_[i];
   }
   if (to == nullptr) return;
@@ -133,7 +134,7 @@ void Peer::Impl::give_way(Shared& shared, std::span<const Inbox::Received> newes
   if (estimate == estimates_.end()) return;
   // A newcomer took over what it heard first, which may have been a lie.
   const bool newcomer =
-      confidence() < kNewcomerPart && leaders_.empty() && to->way.norm() > kWrongPlace;
+      several && confidence() < kNewcomerPart && leaders_.empty() && to->way.norm() > kWrongPlace;
   if (newcomer && shared.joined) {
     place(shared, {estimate->pose, estimate->twist});
     return;

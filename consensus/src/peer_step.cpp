@@ -68,7 +68,6 @@ void Peer::Impl::before_step(SessionTime now) {
   springs_.prepare(now);
   if (ownership_ != nullptr) update_ownership(now);
   aggregate(now);
-  tell_observer(now);
   if (!in_pass()) apply_coupling();
 }
 
@@ -132,13 +131,6 @@ void Peer::Impl::place(Shared& shared, const pbd::BodyState& state) {
   world_.set_pose(shared.def.body, state.pose);
   world_.set_twist(shared.def.body, state.twist);
   history_.restart(shared.def.body.index, world_);
-}
-
-void Peer::Impl::tell_observer(SessionTime now) {
-  for (const Noted& n : noted_) {
-    observer_->on_prediction(n.from, n.body, now, n.position, n.age);
-  }
-  noted_.clear();
 }
 
 }  // namespace tandem::consensus

@@ -264,16 +264,15 @@ const PeerRecord& Participant::record() {
   return record_;
 }
 
-void Participant::on_prediction(consensus::PeerId from, const consensus::SharedId& body,
-                                consensus::SessionTime now, const pbd::Vec3& predicted_position,
-                                double age) {
-  const auto found = std::lower_bound(
-      index_.begin(), index_.end(), body,
-      [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
-  if (found == index_.end() || found->first != body) return;
-  if (observer_ != nullptr) observer_->on_prediction(from, body, now, predicted_position, age);
+void Participant::on_estimate(const consensus::EstimateEvent& event) {
+  if (observer_ != nullptr) observer_->on_estimate(event);
   if (!recording_) return;
-  record_.predictions.push_back({from, found->second, now - clock_ahead_, age, predicted_position});
+  const auto found = std::lower_bound(
+      index_.begin(), index_.end(), event.update.id,
+      [](const auto& entry, const consensus::SharedId& id) { return entry.first < id; });
+  if (found == index_.end() || found->first != event.update.id) return;
+  record_.predictions.push_back(
+      {event.from, found->second, event.context.now - clock_ahead_, event.age, event.position});
 }
 
 void Participant::record_bodies(consensus::SessionTime now) {

@@ -76,12 +76,7 @@ class Participant final : private consensus::PeerObserver {
   const PeerRecord& record();
 
  private:
-  void on_prediction(consensus::PeerId from, const consensus::SharedId& body,
-                     consensus::SessionTime now, const pbd::Vec3& predicted_position,
-                     double age) override;
-  void on_estimate(const consensus::EstimateEvent& event) override {
-    if (observer_ != nullptr) observer_->on_estimate(event);
-  }
+  void on_estimate(const consensus::EstimateEvent& event) override;
   void make_peer(const DemoOptions& options);
   void record_bodies(consensus::SessionTime now);
   void look_at_springs(consensus::SessionTime now);

@@ -22,13 +22,11 @@ using namespace tandem;
 class Watch final : public consensus::PeerObserver {
  public:
   explicit Watch(const pbd::World& world, pbd::BodyId body) : world_(world), body_(body) {}
-  void on_prediction(consensus::PeerId /*from*/, const consensus::SharedId& /*id*/,
-                     consensus::SessionTime now, const pbd::Vec3& position,
-                     double /*age*/) override {
-    const double apart = (world_.pose(body_).position - position).norm();
+  void on_estimate(const consensus::EstimateEvent& event) override {
+    const double apart = (world_.pose(body_).position - event.position).norm();
     if (heard++ % 60 == 0) std::printf("%d: other copy %.4f m away\n", heard, apart);
-    if (apart > 1e-3 || heard == 1) close_since = now;
-    last = now;
+    last = event.context.now;
+    if (apart > 1e-3 || heard == 1) close_since = last;
   }
   /// s, for which both copies have been within a millimetre.
   double together() const { return net::seconds(last - close_since); }

@@ -40,11 +40,9 @@ class Parabola final : public consensus::Predictor {
 class Judge final : public consensus::PeerObserver {
  public:
   Judge(const pbd::World& world, pbd::BodyId ball) : world_(world), ball_(ball) {}
-  void on_prediction(consensus::PeerId /*from*/, const consensus::SharedId& /*id*/,
-                     consensus::SessionTime /*now*/, const pbd::Vec3& position,
-                     double age) override {
-    worst = std::fmax(worst, (position - world_.pose(ball_).position).norm());
-    oldest = std::fmax(oldest, age);
+  void on_estimate(const consensus::EstimateEvent& event) override {
+    worst = std::fmax(worst, (event.position - world_.pose(ball_).position).norm());
+    oldest = std::fmax(oldest, event.age);
   }
   double worst = 0.0;   // m
   double oldest = 0.0;  // s

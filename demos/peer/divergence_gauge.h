@@ -17,9 +17,6 @@ class DivergenceGauge final : public consensus::PeerObserver {
  public:
   static constexpr std::size_t kMostPeers = 64;
 
-  void on_prediction(consensus::PeerId /*from*/, const consensus::SharedId& /*body*/,
-                     consensus::SessionTime /*now*/, const pbd::Vec3& /*predicted_position*/,
-                     double /*age*/) override {}
   void on_estimate(const consensus::EstimateEvent& event) override;
 
   void turn();

@@ -314,10 +314,6 @@ class Node {
 
   /// Tells two what the peer tells.
   struct Both final : consensus::PeerObserver {
-    void on_prediction(PeerId from, const consensus::SharedId& body, SessionTime now,
-                       const pbd::Vec3& predicted_position, double age) override {
-      second->on_prediction(from, body, now, predicted_position, age);
-    }
     void on_estimate(const consensus::EstimateEvent& event) override {
       first->on_estimate(event);
       second->on_estimate(event);

@@ -46,21 +46,13 @@ void PaneWatch::turn(consensus::SessionTime now) {
   age_sum_ = age_count_ = 0.0;
 }
 
-void PaneWatch::on_prediction(consensus::PeerId from, const consensus::SharedId& body,
-                              consensus::SessionTime now, const pbd::Vec3& predicted_position,
-                              double age) {
-  turn(now);
-  const std::size_t index = index_of(body);
-  if (index == SIZE_MAX) return;
-  targets_.push_back({from, index, predicted_position});
-  age_sum_ += age;
-  age_count_ += 1.0;
-}
-
 void PaneWatch::on_estimate(const consensus::EstimateEvent& event) {
   turn(event.context.now);
   const std::size_t index = index_of(event.update.id);
   if (index == SIZE_MAX) return;
+  targets_.push_back({event.from, index, event.position});
+  age_sum_ += event.age;
+  age_count_ += 1.0;
   const auto known = shares_.find(event.from);
   if (known == shares_.end() && shares_.size() >= kMostPeers) return;
   std::vector<float>& shares = known == shares_.end() ? shares_[event.from] : known->second;

@@ -22,9 +22,6 @@ class PaneWatch final : public consensus::PeerObserver {
  public:
   explicit PaneWatch(const Scene& scene);
 
-  void on_prediction(consensus::PeerId from, const consensus::SharedId& body,
-                     consensus::SessionTime now, const pbd::Vec3& predicted_position,
-                     double age) override;
   void on_estimate(const consensus::EstimateEvent& event) override;
 
   struct Target {

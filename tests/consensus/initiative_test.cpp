@@ -24,7 +24,6 @@ double since_start(SessionTime time) { return 1e-9 * static_cast<double>(time - 
 /// Says whether the newest state that was heard claims to lead.
 class Claims final : public PeerObserver {
  public:
-  void on_prediction(PeerId, const SharedId&, SessionTime, const Vec3&, double) override {}
   void on_estimate(const EstimateEvent& event) override {
     leads = event.update.flags.leads;
     led[event.update.id] = leads;

@@ -16,7 +16,6 @@ using namespace testing;
 /// Counts the states that tell of a jump.
 class Jumps final : public PeerObserver {
  public:
-  void on_prediction(PeerId, const SharedId&, SessionTime, const Vec3&, double) override {}
   void on_estimate(const EstimateEvent& event) override {
     if (!event.update.flags.teleported || event.update.stamp <= last_) return;
     last_ = event.update.stamp;

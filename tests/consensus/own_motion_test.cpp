@@ -22,7 +22,6 @@ constexpr double kFrame = 1.0 / 60.0;
 /// Shows the own motion whenever a remote state is used.
 struct Look final : PeerObserver {
   std::function<void(const MotionHistory&)> at;
-  void on_prediction(PeerId, const SharedId&, SessionTime, const Vec3&, double) override {}
   void on_estimate(const EstimateEvent& event) override { at(event.own); }
 };
 

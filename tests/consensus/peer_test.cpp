@@ -130,13 +130,12 @@ TEST_CASE("peer: an observer is told what was applied, and how old it was", "[co
     int calls = 0;
     double age = 0.0;
     Vec3 position = Vec3::Zero();
-    void on_prediction(PeerId from, const SharedId& body, SessionTime, const Vec3& predicted,
-                       double age_s) override {
-      CHECK(from == 2);
-      CHECK(body == kBody);
+    void on_estimate(const EstimateEvent& event) override {
+      CHECK(event.from == 2);
+      CHECK(event.update.id == kBody);
       ++calls;
-      age = age_s;
-      position = predicted;
+      age = event.age;
+      position = event.position;
     }
   } observer;
   StubTransport transport(1);

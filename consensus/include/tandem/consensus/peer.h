@@ -190,18 +190,18 @@ struct TANDEM_API EstimateEvent {
   const MotionHistory& own;
   const PredictionContext& context;
   const Prediction& prediction;
+  /// m, world: where the body is taken to be now. Where its state is replayed that is the own
+  /// position plus the difference of both at the stamp.
+  pbd::Vec3 position;
+  double age = 0.0;  ///< s, from the sender's stamp
 };
 
-/// Watches what a peer does with remote states; for recorders. Called from before_step.
+/// Watches what a peer does with remote states; for recorders.
 class TANDEM_API PeerObserver {
  public:
   virtual ~PeerObserver() = default;
-  /// A remote state was carried to `now` and applied. `age` in s, from the sender's stamp. Where it
-  /// is replayed, the position is the own one plus the difference of both at the stamp.
-  virtual void on_prediction(PeerId from, const SharedId& body, SessionTime now,
-                             const pbd::Vec3& predicted_position, double age) = 0;
-  /// The same with what it came from. References are valid during the call.
-  virtual void on_estimate(const EstimateEvent& /*event*/) {}
+  /// Called from before_step. References are valid during the call.
+  virtual void on_estimate(const EstimateEvent& event) = 0;
 };
 
 /// Who is told of which body; all peers of everything where nobody says otherwise.
