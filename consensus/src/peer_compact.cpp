@@ -171,9 +171,6 @@ void Peer::Impl::send_selected(SessionTime now) {
   if (!std::is_sorted(selectable_.begin(), selectable_.end(), by_name)) {
     std::sort(selectable_.begin(), selectable_.end(), by_name);
   }
-  spring_states_.clear();
-  spring_events_.clear();
-  springs_.announce(now, spring_states_, spring_events_);
   anchors_.clear();
   const bool in_full = options_.sending.format == StateFormat::Full || !newcomers_.empty() ||
                        seconds(now - springs_told_) >= kSpringsEvery;

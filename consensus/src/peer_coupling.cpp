@@ -28,9 +28,7 @@ void Peer::Impl::apply_coupling() {
     const pbd::PoseTarget& target = targets_[i];
     const bool thresholds = options_.coupling == Coupling::TwoStep && options_.two_step_thresholds;
     if (!thresholds && rests(world_, target, step_dt_, targeted_[i]->still)) continue;
-    targeted_[i]->averaged =
-        target.share >= 1.0 ? follow_state(world_, target)
-                            : average_state(world_, target, step_dt_, options_.two_step_thresholds);
+    targeted_[i]->averaged = average_state(world_, target, step_dt_, options_.two_step_thresholds);
     history_.note_agreement(target.body.index, world_);
   }
 }

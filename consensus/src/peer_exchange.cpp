@@ -176,6 +176,9 @@ StateUpdate Peer::Impl::state_of(Shared& shared, SessionTime now) {
 void Peer::Impl::send(SessionTime now) {
   look_around();
   states_.clear();
+  spring_states_.clear();
+  spring_events_.clear();
+  springs_.announce(now, spring_states_, spring_events_);
   if (outbox_ != nullptr) {
     send_selected(now);
     greet_newcomers();  // of bodies the outbox tells them by itself
@@ -184,9 +187,6 @@ void Peer::Impl::send(SessionTime now) {
   for (Shared& shared : shared_) {
     if (world_.contains(shared.def.body)) states_.push_back(state_of(shared, now));
   }
-  spring_states_.clear();
-  spring_events_.clear();
-  springs_.announce(now, spring_states_, spring_events_);
   post_records(std::span<const SpringUpdate>(spring_events_), kSpringBytes, Delivery::Reliable,
                [this] { post_all(Delivery::Reliable); });
   post_records(std::span<const SpringUpdate>(spring_states_), kSpringBytes, Delivery::Newest,

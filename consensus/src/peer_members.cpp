@@ -10,12 +10,6 @@
 #include "tandem/pbd/typed_block.h"
 
 namespace tandem::consensus {
-namespace {
-
-/// Room that is made for what is kept of other peers' states; more of them allocate once.
-constexpr std::size_t kUsualPeers = 4;
-
-}  // namespace
 
 void Peer::Impl::share(const ShareDef& def) {
   if (!def.id.valid()) throw std::invalid_argument("ShareDef: id = 0 breaks the rule: not zero");
@@ -39,7 +33,6 @@ void Peer::Impl::share(const ShareDef& def) {
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
                        [](const Shared& s, const SharedId& id) { return s.def.id < id; });
   const auto shared = shared_.insert(at, Shared{.def = def});
-  if (predictor_->remembers()) shared->heard.reserve(kUsualPeers);
   if (ownership_ != nullptr) ownership_->insert(index_of(*shared));
   inbox_.add_id(def.id);
   count_owner(def.owner, true);

@@ -32,12 +32,23 @@ bool within(const pbd::World& world, const pbd::PoseTarget& target, const Limits
   return apart.norm() <= limits.distance && rotation_to(world, target).norm() <= limits.angle;
 }
 
-/// @param share   of each difference that is closed now
-/// @param limits  smaller differences stay
-pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, double share,
-                          const Limits& limits) {
+}  // namespace
+
+bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, double& still) {
+  const auto slow = [](const pbd::Twist& twist) {
+    return twist.linear.norm() < kSlow.speed && twist.angular.norm() < kSlow.angular_speed;
+  };
+  const bool agrees = within(world, target, kSlow);
+  still = agrees && slow(world.twist(target.body)) && slow(target.twist) ? still + dt : 0.0;
+  return still >= kRestAfter;
+}
+
+pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
+                              bool thresholds) {
   // What sleeps and agrees is no reason to wake it: as the solver's own targets have it.
   if (!world.awake(target.body) && within(world, target, kSlow)) return {};
+  const double share = share_per_step(target.share, dt);  // of each difference
+  const Limits limits = thresholds && share < 1.0 ? kThresholds : Limits{};
   const pbd::BodyState own = world.state(target.body);
   const auto part = [share](const pbd::Vec3& gap, double limit) {
     return gap.norm() > limit ? pbd::Vec3(share * gap) : pbd::Vec3(pbd::Vec3::Zero());
@@ -57,27 +68,6 @@ pbd::Correction close_gap(pbd::World& world, const pbd::PoseTarget& target, doub
                                   own.twist.angular + correction.twist.angular});
   }
   return correction;
-}
-
-}  // namespace
-
-bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, double& still) {
-  const auto slow = [](const pbd::Twist& twist) {
-    return twist.linear.norm() < kSlow.speed && twist.angular.norm() < kSlow.angular_speed;
-  };
-  const bool agrees = within(world, target, kSlow);
-  still = agrees && slow(world.twist(target.body)) && slow(target.twist) ? still + dt : 0.0;
-  return still >= kRestAfter;
-}
-
-pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
-                              bool thresholds) {
-  return close_gap(world, target, share_per_step(target.share, dt),
-                   thresholds ? kThresholds : Limits{});
-}
-
-pbd::Correction follow_state(pbd::World& world, const pbd::PoseTarget& target) {
-  return close_gap(world, target, 1.0, Limits{});
 }
 
 }  // namespace tandem::consensus
