@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "peers/measures.h"
+#include "copies/measures.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::extreme_bench {

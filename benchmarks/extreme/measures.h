@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "peers/session.h"
+#include "copies/session.h"
 #include "scene.h"
 
 namespace tandem::extreme_bench {

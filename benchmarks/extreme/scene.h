@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "peers/session.h"
+#include "copies/session.h"
 
 namespace tandem::extreme_bench {
 

@@ -23,8 +23,8 @@
 #include <utility>
 #include <vector>
 
-#include "peers/measures.h"
-#include "peers/session.h"
+#include "copies/measures.h"
+#include "copies/session.h"
 #include "scenes.h"
 
 namespace {

@@ -23,8 +23,8 @@
 #include <string_view>
 #include <vector>
 
-#include "peers/measures.h"
-#include "peers/session.h"
+#include "copies/measures.h"
+#include "copies/session.h"
 #include "scenes.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "peers/copy.h"
+#include "copies/copy.h"
 
 namespace tandem::stability_bench {
 

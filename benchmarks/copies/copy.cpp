@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "peers/copy.h"
+#include "copies/copy.h"
 
 #include <utility>
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "peers/copy.h"
+#include "copies/copy.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/solver.h"

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include "peers/copy.h"
+#include "copies/copy.h"
 
 namespace tandem::peers_bench {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "peers/session.h"
+#include "copies/session.h"
 
 #include <optional>
 #include <string>
