@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,9 +16,10 @@ namespace tandem::bench {
 
 /// What is not given stays at the engine's default.
 struct Settings {
-  /// Tandem: substeps of the solver. Bullet: whole steps for each frame. Default of Bullet: 1.
+  /// Tandem, Box3D: substeps of the solver. Jolt: collision steps. Others: whole steps for each
+  /// frame.
   std::optional<int> substeps;
-  /// Tandem: position iterations. Bullet: solver iterations, 10 by default.
+  /// Position iterations; of Bullet solver iterations, of Jolt velocity steps, of Box3D nothing.
   std::optional<int> iterations;
   std::optional<int> velocity_iterations;  ///< Tandem only
   int threads = 1;                         ///< Tandem only
@@ -44,13 +46,21 @@ class Engine {
   /// Puts a body somewhere else; its velocity knows nothing of it.
   virtual void set_pose(int body, const Pose& pose) = 0;
   /// Pairs of bodies that pushed each other in the last step, ascending, each once; appended.
-  virtual void touching(std::vector<std::pair<int, int>>& out) const = 0;
+  /// @throws std::logic_error where the adapter does not tell
+  virtual void touching(std::vector<std::pair<int, int>>& /*out*/) const {
+    throw std::logic_error(name() + ": its adapter does not tell what touches");
+  }
 };
 
 /// @throws std::invalid_argument where the engine cannot build the scene: what() says why
 using MakeEngine = std::function<std::unique_ptr<Engine>(const Scene&, const Settings&)>;
 
 std::unique_ptr<Engine> make_tandem(const Scene& scene, const Settings& settings);
+// Those that the build has: benchmarks/peers.
 std::unique_ptr<Engine> make_bullet(const Scene& scene, const Settings& settings);
+std::unique_ptr<Engine> make_jolt(const Scene& scene, const Settings& settings);
+std::unique_ptr<Engine> make_box3d(const Scene& scene, const Settings& settings);
+std::unique_ptr<Engine> make_physx_pgs(const Scene& scene, const Settings& settings);
+std::unique_ptr<Engine> make_physx_tgs(const Scene& scene, const Settings& settings);
 
 }  // namespace tandem::bench

@@ -12,7 +12,7 @@
 
 #include "measure/clock.h"
 #include "numerics/case.h"
-#include "numerics/engines.h"
+#include "peers/engines.h"
 
 namespace tandem::bench {
 namespace {
@@ -101,7 +101,7 @@ int run(const Options& options) {
   int lines = 0;
   for (const Case& c : all_cases()) {
     if (c.name.find(options.only) == std::string::npos) continue;
-    for (const auto& [engine, make] : numerics_engines()) {
+    for (const auto& [engine, make] : built_engines()) {
       if (!options.engine.empty() && engine != options.engine) continue;
       const bool ours = engine == "tandem";
       if (c.tandem_only && !ours) continue;

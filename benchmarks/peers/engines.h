@@ -11,6 +11,6 @@
 namespace tandem::bench {
 
 /// The engines that this build has, Tandem first.
-std::vector<std::pair<std::string, MakeEngine>> numerics_engines();
+std::vector<std::pair<std::string, MakeEngine>> built_engines();
 
 }  // namespace tandem::bench

@@ -1,7 +1,0 @@
-// SPDX-License-Identifier: MIT
-// Copyright (c) 2026 The Tandem authors
-#include "work_precision/run.h"
-
-int main(int argc, char** argv) {
-  return tandem::bench::work_precision_main(argc, argv, tandem::bench::make_tandem);
-}
