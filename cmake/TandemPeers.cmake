@@ -18,3 +18,21 @@ endif()
 if(TANDEM_BOX3D_DIR)
   find_package(box3d CONFIG REQUIRED PATHS "${TANDEM_BOX3D_DIR}" NO_DEFAULT_PATH)
 endif()
+if(TANDEM_PHYSX_DIR)
+  # PhysX brings no package for CMake; its libraries lie where its own scripts put them.
+  find_path(TANDEM_PHYSX_INCLUDE PxPhysicsAPI.h
+    PATHS "${TANDEM_PHYSX_DIR}/include" NO_DEFAULT_PATH NO_CACHE REQUIRED)
+  add_library(physx::physx INTERFACE IMPORTED)
+  target_include_directories(physx::physx INTERFACE "${TANDEM_PHYSX_INCLUDE}")
+  target_compile_definitions(physx::physx INTERFACE NDEBUG)  # as its libraries were built
+  foreach(part IN ITEMS Extensions "" PvdSDK Cooking Common Foundation)
+    find_library(library PhysX${part}_static_64
+      PATHS "${TANDEM_PHYSX_DIR}/bin/linux.x86_64/release"
+            "${TANDEM_PHYSX_DIR}/bin/linux.aarch64/release"
+      NO_DEFAULT_PATH NO_CACHE REQUIRED)
+    target_link_libraries(physx::physx INTERFACE "${library}")
+    unset(library)
+  endforeach()
+  find_package(Threads REQUIRED)
+  target_link_libraries(physx::physx INTERFACE Threads::Threads ${CMAKE_DL_LIBS})
+endif()

@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // The numerics set as one table: what came out, what ought to, and whether the bound holds, for
-// Tandem and, where the case can be built there, Bullet in double precision.
-//   numerics [--csv FILE] [--only TEXT] [--engine tandem|bullet64] [--list]
+// Tandem and, where the case can be built there, for the other engines that this build has.
+//   numerics [--csv FILE] [--only TEXT] [--engine tandem|bullet64|jolt|...] [--list]
 // Exit code 1 where a line of Tandem does not hold that is not known to.
 #include <cmath>
 #include <cstdio>

@@ -82,8 +82,8 @@ TEST_CASE("engines: a box slides by the friction that it was given", "[numerics]
     constexpr double kFriction = 0.3;
     Scene scene;
     scene.seconds = 2.0;
-    scene.add_static(PlaneShape{slope.normal, 0.0});
-    scene.add(cube(1.0), 10.0, {.position = 0.5 * slope.normal, .orientation = slope.turn});
+    scene.add_static(PlaneShape{slope.normal, 0.3});
+    scene.add(cube(1.0), 10.0, {.position = 0.8 * slope.normal, .orientation = slope.turn});
     for (SceneBody& body : scene.bodies) body.friction = kFriction;
     const auto engine = make(scene, {});
     const double expected = kGravity * (std::sin(slope.angle) - kFriction * std::cos(slope.angle));
