@@ -14,10 +14,11 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE / "work_precision"))
+sys.path[:0] = [str(HERE / "work_precision"), str(HERE / "peers")]
 
 import must_hold
 import results as runs
+import table as beside
 
 # What the table of default settings shows: (measure, factor, heading).
 DEFAULTS = {
@@ -119,10 +120,18 @@ def worse_lines(points, rows, peers):
                     lines.append(f"- {scene}: {heading}: {runs.ENGINES[engine]} "
                                  f"{theirs.error(measure, factor):.3g}, Tandem "
                                  f"{ours.error(measure, factor):.3g}.")
-        for peer in peers:
-            if ours and peer["scene"] == scene and float(peer["ms"]) < ours.time:
-                lines.append(f"- {scene}: {peer['engine']} needs {peer['ms']} ms "
-                             f"({peer['what']}), Tandem {ours.time:.3g} ms.")
+        ours = runs.default_of(peers, "tandem", scene)
+        for engine, name in runs.PEERS.items():
+            theirs = runs.default_of(peers, engine, scene)
+            if not ours or not theirs:
+                continue
+            if ours.time > theirs.time:
+                lines.append(f"- {scene}: {name} needs {theirs.time:.3g} ms, Tandem {ours.time:.3g} ms "
+                             f"beside it. {name}: {beside.outcome(theirs)}.")
+            for measure, factor, what, unit in beside.OUTCOMES[scene]:
+                if measure not in NEUTRAL and ours.error(measure) > theirs.error(measure):
+                    lines.append(f"- {scene}: {what}: {name} {theirs.error(measure, factor):.3g} {unit}, "
+                                 f"Tandem {ours.error(measure, factor):.3g} {unit}.")
     by_line = {}
     for row in rows:
         by_line.setdefault((row["case"], row["measure"]), {})[row["engine"]] = row
@@ -137,9 +146,17 @@ def worse_lines(points, rows, peers):
     return lines or ["Nowhere in what was measured here."]
 
 
-def peer_lines(peers):
-    return ["| scene | engine | ms | outcome |", "|---|---|---|---|"] + [
-        f"| {p['scene']} | {p['engine']} | {p['ms']} | {p['what']} |" for p in peers]
+def peer_lines(points, machine):
+    """All engines beside each other. What each of them runs with: benchmarks/peers/README.md."""
+    versions = f"{machine['peers']}. " if "peers" in machine else ""
+    return [f"{versions}All in one session on {machine['date']}, the engines taking turns, each at its "
+            "default, as long as above. The machine was in use by others: ratios count, times do not. "
+            "What each engine runs with and how to repeat this: "
+            "[benchmarks/peers](../benchmarks/peers/README.md), then "
+            "`python3 benchmarks/work_precision/run.py build/release/bin --defaults-only --out results` "
+            "and `python3 benchmarks/peers/table.py results/work_precision.csv`. A heap whose columns "
+            "still stand has fewer pairs to solve: its mean height says so.", "",
+            *beside.tables(points)]
 
 
 def kernel_lines(path):
@@ -161,8 +178,12 @@ def main():
     args = parser.parse_args()
     points = runs.read(args.results / "work_precision.csv")
     rows = read_csv(args.results / "numerics.csv")
-    peers = read_csv(HERE / "data" / "peers.csv")
     machine = json.loads((args.results / "machine.json").read_text())
+    # Measured here where the build had them, else on the day when they were measured last.
+    peers, peers_machine = points, machine
+    if not any(p.engine in runs.PEERS for p in points):
+        peers = runs.read(HERE / "data" / "peers.csv")
+        peers_machine = json.loads((HERE / "data" / "peers.json").read_text())
 
     out = ["# Numerics", "",
            "Written by `benchmarks/measure.sh` from what it measured: run that again instead of "
@@ -178,8 +199,7 @@ def main():
            "![Error against run time](work_precision.svg)", "",
            "At the default settings; in brackets the spread over the repeats:", "",
            *default_lines(points), "",
-           "Three more engines, as long, measured on another day on the same kind of machine, in single "
-           "precision, with the flags that their authors ship:", "", *peer_lines(peers), "",
+           "## Beside Jolt, Box3D and PhysX", "", *peer_lines(peers, peers_machine), "",
            "## Where Tandem is worse", "", *worse_lines(points, rows, peers), "",
            "## The numerics set", "",
            "`benchmarks/numerics`, at the default settings over 10 s. \"no\" = outside the bound.",

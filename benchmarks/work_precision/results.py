@@ -6,6 +6,9 @@ import math
 import statistics
 
 ENGINES = {"tandem": "Tandem", "bullet64": "Bullet double", "bullet32": "Bullet single"}
+# Those that users build themselves: at their defaults only.
+PEERS = {"jolt": "Jolt", "box3d": "Box3D", "physx_pgs": "PhysX PGS", "physx_tgs": "PhysX TGS"}
+NAMES = ENGINES | PEERS
 
 # What each scene is judged by: (measure, factor to the unit, unit). The first is plotted first.
 ERRORS = {

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Error against run time: seven scenes in Tandem and in both Bullets, over their settings. Each run
-is as long as its scene, 10 s, the chain's 5 s: a heap that still falls costs a quarter of one that
-has settled.
+"""Error against run time: seven scenes in Tandem and in both Bullets over their settings, and in the
+other engines that this build has at their defaults. Each run is as long as its scene, 10 s, the
+chain's 5 s: a heap that still falls costs a quarter of one that has settled.
 
     python3 benchmarks/work_precision/run.py build/release/bin --out results          full, an hour
     python3 benchmarks/work_precision/run.py build/release/bin --quick --out quick    ten minutes
@@ -47,6 +47,8 @@ QUICK = {
 
 
 def settings_of(engine, scene, quick):
+    if engine in results.PEERS:
+        return [DEFAULT]
     table = (QUICK if quick else FULL)["tandem" if engine == "tandem" else "bullet"]
     kind = scene if scene == "heap" else "large" if scene in LARGE else "small"
     return [DEFAULT] + table[kind]
@@ -89,8 +91,8 @@ def main():
     parser.add_argument("--quick", action="store_true", help="ten minutes: fewer settings")
     parser.add_argument("--repeats", type=int, help="3 by default, 1 with --quick")
     parser.add_argument("--scenes", nargs="*", default=[*SMALL, *LARGE], choices=[*SMALL, *LARGE])
-    parser.add_argument("--engines", nargs="*", default=list(results.ENGINES),
-                        choices=list(results.ENGINES))
+    parser.add_argument("--engines", nargs="*", default=list(results.NAMES),
+                        choices=list(results.NAMES))
     parser.add_argument("--defaults-only", action="store_true", help="no other setting")
     parser.add_argument("--limit", type=float, default=900, help="s, at most for one run")
     parser.add_argument("--extra", nargs="*", default=[], help="passed on to Tandem's program")
