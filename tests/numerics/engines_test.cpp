@@ -88,6 +88,7 @@ TEST_CASE("engines: a box slides by the friction that it was given", "[numerics]
     const auto engine = make(scene, {});
     const double expected = kGravity * (std::sin(slope.angle) - kFriction * std::cos(slope.angle));
     CHECK(acceleration(scene, *engine, slope.down) == Approx(expected).epsilon(0.02));
+    CHECK(engine->state(1).pose.position.dot(slope.normal) == Approx(0.8).margin(0.025));
   });
 }
 
@@ -132,6 +133,21 @@ TEST_CASE("engines: each shape rests as high as it is thick", "[numerics][engine
       CHECK(engine->state(capsule).pose.position.z() == Approx(0.25).margin(0.025));
       CHECK(engine->state(ghost).pose.position.z() < -10.0);
     }
+  });
+}
+
+TEST_CASE("engines: a ball bounces with the restitution that it was given", "[numerics][engines]") {
+  for_each_engine([](const MakeEngine& make) {
+    Scene scene;
+    scene.seconds = 1.0;
+    scene.add_static(BoxShape{Vec3(5.0, 5.0, 1.0)}, at(0.0, 0.0, -1.0));
+    const int ball = scene.add(SphereShape{0.1}, 1.0, at(0.0, 0.0, 1.1));
+    for (SceneBody& body : scene.bodies) body.restitution = 0.5;
+    const auto engine = make(scene, {});
+    double fastest = 0.0;
+    run_scene(scene, *engine,
+              [&](double) { fastest = std::max(fastest, engine->state(ball).twist.linear.z()); });
+    CHECK(fastest == Approx(0.5 * std::sqrt(2.0 * kGravity)).epsilon(0.1));
   });
 }
 
