@@ -18,7 +18,7 @@ sys.path[:0] = [str(HERE / "work_precision"), str(HERE / "peers")]
 
 import must_hold
 import results as runs
-import table as beside
+import table as peer_table
 
 # What the table of default settings shows: (measure, factor, heading).
 DEFAULTS = {
@@ -126,9 +126,10 @@ def worse_lines(points, rows, peers):
             if not ours or not theirs:
                 continue
             if ours.time > theirs.time:
-                lines.append(f"- {scene}: {name} needs {theirs.time:.3g} ms, Tandem {ours.time:.3g} ms "
-                             f"beside it. {name}: {beside.outcome(theirs)}.")
-            for measure, factor, what, unit in beside.OUTCOMES[scene]:
+                falls = ", and falls" if theirs.value("fell") == 1.0 else ""
+                lines.append(f"- {scene}: {name} needs {theirs.time:.3g} ms{falls}; Tandem beside it "
+                             f"{ours.time:.3g} ms.")
+            for measure, factor, what, unit in peer_table.OUTCOMES[scene]:
                 if measure not in NEUTRAL and ours.error(measure) > theirs.error(measure):
                     lines.append(f"- {scene}: {what}: {name} {theirs.error(measure, factor):.3g} {unit}, "
                                  f"Tandem {ours.error(measure, factor):.3g} {unit}.")
@@ -149,14 +150,15 @@ def worse_lines(points, rows, peers):
 def peer_lines(points, machine):
     """All engines beside each other. What each of them runs with: benchmarks/peers/README.md."""
     versions = f"{machine['peers']}. " if "peers" in machine else ""
+    heap = runs.default_of(points, "tandem", "heap")
+    repeats = max(len(p.times) for p in points)
     return [f"{versions}All in one session on {machine['date']}, the engines taking turns, each at its "
-            "default, as long as above. The machine was in use by others: ratios count, times do not. "
-            "What each engine runs with and how to repeat this: "
-            "[benchmarks/peers](../benchmarks/peers/README.md), then "
-            "`python3 benchmarks/work_precision/run.py build/release/bin --defaults-only --out results` "
-            "and `python3 benchmarks/peers/table.py results/work_precision.csv`. A heap whose columns "
-            "still stand has fewer pairs to solve: its mean height says so.", "",
-            *beside.tables(points)]
+            f"default, as long as above, medians of {repeats} runs"
+            f"{f', {len(heap.times)} of the heap' if heap else ''}. The machine was in use: ratios "
+            "count, times do not. What each engine runs with, how it is built and how to repeat this: "
+            "[benchmarks/peers](../benchmarks/peers/README.md). A heap whose columns still stand has "
+            "fewer pairs to solve: its mean height says so.", "",
+            *peer_table.tables(points)]
 
 
 def kernel_lines(path):

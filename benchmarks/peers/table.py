@@ -12,10 +12,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "work_precision"
 
 import results
 
-# What is told of every scene without joints: (measure, factor, name, unit).
-CONTACTS = [("penetration_mean_end", 1e3, "overlap", "mm"),
-            ("penetration_max_run", 1e3, "largest", "mm"),
-            ("kinetic_max_last_second", 1.0, "energy left", "J")]
+# What is told of every scene with contacts: (measure, factor, name, unit; none for what is counted).
+OVERLAP = [("penetration_mean_end", 1e3, "overlap", "mm"),
+           ("penetration_max_run", 1e3, "largest", "mm")]
+CONTACTS = OVERLAP + [("kinetic_max_last_second", 1.0, "energy left", "J")]
 DRIFT = [("drift_end", 1e3, "drift", "mm")]
 PILE = [("mean_z", 1.0, "mean height", "m"), ("touching_pairs", 1.0, "pairs", "")]
 OUTCOMES = {
@@ -24,7 +24,7 @@ OUTCOMES = {
     "ratio": [("top_error", 1e3, "top error", "mm")] + CONTACTS,
     "chain": [("separation_max", 1e3, "separation", "mm"), ("ball_error_max", 1.0, "ball error", "m"),
               ("energy_drift_max", 100.0, "energy drift", "%")],
-    "cliff": CONTACTS + [("tunnelled", 1.0, "tunnelled", "")],
+    "cliff": OVERLAP + [("tunnelled", 1.0, "tunnelled", "")],
     "katamari": CONTACTS + PILE,
     "heap": CONTACTS + PILE,
 }
@@ -39,7 +39,7 @@ def ratio_cell(ours, theirs):
 
 
 def outcome(point):
-    told = [f"{name} {point.error(measure, factor):.3g}{' ' + unit if unit else ''}"
+    told = [f"{name} {point.error(measure, factor):{'.3g' if unit else '.0f'}} {unit}".rstrip()
             for measure, factor, name, unit in OUTCOMES[point.scene]]
     if point.value("fell") == 1.0:
         told.insert(0, "**falls**")
