@@ -61,11 +61,11 @@ class Table {
     file_ << "engine,family,case,measure,value,reference,error,bound,unit,source,pass\n";
   }
   void header() {
-    std::printf("%-9s%-51s%-40s%13s%13s%11s%9s  %-6s %s\n", "engine", "case", "measure", "value",
+    std::printf("%-11s%-51s%-40s%13s%13s%11s%9s  %-6s %s\n", "engine", "case", "measure", "value",
                 "reference", "error", "bound", "holds", "source");
   }
   void line(const std::string& engine, const Case& c, const Check& check, const char* holds) {
-    std::printf("%-9s%-51s%-40s%13s%13s%11s%9s  %-6s %s\n", engine.c_str(), c.name.c_str(),
+    std::printf("%-11s%-51s%-40s%13s%13s%11s%9s  %-6s %s\n", engine.c_str(), c.name.c_str(),
                 check.measure.c_str(), text(check.value).c_str(), text(check.reference).c_str(),
                 text(check.error).c_str(), text(check.bound).c_str(), holds, check.source.c_str());
     std::fflush(stdout);
@@ -73,7 +73,7 @@ class Table {
         text(check.bound), check.unit, check.source, holds);
   }
   void not_built(const std::string& engine, const Case& c, const std::string& why) {
-    std::printf("%-9s%-51snot built: %s\n", engine.c_str(), c.name.c_str(), why.c_str());
+    std::printf("%-11s%-51snot built: %s\n", engine.c_str(), c.name.c_str(), why.c_str());
     csv(engine, c, "", "", "", "", "", "", why, "n/a");
   }
 
