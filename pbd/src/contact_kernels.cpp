@@ -2,7 +2,16 @@
 // Copyright (c) 2026 The Tandem authors
 #include "contact_kernels.h"
 
+#include <type_traits>
+
 namespace tandem::pbd {
+namespace {
+
+/// Two numbers at once, in builds for wider vectors, too.
+constexpr bool kTwo = xsimd::batch<double, xsimd::default_arch>::size == 2;
+using Narrow = std::conditional_t<kTwo, xsimd::default_arch, xsimd::sse2>;
+
+}  // namespace
 
 #if TANDEM_AVX2
 /// Compiled for processors that have AVX2.
@@ -17,7 +26,7 @@ int widest_kernels() {
 }
 
 const ContactKernels& contact_kernels(int width) {
-  static const ContactKernels narrow = kernel::kernels<xsimd::default_arch, xsimd::default_arch>();
+  static constexpr ContactKernels narrow = kernel::kernels<Narrow, Narrow>();
 #if TANDEM_AVX2
   if (width != 2 && widest_kernels() == 4) return avx2_kernels();
 #else

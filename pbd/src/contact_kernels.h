@@ -574,7 +574,7 @@ void for_batches(LaneMask lanes, Visit&& visit) {
 }
 
 template <class A, class Half>
-ContactKernels kernels() {
+constexpr ContactKernels kernels() {
   static_assert(xsimd::batch<double, Half>::size == kLanes / 2);
   ContactKernels out;
   out.prepare = [](ContactRows& rows, double evenness, BodyNumbers bodies) {

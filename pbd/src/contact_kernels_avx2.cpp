@@ -7,7 +7,7 @@
 namespace tandem::pbd {
 
 const ContactKernels& avx2_kernels() {
-  static const ContactKernels wide = kernel::kernels<xsimd::avx2, xsimd::sse4_2>();
+  static constexpr ContactKernels wide = kernel::kernels<xsimd::avx2, xsimd::sse4_2>();
   return wide;
 }
 
