@@ -54,17 +54,20 @@ std::array<int, 4> match_points(const Manifold& old, const Manifold& m) {
   return match;
 }
 
-/// The contact of a pair becomes that of this step and keeps the forces of its points.
-void follow(const Manifold& manifold, Contact& contact) {
-  const std::array<int, 4> match = match_points(contact.manifold, manifold);
-  const Contact old{
-      .force = contact.force, .carried_share = contact.carried_share, .debt = contact.debt};
+/// The contact of a pair in this step keeps the forces of its points.
+/// @param old  that of the last step, which may be the same one
+void follow(const Manifold& manifold, const Contact& old, Contact& contact) {
+  const std::array<int, 4> match = match_points(old.manifold, manifold);
+  const std::array<double, 4> force = old.force;
+  const std::array<double, 4> debt = old.debt;
+  const double share = old.carried_share;
   for (std::size_t i = 0; i < 4; ++i) {
     const bool known = match[i] >= 0;
     const auto j = static_cast<std::size_t>(known ? match[i] : 0);
-    contact.force[i] = known ? old.carried_share * old.force[j] : 0.0;
-    contact.debt[i] = known ? old.debt[j] : 0.0;
+    contact.force[i] = known ? share * force[j] : 0.0;
+    contact.debt[i] = known ? debt[j] : 0.0;
   }
+  contact.overlap = old.overlap;
   contact.manifold = manifold;
   contact.friction_force.setZero();
   contact.carried_share = 1.0;
@@ -130,29 +133,34 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
   Impl& m = *impl_;
   m.any_friction = false;
   m.any_restitution = false;
-  for (const Manifold& manifold : manifolds) {
+  m.old_place.resize(manifolds.size());
+  std::size_t left = m.contacts.size();
+  for (std::size_t i = manifolds.size(); i-- > 0;) {
+    const Manifold& manifold = manifolds[i];
     m.any_friction = m.any_friction || manifold.friction > 0.0;
     m.any_restitution = m.any_restitution || manifold.restitution > 0.0;
-  }
-  auto next = manifolds.begin();
-  std::erase_if(m.contacts, [&](const Contact& contact) {
-    while (next != manifolds.end() && next->key < contact.manifold.key) ++next;
-    if (next != manifolds.end() && next->key == contact.manifold.key) return false;
-    m.note_lost(contact);
-    return true;
-  });
-  // The others move up to make room for new ones, the last one first.
-  std::size_t left = m.contacts.size();
-  m.contacts.resize(manifolds.size());
-  for (std::size_t i = manifolds.size(); i-- > 0;) {
-    const bool known = left > 0 && m.contacts[left - 1].manifold.key == manifolds[i].key;
-    if (known) {
-      if (--left != i) m.contacts[i] = m.contacts[left];
-      follow(manifolds[i], m.contacts[i]);
-    } else {
-      m.contacts[i] = {.manifold = manifolds[i]};
+    while (left > 0 && m.contacts[left - 1].manifold.key > manifold.key) {
+      m.note_lost(m.contacts[--left]);
     }
+    const bool known = left > 0 && m.contacts[left - 1].manifold.key == manifold.key;
+    m.old_place[i] = known ? static_cast<std::uint32_t>(--left) : ContactOrder::kNone;
   }
+  while (left > 0) m.note_lost(m.contacts[--left]);
+  // In place, each where nothing is that is still wanted: first what moves down, the lowest first,
+  // then what moves up, the highest first, and new ones last.
+  const std::size_t size = manifolds.size();
+  if (size > m.contacts.size()) m.contacts.resize(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (m.old_place[i] == ContactOrder::kNone || m.old_place[i] < i) continue;
+    follow(manifolds[i], m.contacts[m.old_place[i]], m.contacts[i]);
+  }
+  for (std::size_t i = size; i-- > 0;) {
+    if (m.old_place[i] < i) follow(manifolds[i], m.contacts[m.old_place[i]], m.contacts[i]);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    if (m.old_place[i] == ContactOrder::kNone) m.contacts[i] = {.manifold = manifolds[i]};
+  }
+  m.contacts.resize(size);
   manifolds.clear();
 }
 

@@ -51,6 +51,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
 
   std::vector<Contact> contacts;        ///< by ascending key
+  std::vector<std::uint32_t> old_place;  ///< where each was in the last step, or kNone
   std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
   std::vector<std::uint32_t> changed;   ///< bodies that lost a load, until the next step
   std::vector<ContactRows> rows;        ///< by place in the order
