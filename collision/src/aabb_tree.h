@@ -28,16 +28,18 @@ class AabbTree {
   template <class Visit>
   void query(const Aabb& box, std::vector<std::uint32_t>& stack, Visit&& visit) const {
     stack.clear();
-    if (root_ != kNone) stack.push_back(root_);
+    const auto push = [&](std::uint32_t index) {
+      if (nodes_[index].box.overlaps(box)) stack.push_back(index);
+    };
+    if (root_ != kNone) push(root_);
     while (!stack.empty()) {
       const Node& node = nodes_[stack.back()];
       stack.pop_back();
-      if (!node.box.overlaps(box)) continue;
       if (node.leaf()) {
         visit(node.value());
       } else {
-        stack.push_back(node.child[0]);
-        stack.push_back(node.child[1]);
+        push(node.child[0]);
+        push(node.child[1]);
       }
     }
   }

@@ -28,6 +28,18 @@ struct RawManifold {
   int count = 0;
   std::array<RawPoint, kMaxPoints> points;
 
+  RawManifold() = default;
+  RawManifold(const RawManifold& other) { *this = other; }
+  /// Only the points in use: most are not.
+  RawManifold& operator=(const RawManifold& other) {
+    normal = other.normal;
+    owner = other.owner;
+    cluster = other.cluster;
+    count = other.count;
+    std::copy_n(other.points.begin(), count, points.begin());
+    return *this;
+  }
+
   /// Where there is no room, the highest point makes way for a lower one.
   void add(const RawPoint& point) {
     if (count < kMaxPoints) {

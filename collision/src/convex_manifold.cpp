@@ -188,13 +188,12 @@ bool will_meet(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis
   const double slop = kPassBy * std::min(a.size, b.size);
   for (const ConvexCore* core : {&a, &b}) {
     for (int i = 0; i < 3; ++i) {
-      for (const double sign : {-1.0, 1.0}) {
-        const Vec3 n = sign * core->axes.col(i);
-        if (n.dot(axis.normal) > kAcross) continue;
-        const double now = separation(a, b, n);
-        const double then = now + share * n.dot(reach.sweep);
-        if (now > -slop && then > -slop) return false;
-      }
+      Vec3 n = core->axes.col(i);  // from a to b: the other way they are not apart
+      if (n.dot(b.centre - a.centre) < 0.0) n = -n;
+      if (n.dot(axis.normal) > kAcross) continue;
+      const double now = separation(a, b, n);
+      const double then = now + share * n.dot(reach.sweep);
+      if (now > -slop && then > -slop) return false;
     }
   }
   return true;

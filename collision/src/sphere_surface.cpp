@@ -32,8 +32,10 @@ void look_at(const Surface& surface, std::uint32_t triangle, const Vec3& centre,
   const Vec3& q = surface.vertex(corners[1]);
   const Vec3& r = surface.vertex(corners[2]);
   for (int k = 0; k < 3; ++k) {
-    if (std::min({p[k], q[k], r[k]}) > centre[k] + limit) return;
-    if (std::max({p[k], q[k], r[k]}) < centre[k] - limit) return;
+    const double high = centre[k] + limit;
+    const double low = centre[k] - limit;
+    if (p[k] > high && q[k] > high && r[k] > high) return;
+    if (p[k] < low && q[k] < low && r[k] < low) return;
   }
   int region = 0;
   const Vec3 nearest = nearest_on_triangle(centre, p, q, r, region);
