@@ -15,8 +15,15 @@ namespace {
 
 /// Pairs that one worker takes at a time.
 constexpr std::size_t kPairGrain = 64;
-/// Pairs ahead whose memory is asked for.
+/// Pairs ahead whose memory is asked for: to see whether they are near, and of those that were.
 constexpr std::size_t kPrefetch = 6;
+constexpr std::size_t kPrefetchAll = 3;
+
+template <class T>
+void prefetch(const T& object) {
+  const auto* bytes = reinterpret_cast<const char*>(&object);
+  for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
+}
 
 }  // namespace
 
@@ -140,8 +147,12 @@ void CollisionScene::Impl::collect_pairs(std::size_t begin, std::size_t end, dou
     // What lies all over the memory is on its way when its turn comes.
     const ColliderPair& soon = pairs[std::min(i + kPrefetch, end - 1)];
     __builtin_prefetch(&colliders_[soon.high].needed);
-    __builtin_prefetch(&colliders_[soon.high].position);
     __builtin_prefetch(&caches_[soon.cache]);
+    const ColliderPair& next = pairs[std::min(i + kPrefetchAll, end - 1)];
+    if (const PairCache& cache = caches_[next.cache]; cache.valid) {
+      prefetch(colliders_[next.high]);
+      if (cache.patches != nullptr) prefetch(*cache.patches);
+    }
     collect_pair(pairs[i], dt, worker, out);
   }
 }

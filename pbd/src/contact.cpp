@@ -175,7 +175,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies);
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
-  m.order.build(m.contacts, arranged, ctx.bodies);
+  m.order.build(arranged, ctx.bodies.size());
   const auto places = m.order.places();
   m.rows.resize(places.size() / kLanes);
   m.extra_rows = 0;
@@ -202,6 +202,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   ctx.workers->for_chunks(m.rows.size(), Impl::kGrain / kLanes,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
+                              m.prefetch_contacts(places, k, ctx.bodies);
                               prepare(m.rows[k], places.subspan(k * kLanes, kLanes));
                             }
                           });

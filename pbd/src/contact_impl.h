@@ -50,11 +50,11 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 2;   ///< blocks of rows
   static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
 
-  std::vector<Contact> contacts;        ///< by ascending key
+  std::vector<Contact> contacts;         ///< by ascending key
   std::vector<std::uint32_t> old_place;  ///< where each was in the last step, or kNone
-  std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
-  std::vector<std::uint32_t> changed;   ///< bodies that lost a load, until the next step
-  std::vector<ContactRows> rows;        ///< by place in the order
+  std::vector<std::uint32_t> sequence;   ///< contacts by Manifold::order; empty where it is by key
+  std::vector<std::uint32_t> changed;    ///< bodies that lost a load, until the next step
+  std::vector<ContactRows> rows;         ///< by place in the order
   std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
   std::vector<Vec3> turns;            ///< rad, by body: of this sweep, not in its orientation yet
   std::vector<std::uint32_t> turned;  ///< bodies with such turns
@@ -109,6 +109,27 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
         __builtin_prefetch(body);
         __builtin_prefetch(body + 8);
       }
+    }
+  }
+
+  /// The same for what a block is made from: first contacts, then their bodies.
+  void prefetch_contacts(std::span<const std::uint32_t> places, std::size_t k,
+                         std::span<const SolverBody> bodies) const {
+    for (std::size_t i = kLanes * (k + 1); i < std::min(kLanes * (k + 3), places.size()); ++i) {
+      if (places[i] == ContactOrder::kNone) continue;
+      const Contact& contact = contacts[places[i]];
+      if (i >= kLanes * (k + 2)) {
+        prefetch(contact, sizeof contact);
+      } else {
+        prefetch(bodies[contact.manifold.body_a], offsetof(SolverBody, dx));
+        prefetch(bodies[contact.manifold.body_b], offsetof(SolverBody, dx));
+      }
+    }
+  }
+  template <class T>
+  static void prefetch(const T& object, std::size_t bytes) {
+    for (std::size_t at = 0; at < bytes; at += 64) {
+      __builtin_prefetch(reinterpret_cast<const char*>(&object) + at);
     }
   }
 

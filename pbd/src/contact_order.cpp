@@ -17,25 +17,20 @@ constexpr std::uint32_t kBlock = kLanes;
 
 }  // namespace
 
-void ContactOrder::build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
-                         std::span<const SolverBody> bodies) {
-  level_of_body_.assign(bodies.size(), 0);
-  slot_of_contact_.resize(contacts.size());
+void ContactOrder::build(std::span<const ContactLink> sequence, std::size_t bodies) {
+  level_of_body_.assign(bodies, 0);
+  slots_.resize(sequence.size());
   level_count_.clear();
   // Levels: one above the rows before that share a body.
-  for (const std::uint32_t i : sequence) {
-    const std::uint32_t group = group_of(contacts[i], bodies);
-    const std::uint32_t a = contacts[i].manifold.body_a;
-    const std::uint32_t b = contacts[i].manifold.body_b;
-    const bool moves_a = bodies[a].inv_mass > 0.0;
-    const bool moves_b = bodies[b].inv_mass > 0.0;
-    const std::uint32_t level =
-        std::max(moves_a ? level_of_body_[a] : 0, moves_b ? level_of_body_[b] : 0);
-    if (moves_a) level_of_body_[a] = level + 1;
-    if (moves_b) level_of_body_[b] = level + 1;
-    slot_of_contact_[i] = level;
-    if (group >= level_count_.size()) level_count_.resize(group + 1, 0);
-    level_count_[group] = std::max(level_count_[group], level + 1);
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    const ContactLink& link = sequence[i];
+    const std::uint32_t level = std::max(link.moves_a ? level_of_body_[link.a] : 0,
+                                         link.moves_b ? level_of_body_[link.b] : 0);
+    if (link.moves_a) level_of_body_[link.a] = level + 1;
+    if (link.moves_b) level_of_body_[link.b] = level + 1;
+    slots_[i] = level;
+    if (link.group >= level_count_.size()) level_count_.resize(link.group + 1, 0);
+    level_count_[link.group] = std::max(level_count_[link.group], level + 1);
   }
   // Counting sort by group, level and kind; equal ones stay in sequence.
   first_level_.assign(level_count_.size() + 1, 0);
@@ -43,10 +38,10 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const std:
     first_level_[g + 1] = first_level_[g] + level_count_[g];
   }
   starts_.assign(kKinds * first_level_.back() + 1, 0);
-  for (const std::uint32_t i : sequence) {
-    const std::uint32_t level = slot_of_contact_[i] + first_level_[group_of(contacts[i], bodies)];
-    slot_of_contact_[i] = kKinds * level + (contacts[i].manifold.count > 1 ? 1 : 0);
-    ++starts_[slot_of_contact_[i] + 1];
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    const std::uint32_t level = slots_[i] + first_level_[sequence[i].group];
+    slots_[i] = kKinds * level + (sequence[i].face ? 1 : 0);
+    ++starts_[slots_[i] + 1];
   }
   for (std::size_t s = 1; s < starts_.size(); ++s) {
     starts_[s] = starts_[s - 1] + (starts_[s] + kBlock - 1) / kBlock * kBlock;
@@ -65,7 +60,9 @@ void ContactOrder::build(std::span<const Contact> contacts, std::span<const std:
     group.last_run = static_cast<std::uint32_t>(runs_.size());
     groups_.push_back(group);
   }
-  for (const std::uint32_t i : sequence) places_[starts_[slot_of_contact_[i]]++] = i;
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    places_[starts_[slots_[i]]++] = sequence[i].contact;
+  }
 }
 
 void ContactOrder::add_run(std::uint32_t begin, std::uint32_t end, Group& group) {

@@ -7,16 +7,10 @@
 #include <vector>
 
 #include "contact_rows.h"
-#include "tandem/pbd/contact.h"
+#include "contact_support.h"
 #include "tandem/pbd/workers.h"
 
 namespace tandem::pbd {
-
-/// The group that a contact is solved with; kNoGroup where it sleeps.
-inline std::uint32_t group_of(const Contact& contact, std::span<const SolverBody> bodies) {
-  const std::uint32_t a = bodies[contact.manifold.body_a].group;
-  return a != SolverBody::kNoGroup ? a : bodies[contact.manifold.body_b].group;
-}
 
 /// The order in which rows are swept: the sequence that is given, within each group, cut into
 /// *levels*: a row's level is one above the highest of the earlier rows that share a movable body
@@ -28,9 +22,8 @@ class ContactOrder {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   /// `places()[kLanes * k + lane]` is the contact solved in that lane of block k.
-  /// @param sequence  indices of the contacts of awake groups, in the order meant above
-  void build(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
-             std::span<const SolverBody> bodies);
+  /// @param sequence  the order meant above     @param bodies  how many there are
+  void build(std::span<const ContactLink> sequence, std::size_t bodies);
   std::span<const std::uint32_t> places() const { return places_; }
 
   /// Call visit(block) for the rows of a group, forwards or backwards.
@@ -92,7 +85,7 @@ class ContactOrder {
   std::vector<Group> groups_;
   std::vector<Run> runs_;
   std::vector<std::uint32_t> level_of_body_;
-  std::vector<std::uint32_t> slot_of_contact_;  ///< group, level and kind, an index into starts_
+  std::vector<std::uint32_t> slots_;  ///< by contact: group, level and kind, an index into starts_
   std::vector<std::uint32_t> starts_;
   std::vector<std::uint32_t> level_count_;  ///< by group
   std::vector<std::uint32_t> first_level_;  ///< by group, into starts_

@@ -42,7 +42,7 @@ ContactStatics::Rest ContactStatics::rest_of(const Contact& contact,
   return {};
 }
 
-void ContactStatics::guess(std::span<Contact> contacts, std::span<const std::uint32_t> arranged,
+void ContactStatics::guess(std::span<Contact> contacts, std::span<const ContactLink> arranged,
                            const ContactSupport& support, std::span<const SolverBody> bodies,
                            const Vec3& gravity, double reach, double h) {
   const double g = gravity.norm();
@@ -50,8 +50,8 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const std::uin
   up_ = -gravity / g;
   fresh_.clear();
   for (std::uint32_t k = 0; k < arranged.size(); ++k) {
-    const Contact& contact = contacts[arranged[k]];
-    if (contact.overlap >= 0.0) continue;  // it is not new
+    if (!arranged[k].fresh) continue;
+    const Contact& contact = contacts[arranged[k].contact];
     const Manifold& m = contact.manifold;
     const double closing = m.normal.dot(bodies[m.body_a].v - bodies[m.body_b].v);
     if (rest_of(contact, support).cosine < kLevel || std::abs(closing) > 2.0 * g * h) continue;
@@ -62,19 +62,21 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const std::uin
   missing_.assign(bodies.size(), 0.0);
   count_.assign(bodies.size(), 0);
   for (const std::uint32_t k : fresh_) {
-    const std::uint32_t body = rest_of(contacts[arranged[k]], support).upper;
+    const std::uint32_t body = rest_of(contacts[arranged[k].contact], support).upper;
     if (count_[body]++ == 0)
       missing_[body] = bodies[body].gravity_scale * g / bodies[body].inv_mass;
   }
-  for (const std::uint32_t i : arranged) {
-    const Rest rest = rest_of(contacts[i], support);
-    if (contacts[i].overlap < 0.0 || rest.cosine <= 0.0) continue;
-    missing_[rest.upper] -= rest.cosine * force_of(contacts[i]);
-    missing_[rest.lower] += rest.cosine * force_of(contacts[i]);
+  for (const ContactLink& link : arranged) {
+    if (link.fresh) continue;
+    const Contact& contact = contacts[link.contact];
+    const Rest rest = rest_of(contact, support);
+    if (rest.cosine <= 0.0) continue;
+    missing_[rest.upper] -= rest.cosine * force_of(contact);
+    missing_[rest.lower] += rest.cosine * force_of(contact);
   }
   // What a body carries has a higher place than what carries it.
   for (auto k = fresh_.rbegin(); k != fresh_.rend(); ++k) {
-    Contact& contact = contacts[arranged[*k]];
+    Contact& contact = contacts[arranged[*k].contact];
     const Rest rest = rest_of(contact, support);
     const double load = std::max(0.0, missing_[rest.upper]) / count_[rest.upper];
     missing_[rest.lower] += load;

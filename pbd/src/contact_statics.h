@@ -21,7 +21,7 @@ class ContactStatics {
   /// @param arranged  as ContactSupport has made them
   /// @param reach     m: points with a wider gap do not touch
   /// @param h         s, length of a substep
-  void guess(std::span<Contact> contacts, std::span<const std::uint32_t> arranged,
+  void guess(std::span<Contact> contacts, std::span<const ContactLink> arranged,
              const ContactSupport& support, std::span<const SolverBody> bodies, const Vec3& gravity,
              double reach, double h);
 

@@ -5,56 +5,68 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "contact_order.h"
-
 namespace tandem::pbd {
 namespace {
 
 /// Of a body that nothing holds up: their order tells nothing.
 constexpr std::uint32_t kFar = 0xffffffff;
 
+/// In place of a group, below SolverBody::kNoGroup and above all groups.
+constexpr std::uint32_t kFixed = SolverBody::kNoGroup - 1;
+
 }  // namespace
 
-std::span<const std::uint32_t> ContactSupport::arrange(std::span<const Contact> contacts,
-                                                       std::span<const std::uint32_t> sequence,
-                                                       std::span<const SolverBody> bodies) {
-  awake_.clear();
-  for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const auto i = sequence.empty() ? static_cast<std::uint32_t>(n) : sequence[n];
-    if (group_of(contacts[i], bodies) != SolverBody::kNoGroup) awake_.push_back(i);
-  }
-  link(contacts, bodies);
+std::span<const ContactLink> ContactSupport::arrange(std::span<const Contact> contacts,
+                                                     std::span<const std::uint32_t> sequence,
+                                                     std::span<const SolverBody> bodies) {
+  find_awake(contacts, sequence, bodies);
+  link();
   const std::uint32_t farthest = measure();
   // Counting sort by the sum of both distances; equal ones stay in sequence.
-  const auto rank = [&](std::uint32_t i) {
-    const Manifold& m = contacts[i].manifold;
-    return std::min(distance_[m.body_a], farthest + 1) +
-           std::min(distance_[m.body_b], farthest + 1);
+  const auto rank = [&](const ContactLink& link) {
+    return std::min(distance_[link.a], farthest + 1) + std::min(distance_[link.b], farthest + 1);
   };
   start_.assign(2 * std::size_t{farthest} + 4, 0);
-  for (const std::uint32_t i : awake_) ++start_[rank(i) + 1];
+  for (const ContactLink& link : awake_) ++start_[rank(link) + 1];
   for (std::size_t r = 1; r < start_.size(); ++r) start_[r] += start_[r - 1];
   places_.resize(awake_.size());
-  for (const std::uint32_t i : awake_) places_[start_[rank(i)]++] = i;
+  for (const ContactLink& link : awake_) places_[start_[rank(link)]++] = link;
   return places_;
 }
 
+void ContactSupport::find_awake(std::span<const Contact> contacts,
+                                std::span<const std::uint32_t> sequence,
+                                std::span<const SolverBody> bodies) {
+  group_.clear();
+  for (const SolverBody& body : bodies) {
+    group_.push_back(body.inv_mass > 0.0 ? body.group : kFixed);
+  }
+  awake_.clear();
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const auto i = sequence.empty() ? static_cast<std::uint32_t>(n) : sequence[n];
+    const Manifold& m = contacts[i].manifold;
+    const std::uint32_t a = group_[m.body_a];
+    const std::uint32_t b = group_[m.body_b];
+    const std::uint32_t group = a < kFixed ? a : b;
+    if (group >= kFixed) continue;
+    awake_.push_back({i, m.body_a, m.body_b, group, a != kFixed, b != kFixed, m.count > 1,
+                      !(contacts[i].overlap >= 0.0)});
+  }
+}
+
 /// Who touches whom, and whose distance is known from the start.
-void ContactSupport::link(std::span<const Contact> contacts, std::span<const SolverBody> bodies) {
-  distance_.assign(bodies.size(), kFar);
-  first_.assign(bodies.size() + 1, 0);
+void ContactSupport::link() {
+  distance_.assign(group_.size(), kFar);
+  first_.assign(group_.size() + 1, 0);
   queue_.clear();
-  const auto moves = [&](std::uint32_t body) { return bodies[body].inv_mass > 0.0; };
-  for (const std::uint32_t i : awake_) {
-    const std::uint32_t a = contacts[i].manifold.body_a;
-    const std::uint32_t b = contacts[i].manifold.body_b;
-    if (moves(a) && moves(b)) {
-      ++first_[a + 1];
-      ++first_[b + 1];
+  for (const ContactLink& link : awake_) {
+    if (link.moves_a && link.moves_b) {
+      ++first_[link.a + 1];
+      ++first_[link.b + 1];
       continue;
     }
-    for (const std::uint32_t body : {a, b}) {
-      if (!moves(body)) {
+    for (const std::uint32_t body : {link.a, link.b}) {
+      if (group_[body] == kFixed) {
         distance_[body] = 0;
       } else if (distance_[body] != 1) {
         distance_[body] = 1;
@@ -64,12 +76,10 @@ void ContactSupport::link(std::span<const Contact> contacts, std::span<const Sol
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   neighbours_.resize(first_.back());
-  for (const std::uint32_t i : awake_) {
-    const std::uint32_t a = contacts[i].manifold.body_a;
-    const std::uint32_t b = contacts[i].manifold.body_b;
-    if (!moves(a) || !moves(b)) continue;
-    neighbours_[first_[a]++] = b;
-    neighbours_[first_[b]++] = a;
+  for (const ContactLink& link : awake_) {
+    if (!link.moves_a || !link.moves_b) continue;
+    neighbours_[first_[link.a]++] = link.b;
+    neighbours_[first_[link.b]++] = link.a;
   }
   // Each has run on to where the next one begins.
   for (std::size_t i = first_.size() - 1; i > 0; --i) first_[i] = first_[i - 1];

@@ -10,6 +10,19 @@
 
 namespace tandem::pbd {
 
+/// What the order of rows asks of an awake contact. Several passes look at all of them, and
+/// contacts and bodies are many cache lines each.
+struct ContactLink {
+  std::uint32_t contact = 0;  ///< index
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  std::uint32_t group = 0;  ///< that it is solved with
+  bool moves_a = false;     ///< a is not immovable
+  bool moves_b = false;
+  bool face = false;   ///< more than one point
+  bool fresh = false;  ///< not there in the last step
+};
+
 /// Puts contacts in the order in which load passes through them: those with what cannot move first,
 /// then those of the bodies that rest on it, and so on outwards. A sweep in this order and back
 /// takes the weight of a pile down and its support up; in any other order a pile of a few stacks
@@ -18,25 +31,28 @@ namespace tandem::pbd {
 class ContactSupport {
  public:
   /// @param sequence  indices of contacts, the order among equals; empty = as they are
-  /// @return indices of those that are awake. No allocation once the world has had its size.
-  std::span<const std::uint32_t> arrange(std::span<const Contact> contacts,
-                                         std::span<const std::uint32_t> sequence,
-                                         std::span<const SolverBody> bodies);
+  /// @return those that are awake. No allocation once the world has had its size.
+  std::span<const ContactLink> arrange(std::span<const Contact> contacts,
+                                       std::span<const std::uint32_t> sequence,
+                                       std::span<const SolverBody> bodies);
   /// Of a body that was in an arranged contact or cannot move, in contacts from what cannot move.
   std::uint32_t distance(std::uint32_t body) const { return distance_[body]; }
 
  private:
-  void link(std::span<const Contact> contacts, std::span<const SolverBody> bodies);
+  void find_awake(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
+                  std::span<const SolverBody> bodies);
+  void link();
   /// @return the largest distance
   std::uint32_t measure();
 
-  std::vector<std::uint32_t> awake_;       ///< contacts of awake groups, in sequence
+  std::vector<std::uint32_t> group_;       ///< by body; kFixed where it cannot move
+  std::vector<ContactLink> awake_;         ///< in sequence
   std::vector<std::uint32_t> distance_;    ///< by body, in contacts from what cannot move
   std::vector<std::uint32_t> first_;       ///< by body, into neighbours_
   std::vector<std::uint32_t> neighbours_;  ///< movable bodies in contact
   std::vector<std::uint32_t> queue_;
   std::vector<std::uint32_t> start_;  ///< by sum of distances, into places_
-  std::vector<std::uint32_t> places_;
+  std::vector<ContactLink> places_;
 };
 
 }  // namespace tandem::pbd
