@@ -265,7 +265,6 @@ void BroadPhase::merge_found() {
   // From the back, in place: a heap has ten pairs for each body.
   std::size_t old = pairs_.size();
   std::size_t at = old + found_.size();
-  if (at > pairs_.capacity()) pairs_.reserve(at + at / 8);
   pairs_.resize(at);
   for (std::size_t n = found_.size(); n > 0;) {
     if (old > 0 && found_[n - 1] < pairs_[old - 1]) {

@@ -184,11 +184,11 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
     guard(pair.high, pair.low);
   }
   const std::size_t slots = broad_.cache_slots();
-  if (slots > caches_.capacity()) caches_.reserve(slots + slots / 8);
   if (slots > caches_.size()) caches_.resize(slots);
-  // Memory for a few more than last time, instead of twice as many when they do not fit.
+  // Before there is anything to be copied, or to be there twice.
   const std::size_t expected = first + stats_.manifolds + stats_.manifolds / 16;
-  if (expected > out.capacity()) out.reserve(expected + stats_.manifolds / 16);
+  if (expected > out.capacity() && first == 0) out = {};
+  if (expected > out.capacity()) out.reserve(2 * expected);
 
   const std::vector<ColliderPair>& pairs = broad_.pairs();
   if (workers.count() == 1 || pairs.size() <= kPairGrain) {

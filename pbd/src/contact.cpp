@@ -177,7 +177,12 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
                   m.options.warm_start_gap, ctx.h);
   m.order.build(arranged, ctx.bodies.size());
   const auto places = m.order.places();
-  m.rows.resize(places.size() / kLanes);
+  const std::size_t blocks = places.size() / kLanes;
+  if (blocks > m.rows.capacity()) {
+    m.rows = {};  // made anew in each step: nothing has to be copied, or be there twice
+    m.rows.reserve(2 * blocks);
+  }
+  m.rows.resize(blocks);
   m.extra_rows = 0;
   m.open_rows = 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
