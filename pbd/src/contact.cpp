@@ -207,7 +207,6 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   ctx.workers->for_chunks(m.rows.size(), Impl::kGrain / kLanes,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
-                              m.prefetch_contacts(places, k, ctx.bodies);
                               prepare(m.rows[k], places.subspan(k * kLanes, kLanes));
                             }
                           });

@@ -112,27 +112,6 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
 
-  /// The same for what a block is made from: first contacts, then their bodies.
-  void prefetch_contacts(std::span<const std::uint32_t> places, std::size_t k,
-                         std::span<const SolverBody> bodies) const {
-    for (std::size_t i = kLanes * (k + 1); i < std::min(kLanes * (k + 3), places.size()); ++i) {
-      if (places[i] == ContactOrder::kNone) continue;
-      const Contact& contact = contacts[places[i]];
-      if (i >= kLanes * (k + 2)) {
-        prefetch(contact, sizeof contact);
-      } else {
-        prefetch(bodies[contact.manifold.body_a], offsetof(SolverBody, dx));
-        prefetch(bodies[contact.manifold.body_b], offsetof(SolverBody, dx));
-      }
-    }
-  }
-  template <class T>
-  static void prefetch(const T& object, std::size_t bytes) {
-    for (std::size_t at = 0; at < bytes; at += 64) {
-      __builtin_prefetch(reinterpret_cast<const char*>(&object) + at);
-    }
-  }
-
   /// Call visit(rows) for the blocks of rows of the context's group, shared out among workers.
   template <class Visit>
   void for_rows(const SubstepContext& ctx, Visit&& visit) {
