@@ -183,6 +183,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
     m.rows.reserve(2 * blocks);
   }
   m.rows.resize(blocks);
+  if (m.any_restitution) m.impacts.reserve(m.rows.size(), ctx.bodies.size());
   m.extra_rows = 0;
   m.open_rows = 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
@@ -228,6 +229,8 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     if (m.any_debt || ctx.shared) m.take_debts(ctx, rows);
     m.kernels->begin(rows, rule, numbers);
   });
+  if (!m.any_restitution) return;
+  m.impacts.begin(m.order.range(ctx.group), m.rows, ctx.bodies, rule.bounce_speed);
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
@@ -265,6 +268,10 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool fresh = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
+  if (m.any_restitution) {
+    m.impacts.run(m.order.range(ctx.group), m.rows, *m.kernels, ctx.bodies,
+                  m.options.extra_rows / ctx.substeps);
+  }
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, ctx.reverse, numbers);
     m.kernels->solve(m.rows[k], ContactPass::Velocity, turns_of(fresh), kAllLanes, numbers);

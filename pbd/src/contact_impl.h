@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact_convergence.h"
+#include "contact_impact.h"
 #include "contact_order.h"
 #include "contact_row.h"
 #include "contact_rows.h"
@@ -65,6 +66,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   ContactStatics statics;
   ContactOrder order;
   ContactConvergence convergence;
+  ContactImpacts impacts;
   ContactOptions options;
   const ContactKernels* kernels = &contact_kernels(0);
   std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body

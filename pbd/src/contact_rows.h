@@ -92,6 +92,15 @@ constexpr LaneMask lanes_in_use(const ContactRows& rows) {
   return static_cast<LaneMask>((1u << rows.count) - 1u);
 }
 
+/// Blows as they pass through the rows of a block, see ContactImpacts.
+struct alignas(64) Blow {
+  LaneArray<4> target{};   ///< m/s, normal velocity that this round asks of each point
+  LaneArray<4> given{};    ///< N s, >= 0, by this round
+  LaneArray<4> impulse{};  ///< N s, >= 0, by all rounds and what the substep began with
+  Lanes change{};          ///< m/s, of a normal velocity in the last sweep; first, the approach
+  LaneMask struck = 0;     ///< by any round
+};
+
 /// How gaps become velocities in a substep.
 struct SubstepRule {
   double h = 0.0;               ///< s
@@ -149,6 +158,17 @@ struct ContactKernels {
   /// @param asked  the rows that have a say
   /// @return those that did something
   LaneMask (*push)(const ContactRows& rows, LaneMask asked, BodyNumbers bodies);
+  /// Begin a round of blows: what it asks of each point, for bodies that move with v_push and
+  /// w_push.
+  /// @param slow   m/s, what approaches no faster is not hit
+  /// @param first  the approach before the substep is meant: only what bounces is hit
+  /// @return the rows that are hit; `change` is how fast they approach
+  LaneMask (*meet)(const ContactRows& rows, Blow& blow, double slow, bool first,
+                   BodyNumbers bodies);
+  /// Sweep over a round: change v_push and w_push as its blows do. Sets `change`.
+  void (*strike)(const ContactRows& rows, Blow& blow, LaneMask asked, BodyNumbers bodies);
+  /// Rows that were struck take over the impulses of their blows, and bounce as these left them.
+  void (*settle)(ContactRows& rows, const Blow& blow, BodyNumbers bodies);
 };
 
 /// Where friction starts anew, normals and friction take as many turns: left half-way, what stands

@@ -29,7 +29,8 @@ struct TANDEM_API ContactOptions {
   /// Rows that one sweep has not solved are swept on, those first whose bodies still move most,
   /// until no normal velocity changes by more than `resting_tolerance` times what gravity adds in a
   /// substep, or this many rows were swept again in the step (in each group of islands that take
-  /// the same number of substeps). BlockReport says how many were and what was left.
+  /// the same number of substeps). BlockReport says how many were and what was left. Blows that
+  /// pass from contact to contact may strike as many.
   int extra_rows = 4000;
   double resting_tolerance = 0.01;
   /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.

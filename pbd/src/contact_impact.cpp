@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "contact_impact.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace tandem::pbd {
+namespace {
+
+/// Of the fastest approach: slower ones end a train of blows, which without gravity all bounce, and
+/// a round is solved when its velocities change by less than the square of it. Where five balls in
+/// a row lose a tenth at each blow, ten times as much leaves 0.1 % undone; two balls that hit a
+/// third one share to 2e-7 of their speed, to 1e-5 at ten times as much.
+constexpr double kFaint = 1e-3;
+
+/// Rows of a body are hit at once where the slowest approaches at this share of the fastest, and
+/// else one after the other. At 0 a ball that comes a little late shares what the others exchange:
+/// a cradle of which two balls are let go from 60 degrees, with gaps of 0.1 mm and 32 substeps,
+/// loses 22 % of its energy in 5 s, and 5 % at a half.
+constexpr double kTogether = 0.5;
+
+/// Call visit(body) for the bodies of the lanes that can move.
+template <class Visit>
+void for_bodies(const ContactRows& rows, LaneMask lanes, Visit&& visit) {
+  for (std::size_t i = 0; i < rows.count; ++i) {
+    if ((lanes & rows.a_moves) >> i & 1u) visit(i, rows.a[i]);
+    if ((lanes & rows.b_moves) >> i & 1u) visit(i, rows.b[i]);
+  }
+}
+
+}  // namespace
+
+void ContactImpacts::reserve(std::size_t blocks, std::size_t bodies) {
+  blows_.resize(blocks);
+  open_.reserve(blocks);
+  before_.resize(bodies);
+  reached_.resize(bodies);
+  moved_.resize(bodies);
+}
+
+void ContactImpacts::begin(const ContactOrder::Places& places, std::span<const ContactRows> rows,
+                           std::span<const SolverBody> bodies, double slow) {
+  const auto swept = rows.subspan(places.begin, places.end - places.begin);
+  any_ = std::any_of(swept.begin(), swept.end(), [](const ContactRows& r) { return r.bounces; });
+  if (!any_) return;
+  slow_ = slow;
+  for (std::size_t i = 0; i < bodies.size(); ++i) before_[i] = {bodies[i].v, bodies[i].w};
+  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+    blows_[k].impulse = rows[k].impulse;
+    blows_[k].struck = 0;
+  }
+}
+
+void ContactImpacts::find_open(const ContactOrder::Places& places,
+                               std::span<const ContactRows> rows, const ContactKernels& kernels,
+                               BodyNumbers bodies, double slow, bool first) {
+  open_.clear();
+  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+    LaneMask reached = first && rows[k].bounces ? kAllLanes : 0;
+    if (!first) {
+      for_bodies(rows[k], kAllLanes, [&](std::size_t i, std::uint32_t body) {
+        reached = static_cast<LaneMask>(reached | unsigned{reached_[body] > 0.0} << i);
+      });
+    }
+    if (reached == 0) continue;
+    const LaneMask hit = kernels.meet(rows[k], blows_[k], slow, first, bodies);
+    if ((hit & reached) != 0) open_.push_back({k, static_cast<LaneMask>(hit & reached)});
+  }
+}
+
+bool ContactImpacts::take_round(std::span<ContactRows> rows, std::size_t bodies) {
+  reached_.assign(bodies, 0.0);
+  moved_.assign(bodies, 0);
+  for (const Open& open : open_) {
+    const Lanes& approach = blows_[open.block].change;
+    for_bodies(rows[open.block], open.lanes, [&](std::size_t i, std::uint32_t body) {
+      reached_[body] = std::max(reached_[body], approach[i]);
+    });
+  }
+  bool coupled = false;
+  for (Open& open : open_) {
+    Blow& blow = blows_[open.block];
+    const LaneMask lanes = open.lanes;
+    for_bodies(rows[open.block], lanes, [&](std::size_t i, std::uint32_t body) {
+      const bool waits = blow.change[i] < kTogether * reached_[body];
+      if (waits) open.lanes = static_cast<LaneMask>(open.lanes & ~(1u << i));
+    });
+    Lanes& fastest = rows[open.block].approach;
+    for_bodies(rows[open.block], open.lanes, [&](std::size_t i, std::uint32_t body) {
+      fastest[i] = std::max(fastest[i], blow.change[i]);
+      coupled = coupled || moved_[body] != 0;
+      moved_[body] = 1;
+    });
+    blow.struck = static_cast<LaneMask>(blow.struck | open.lanes);
+  }
+  return coupled;
+}
+
+void ContactImpacts::run(const ContactOrder::Places& places, std::span<ContactRows> rows,
+                         const ContactKernels& kernels, std::span<SolverBody> bodies, int most) {
+  if (!any_) return;
+  any_ = false;
+  double fastest = 0.0;
+  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+    const auto approach = rows[k].approach.begin();
+    if (rows[k].bounces) {
+      fastest = std::max(fastest, *std::max_element(approach, approach + rows[k].count));
+    }
+  }
+  const double slow = std::max(slow_, kFaint * fastest);
+  // What opens overlaps has done so by now: its velocities stand for those of the blows.
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].v_push = before_[i].linear;
+    bodies[i].w_push = before_[i].angular;
+  }
+  const BodyNumbers numbers = numbers_of(bodies);
+  find_open(places, rows, kernels, numbers, slow, true);
+  bool passes_on = false;
+  bool reverse = false;
+  for (int struck = 0; !open_.empty() && struck < most;) {
+    const bool coupled = take_round(rows, bodies.size());
+    double change = 0.0;
+    do {
+      change = 0.0;
+      for (std::size_t i = 0; i < open_.size(); ++i) {
+        const Open& open = open_[reverse ? open_.size() - 1 - i : i];
+        Blow& blow = blows_[open.block];
+        kernels.strike(rows[open.block], blow, open.lanes, numbers);
+        change = std::max(change, *std::max_element(blow.change.begin(), blow.change.end()));
+        struck += std::popcount(open.lanes);
+      }
+      reverse = !reverse;
+    } while (coupled && change > kFaint * kFaint * fastest && struck < most);
+    find_open(places, rows, kernels, numbers, slow, false);
+    passes_on = passes_on || coupled || !open_.empty();
+  }
+  // Where nothing passed on, each row has its bounce already.
+  for (std::uint32_t k = places.begin; passes_on && k < places.end; ++k) {
+    if (blows_[k].struck != 0) kernels.settle(rows[k], blows_[k], numbers);
+  }
+  for (SolverBody& body : bodies) {
+    body.v_push.setZero();
+    body.w_push.setZero();
+  }
+}
+
+}  // namespace tandem::pbd
