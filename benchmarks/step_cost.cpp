@@ -55,7 +55,6 @@ struct Case {
   bool joints = false;  ///< each body to the one above
   double share = 0.0;   ///< 0 = nothing shared
   double sleep_after = 0.0;
-  int parts = pbd::SolverOptions{}.total_parts;
 };
 
 struct Cost {
@@ -103,7 +102,7 @@ Cost run(const Case& c) {
       below = id;
     }
   }
-  pbd::Solver solver({.total_parts = c.parts, .sleep_after = c.sleep_after});
+  pbd::Solver solver({.sleep_after = c.sleep_after});
   for (int i = 0; i < kWarmUp; ++i) (void)solver.step(world, 1.0 / 60.0);
   Cost cost;
   for (int i = 0; i < kSteps; ++i) {
@@ -140,13 +139,6 @@ int main() {
        .restitution = 0.3,
        .joints = true,
        .share = 0.08},
-      {.name = "everything, shared at its end",
-       .contacts = true,
-       .friction = 0.5,
-       .restitution = 0.3,
-       .joints = true,
-       .share = 0.08,
-       .parts = 1},
   };
   // Interleaved, so that a drift of the machine's speed meets all cases alike.
   std::vector<std::vector<Cost>> runs(cases.size());

@@ -69,16 +69,12 @@ class PlainTargets final : public pbd::TargetSource {
 
 std::string_view to_string(Part part) {
   constexpr std::array<std::string_view, kParts> kNames{
-      "channels", "velocities", "motion",     "total",   "clean-up",    "masses", "parts",
-      "rotation", "age",        "initiative", "leading", "arbitration", "ramp",   "refine"};
+      "channels",   "velocities", "motion",      "rotation", "age",
+      "initiative", "leading",    "arbitration", "ramp",     "refine"};
   return kNames[static_cast<std::size_t>(part)];
 }
 
 void Ablation::apply(pbd::SolverOptions& options) const {
-  if (lacks(Part::Total)) options.total_iterations = 0;
-  if (lacks(Part::CleanUp)) options.clean_up_iterations = 0;
-  if (lacks(Part::Masses)) options.heavier_where_shared = false;
-  if (lacks(Part::InParts)) options.total_parts = 1;
   if (lacks(Part::Refine)) options.refine = false;
 }
 

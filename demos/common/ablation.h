@@ -20,10 +20,6 @@ enum class Part : std::uint8_t {
   Channels,     ///< the displacement channel: what agreement moves becomes velocity as well
   Velocities,   ///< agreement of velocities: targets move as the body here does
   Motion,       ///< a target feels what the body feels: it goes on straight within the step
-  Total,        ///< rows' say in where agreement puts bodies: clean-up alone repairs
-  CleanUp,      ///< repair at the step's end
-  Masses,       ///< what remote peers know is heavier in the total channel
-  InParts,      ///< agreement in parts of the step: the whole share at its end
   Rotation,     ///< the exact rotation mean: plain geodesics to the target instead
   Age,          ///< the share's decay with age
   Initiative,   ///< who acted last leads
@@ -32,7 +28,7 @@ enum class Part : std::uint8_t {
   Ramp,         ///< authority that grows from zero
   Refine,       ///< more substeps where they are needed
 };
-inline constexpr std::size_t kParts = 14;
+inline constexpr std::size_t kParts = 10;
 std::string_view to_string(Part part);
 
 /// The parts that a run does without.

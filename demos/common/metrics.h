@@ -98,7 +98,7 @@ struct Metrics {
   double parse_us = Distribution::kNone;      ///< CPU time, each update
   double process_us = Distribution::kNone;    ///< CPU time, each update
   double aggregate_us = Distribution::kNone;  ///< CPU time, each shared body and step
-  double targets_us = Distribution::kNone;    ///< wall time of the pass's total channel, likewise
+  double targets_us = Distribution::kNone;    ///< wall time of Stage::Agree, likewise
   double step_cpu_us = Distribution::kNone;   ///< CPU time of one peer's step, its peer's included
   double peak_speed = Distribution::kNone;    ///< m/s, of what nobody owns
   double bytes_per_second = Distribution::kNone;  ///< payload sent by one peer, mean over peers

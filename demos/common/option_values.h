@@ -43,7 +43,7 @@ std::string address(std::string_view text);
 std::vector<double> rates(std::string_view text);
 /// "tandem,bullet": what the peers run on, in turn.
 std::vector<Engine> engines(std::string_view text);
-/// "masses,clean-up": parts to do without.
+/// "ramp,refine": parts to do without.
 Ablation ablation(std::string_view text);
 
 }  // namespace tandem::demos

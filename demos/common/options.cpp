@@ -217,11 +217,6 @@ constexpr Option kOptions[] = {
        o.solver.position_iterations =
            number(name, in.value(name), 1, 1000, "an integer from 1 to 1000");
      }},
-    {"--total-iterations", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.solver.total_iterations =
-           number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
-     }},
     {"--ablate", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) {
        o.ablation = ablation(in.value(name));

@@ -56,9 +56,8 @@ Session:
   --bullet-iterations N            of Bullet's solver (10)
   --substeps N       of Tandem's solver (4)
   --iterations N     sweeps of its pass in each substep (1)
-  --total-iterations N            and of its total channel, 0 to 1000 (1)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
-                     clean-up, masses, parts, rotation, age, initiative, leading, arbitration,
+                     masses, rotation, age, initiative, leading, arbitration,
                      ramp, refine
   --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any

@@ -212,7 +212,7 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   // Only now: a beginning may be said again before there is a step.
   record_.stretches.insert(record_.stretches.end(), stretches_.begin(), stretches_.end());
   if (recording_) record_.step_s.push_back(elapsed.count());
-  record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Total)];
+  record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Agree)];
   record_.energy.displacement += report.energy.displacement;
   record_.energy.velocity_agreement += report.energy.velocity_agreement;
   record_.energy.potential += report.energy.potential;

@@ -105,7 +105,6 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   if (o.bullet_iterations) words.add("--bullet-iterations", Words::text(*o.bullet_iterations));
   words.number("--substeps", o.solver.substeps, usual.solver.substeps);
   words.number("--iterations", o.solver.position_iterations, usual.solver.position_iterations);
-  words.number("--total-iterations", o.solver.total_iterations, usual.solver.total_iterations);
   std::vector<Part> parts;
   for (std::size_t i = 0; i < kParts; ++i) {
     if (o.ablation.lacks(static_cast<Part>(i))) parts.push_back(static_cast<Part>(i));

@@ -88,7 +88,7 @@ struct PeerRecord {
   consensus::SessionTime first_exchange = INT64_MAX;         ///< ns, the first update has come
   double parse_s = 0.0, process_s = 0.0, aggregate_s = 0.0;  ///< CPU time
   double cpu_s = 0.0;      ///< CPU time of all steps: the peer's and the solver's
-  double targets_s = 0.0;  ///< wall time of the pass's total channel, where targets are
+  double targets_s = 0.0;  ///< wall time of Stage::Agree, where targets are
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;
   std::uint64_t bodies_placed = 0;

@@ -32,7 +32,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.v_push.setZero();
   body.w_push.setZero();
   body.group = SolverBody::kNoGroup;
-  body.total = false;
+  body.shared = false;
   body.projected = false;
   body.turns = false;
   const auto& locked = props.locks.angular;
@@ -82,7 +82,7 @@ int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Worke
   for (const Group& group : groups) {
     for (const std::uint32_t i : group.bodies) {
       SolverBody& body = bodies_[i];
-      body.turns = body.projected || body.total || !body.w.isZero(0.0) ||
+      body.turns = body.projected || body.shared || !body.w.isZero(0.0) ||
                    (!world.wrenches_.empty() && !world.wrenches_[i].torque.isZero(0.0));
       all_turn = all_turn && body.turns;
     }

@@ -8,7 +8,6 @@
 
 #include "contact_impl.h"
 #include "tandem/pbd/bytes.h"
-#include "tandem/pbd/corrections.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
@@ -59,13 +58,11 @@ std::array<int, 4> match_points(const Manifold& old, const Manifold& m) {
 void follow(const Manifold& manifold, const Contact& old, Contact& contact) {
   const std::array<int, 4> match = match_points(old.manifold, manifold);
   const std::array<double, 4> force = old.force;
-  const std::array<double, 4> debt = old.debt;
   const double share = old.carried_share;
   for (std::size_t i = 0; i < 4; ++i) {
     const bool known = match[i] >= 0;
     const auto j = static_cast<std::size_t>(known ? match[i] : 0);
     contact.force[i] = known ? share * force[j] : 0.0;
-    contact.debt[i] = known ? debt[j] : 0.0;
   }
   contact.overlap = old.overlap;
   contact.manifold = manifold;
@@ -76,7 +73,7 @@ void follow(const Manifold& manifold, const Contact& old, Contact& contact) {
 }
 
 /// What is known of a contact at the end of a step.
-void finish_contact(Contact& contact, std::span<const SolverBody> bodies, Residuals& worst) {
+void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double& worst) {
   const Manifold& m = contact.manifold;
   const SolverBody& a = bodies[m.body_a];
   const SolverBody& b = bodies[m.body_b];
@@ -87,11 +84,7 @@ void finish_contact(Contact& contact, std::span<const SolverBody> bodies, Residu
       contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
     }
   }
-  worst.real = std::max(worst.real, contact.overlap);
-  for (int i = 0; i < m.count; ++i) {
-    worst.total = std::max(worst.total, -contact.debt[i]);
-    if (!std::isfinite(contact.debt[i])) contact.debt[i] = 0.0;
-  }
+  worst = std::max(worst, contact.overlap);
 }
 
 /// Whether what the next step takes from it is made of numbers.
@@ -104,8 +97,7 @@ bool contact_is_sound(const Contact& contact) {
   }
   for (int i = 0; i < m.count; ++i) {
     sound = sound && m.points[i].anchor_a_l.allFinite() && m.points[i].anchor_b_l.allFinite() &&
-            contact.force[i] >= 0.0 && std::isfinite(contact.force[i]) &&
-            std::isfinite(contact.debt[i]);
+            contact.force[i] >= 0.0 && std::isfinite(contact.force[i]);
   }
   return sound;
 }
@@ -166,12 +158,7 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
 
 void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  for (std::vector<TotalRow>& rows : m.total) rows.clear();
-  if (!ctx.displaced.empty()) m.forgive(ctx);
   m.put_in_sequence();
-  m.any_debt = std::any_of(m.contacts.begin(), m.contacts.end(), [](const Contact& contact) {
-    return contact.debt != decltype(contact.debt){};
-  });
   const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies);
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
@@ -225,10 +212,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .growth = growth_of(ctx)};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
-  m.for_rows(ctx, [&](ContactRows& rows) {
-    if (m.any_debt || ctx.shared) m.take_debts(ctx, rows);
-    m.kernels->begin(rows, rule, numbers);
-  });
+  m.for_rows(ctx, [&](ContactRows& rows) { m.kernels->begin(rows, rule, numbers); });
   if (!m.any_restitution) return;
   m.impacts.begin(m.order.range(ctx.group), m.rows, ctx.bodies, rule.bounce_speed);
 }
@@ -259,9 +243,24 @@ double ContactBlock::project(const SubstepContext& ctx) {
   m.extra_rows += swept;
   m.open_rows = std::max(m.open_rows, open);
   m.pushed.assign(ctx.bodies.size(), 0);
-  m.order.sweep(ctx.group, ctx.reverse, *ctx.workers,
-                [&](std::uint32_t k) { m.push(m.rows[k], numbers); });
+  m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
+    const ContactRows& rows = m.rows[k];
+    m.push(rows, static_cast<LaneMask>(rows.sunk & ~m.shared(rows, ctx)), m.kernels->push, numbers);
+  });
   return ctx.h * m.largest_change(ctx.group);
+}
+
+void ContactBlock::solve_displacement(const SubstepContext& ctx) {
+  Impl& m = *impl_;
+  for (std::size_t i = 0; i < ctx.bodies.size(); ++i) {
+    const SolverBody& body = ctx.bodies[i];
+    m.pushed[i] = body.shared && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
+  }
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
+  m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
+    const ContactRows& rows = m.rows[k];
+    m.push(rows, static_cast<LaneMask>(rows.sunk & m.shared(rows, ctx)), m.kernels->hold, numbers);
+  });
 }
 
 double ContactBlock::solve_velocity(const SubstepContext& ctx) {
@@ -302,20 +301,15 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
 
 void ContactBlock::end_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), {});
+  m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), 0.0);
   ctx.workers->for_chunks(m.contacts.size(), Impl::kGrain,
                           [&](std::size_t begin, std::size_t end, int w) {
-                            Residuals& worst = m.worst[static_cast<std::size_t>(w)];
+                            double& worst = m.worst[static_cast<std::size_t>(w)];
                             for (std::size_t k = begin; k < end; ++k) {
                               finish_contact(m.contacts[k], ctx.bodies, worst);
                             }
                           });
-  m.residual = 0.0;
-  m.total_residual = 0.0;
-  for (const Residuals& worst : m.worst) {
-    m.residual = std::max(m.residual, worst.real);
-    m.total_residual = std::max(m.total_residual, worst.total);
-  }
+  m.residual = *std::max_element(m.worst.begin(), m.worst.end());
 }
 
 void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
@@ -346,8 +340,7 @@ BlockReport ContactBlock::report() const {
           .rows = static_cast<int>(impl_->contacts.size()),
           .extra_rows = impl_->extra_rows,
           .open_rows = impl_->open_rows,
-          .residual = impl_->residual,
-          .total_residual = impl_->total_residual};
+          .residual = impl_->residual};
 }
 
 void ContactBlock::save(ByteWriter& out) const {
@@ -356,7 +349,6 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
   out.u32(static_cast<std::uint32_t>(impl_->open_rows));
   out.f64(impl_->residual);
-  out.f64(impl_->total_residual);
   out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
   for (const Contact& contact : impl_->contacts) {
     const Manifold& m = contact.manifold;
@@ -377,7 +369,6 @@ void ContactBlock::save(ByteWriter& out) const {
       out.vec3(m.points[i].anchor_b_l);
       out.u32(m.points[i].feature);
       out.f64(contact.force[i]);
-      out.f64(contact.debt[i]);
     }
   }
 }
@@ -391,7 +382,6 @@ void ContactBlock::load(ByteReader& in) {
   impl_->extra_rows = static_cast<int>(in.u32());
   impl_->open_rows = static_cast<int>(in.u32());
   impl_->residual = in.f64();
-  impl_->total_residual = in.f64();
   impl_->any_friction = false;
   impl_->any_restitution = false;
   const std::uint32_t size = in.u32();
@@ -419,7 +409,6 @@ void ContactBlock::load(ByteReader& in) {
       m.points[i].anchor_b_l = in.vec3();
       m.points[i].feature = in.u32();
       contact.force[i] = in.f64();
-      contact.debt[i] = in.f64();
     }
     impl_->any_friction = impl_->any_friction || m.friction > 0.0;
     impl_->any_restitution = impl_->any_restitution || m.restitution > 0.0;

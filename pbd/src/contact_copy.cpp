@@ -21,7 +21,6 @@ bool ContactBlock::assign(const ConstraintBlock& source) {
   m.extra_rows = from.extra_rows;
   m.open_rows = from.open_rows;
   m.residual = from.residual;
-  m.total_residual = from.total_residual;
   m.any_friction = from.any_friction;
   m.any_restitution = from.any_restitution;
   return true;

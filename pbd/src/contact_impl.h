@@ -12,24 +12,8 @@
 #include "contact_rows.h"
 #include "contact_statics.h"
 #include "contact_support.h"
-#include "tandem/pbd/corrections.h"
 
 namespace tandem::pbd {
-
-/// A contact in the total channel: positions only.
-struct TotalRow {
-  std::uint32_t contact = 0;
-  std::uint32_t a = 0;
-  std::uint32_t b = 0;
-  int count = 0;
-  Vec3 normal = Vec3::Zero();
-  std::array<Vec3, 4> turn_a;  ///< m, world, lever arm x normal
-  std::array<Vec3, 4> turn_b;
-  std::array<std::array<double, 4>, 4> mobility;  ///< 1/kg
-  std::array<double, 4> gap;                      ///< m, when the channel began
-  std::array<double, 4> bound;                    ///< m, <= 0: the violation that Real left
-  std::array<double, 4> lambda;                   ///< N s^2
-};
 
 /// How heavily the contacts of an island are loaded.
 struct IslandLoad {
@@ -41,12 +25,6 @@ struct IslandLoad {
   double wanted = 0.0;    ///< substeps
 };
 
-/// m, >= 0, see BlockReport.
-struct Residuals {
-  double real = 0.0;
-  double total = 0.0;
-};
-
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 2;   ///< blocks of rows
   static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
@@ -56,12 +34,8 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   std::vector<std::uint32_t> sequence;   ///< contacts by Manifold::order; empty where it is by key
   std::vector<std::uint32_t> changed;    ///< bodies that lost a load, until the next step
   std::vector<ContactRows> rows;         ///< by place in the order
-  std::vector<std::vector<TotalRow>> total;  ///< by group; empty where nothing is shared
-  std::vector<Vec3> turns;            ///< rad, by body: of this sweep, not in its orientation yet
-  std::vector<std::uint32_t> turned;  ///< bodies with such turns
-  std::vector<std::uint8_t> cleaned;  ///< by body: moved by this clean-up
-  std::vector<std::uint8_t> pushed;   ///< by body: has v_push or w_push in this substep
-  std::vector<Residuals> worst;       ///< by worker
+  std::vector<std::uint8_t> pushed;      ///< by body: has v_push or w_push in this substep
+  std::vector<double> worst;             ///< m, by worker
   ContactSupport support;
   ContactStatics statics;
   ContactOrder order;
@@ -73,10 +47,8 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   int extra_rows = 0;             ///< rows swept again in this step
   int open_rows = 0;              ///< rows that were left unsolved, in the worst substep
   double residual = 0.0;
-  double total_residual = 0.0;
   bool any_friction = false;
   bool any_restitution = false;
-  bool any_debt = false;  ///< when the step began
 
   /// A contact without a successor: what it held up has to wake.
   void note_lost(const Contact& lost) {
@@ -84,9 +56,6 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     changed.push_back(lost.manifold.body_a);
     changed.push_back(lost.manifold.body_b);
   }
-
-  /// See SubstepContext::displaced: overlaps are left, to fade.
-  void forgive(const SubstepContext& ctx);
 
   /// The contact that is nth in order.
   std::size_t nth(std::size_t n) const { return sequence.empty() ? n : sequence[n]; }
@@ -126,27 +95,25 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
                             });
   }
 
-  /// What agreement left behind, for this substep: it fades where agreement does not go on.
-  void take_debts(const SubstepContext& ctx, ContactRows& each) {
-    for (std::size_t lane = 0; lane < each.count; ++lane) {
-      Contact& contact = contacts[each.contact[lane]];
-      const bool goes_on = ctx.bodies[each.a[lane]].total || ctx.bodies[each.b[lane]].total;
-      for (std::size_t i = 0; i < each.most_points(); ++i) {
-        if (!goes_on) contact.debt[i] *= kGapDecay;
-        each.debt[i][lane] = contact.debt[i];
-      }
+  /// The rows in islands with a target.
+  static LaneMask shared(const ContactRows& each, const SubstepContext& ctx) {
+    LaneMask lanes = 0;
+    for (std::size_t i = 0; ctx.shared && i < each.count; ++i) {
+      const bool with = ctx.bodies[each.a[i]].shared || ctx.bodies[each.b[i]].shared;
+      lanes = static_cast<LaneMask>(lanes | unsigned{with} << i);
     }
+    return lanes;
   }
-
-  /// See ContactKernels::push: rows that overlap, or whose bodies others have pushed.
-  void push(const ContactRows& each, BodyNumbers bodies) {
-    LaneMask asked = each.sunk;
+  /// See ContactKernels::push, hold: rows meant, and those whose bodies are pushed.
+  void push(const ContactRows& each, LaneMask meant, decltype(ContactKernels::push) act,
+            BodyNumbers bodies) {
+    LaneMask asked = meant;
     for (std::size_t i = 0; i < each.count; ++i) {
       if ((pushed[each.a[i]] | pushed[each.b[i]]) != 0)
         asked = static_cast<LaneMask>(asked | 1u << i);
     }
     if (asked == 0) return;
-    const LaneMask acted = kernels->push(each, asked, bodies);
+    const LaneMask acted = act(each, asked, bodies);
     for (std::size_t i = 0; i < each.count; ++i) {
       // What cannot move may be shared by rows that are solved at once.
       if ((acted & each.a_moves) >> i & 1u) pushed[each.a[i]] = 1;

@@ -19,11 +19,11 @@ unsigned bits_of(const Mask<V>& mask, std::size_t at) {
 }
 
 /// The bodies of rows, read at once, in the rows' frames.
-template <class A, bool pushes = false>
+template <class A, Velocities velocities = Velocities::Now>
 struct Pair {
   using V = xsimd::batch<double, A>;
   V3<V> n, t1, t2, arm_a, arm_b;
-  Side<A, pushes> a, b;
+  Side<A, velocities> a, b;
 
   [[gnu::always_inline]] Pair(const ContactRows& rows, std::size_t at, BodyNumbers bodies)
       : n(load<V>(rows.normal, at)),
@@ -254,8 +254,8 @@ Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumb
   Mask<V> sunk = zero != zero, bounces = zero != zero;
   for (std::size_t i = 0; i < points; ++i) {
     const Mask<V> there = count > V(static_cast<double>(i));
-    const V gap = apart + dot(n_b, load<V>(rows.anchor_b[i], at)) -
-                  dot(n_a, load<V>(rows.anchor_a[i], at)) - load<V>(rows.debt[i], at);
+    const V gap =
+        apart + dot(n_b, load<V>(rows.anchor_b[i], at)) - dot(n_a, load<V>(rows.anchor_a[i], at));
     const V opened = most(V(rule.push_gain) * gap / h, V(-rule.push_speed));
     store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
     sunk = sunk | (there & (gap < V(-rule.push_slop)));
@@ -497,11 +497,12 @@ void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
                             rubbed.tn * pair.n + c1 * pair.t1 + c2 * pair.t2);
 }
 
-template <class A, bool faces>
+/// @tparam holds  against targets; else overlaps are opened
+template <class A, bool faces, bool holds>
 LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0), one(1.0);
-  Pair<A, true> pair(rows, at, bodies);
+  Pair<A, Velocities::Push> pair(rows, at, bodies);
   const V3<V> velocity = pair.velocity();
   const V vn = dot(pair.n, velocity);
   Mask<V> active = zero != zero;
@@ -510,13 +511,35 @@ LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbe
     const Face<V> face(rows, at);
     const V3<V> spin = pair.spin();
     const V w1 = dot(pair.t1, spin), w2 = dot(pair.t2, spin);
-    for (std::size_t i = 0; i < 4; ++i) {
-      e[i] = vn + w1 * face.s[i] + w2 * face.r[i] + load<V>(rows.bias[i], at);
-      e[i] = xsimd::select(face.there[i], e[i], zero);
-      active = active | (e[i] < zero);
+    for (std::size_t i = 1; i < 4; ++i) e[i] = vn;
+    for (std::size_t i = 0; i < 4; ++i) e[i] += w1 * face.s[i] + w2 * face.r[i];
+  }
+  if constexpr (holds) {
+    // Of a gap they may have what the bodies' own motion leaves.
+    const Pair<A, Velocities::Applied> own(rows, at, bodies);
+    const V own_n = dot(pair.n, own.velocity());
+    V own_1 = zero, own_2 = zero;
+    if constexpr (faces) {
+      own_1 = dot(pair.t1, own.spin());
+      own_2 = dot(pair.t2, own.spin());
+    }
+    const Mask<V> sunk = lanes_of<V>(rows.sunk, at);
+    for (std::size_t i = 0; i < (faces ? 4 : 1); ++i) {
+      const V bias = load<V>(rows.bias[i], at);
+      V room = bias + own_n;
+      if constexpr (faces) {
+        room += own_1 * load<V>(rows.s[i], at) + own_2 * load<V>(rows.r[i], at);
+      }
+      e[i] += xsimd::select(bias > zero, most(room, zero), xsimd::select(sunk, bias, zero));
     }
   } else {
-    e[0] += load<V>(rows.bias[0], at);
+    for (std::size_t i = 0; i < (faces ? 4 : 1); ++i) e[i] += load<V>(rows.bias[i], at);
+  }
+  if constexpr (faces) {
+    const Face<V> face(rows, at);
+    for (std::size_t i = 0; i < 4; ++i) e[i] = xsimd::select(face.there[i], e[i], zero);
+    active = (e[0] < zero) | (e[1] < zero) | (e[2] < zero) | (e[3] < zero);
+  } else {
     active = e[0] < zero;
   }
   active = active & lanes_of<V>(asked, at);
@@ -524,8 +547,10 @@ LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbe
   const unsigned bits = bits_of<V>(active, at);
   Responses<V> m = responses<V, faces>(rows, at);
   const V mass_a = pair.a.inv_mass(), mass_b = pair.b.inv_mass();
-  const Mask<V> a_lighter = lanes_of<V>(rows.a_below, at) & (mass_a > mass_b) & (mass_b > zero);
-  const Mask<V> b_lighter = lanes_of<V>(rows.b_below, at) & (mass_b > mass_a) & (mass_a > zero);
+  const LaneMask a_below = holds ? LaneMask{0} : rows.a_below;
+  const LaneMask b_below = holds ? LaneMask{0} : rows.b_below;
+  const Mask<V> a_lighter = lanes_of<V>(a_below, at) & (mass_a > mass_b) & (mass_b > zero);
+  const Mask<V> b_lighter = lanes_of<V>(b_below, at) & (mass_b > mass_a) & (mass_a > zero);
   const Mask<V> scaled = a_lighter | b_lighter;
   const V share_a = xsimd::select(a_lighter, mass_b / mass_a, one);
   const V share_b = xsimd::select(b_lighter, mass_a / mass_b, one);
@@ -560,7 +585,7 @@ LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbe
 /// Normal velocities of the points of rows; where there are no faces, all are that of the first.
 template <class A, bool faces>
 Four<xsimd::batch<double, A>> normal_velocities(const ContactRows& rows, std::size_t at,
-                                                const Pair<A, true>& pair) {
+                                                const Pair<A, Velocities::Push>& pair) {
   using V = xsimd::batch<double, A>;
   const V vn = dot(pair.n, pair.velocity());
   Four<V> out{{vn, vn, vn, vn}};
@@ -579,7 +604,8 @@ unsigned meet(const ContactRows& rows, Blow& blow, std::size_t at, double slow, 
               BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
-  const auto vn = normal_velocities<A, faces>(rows, at, Pair<A, true>(rows, at, bodies));
+  const auto vn =
+      normal_velocities<A, faces>(rows, at, Pair<A, Velocities::Push>(rows, at, bodies));
   const V points = load<V>(rows.points, at), restitution = load<V>(rows.restitution, at);
   Mask<V> carries = zero != zero, hit = zero != zero;
   V fastest = zero;
@@ -608,7 +634,7 @@ void strike(const ContactRows& rows, Blow& blow, std::size_t at, LaneMask asked,
   using V = xsimd::batch<double, A>;
   constexpr std::size_t points = faces ? 4 : 1;
   const V zero(0.0);
-  Pair<A, true> pair(rows, at, bodies);
+  Pair<A, Velocities::Push> pair(rows, at, bodies);
   const Mask<V> meant = lanes_of<V>(asked, at);
   const Responses<V> m = responses<V, faces>(rows, at);
   Four<V> e = normal_velocities<A, faces>(rows, at, pair), z, dz, alone;
@@ -651,7 +677,8 @@ void settle(ContactRows& rows, const Blow& blow, std::size_t at, BodyNumbers bod
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
   const Mask<V> meant = lanes_of<V>(blow.struck, at);
-  const auto vn = normal_velocities<A, faces>(rows, at, Pair<A, true>(rows, at, bodies));
+  const auto vn =
+      normal_velocities<A, faces>(rows, at, Pair<A, Velocities::Push>(rows, at, bodies));
   V fn = zero, c1 = zero, c2 = zero;
   for (std::size_t i = 0; i < (faces ? 4 : 1); ++i) {
     const V z = load<V>(rows.impulse[i], at);
@@ -683,6 +710,16 @@ void for_batches(LaneMask lanes, Visit&& visit) {
   }
   if (first) visit.template operator()<Half>(std::size_t{0});
   if (second) visit.template operator()<Half>(half);
+}
+
+template <class A, class Half, bool holds>
+LaneMask push_all(const ContactRows& rows, LaneMask asked, BodyNumbers bodies) {
+  unsigned acted = 0;
+  for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
+    acted |= rows.faces ? push<B, true, holds>(rows, at, asked, bodies)
+                        : push<B, false, holds>(rows, at, asked, bodies);
+  });
+  return static_cast<LaneMask>(acted);
 }
 
 template <class A, class Half>
@@ -717,14 +754,8 @@ constexpr ContactKernels kernels() {
                  : solve_points<B>(rows, at, pass, turns, asked, bodies);
     });
   };
-  out.push = [](const ContactRows& rows, LaneMask asked, BodyNumbers bodies) {
-    unsigned acted = 0;
-    for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
-      acted |= rows.faces ? push<B, true>(rows, at, asked, bodies)
-                          : push<B, false>(rows, at, asked, bodies);
-    });
-    return static_cast<LaneMask>(acted);
-  };
+  out.push = push_all<A, Half, false>;
+  out.hold = push_all<A, Half, true>;
   out.meet = [](const ContactRows& rows, Blow& blow, double slow, bool first, BodyNumbers bodies) {
     unsigned hit = 0;
     for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {

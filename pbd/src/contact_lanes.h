@@ -109,17 +109,16 @@ struct Columns<xsimd::avx2> {
 #endif
 
 /// One side of V::size rows: bodies' velocities, read, changed and written back.
-/// @tparam pushes  v_push and w_push are meant instead of v and w
-template <class A, bool pushes>
+template <class A, Velocities velocities>
 class Side {
  public:
   using V = xsimd::batch<double, A>;
 
   Side(const std::array<std::uint32_t, kLanes>& index, std::size_t at, BodyNumbers bodies)
-      : at_(at), push_(pushes ? bodies.push : 0) {
+      : at_(at), first_(bodies.of_velocities(velocities)) {
     for (std::size_t i = 0; i < kLanes; ++i) from_[i] = bodies.of(index[i]);
-    linear_ = Columns<A>::read(from(push_), at);
-    angular_ = Columns<A>::read(from(push_ + 4), at);
+    linear_ = Columns<A>::read(from(first_), at);
+    angular_ = Columns<A>::read(from(first_ + 4), at);
   }
 
   V3<V> v() const { return {linear_.c0, linear_.c1, linear_.c2}; }
@@ -159,7 +158,7 @@ class Side {
   void write(unsigned moves) const {
     for (std::size_t i = 0; i < V::size; ++i) {
       if ((moves >> (at_ + i) & 1u) == 0) continue;
-      double* to = from_[at_ + i] + push_;
+      double* to = from_[at_ + i] + first_;
       Columns<A>::write(linear_.c0, linear_.c1, i, to);
       Columns<A>::write(linear_.c2, linear_.c3, i, to + 2);
       Columns<A>::write(angular_.c0, angular_.c1, i, to + 4);
@@ -174,16 +173,16 @@ class Side {
   }
   /// w_y, w_z, 1/m and the inertia's xx.
   Columns<A> properties() const {
-    if constexpr (pushes) {
-      return Columns<A>::read(from(4), at_);
-    } else {
+    if constexpr (velocities == Velocities::Now) {
       return angular_;
+    } else {
+      return Columns<A>::read(from(4), at_);
     }
   }
 
   std::array<double*, kLanes> from_;
   std::size_t at_;
-  std::size_t push_;
+  std::size_t first_;  ///< number of the first velocity
   Columns<A> linear_;
   Columns<A> angular_;
 };

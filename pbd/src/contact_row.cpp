@@ -73,15 +73,18 @@ double gap_between(const Manifold& m, const Vec3& p_a, const Vec3& p_b) {
 }  // namespace
 
 BodyNumbers numbers_of(std::span<SolverBody> bodies) {
+  constexpr std::size_t kApplied = offsetof(SolverBody, v_applied);
   static_assert(offsetof(SolverBody, x) == BodyNumbers::kX * sizeof(double) &&
                 offsetof(SolverBody, q) == BodyNumbers::kQ * sizeof(double));
   static_assert(offsetof(SolverBody, v) == 0 && offsetof(SolverBody, w) == 3 * sizeof(double) &&
                 offsetof(SolverBody, inv_mass) == 6 * sizeof(double) &&
                 offsetof(SolverBody, inv_inertia_w) == 7 * sizeof(double) &&
-                offsetof(SolverBody, w_push) == offsetof(SolverBody, v_push) + 3 * sizeof(double));
+                offsetof(SolverBody, w_applied) == kApplied + 3 * sizeof(double) &&
+                offsetof(SolverBody, v_push) == kApplied + 6 * sizeof(double) &&
+                offsetof(SolverBody, w_push) == kApplied + 9 * sizeof(double));
   return {.first = bodies.empty() ? nullptr : bodies.front().v.data(),
           .stride = sizeof(SolverBody) / sizeof(double),
-          .push = offsetof(SolverBody, v_push) / sizeof(double)};
+          .applied = kApplied / sizeof(double)};
 }
 
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
@@ -143,7 +146,6 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   rows.fall[lane] = std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(gravity));
   for (std::size_t i = 0; i < rows.most_points(); ++i) {
     rows.impulse[i][lane] = contact.force[i];
-    rows.debt[i][lane] = contact.debt[i];
     set_vector(rows.anchor_a[i], lane, m.points[i].anchor_a_l);
     set_vector(rows.anchor_b[i], lane, m.points[i].anchor_b_l);
   }
@@ -170,7 +172,7 @@ void repeat_first_row(ContactRows& rows) {
     rows.b[lane] = rows.b[0];
   }
   repeat_first(rows.count, rows.friction, rows.points, rows.normal, rows.t1, rows.arm_a, rows.arm_b,
-               rows.slide, rows.impulse, rows.debt, rows.radii, rows.restitution, rows.fall);
+               rows.slide, rows.impulse, rows.radii, rows.restitution, rows.fall);
   for (std::size_t i = 0; i < 4; ++i) {
     repeat_first(rows.count, rows.anchor_a[i], rows.anchor_b[i]);
   }

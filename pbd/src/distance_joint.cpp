@@ -78,7 +78,7 @@ void DistanceJoint::forgive(const SubstepContext& ctx) {
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  if (!arm.a->total && !arm.b->total) gap_ *= kGapDecay;
+  if (!arm.a->shared && !arm.b->shared) gap_ *= kGapDecay;
   c_start_ = arm.length - def_.rest_length;
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;
@@ -109,24 +109,25 @@ void DistanceJoint::finish_velocity(const SubstepContext& /*ctx*/) {
   def_.enabled = false;
 }
 
-void DistanceJoint::begin_total(const SubstepContext& ctx) {
+void DistanceJoint::begin_displacement(const SubstepContext& ctx) {
   SolverBody ground;
   bound_ = arms(ctx, ground).length - def_.rest_length - gap_;
   lambda_ = 0.0;
 }
 
-void DistanceJoint::project_total(const SubstepContext& ctx) {
+double DistanceJoint::project_displacement(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  if (arm.n.isZero(0.0)) return;
+  if (arm.n.isZero(0.0)) return 0.0;
   const double c = arm.length - def_.rest_length;
   const double w = inverse_mass(*arm.a, arm.r_a, arm.n) + inverse_mass(*arm.b, arm.r_b, arm.n);
-  const double dlambda = ForceLaw::of_total(axis(), bound_, ctx.h).multiplier(c, lambda_, w);
+  const double dlambda = ForceLaw::of_displacement(axis(), bound_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   apply_pair(*arm.a, *arm.b, dlambda * arm.n, arm.r_a, arm.r_b);
+  return std::abs(dlambda) * w;
 }
 
-void DistanceJoint::end_total(const SubstepContext& ctx) {
+void DistanceJoint::end_displacement(const SubstepContext& ctx) {
   SolverBody ground;
   gap_ = ForceLaw::gap(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
 }

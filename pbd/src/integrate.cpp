@@ -108,9 +108,8 @@ void advance_pose(SolverBody& body, double h) {
   const Vec3 turn = h * (body.w - body.w_applied + body.w_push);
   body.v_push.setZero();
   body.w_push.setZero();
-  if (turn.isZero(0.0)) return;
-  body.q = rotated(body.q, turn);
   body.w_applied = body.w;
+  if (!turn.isZero(0.0)) body.q = rotated(body.q, turn);
 }
 
 /// Fast spin is cut into parts of half a radian.

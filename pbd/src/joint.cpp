@@ -162,36 +162,30 @@ void JointBlock::finish_velocity(const SubstepContext& ctx) {
   });
 }
 
-void JointBlock::begin_total(const SubstepContext& ctx) {
-  impl_->for_total(ctx, [&](JointRecord& record) {
+void JointBlock::begin_displacement(const SubstepContext& ctx) {
+  impl_->for_shared(ctx, [&](JointRecord& record) {
     record.bound.fill(0.0);
     impl_->place(record, ctx.bodies, record.bound.data());
     for (std::size_t i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
   });
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
-    if (!impl_->system.is_total(part, ctx.bodies)) return;
-    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Total);
+    if (!impl_->system.is_shared(part, ctx.bodies)) return;
+    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Displacement);
   });
 }
 
-void JointBlock::project_total(const SubstepContext& ctx) {
+double JointBlock::project_displacement(const SubstepContext& ctx) {
+  double largest = 0.0;
   JointSystem& system = impl_->system;
   system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
-    if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
+    if (!system.is_shared(part, ctx.bodies)) return;
+    largest = std::max(largest, system.iterate(part, impl_->records, ctx));
   });
+  return largest;
 }
 
-bool JointBlock::clean_up(const SubstepContext& ctx) {
-  JointSystem& system = impl_->system;
-  for (std::uint32_t k = 0; k < system.part_count(); ++k) {
-    const std::uint32_t part = ctx.reverse ? system.part_count() - 1 - k : k;
-    if (system.is_total(part, ctx.bodies)) system.iterate(part, impl_->records, ctx);
-  }
-  return ctx.shared;
-}
-
-void JointBlock::end_total(const SubstepContext& ctx) {
-  impl_->for_total(ctx, [&](JointRecord& record) {
+void JointBlock::end_displacement(const SubstepContext& ctx) {
+  impl_->for_shared(ctx, [&](JointRecord& record) {
     double c[kCoordinates] = {};
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
@@ -284,7 +278,7 @@ BlockReport JointBlock::report() const {
     if (!record.active()) continue;
     report.residual = std::max(report.residual, record.state.residual);
     for (const double gap : record.gap) {
-      report.total_residual = std::max(report.total_residual, std::abs(gap));
+      report.displacement_residual = std::max(report.displacement_residual, std::abs(gap));
     }
   }
   return report;

@@ -45,9 +45,9 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     coordinates(record, def.a.valid() ? bodies[def.a.index] : ground, bodies[def.b.index],
                 record.twist, c);
   }
-  bool is_total(const JointRecord& record, std::span<const SolverBody> bodies) const {
-    return (record.def.a.valid() && bodies[record.def.a.index].total) ||
-           bodies[record.def.b.index].total;
+  bool is_shared(const JointRecord& record, std::span<const SolverBody> bodies) const {
+    return (record.def.a.valid() && bodies[record.def.a.index].shared) ||
+           bodies[record.def.b.index].shared;
   }
   /// See SubstepContext::displaced.
   void forgive(const SubstepContext& ctx) {
@@ -61,9 +61,9 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
   }
   /// Those of the group.
   template <class Visit>
-  void for_total(const SubstepContext& ctx, Visit&& visit) {
+  void for_shared(const SubstepContext& ctx, Visit&& visit) {
     for (JointRecord& record : records) {
-      if (!record.active() || !is_total(record, ctx.bodies)) continue;
+      if (!record.active() || !is_shared(record, ctx.bodies)) continue;
       const SixDofJointDef& def = record.def;
       if (ctx.bodies[def.b.index].group == ctx.group ||
           (def.a.valid() && ctx.bodies[def.a.index].group == ctx.group)) {

@@ -27,7 +27,7 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
                             const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
   PartState& state = state_[p];
-  if (state.channel == Channel::Total) {
+  if (state.channel == Channel::Displacement) {
     // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
     // the clean-up, which comes last, has the bodies' own masses again.
     prepare(part, state, records, ctx);

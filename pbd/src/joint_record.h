@@ -16,7 +16,7 @@ struct JointRecord {
   SixDofJointDef def;
   JointState state;
   std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
-  std::array<double, kCoordinates> bound{};  ///< where the total channel holds it
+  std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
   double twist = 0.0;                        ///< rad, counting turns
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it
   /// comes second in a part with loops. See guard().

@@ -141,9 +141,9 @@ struct ForceLaw {
     return law;
   }
 
-  /// The same for the total channel: keep `bound`, what Real has, no more and no less. Springs
-  /// resist; motors do where they could hold against anything.
-  static ForceLaw of_total(const JointAxis& axis, double bound, double h) {
+  /// The same for the displacement channel: keep `bound`, what Real has, no more and no less.
+  /// Springs resist; motors do where they could hold against anything.
+  static ForceLaw of_displacement(const JointAxis& axis, double bound, double h) {
     ForceLaw law;
     if (axis.freedom == Freedom::Locked) {
       law.locked = true;
@@ -165,8 +165,8 @@ struct ForceLaw {
     return law;
   }
 
-  /// What the total channel left of a rigid row that should have kept `bound`. A soft row keeps no
-  /// debt: its stretch is a force.
+  /// What the displacement channel left of a rigid row that should have kept `bound`. A soft row
+  /// keeps no debt: its stretch is a force.
   static double gap(const JointAxis& axis, double c, double bound) {
     if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
     if (axis.freedom == Freedom::Locked) return c - bound;

@@ -86,10 +86,10 @@ void JointSystem::sort_groups(std::span<const SolverBody> bodies) {
   });
 }
 
-bool JointSystem::is_total(std::uint32_t p, std::span<const SolverBody> bodies) const {
+bool JointSystem::is_shared(std::uint32_t p, std::span<const SolverBody> bodies) const {
   const JointGraph::Part& part = graph_.parts()[p];
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    if (bodies[graph_.bodies()[s]].total) return true;
+    if (bodies[graph_.bodies()[s]].shared) return true;
   }
   return false;
 }
@@ -124,7 +124,7 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
     const SixDofJointDef& def = record.def;
     const SolverBody& a = body_of(def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(def.b, ctx.bodies, ground);
-    if (channel == Channel::Real && !a.total && !b.total) {
+    if (channel == Channel::Real && !a.shared && !b.shared) {
       for (double& gap : record.gap) gap *= kGapDecay;
     }
     node.lambda.fill(0.0);
@@ -140,8 +140,9 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
     // Force laws.
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
-      node.law[i] = channel == Channel::Real ? ForceLaw::of(axis, c[i], record.gap[i], ctx.h)
-                                             : ForceLaw::of_total(axis, record.bound[i], ctx.h);
+      node.law[i] = channel == Channel::Real
+                        ? ForceLaw::of(axis, c[i], record.gap[i], ctx.h)
+                        : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
     });
   }
 }

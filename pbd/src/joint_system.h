@@ -15,7 +15,7 @@ namespace tandem::pbd {
 /// project them together. Scratch memory only.
 class JointSystem {
  public:
-  enum class Channel { Real, Total };
+  enum class Channel { Real, Displacement };
 
   /// Plan for the joints that are active; allocates. Where bodies have an order of their own,
   /// joints are taken by the order of their bodies, else by slot.
@@ -36,7 +36,7 @@ class JointSystem {
     for (std::ptrdiff_t k = 0; k < count; ++k) visit(first[reverse ? count - 1 - k : k].part);
   }
   std::uint32_t part_count() const { return static_cast<std::uint32_t>(graph_.parts().size()); }
-  bool is_total(std::uint32_t part, std::span<const SolverBody> bodies) const;
+  bool is_shared(std::uint32_t part, std::span<const SolverBody> bodies) const;
 
   /// Take gradients and force laws from the poses as they are; multipliers start at 0.
   void begin(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx,

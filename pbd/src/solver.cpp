@@ -20,10 +20,9 @@ const StepReport& Solver::Impl::step(World& world, double dt) {
       advance_poses();
       agree_velocities();
       solve_velocities();
-      if (part_ends()) solve_total();
+      agree();
     }
   }
-  clean_up();
   end_step();
   return report_;
 }

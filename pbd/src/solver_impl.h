@@ -40,9 +40,8 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   /// Before the contact velocity pass, so that contacts can veto it.
   void agree_velocities();
   void solve_velocities();
-  /// The total channel: the same rows once more, for where bodies are and not for how they move.
-  void solve_total();
-  void clean_up();
+  /// Displacements, not velocities: targets pull, joints follow, contacts hold.
+  void agree();
   void end_step();
 
   // Parts of stages.
@@ -56,9 +55,23 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void arrange_groups();
   Groups::Rule group_rule() const;
   void list_parts();
-  /// Whether one of the parts that agreement is split into ends with this substep.
-  bool part_ends() const;
   void project_joints();
+  /// Sweep blocks before contacts, there and back, until no row asks for more.
+  /// @param project  of a block: the largest move that a row asked for, m
+  template <class Project>
+  void until_joints_hold(Project&& project) {
+    if (!projects_) return;
+    const bool reverse = context_.reverse;
+    for (int i = 0; i < options_.joint_iterations; ++i) {
+      double largest = 0.0;
+      for_blocks([&](ConstraintBlock& block) {
+        if (!is_last(block)) largest = std::max(largest, project(block));
+      });
+      if (largest <= options_.joint_tolerance) break;
+      context_.reverse = !context_.reverse;
+    }
+    context_.reverse = reverse;
+  }
   void note_new_overlaps();
   void restore_locked_bodies(const Group& group);
   /// Nothing tunnels: bodies that would get through something stop on their way.
@@ -99,7 +112,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
   std::vector<double> wanted_;          ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;        ///< the one being solved
-  int parts_ = 1;                       ///< that agreement of the group is split into
   std::vector<Manifold> manifolds_;
   std::vector<Pose> after_;  ///< by slot
   std::vector<MotionLimit> limits_;

@@ -28,9 +28,6 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(joint_tolerance, 0.0, 1.0, "joint_tolerance", error) &&
          in_range(velocity_iterations, 0, 1000, "velocity_iterations", error) &&
          in_range(velocity_tolerance, 0.0, 1.0, "velocity_tolerance", error) &&
-         in_range(total_parts, 1, 1000, "total_parts", error) &&
-         in_range(total_iterations, 0, 10000, "total_iterations", error) &&
-         in_range(clean_up_iterations, 0, 1000, "clean_up_iterations", error) &&
          in_range(sleep_after, 0.0, 1e6, "sleep_after", error) &&
          in_range(sleep_speed, 0.0, 1e6, "sleep_speed", error) &&
          in_range(sleep_spin, 0.0, 1e6, "sleep_spin", error) &&
@@ -41,7 +38,6 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(contact.push_speed, 0.0, 1e6, "contact.push_speed", error) &&
          in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&
          in_range(contact.evenness, 0.0, 10.0, "contact.evenness", error) &&
-         in_range(contact.clean_up_slop, 0.0, 1.0, "contact.clean_up_slop", error) &&
          in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold",
                   error) &&
          in_range(contact.lanes, 0, 4, "contact.lanes", error);

@@ -61,10 +61,7 @@ void Solver::Impl::begin_group(std::uint32_t group) {
   context_.substeps = group_->substeps;
   context_.h = dt_ / group_->substeps;
   if (group > 0) bodies_.rewind_kinematic(*world_);
-  if (!targets_.empty()) {
-    parts_ = std::min(group_->substeps, options_.total_parts);
-    targets_.select_group(group, parts_, bodies_.all());
-  }
+  if (!targets_.empty()) targets_.select_group(group, group_->substeps, bodies_.all());
   report_.substeps = std::max(report_.substeps, group_->substeps);
 }
 
@@ -110,15 +107,9 @@ void Solver::Impl::advance_poses() {
 }
 
 void Solver::Impl::agree_velocities() {
-  if (targets_.empty() || !targets_.selected()) return;
-  targets_.advance(context_.h, context_.h * (context_.substep + 1));
-  if (!part_ends()) return;
-  targets_.agree_velocities(bodies_.all(), world_->props_, world_->corrections_, report_.energy);
-}
-
-bool Solver::Impl::part_ends() const {
-  const int i = context_.substep;
-  return (i + 1) * parts_ / context_.substeps > i * parts_ / context_.substeps;
+  if (targets_.empty()) return;
+  targets_.agree_velocities(bodies_.all(), world_->props_, world_->corrections_, context_.h,
+                            report_.energy);
 }
 
 void Solver::Impl::solve_velocities() {
@@ -141,45 +132,20 @@ void Solver::Impl::solve_velocities() {
   end_stage(Stage::Velocity);
 }
 
-void Solver::Impl::solve_total() {
+void Solver::Impl::agree() {
   if (targets_.empty() || !targets_.selected()) return;
-  SubstepContext context = context_;
-  context.h = dt_ / parts_;
-  targets_.begin_total(bodies_.all(), options_.heavier_where_shared);
-  for_blocks([&](ConstraintBlock& block) { block.begin_total(context); });
-  targets_.move_bodies(bodies_.all(), world_->props_);
-  for (int i = 0; i < options_.total_iterations; ++i) {
-    context.reverse = (context_.substep + i) % 2 == 1;
-    for_blocks([&](ConstraintBlock& block) { block.project_total(context); });
-    restore_locked_bodies(*group_);
-  }
-  for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
-  targets_.end_total(bodies_.all(), world_->props_, world_->corrections_, context_.gravity,
-                     report_.energy);
-  end_stage(Stage::Total);
-}
-
-void Solver::Impl::clean_up() {
-  if (!has_rows_ && targets_.empty()) return;
-  bool ran = !targets_.empty();
-  SubstepContext context = context_;
-  context.h = dt_;
-  for (int i = 0; i < options_.clean_up_iterations; ++i) {
-    bool any = false;
-    context.substep = i;
-    context.reverse = i % 2 == 1;
-    for_blocks([&](ConstraintBlock& block) { any = block.clean_up(context) || any; });
-    if (!any) break;
-    for (const Group& group : groups_.all()) restore_locked_bodies(group);
-    ran = true;
-  }
-  if (!targets_.empty()) {
-    for (context.group = 0; context.group < groups_.all().size(); ++context.group) {
-      for_blocks([&](ConstraintBlock& block) { block.end_total(context); });
-    }
-  }
-  clock_.stop(Stage::CleanUp);
-  report_.ran[static_cast<std::size_t>(Stage::CleanUp)] = ran;
+  targets_.begin(bodies_.all());
+  for_blocks([&](ConstraintBlock& block) { block.begin_displacement(context_); });
+  targets_.pull(bodies_.all(), world_->props_, context_.h * (context_.substep + 1));
+  until_joints_hold([&](ConstraintBlock& block) { return block.project_displacement(context_); });
+  targets_.to_velocities(bodies_.all(), context_.h);
+  for_blocks([&](ConstraintBlock& block) { block.solve_displacement(context_); });
+  targets_.to_poses(bodies_.all(), context_.h);
+  restore_locked_bodies(*group_);
+  for_blocks([&](ConstraintBlock& block) { block.end_displacement(context_); });
+  targets_.end(bodies_.all(), world_->props_, world_->corrections_, context_.gravity,
+               report_.energy);
+  end_stage(Stage::Agree);
 }
 
 void Solver::Impl::end_step() {
@@ -213,16 +179,7 @@ void Solver::Impl::project_joints() {
     advance_pose(body, h);
     refresh_inertia(body, world_->props_[i]);
   });
-  const bool reverse = context_.reverse;
-  for (int i = 0; i < options_.joint_iterations; ++i) {
-    double largest = 0.0;
-    for_blocks([&](ConstraintBlock& block) {
-      if (!is_last(block)) largest = std::max(largest, block.project(context_));
-    });
-    if (largest <= options_.joint_tolerance) break;
-    context_.reverse = !context_.reverse;
-  }
-  context_.reverse = reverse;
+  until_joints_hold([&](ConstraintBlock& block) { return block.project(context_); });
   for_group([&](SolverBody& body, std::uint32_t i) {
     if (body.projected) absorb_corrections(body, world_->props_[i], h);
   });

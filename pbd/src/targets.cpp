@@ -11,9 +11,8 @@
 namespace tandem::pbd {
 namespace {
 
-double kinetic_energy(const SolverBody& body, const BodyProps& props, const Vec3& v,
-                      const Vec3& w) {
-  const Vec3 w_l = body.q.conjugate() * w;
+double kinetic_energy(const Quat& q, const BodyProps& props, const Vec3& v, const Vec3& w) {
+  const Vec3 w_l = q.conjugate() * w;
   return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia_l * w_l));
 }
 
@@ -58,42 +57,36 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const bool solved = bodies[i].inv_mass > 0.0 && bodies[i].group != SolverBody::kNoGroup;
-    bodies[i].total = solved && marked_[island_of[i]] != 0;
+    bodies[i].shared = solved && marked_[island_of[i]] != 0;
   }
 }
 
-void Targets::select_group(std::uint32_t group, int parts, std::span<const SolverBody> bodies) {
+void Targets::select_group(std::uint32_t group, int substeps, std::span<const SolverBody> bodies) {
   in_group_.clear();
   saved_.clear();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     if (bodies[rows_[k].body].group != group) continue;
     in_group_.push_back(static_cast<std::uint32_t>(k));
-    rows_[k].share = 1.0 - std::pow(1.0 - rows_[k].step_share, 1.0 / parts);
+    rows_[k].share = 1.0 - std::pow(1.0 - rows_[k].step_share, 1.0 / substeps);
   }
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
-    if (bodies[i].total && bodies[i].group == group) saved_.emplace_back().body = i;
-  }
-}
-
-void Targets::advance(double h, double elapsed) {
-  for (const std::uint32_t k : in_group_) {
-    Row& row = rows_[k];
-    row.elapsed = elapsed;
-    row.e_x += h * row.e_v;
-    row.e_q += h * row.e_w;
+    if (bodies[i].shared && bodies[i].group == group) saved_.emplace_back().body = i;
   }
 }
 
 void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
-                               std::span<Correction> corrections, ConsensusEnergy& energy) {
+                               std::span<Correction> corrections, double h,
+                               ConsensusEnergy& energy) {
   for (const std::uint32_t k : in_group_) {
     Row& row = rows_[k];
     SolverBody& body = bodies[row.body];
+    row.e_x += h * row.e_v;
+    row.e_q += h * row.e_w;
     if (row.motion == TargetMotion::Inertial) {
       row.e_v = row.twist.linear - body.v;
       row.e_w = row.twist.angular - body.w;
     }
-    const double before = kinetic_energy(body, props[row.body], body.v, body.w);
+    const double before = kinetic_energy(body.q, props[row.body], body.v, body.w);
     Vec3 dv = row.share * row.e_v;
     Vec3 dw = row.share * row.e_w;
     take_out(props[row.body].locks.linear, dv);
@@ -104,56 +97,60 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const Bod
     row.e_w -= dw;
     corrections[row.body].twist.linear += dv;
     corrections[row.body].twist.angular += dw;
-    energy.velocity_agreement += kinetic_energy(body, props[row.body], body.v, body.w) - before;
+    energy.velocity_agreement += kinetic_energy(body.q, props[row.body], body.v, body.w) - before;
   }
 }
 
-void Targets::begin_total(std::span<SolverBody> bodies, bool heavier) {
+void Targets::begin(std::span<const SolverBody> bodies) {
   for (Saved& saved : saved_) {
-    SolverBody& body = bodies[saved.body];
-    body.dx.setZero();
-    body.dtheta.setZero();
+    const SolverBody& body = bodies[saved.body];
     saved.x = body.x;
     saved.q = body.q;
     saved.v = body.v;
     saved.w = body.w;
-    saved.inv_mass = body.inv_mass;
-    saved.inv_inertia_w = body.inv_inertia_w;
-    if (!heavier || row_of_[saved.body] == BodyId::kNone) continue;
-    // A body that remote peers know well is (1 + W) times heavier here: 1 / (1 + W) = 1 - share.
-    const double scale = 1.0 - rows_[row_of_[saved.body]].share;
-    body.inv_mass *= scale;
-    body.inv_inertia_w *= scale;
   }
 }
 
-void Targets::move_bodies(std::span<SolverBody> bodies, std::span<const BodyProps> props) {
+void Targets::pull(std::span<SolverBody> bodies, std::span<const BodyProps> props, double elapsed) {
   for (const std::uint32_t k : in_group_) {
     Row& row = rows_[k];
     SolverBody& body = bodies[row.body];
     if (row.motion == TargetMotion::Inertial) {
-      row.e_x = row.pose.position + row.elapsed * row.twist.linear - body.x;
+      row.e_x = row.pose.position + elapsed * row.twist.linear - body.x;
       row.e_q =
-          rotation_between(body.q, rotated(row.pose.orientation, row.elapsed * row.twist.angular));
+          rotation_between(body.q, rotated(row.pose.orientation, elapsed * row.twist.angular));
     }
-    Vec3 move = row.share * row.e_x;
-    Vec3 turn = row.share * row.e_q;
-    take_out(props[row.body].locks.linear, move);
-    take_out(props[row.body].locks.angular, turn);
-    body.x += move;
-    body.dx += move;
-    body.q = rotated(body.q, turn);
-    body.dtheta += turn;
+    body.dx = row.share * row.e_x;
+    body.dtheta = row.share * row.e_q;
+    take_out(props[row.body].locks.linear, body.dx);
+    take_out(props[row.body].locks.angular, body.dtheta);
+    body.x += body.dx;
+    body.q = rotated(body.q, body.dtheta);
   }
 }
 
-void Targets::end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
-                        std::span<Correction> corrections, const Vec3& gravity,
-                        ConsensusEnergy& energy) {
+void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
   for (const Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
-    body.inv_mass = saved.inv_mass;
-    body.inv_inertia_w = saved.inv_inertia_w;
+    if (!body.dx.isZero(0.0)) body.v_push = body.dx / h;
+    if (!body.dtheta.isZero(0.0)) body.w_push = rotation_between(saved.q, body.q) / h;
+  }
+}
+
+void Targets::to_poses(std::span<SolverBody> bodies, double h) {
+  for (const Saved& saved : saved_) {
+    SolverBody& body = bodies[saved.body];
+    body.x = saved.x + h * body.v_push;
+    body.q = body.w_push.isZero(0.0) ? saved.q : rotated(saved.q, h * body.w_push);
+    body.v_push.setZero();
+    body.w_push.setZero();
+  }
+}
+
+void Targets::end(std::span<const SolverBody> bodies, std::span<const BodyProps> props,
+                  std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy) {
+  for (const Saved& saved : saved_) {
+    const SolverBody& body = bodies[saved.body];
     const Vec3 moved = body.x - saved.x;
     const Vec3 turned = rotation_between(saved.q, body.q);
     corrections[saved.body].translation += moved;
@@ -164,12 +161,9 @@ void Targets::end_total(std::span<SolverBody> bodies, std::span<const BodyProps>
     // another energy at the same velocity, which belongs to where it is, like its height.
     const bool as_fast = body.v == saved.v && body.w == saved.w;
     if (!as_fast || !(body.w.isZero(0.0) || is_round(known))) {
-      SolverBody before = body;
-      before.q = saved.q;
-      const double as_it_was = kinetic_energy(before, known, saved.v, saved.w);
-      const double velocities_only = kinetic_energy(before, known, body.v, body.w);
-      energy.displacement += velocities_only - as_it_was;
-      energy.potential += kinetic_energy(body, known, body.v, body.w) - velocities_only;
+      const double velocities_only = kinetic_energy(saved.q, known, body.v, body.w);
+      energy.displacement += velocities_only - kinetic_energy(saved.q, known, saved.v, saved.w);
+      energy.potential += kinetic_energy(body.q, known, body.v, body.w) - velocities_only;
     }
     if (row_of_[saved.body] == BodyId::kNone) continue;
     Row& row = rows_[row_of_[saved.body]];

@@ -13,11 +13,12 @@
 
 namespace tandem::pbd {
 
-/// The pose targets of one step and the channel that serves them. Runs only where there are any.
+/// The pose targets of one step and what serves them. Runs only where there are any.
 ///
-/// A target is kept as what is still missing: e = target - body, for pose and twist. In a substep e
-/// first grows by h (target velocity - body velocity), a share of it is then closed, and what rows
-/// blocked stays in e. Substep shares compose exactly: 1 - (1 - s_n)^n = s.
+/// A target is a row of the displacement channel. It is kept as what is still missing, e = target -
+/// body. In a substep e first grows by h (target velocity - body velocity); a share of it is then
+/// the displacement that the row asks for, and what other rows took back stays in e. Substep shares
+/// compose exactly: 1 - (1 - s_n)^n = s.
 class Targets {
  public:
   /// Take over this step's targets; forget bodies that cannot move.
@@ -26,35 +27,39 @@ class Targets {
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
 
-  /// Mark every body that is awake and joined or in touch with a targeted one as part of the total
-  /// channel.
+  /// Mark every body that is awake and joined or in touch with a targeted one.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
 
   /// The methods below concern the bodies of this group, until the next call.
-  /// @param parts  into how many the group's share is split over the step
-  void select_group(std::uint32_t group, int parts, std::span<const SolverBody> bodies);
-  /// Whether the group has a body in the total channel.
+  void select_group(std::uint32_t group, int substeps, std::span<const SolverBody> bodies);
+  /// Whether some island of the group has a target.
   bool selected() const { return !saved_.empty(); }
 
-  /// Where the targets have moved to by the end of this substep. Call before agree_velocities.
-  void advance(double h, double elapsed);
-  /// v += s_n (v_target - v), likewise w. Adds the change of kinetic energy to `energy`.
+  /// v += s_n (v_target - v), likewise w. Adds the change of kinetic energy to `energy`. What a
+  /// target moves by in the substep is added to what is missing.
   void agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
-                        std::span<Correction> corrections, ConsensusEnergy& energy);
+                        std::span<Correction> corrections, double h, ConsensusEnergy& energy);
 
-  /// Scale masses, move bodies to their targets, let the rows have their say, measure.
-  /// @param heavier  see SolverOptions::heavier_where_shared
-  void begin_total(std::span<SolverBody> bodies, bool heavier);
-  void move_bodies(std::span<SolverBody> bodies, std::span<const BodyProps> props);
-  void end_total(std::span<SolverBody> bodies, std::span<const BodyProps> props,
-                 std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
+  // A substep's displacement, once its velocities have been solved:
+  /// What it starts from.
+  void begin(std::span<const SolverBody> bodies);
+  /// The rows: poses move towards where the targets are by the end of the substep.
+  /// @param elapsed  s, from the start of the step to that end
+  void pull(std::span<SolverBody> bodies, std::span<const BodyProps> props, double elapsed);
+  /// What poses moved by becomes v_push and w_push, on which contacts are solved.
+  void to_velocities(std::span<SolverBody> bodies, double h);
+  /// Poses move by what contacts left of it.
+  void to_poses(std::span<SolverBody> bodies, double h);
+  /// Account for it.
+  void end(std::span<const SolverBody> bodies, std::span<const BodyProps> props,
+           std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 
  private:
   struct Row {
     std::uint32_t body = 0;
     TargetMotion motion = TargetMotion::WithBody;
-    double share = 0.0;       ///< for each part of the step
+    double share = 0.0;       ///< for each substep
     double step_share = 0.0;  ///< for the whole step
     Pose pose;                ///< Inertial: where the target is at the start of the step
     Twist twist;
@@ -62,20 +67,17 @@ class Targets {
     Vec3 e_q = Vec3::Zero();  ///< rad, rotation vector, world
     Vec3 e_v = Vec3::Zero();  ///< m/s
     Vec3 e_w = Vec3::Zero();  ///< rad/s
-    double elapsed = 0.0;     ///< s since the start of the step
   };
   struct Saved {
     std::uint32_t body = 0;
     Vec3 x;
     Quat q;
     Vec3 v, w;
-    double inv_mass = 0.0;
-    Mat3 inv_inertia_w;
   };
 
   std::vector<Row> rows_;
   std::vector<std::uint32_t> in_group_;  ///< indices of the selected group's rows
-  std::vector<Saved> saved_;             ///< the selected group's bodies in the total channel
+  std::vector<Saved> saved_;             ///< the selected group's bodies in islands with a target
   std::vector<std::uint8_t> marked_;     ///< by island: has a target
   std::vector<std::uint32_t> row_of_;    ///< by body; kNone without
 };

@@ -148,7 +148,6 @@ std::vector<std::byte> readings(const Scene& s) {
       out.vec3(m.points[i].anchor_b_l);
       out.u32(m.points[i].feature);
       out.f64(c.force[i]);
-      out.f64(c.debt[i]);
     }
   }
   out.u8(s.world.contacts()->any_friction() ? 1 : 0);
@@ -157,7 +156,7 @@ std::vector<std::byte> readings(const Scene& s) {
     const DistanceJoint& joint = s.rods.at(id);
     out.f64(joint.force());
     out.f64(joint.residual());
-    out.f64(joint.total_residual());
+    out.f64(joint.displacement_residual());
   }
   for (const auto& ids : {s.ball_ids, s.joint_ids}) {
     for (const JointId id : ids) {
@@ -176,7 +175,7 @@ std::vector<std::byte> readings(const Scene& s) {
     out.u32(static_cast<std::uint32_t>(report.rows));
     out.u32(static_cast<std::uint32_t>(report.extra_rows));
     out.f64(report.residual);
-    out.f64(report.total_residual);
+    out.f64(report.displacement_residual);
   }
   out.f64(s.world.time());
   out.vec3(s.world.gravity());
@@ -201,7 +200,7 @@ std::vector<std::byte> announcements(const Scene& s) {
     out.u32(static_cast<std::uint32_t>(block.rows));
     out.u32(static_cast<std::uint32_t>(block.extra_rows));
     out.f64(block.residual);
-    out.f64(block.total_residual);
+    out.f64(block.displacement_residual);
   }
   for (const auto& list : {s.events.begun(), s.events.ended(), s.events.touching()}) {
     out.u32(static_cast<std::uint32_t>(list.size()));

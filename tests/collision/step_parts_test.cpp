@@ -154,7 +154,7 @@ TEST_CASE("parts: targets, and only they, bring the total channel and the clean-
   CHECK_FALSE(report.parts.targets);
   targets.targets.push_back({.body = ids[1], .pose = at(0.5, 0, 0.2), .share = 0.1});
   solver.step(f.world, kDt);
-  CHECK(stages(report) == "detect begin integrate project velocity total clean_up end");
+  CHECK(stages(report) == "detect begin integrate project velocity agree end");
   CHECK(report.parts.targets);
 }
 
@@ -182,7 +182,7 @@ TEST_CASE("parts: describe() says what ran and what was left out", "[collision][
   const std::string text = solver.describe();
   INFO(text);
   CHECK(text.find("stages: detect, begin, integrate, project, velocity, end; "
-                  "left out: total, clean_up") != std::string::npos);
+                  "left out: agree") != std::string::npos);
   CHECK(text.find("parts: contacts, friction, rotation, sleep, refinement; "
                   "left out: restitution, joints, targets") != std::string::npos);
   CHECK(text.find("rows: contact ") != std::string::npos);

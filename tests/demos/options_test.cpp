@@ -45,13 +45,12 @@ TEST_CASE("options: what a run does without reaches solver and peer", "[demos][u
     CHECK(help.find(name) != std::string::npos);
     CHECK(parse({"--ablate", name}).ablation.lacks(static_cast<Part>(i)));
   }
-  const DemoOptions o = parse({"--ablate", "masses,clean-up,age", "--substeps", "7"});
-  CHECK_FALSE(o.solver_options().heavier_where_shared);
-  CHECK(o.solver_options().clean_up_iterations == 0);
+  const DemoOptions o = parse({"--ablate", "refine,age", "--substeps", "7"});
+  CHECK_FALSE(o.solver_options().refine);
   CHECK(o.solver_options().substeps == 7);
   CHECK(o.peer_options().influence.half_life > 1e3);
   CHECK(o.peer_options().initiative);
-  CHECK_FALSE(refusal({"--ablate", "masses,nonsense"}).empty());
+  CHECK_FALSE(refusal({"--ablate", "ramp,nonsense"}).empty());
 }
 
 TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {

@@ -50,8 +50,7 @@ constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--bullet-iterations", "20"},
                                   {"--substeps", "7"},
                                   {"--iterations", "2"},
-                                  {"--total-iterations", "3"},
-                                  {"--ablate", "masses,refine"},
+                                  {"--ablate", "ramp,refine"},
                                   {"--variant", "soft"}};
 /// What says where results go, who is met and how, or what another option says.
 constexpr std::string_view kOthers[] = {

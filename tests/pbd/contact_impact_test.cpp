@@ -262,8 +262,8 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     std::vector<std::byte> bytes;
     ByteWriter out(bytes);
     block->save(out);
-    // Per point: anchors (6 doubles), feature, force, gap; the points come last.
-    const std::size_t per_point = 6 * 8 + 4 + 8 + 8;
+    // Per point: anchors (6 doubles), feature, force; the points come last.
+    const std::size_t per_point = 6 * 8 + 4 + 8;
     for (std::size_t i = 0; i < 3; ++i) {
       std::vector<std::byte> force;
       ByteWriter(force).f64(static_cast<double>(i + 1));

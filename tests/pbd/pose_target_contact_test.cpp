@@ -92,10 +92,10 @@ double run_beside(Scene& with, Scene& without, double share, const Vec3& offset,
 
 TEST_CASE("pose_target contact: a target 10 mm inside a wall leaves the body at rest outside it",
           "[pbd][consensus][regression]") {
-  for (const int parts : {1000, 4, 1}) {
+  for (const int substeps : {1, 4, 10}) {
     for (const double share : {0.05, 0.5, 0.9, 1.0}) {
       Wall scene(share);
-      Solver solver({.total_parts = parts});
+      Solver solver({.substeps = substeps});
       double deepest = 0.0;
       double fastest = 0.0;
       run(scene.world, solver, 2.0, [&] {
@@ -103,41 +103,22 @@ TEST_CASE("pose_target contact: a target 10 mm inside a wall leaves the body at 
         fastest = std::max(fastest, scene.world.twist(scene.box).linear.norm());
       });
       INFO("share " << share << ": depth " << deepest << " m, speed " << fastest << " m/s");
-      if (share < 1.0) CHECK(deepest < 1e-4);
+      CHECK(deepest < 1e-4);
       CHECK(fastest < 1e-6);
       CHECK(scene.depth() > -1e-3);  // and it did not leave the wall either
     }
   }
 }
 
-TEST_CASE("pose_target contact: overlap that agreement left behind does not become velocity",
-          "[pbd][consensus][regression]") {
-  // Without the clean-up an owner's target does press the body into the wall.
-  for (const int parts : {1000, 4, 1}) {
-    Wall scene(1.0);
-    Solver solver({.total_parts = parts, .clean_up_iterations = 0});
-    double fastest = 0.0;
-    double owed = 0.0;
-    for (int k = 0; k < 60; ++k) {
-      owed = solver.step(scene.world, kFrame).blocks.at(0).total_residual;
-      fastest = std::max(fastest, scene.world.twist(scene.box).linear.norm());
-    }
-    INFO("depth " << scene.depth() << " m, fastest " << fastest << " m/s");
-    CHECK(scene.depth() == Approx(0.01).epsilon(1e-3));
-    CHECK(owed == Approx(scene.depth()).epsilon(1e-3));
-    CHECK(fastest < 1e-6);
-  }
-}
-
 TEST_CASE("pose_target contact: when the targets stop, nothing remembers them",
           "[pbd][consensus][regression]") {
-  for (const int parts : {1000, 4, 1}) {
-    // An owner may press a body into a wall; once it lets go, the body comes out and stays there.
+  for (const int substeps : {1, 4, 10}) {
+    // An owner presses a body into a wall and lets go.
     Scene scene(1, 0.0, 0.5);
     scene.source.targets.push_back(
         {.body = scene.boxes[0], .pose = {Vec3(0.0, 0.0, 0.45), Quat::Identity()}, .share = 1.0});
     scene.world.set_target_source(&scene.source);
-    Solver solver({.total_parts = parts});
+    Solver solver({.substeps = substeps});
     run(scene.world, solver, 0.5);
     scene.source.targets.clear();
     double fastest = 0.0;
@@ -199,7 +180,7 @@ TEST_CASE("pose_target contact: a target where the body is leaves friction alone
 
 TEST_CASE("pose_target contact: a stack that remote peers see 2 mm aside follows and stands",
           "[pbd][consensus][regression]") {
-  for (const int parts : {1000, 4, 1}) {
+  for (const int substeps : {1, 4, 10}) {
     Scene scene(5, 0.0, 0.5);
     scene.world.set_target_source(&scene.source);
     for (int i = 0; i < 5; ++i) {
@@ -207,7 +188,7 @@ TEST_CASE("pose_target contact: a stack that remote peers see 2 mm aside follows
                                       .pose = {Vec3(0.002, -0.001, 0.5 + i), Quat::Identity()},
                                       .share = 0.1});
     }
-    Solver solver({.total_parts = parts});
+    Solver solver({.substeps = substeps});
     run(scene.world, solver, 5.0);
     double fastest = 0.0;
     run(scene.world, solver, 1.0, [&] {

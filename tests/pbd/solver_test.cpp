@@ -61,12 +61,8 @@ TEST_CASE("solver: options out of range are refused naming field, value and rule
       {"joint_tolerance", "nan", [](SolverOptions& o) { o.joint_tolerance = kNan; }},
       {"velocity_iterations", "-1.0", [](SolverOptions& o) { o.velocity_iterations = -1; }},
       {"velocity_tolerance", "-0.5", [](SolverOptions& o) { o.velocity_tolerance = -0.5; }},
-      {"total_iterations", "-2.0", [](SolverOptions& o) { o.total_iterations = -2; }},
-      {"total_parts", "0.0", [](SolverOptions& o) { o.total_parts = 0; }},
-      {"clean_up_iterations", "-1.0", [](SolverOptions& o) { o.clean_up_iterations = -1; }},
       {"contact.push_speed", "inf", [](SolverOptions& o) { o.contact.push_speed = kInf; }},
       {"contact.warm_start_gap", "nan", [](SolverOptions& o) { o.contact.warm_start_gap = kNan; }},
-      {"contact.clean_up_slop", "-1.0", [](SolverOptions& o) { o.contact.clean_up_slop = -1.0; }},
       {"contact.restitution_threshold", "-1.0",
        [](SolverOptions& o) { o.contact.restitution_threshold = -1.0; }},
   };

@@ -43,9 +43,9 @@ class Shelf {
     residual_ = std::abs(c);
     return std::abs(c) + tilt.norm();
   }
-  void project_total(const SubstepContext& ctx) { project(ctx); }
+  double project_displacement(const SubstepContext& ctx) { return project(ctx); }
   double residual() const { return residual_; }
-  double total_residual() const { return 0.0; }
+  double displacement_residual() const { return 0.0; }
   void save(ByteWriter& out) const {
     out.u32(def_.body.index);
     out.u32(def_.body.generation);
@@ -83,13 +83,13 @@ class Recorder final : public ConstraintBlock {
     return 0.0;
   }
   void finish_velocity(const SubstepContext&) override { note("finish_velocity"); }
-  void begin_total(const SubstepContext&) override { note("begin_total"); }
-  void project_total(const SubstepContext&) override { note("project_total"); }
-  void end_total(const SubstepContext&) override { note("end_total"); }
-  bool clean_up(const SubstepContext&) override {
-    note("clean_up");
-    return true;
+  void begin_displacement(const SubstepContext&) override { note("begin_displacement"); }
+  double project_displacement(const SubstepContext&) override {
+    note("project_displacement");
+    return 0.0;
   }
+  void solve_displacement(const SubstepContext&) override { note("solve_displacement"); }
+  void end_displacement(const SubstepContext&) override { note("end_displacement"); }
   void end_step(const SubstepContext&) override { note("end_step"); }
   BlockReport report() const override { return {.name = name_, .rows = 1}; }
   void save(ByteWriter&) const override {}
@@ -229,70 +229,27 @@ TEST_CASE("typed_block: the stages of a step run in their documented order", "[p
   const BodyId body = world.add_body({});
   source.targets.push_back({.body = body, .pose = world.pose(body), .share = 0.1});
 
-  const SolverOptions options{
-      .substeps = 3, .position_iterations = 2, .total_iterations = 4, .clean_up_iterations = 2};
-  SECTION("without targets the total channel does not exist") {
-    Solver solver(options);
-    solver.step(world, kFrame);
-    Log expected;
-    expect(expected, "begin_step");
-    for (int i = 0; i < 3; ++i) {
-      expect(expected, "begin_substep");
-      expect(expected, "warm_start");
-      expect(expected, "project", 2);
-      expect(expected, "solve_velocity");
-      expect(expected, "finish_velocity");
-    }
-    expect(expected, "clean_up", 2);
-    expect(expected, "end_step");
-    CHECK(log == expected);
+  const bool shared = GENERATE(false, true);
+  CAPTURE(shared);
+  if (shared) world.set_target_source(&source);
+  Solver solver({.substeps = 3, .position_iterations = 2});
+  solver.step(world, kFrame);
+  Log expected;
+  expect(expected, "begin_step");
+  for (int i = 0; i < 3; ++i) {
+    expect(expected, "begin_substep");
+    expect(expected, "warm_start");
+    expect(expected, "project", 2);
+    expect(expected, "solve_velocity");
+    expect(expected, "finish_velocity");
+    if (!shared) continue;
+    expect(expected, "begin_displacement");
+    expected.push_back("soft project_displacement");  // what projects poses
+    expect(expected, "solve_displacement");
+    expect(expected, "end_displacement");
   }
-  SECTION("in many parts: after each substep") {
-    world.set_target_source(&source);
-    SolverOptions each = options;
-    each.total_parts = 1000;
-    Solver solver(each);
-    solver.step(world, kFrame);
-    Log expected;
-    expect(expected, "begin_step");
-    for (int i = 0; i < 3; ++i) {
-      expect(expected, "begin_substep");
-      expect(expected, "warm_start");
-      expect(expected, "project", 2);
-      expect(expected, "solve_velocity");
-      expect(expected, "finish_velocity");
-      expect(expected, "begin_total");
-      expect(expected, "project_total", 4);
-      expect(expected, "end_total");
-    }
-    expect(expected, "clean_up", 2);
-    expect(expected, "end_total");
-    expect(expected, "end_step");
-    CHECK(log == expected);
-  }
-  SECTION("in one part: once, after the last substep") {
-    world.set_target_source(&source);
-    SolverOptions once = options;
-    once.total_parts = 1;
-    Solver solver(once);
-    solver.step(world, kFrame);
-    Log expected;
-    expect(expected, "begin_step");
-    for (int i = 0; i < 3; ++i) {
-      expect(expected, "begin_substep");
-      expect(expected, "warm_start");
-      expect(expected, "project", 2);
-      expect(expected, "solve_velocity");
-      expect(expected, "finish_velocity");
-    }
-    expect(expected, "begin_total");
-    expect(expected, "project_total", 4);
-    expect(expected, "end_total");
-    expect(expected, "clean_up", 2);
-    expect(expected, "end_total");
-    expect(expected, "end_step");
-    CHECK(log == expected);
-  }
+  expect(expected, "end_step");
+  CHECK(log == expected);
 }
 
 TEST_CASE("typed_block: a row keeps its bodies", "[pbd][fault]") {

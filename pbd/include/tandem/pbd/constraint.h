@@ -34,14 +34,16 @@ struct alignas(64) TANDEM_API SolverBody {
   /// The part of v (m/s) and w (rad/s) that has moved the pose in this substep already.
   Vec3 v_applied = Vec3::Zero();
   Vec3 w_applied = Vec3::Zero();
-  /// Velocities (m/s, rad/s, world) that open overlaps in this substep and carry no momentum.
+  /// Displacement channel: velocities (m/s, rad/s, world) that move the pose in this substep and
+  /// are then forgotten. They carry no momentum: bodies go to their targets and out of overlaps by
+  /// them.
   Vec3 v_push = Vec3::Zero();
   Vec3 w_push = Vec3::Zero();
   double gravity_scale = 0.0;  ///< of the world's gravity; 0 where it cannot move
   std::uint32_t island = 0;    ///< lowest index of a body of its island
   /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable, asleep.
   std::uint32_t group = kNoGroup;
-  bool total = false;  ///< takes part in the total channel in this step
+  bool shared = false;  ///< its island has a target in this step
   /// Some row of a block before contacts names it: its predicted pose is made before they project.
   bool projected = false;
   /// Something may turn it in this step. Where nothing can (no spin, no row with a lever arm), its
@@ -74,7 +76,7 @@ struct TANDEM_API SubstepContext {
   /// What is not taken by slot where the outcome depends on it: the order of rows, sums over
   /// bodies.
   BodyOrder order = {};
-  bool shared = false;  ///< some body takes part in the total channel
+  bool shared = false;  ///< some body has a target
   /// By body: put where it is by agreement, before this step. What rows violate there is left to
   /// them as what agreement leaves within a step is: it becomes no velocity. Empty = none.
   std::span<const std::uint8_t> displaced = {};
@@ -84,10 +86,10 @@ struct TANDEM_API SubstepContext {
 struct TANDEM_API BlockReport {
   std::string_view name;
   int rows = 0;
-  int extra_rows = 0;           ///< solved again where it was needed, over all substeps
-  int open_rows = 0;            ///< left unsolved by that, in the substep with most of them
-  double residual = 0.0;        ///< m, largest violation of a rigid row at the end of the step
-  double total_residual = 0.0;  ///< m, largest part of it that agreement left behind
+  int extra_rows = 0;     ///< solved again where it was needed, over all substeps
+  int open_rows = 0;      ///< left unsolved by that, in the substep with most of them
+  double residual = 0.0;  ///< m, largest violation of a rigid row at the end of the step
+  double displacement_residual = 0.0;  ///< m, largest part of it that agreement left behind
 };
 
 /// Is told which bodies rows join.
@@ -125,14 +127,15 @@ class TANDEM_API ConstraintBlock {
   virtual double solve_velocity(const SubstepContext&) { return 0.0; }
   /// Velocity work that is done once, after the iterations have converged.
   virtual void finish_velocity(const SubstepContext&) {}
-  /// Total channel: remember the violation in Real, before bodies are moved to their targets.
-  virtual void begin_total(const SubstepContext&) {}
-  virtual void project_total(const SubstepContext&) {}
-  /// Total channel: remember what was left over, so that Real does not turn it into velocity.
-  virtual void end_total(const SubstepContext&) {}
-  /// Position-only repair after the last substep, once over all rows. Returns whether any row had
-  /// something to repair.
-  virtual bool clean_up(const SubstepContext&) { return false; }
+  /// Displacement channel of rows on poses: remember the violation before bodies are displaced.
+  virtual void begin_displacement(const SubstepContext&) {}
+  /// Move poses until the rows violate no more than before. Returns as `project` does.
+  virtual double project_displacement(const SubstepContext&) { return 0.0; }
+  /// Rows on velocities in islands with a target: what bodies are displaced by, v_push and w_push,
+  /// gives way so that the rows hold.
+  virtual void solve_displacement(const SubstepContext&) {}
+  /// Remember what was left over, so that the real channel does not turn it into velocity.
+  virtual void end_displacement(const SubstepContext&) {}
   virtual void end_step(const SubstepContext&) {}
 
   /// Names every body that a row reads or moves, alone or in pairs.

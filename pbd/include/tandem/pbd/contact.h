@@ -33,8 +33,6 @@ struct TANDEM_API ContactOptions {
   /// pass from contact to contact may strike as many.
   int extra_rows = 4000;
   double resting_tolerance = 0.01;
-  /// m: the clean-up leaves this much overlap alone, so that resting contacts stay loaded.
-  double clean_up_slop = 5e-3;
   /// Impacts slower than this many times |gravity| * h do not bounce.
   double restitution_threshold = 2.0;
   /// Rows that are solved at once by vector instructions, 2 or 4; 0: as many as the processor can.
@@ -50,7 +48,6 @@ struct TANDEM_API Contact {
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
   double carried_share = 1.0;  ///< of the force, that the next step starts from: less after impacts
-  std::array<double, 4> debt{};  ///< m, <= 0: the overlap that agreement left behind
   /// m/s, fastest approach that an impulse stopped in the last step; >= 0
   double approach_speed = 0.0;
   double impulse = 0.0;   ///< N s, normal, sum over points and substeps of the last step
@@ -99,10 +96,7 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   double project(const SubstepContext& ctx) override;
   double solve_velocity(const SubstepContext& ctx) override;
   void finish_velocity(const SubstepContext& ctx) override;
-  void begin_total(const SubstepContext& ctx) override;
-  void project_total(const SubstepContext& ctx) override;
-  void end_total(const SubstepContext& ctx) override;
-  bool clean_up(const SubstepContext& ctx) override;
+  void solve_displacement(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
   /// Bodies whose loaded contact is gone: a collider was removed or filtered, or what they lay on
   /// was moved away.

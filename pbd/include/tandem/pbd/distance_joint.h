@@ -49,16 +49,16 @@ class TANDEM_API DistanceJoint {
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
   void finish_velocity(const SubstepContext& ctx);
-  void begin_total(const SubstepContext& ctx);
-  void project_total(const SubstepContext& ctx);
-  void end_total(const SubstepContext& ctx);
+  void begin_displacement(const SubstepContext& ctx);
+  double project_displacement(const SubstepContext& ctx);
+  void end_displacement(const SubstepContext& ctx);
   void end_step(const SubstepContext& ctx);
   bool active() const { return def_.enabled; }
   bool springs() const {
     return (def_.elastic && def_.compliance > 0.0) || def_.range_compliance > 0.0;
   }
   double residual() const { return residual_; }
-  double total_residual() const { return std::abs(gap_); }
+  double displacement_residual() const { return std::abs(gap_); }
   /// Force (N) along the joint in the last substep, positive = pushes the points apart.
   /// In the step in which it breaks that of the substep that broke it.
   double force() const { return force_; }
@@ -86,7 +86,7 @@ class TANDEM_API DistanceJoint {
   Vec3 r_b_ = Vec3::Zero();
   Vec3 n_ = Vec3::Zero();
   double gap_ = 0.0;    ///< m, the part of C that agreement left behind
-  double bound_ = 0.0;  ///< m, where the total channel holds C
+  double bound_ = 0.0;  ///< m, where the displacement channel holds C
   double force_ = 0.0;
   double residual_ = 0.0;
   bool broken_ = false;

@@ -64,10 +64,9 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   void begin_substep(const SubstepContext& ctx) override;
   double project(const SubstepContext& ctx) override;
   void finish_velocity(const SubstepContext& ctx) override;
-  void begin_total(const SubstepContext& ctx) override;
-  void project_total(const SubstepContext& ctx) override;
-  void end_total(const SubstepContext& ctx) override;
-  bool clean_up(const SubstepContext& ctx) override;
+  void begin_displacement(const SubstepContext& ctx) override;
+  double project_displacement(const SubstepContext& ctx) override;
+  void end_displacement(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   /// As many as keep the bodies of a joint from turning by more than 0.07 rad against each other in

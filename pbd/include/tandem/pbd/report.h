@@ -15,10 +15,10 @@
 namespace tandem::pbd {
 
 /// The stages of a step, in order; the middle ones run once for each substep.
-enum class Stage : int { Detect, Begin, Integrate, Project, Velocity, Total, CleanUp, End };
-inline constexpr int kStageCount = 8;
+enum class Stage : int { Detect, Begin, Integrate, Project, Velocity, Agree, End };
+inline constexpr int kStageCount = 7;
 inline constexpr std::array<std::string_view, kStageCount> kStageNames{
-    "detect", "begin", "integrate", "project", "velocity", "total", "clean_up", "end"};
+    "detect", "begin", "integrate", "project", "velocity", "agree", "end"};
 
 enum class StepStatus : std::uint8_t {
   Ok,

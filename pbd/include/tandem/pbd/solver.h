@@ -27,16 +27,6 @@ struct TANDEM_API SolverOptions {
   int velocity_iterations = 1;
   /// m/s: they stop when no row changes by more.
   double velocity_tolerance = 1e-7;
-  /// Agreement is split into this many parts of the step, 1 to 1000, at most one for each substep.
-  /// Fewer cost less and are as near at small shares; at large ones (0.3 and more) the whole share
-  /// at once throws stacks about.
-  int total_parts = 4;
-  int total_iterations = 1;  ///< sweeps of the total channel in each part
-  /// In the total channel bodies with a target are heavier by what remote peers know of them: 1 + W
-  /// times, W the target's weight against the local 1. Rows then move the others.
-  bool heavier_where_shared = true;
-  /// Position-only sweeps after the last substep, at most; they touch only what is left to repair.
-  int clean_up_iterations = 8;
   ContactOptions contact;
   /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast)
   /// more substeps, 2 to 32 times as many, for as long as they do.

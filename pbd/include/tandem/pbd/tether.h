@@ -10,8 +10,8 @@ namespace tandem::pbd {
 /// A user's spring: pulls a point of a body towards a moving point of the world, with damping and
 /// a limit on its force. Three of them at different points hold a body like a loose hand.
 /// C = p - anchor(t) [m, three rows];  force = -stiffness C - damping dC/dt, cut at max_force.
-/// Source: [macklin2016] Eq. 26 as a 3x3 block. It takes no part in the total channel: a loose
-/// spring does not hold a body against its target, and its stretch is felt in Real at once.
+/// Source: [macklin2016] Eq. 26 as a 3x3 block. It takes no part in the displacement channel: a
+/// loose spring does not hold a body against its target, and its stretch is felt in Real at once.
 class TANDEM_API Tether {
  public:
   static constexpr std::string_view kName = "tether";
@@ -49,7 +49,7 @@ class TANDEM_API Tether {
   bool drives() const { return !def_.anchor_velocity.isZero(0.0); }
   bool springs() const { return true; }
   double residual() const { return 0.0; }
-  double total_residual() const { return 0.0; }
+  double displacement_residual() const { return 0.0; }
   /// Force (N, world) on the body in the last substep.
   const Vec3& force() const { return force_; }
   void save(ByteWriter& out) const;

@@ -48,13 +48,13 @@ struct TANDEM_API ConstraintId {
 ///   static constexpr std::string_view kName;  static constexpr int kOrder;
 ///   struct Def; static void check(const World&, const Def&) (throws); explicit C(const Def&);
 ///   BodyId body_a() const, body_b() const (the invalid id stands for the world);
-///   double residual() const; double total_residual() const;
+///   double residual() const; double displacement_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
 ///   forgive (of a row with a body that SubstepContext::displaced names), begin_substep,
-///   solve_velocity, finish_velocity, begin_total, project_total, end_total, end_step; bool
-///   active() const (false leaves the row out), drives() const and springs() const (see
-///   ConstraintBlock; they concern both bodies).
+///   displace, solve_velocity, finish_velocity, begin_displacement, project_displacement,
+///   end_displacement, end_step; bool active() const (false leaves the row out), drives() const and
+///   springs() const (see ConstraintBlock; they concern both bodies).
 /// Where C is a value that can be copied, so is the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {
@@ -138,31 +138,27 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       sweep_group(ctx, [&](C& c) { c.finish_velocity(ctx); });
     }
   }
-  void begin_total(const SubstepContext& ctx) override {
-    if constexpr (requires(C & c) { c.begin_total(ctx); }) {
-      sweep_total(ctx, [&](C& c) { c.begin_total(ctx); });
+  void begin_displacement(const SubstepContext& ctx) override {
+    if constexpr (requires(C & c) { c.begin_displacement(ctx); }) {
+      sweep_shared(ctx, [&](C& c) { c.begin_displacement(ctx); });
     }
   }
-  void project_total(const SubstepContext& ctx) override {
-    if constexpr (requires(C & c) { c.project_total(ctx); }) {
-      sweep_total(ctx, [&](C& c) { c.project_total(ctx); });
+  double project_displacement(const SubstepContext& ctx) override {
+    double largest = 0.0;
+    if constexpr (requires(C & c) { c.project_displacement(ctx); }) {
+      sweep_shared(ctx, [&](C& c) { largest = std::max(largest, c.project_displacement(ctx)); });
+    }
+    return largest;
+  }
+  void solve_displacement(const SubstepContext& ctx) override {
+    if constexpr (requires(C & c) { c.solve_displacement(ctx); }) {
+      sweep_shared(ctx, [&](C& c) { c.solve_displacement(ctx); });
     }
   }
-  void end_total(const SubstepContext& ctx) override {
-    if constexpr (requires(C & c) { c.end_total(ctx); }) {
-      sweep_total(ctx, [&](C& c) { c.end_total(ctx); });
+  void end_displacement(const SubstepContext& ctx) override {
+    if constexpr (requires(C & c) { c.end_displacement(ctx); }) {
+      sweep_shared(ctx, [&](C& c) { c.end_displacement(ctx); });
     }
-  }
-  bool clean_up(const SubstepContext& ctx) override {
-    const bool any = ctx.shared;
-    if constexpr (requires(C & c) { c.project_total(ctx); }) {
-      if (any) {
-        sweep(ctx.reverse, [&](C& c) {
-          if (is_active(c) && is_total(ctx, c)) c.project_total(ctx);
-        });
-      }
-    }
-    return any;
   }
   void end_step(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.end_step(ctx); }) {
@@ -204,7 +200,8 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       if (alive_[i] == 0) continue;
       report.residual = std::max(report.residual, rows_[i].residual());
-      report.total_residual = std::max(report.total_residual, rows_[i].total_residual());
+      report.displacement_residual =
+          std::max(report.displacement_residual, rows_[i].displacement_residual());
     }
     return report;
   }
@@ -315,9 +312,9 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     return (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
            (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
   }
-  static bool is_total(const SubstepContext& ctx, const C& c) {
-    return (c.body_a().valid() && ctx.bodies[c.body_a().index].total) ||
-           (c.body_b().valid() && ctx.bodies[c.body_b().index].total);
+  static bool is_shared(const SubstepContext& ctx, const C& c) {
+    return (c.body_a().valid() && ctx.bodies[c.body_a().index].shared) ||
+           (c.body_b().valid() && ctx.bodies[c.body_b().index].shared);
   }
   template <class Visit>
   void sweep_group(const SubstepContext& ctx, Visit&& visit) {
@@ -326,9 +323,9 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     });
   }
   template <class Visit>
-  void sweep_total(const SubstepContext& ctx, Visit&& visit) {
+  void sweep_shared(const SubstepContext& ctx, Visit&& visit) {
     sweep(ctx.reverse, [&](C& c) {
-      if (is_mine(ctx, c) && is_total(ctx, c)) visit(c);
+      if (is_mine(ctx, c) && is_shared(ctx, c)) visit(c);
     });
   }
   static void refuse_other(BodyId given, BodyId kept) {
