@@ -36,6 +36,7 @@ def main():
     parser.add_argument("out", type=Path, help="folder for the results")
     parser.add_argument("--quick", action="store_true", help="two seeds, shorter cliff")
     parser.add_argument("--seeds", type=int, help="how many (5, quick 2)")
+    parser.add_argument("--first-seed", type=int, default=1, help="the others follow (1)")
     parser.add_argument("--profiles", type=int, nargs="*", default=[1, 2, 3, 4, 5])
     parser.add_argument("--scenarios", nargs="*", default=list(cells.SECONDS),
                         choices=list(cells.SECONDS))
@@ -45,7 +46,7 @@ def main():
     args = parser.parse_args()
 
     seeds = args.seeds or (2 if args.quick else 5)
-    matrix = cells.matrix(args.scenarios, args.profiles, seeds, args.quick)
+    matrix = cells.matrix(args.scenarios, args.profiles, args.first_seed, seeds, args.quick)
     if not args.report:
         cells.run_all(matrix, args.binaries, args.out, args.jobs)
     report.write(cells.load(matrix, args.out), args.out, args.docs)

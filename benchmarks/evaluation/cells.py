@@ -50,14 +50,14 @@ class Cell:
         return args + extra
 
 
-def matrix(scenarios, profiles, seed_count, quick):
+def matrix(scenarios, profiles, first_seed, seed_count, quick):
     """In the order of running: what matters most comes first."""
     first, second = [], []
     for scenario in scenarios:
         seconds = SECONDS[scenario]
         if quick and scenario == "cliff":
             seconds = 6
-        for seed in range(1, seed_count + 1):
+        for seed in range(first_seed, first_seed + seed_count):
             def add(where, variant, profile):
                 where.append(Cell(scenario, variant, profile, seed, seconds))
 
@@ -70,9 +70,9 @@ def matrix(scenarios, profiles, seed_count, quick):
                 if scenario == "piano":
                     add(second, "mouse", 5)
                     add(second, "tug", 5)
-                if scenario != "cliff" or seed == 1:
+                if scenario != "cliff" or seed == first_seed:
                     add(second, "uneven", 5)
-            if scenario in MODES and seed <= 2:
+            if scenario in MODES and seed < first_seed + 2:
                 for profile in profiles[::2]:
                     for mode in MODES[scenario]:
                         add(second, mode, profile)

@@ -42,7 +42,7 @@ Session:
                      (replay; euler with plain, paper, single-owner and pd)
   --closing-share S  of the gap to the replayed mean, per 1/60 s, above 0 to 1 (0.2)
   --inputs known|common            of users' springs, what a replay knows (known)
-  --replay-budget N  steps replayed for each step, 1 to 1000; 1000 = a new replay each step (2)
+  --replay-budget N  steps replayed for each step, 1 to 1000; 1000 = a new replay each step (3)
   --replay-substeps N              of a replayed step; 0 = as the world's own (0)
   --extrapolation S  longest extrapolation of states (1)
   --spring-extrapolation S         of users' springs; 0 = off (0.3)
