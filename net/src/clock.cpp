@@ -12,12 +12,24 @@
 
 namespace tandem::net {
 
-SessionClock::SessionClock()
-    : SessionClock([] {
-        using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
-        return SessionTime{
-            duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count()};
-      }) {}
+namespace {
+
+template <class Clock>
+std::int64_t reading_of() {
+  using std::chrono::duration_cast, std::chrono::nanoseconds;
+  return duration_cast<nanoseconds>(Clock::now().time_since_epoch()).count();
+}
+
+/// ns, of the system clock above the steady one.
+std::int64_t system_offset() {
+  return reading_of<std::chrono::system_clock>() - reading_of<std::chrono::steady_clock>();
+}
+
+}  // namespace
+
+SessionClock::SessionClock() : offset_(system_offset()), steady_(true) {
+  source_ = [offset = offset_] { return reading_of<std::chrono::steady_clock>() + offset; };
+}
 
 SessionClock::SessionClock(Source source) : source_(std::move(source)) {
   if (!source_) {
@@ -31,6 +43,8 @@ SessionTime SessionClock::now() {
   last_ = std::max(last_, reading);
   return last_;
 }
+
+std::int64_t SessionClock::stepped() const { return steady_ ? system_offset() - offset_ : 0; }
 
 PhysicsClockOptions PhysicsClockOptions::at_rate(double hz) {
   PhysicsClockOptions result;

@@ -15,20 +15,19 @@ namespace {
 constexpr std::int64_t kFirstResend = 250'000'000;  // ns, doubled each time
 constexpr std::int64_t kLastResend = 1'000'000'000;
 constexpr int kProofsBeforeAsking = 3;  // the cookie may have become too old
-constexpr double kHelloRate = 4.0;      // per s and address
-constexpr double kHelloBurst = 16.0;
-constexpr double kHelloTotal = 2000.0;  // per s
-constexpr double kProofRate = 4.0;
+constexpr double kProofRate = 4.0;      // per s and address
 constexpr double kProofBurst = 16.0;
-constexpr double kProofTotal = 1000.0;
+constexpr double kProofTotal = 1000.0;  // per s
 
-/// Both ends hash what they believe to be doing.
-std::vector<std::uint8_t> udp_prologue(std::uint64_t nonce) {
+/// Both ends hash what they believe to be doing. The cookie binds the proof to who asked for it,
+/// when, and from where.
+std::vector<std::uint8_t> udp_prologue(std::uint64_t nonce, const Cookie& cookie) {
   constexpr std::string_view kLabel = "tandem udp";
   std::vector<std::uint8_t> out(kLabel.begin(), kLabel.end());
   out.push_back(static_cast<std::uint8_t>(kUdpVersion));
   out.push_back(static_cast<std::uint8_t>(kUdpVersion >> 8));
   for (int i = 0; i < 8; ++i) out.push_back(static_cast<std::uint8_t>(nonce >> (8 * i)));
+  out.insert(out.end(), cookie.begin(), cookie.end());
   return out;
 }
 
@@ -76,15 +75,13 @@ crypto::Secret random_secret(const crypto::Random& random) {
 HandshakeInitiator::HandshakeInitiator(const HandshakeConfig& config, const crypto::Random& random,
                                        std::uint32_t local_receiver, std::int64_t now)
     : config_(config),
+      random_(random),
       nonce_(random_number(random)),
       local_receiver_(local_receiver),
       deadline_(now + kTimeout),
       due_(now),
       interval_(kFirstResend),
-      reason_("no answer") {
-  noise_.emplace(config.session_key, config.identity, udp_prologue(nonce_), random);
-  first_message_ = noise_->first_message(encode(introduce(config, local_receiver)));
-}
+      reason_("no answer") {}
 
 std::span<const std::byte> HandshakeInitiator::poll(std::int64_t now) {
   if (state_ != State::Asking && state_ != State::Proving) return {};
@@ -127,13 +124,15 @@ void HandshakeInitiator::on_challenge(const HandshakePacket& packet, std::int64_
   if (state_ != State::Asking) return;
   state_ = State::Proving;
   cookie_ = packet.cookie;
+  noise_.emplace(config_.session_key, config_.identity, udp_prologue(nonce_, cookie_), random_);
+  first_message_ = noise_->first_message(encode(introduce(config_, local_receiver_)));
   unanswered_ = 0;
   interval_ = kFirstResend;
   due_ = now;
 }
 
 void HandshakeInitiator::on_accept(const HandshakePacket& packet) {
-  if (state_ != State::Proving && state_ != State::Asking) return;
+  if (!noise_ || (state_ != State::Proving && state_ != State::Asking)) return;
   auto result = noise_->second_message(packet.noise);
   if (!result) return;
   const auto remote = decode_introduction(result->payload);
@@ -142,6 +141,7 @@ void HandshakeInitiator::on_accept(const HandshakePacket& packet) {
   const Verdict verdict = own != Verdict::Welcome ? own : remote->verdict;
   if (verdict != Verdict::Welcome) {
     state_ = State::Refused;
+    verdict_ = verdict;
     reason_ = describe(verdict);
     return;
   }
@@ -161,7 +161,6 @@ HandshakeResponder::HandshakeResponder(const HandshakeConfig& config, const cryp
       decide_(std::move(decide)),
       next_receiver_(std::move(next_receiver)),
       cookie_key_(random_secret(random)),
-      hellos_(random_secret(random), kHelloRate, kHelloBurst, kHelloTotal),
       proofs_(random_secret(random), kProofRate, kProofBurst, kProofTotal) {}
 
 Cookie HandshakeResponder::make_cookie(std::int64_t time, std::uint64_t nonce,
@@ -196,12 +195,9 @@ HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::
     return {};
   }
   if (packet->type == HandshakeType::Hello) {
-    if (!hellos_.allow(from, now)) {
-      ++counters_.limited;
-      return {};
-    }
     ++counters_.challenged;
-    // With our version, whatever theirs is.
+    // Without a limit, since anybody could use up that of another address: an answer costs one hash
+    // and is shorter than the question. With our version, whatever theirs is.
     encode({.type = HandshakeType::Challenge,
             .nonce = packet->nonce,
             .cookie = make_cookie(now, packet->nonce, from)},
@@ -209,6 +205,11 @@ HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::
     return {.reply = reply_, .session = {}};
   }
   if (packet->type == HandshakeType::Initiate && packet->version == kUdpVersion) {
+    // Only who receives at an address can use up its limit.
+    if (!good_cookie(*packet, from, now)) {
+      ++counters_.bad_cookie;
+      return {};
+    }
     if (!proofs_.allow(from, now)) {
       ++counters_.limited;
       return {};
@@ -221,10 +222,6 @@ HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::
 
 HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket& packet,
                                                            const Address& from, std::int64_t now) {
-  if (!good_cookie(packet, from, now)) {
-    ++counters_.bad_cookie;
-    return {};
-  }
   std::erase_if(half_open_, [now](const HalfOpen& entry) { return now >= entry.until; });
   // The same again: our answer was lost.
   for (const HalfOpen& entry : half_open_) {
@@ -234,7 +231,7 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
     }
   }
 
-  NoiseResponder noise(config_.session_key, udp_prologue(packet.nonce));
+  NoiseResponder noise(config_.session_key, udp_prologue(packet.nonce, packet.cookie));
   const auto first = noise.first_message(packet.noise);
   const auto remote = first ? decode_introduction(first->payload) : std::nullopt;
   if (!remote || remote->receiver == 0) {

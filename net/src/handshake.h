@@ -40,7 +40,9 @@ struct Session {
   std::uint32_t local_receiver = 0;  // on packets that come
 };
 
-/// Asks one address. Give it what comes from there, send what poll() returns.
+/// Asks one address. Give it what comes from there, send what poll() returns. The proof is made for
+/// one cookie, and so for one responder, one address and a few seconds: recorded, it proves nothing
+/// to anybody else and nothing later.
 class HandshakeInitiator {
  public:
   static constexpr std::int64_t kTimeout = 5'000'000'000;  // ns
@@ -58,6 +60,8 @@ class HandshakeInitiator {
   std::uint32_t receiver() const { return local_receiver_; }
   /// In State::Done.
   const Session& session() const { return *session_; }
+  /// In State::Refused.
+  Verdict verdict() const { return verdict_; }
   /// Why not, as far as is known. What was not authenticated ("another version") is said here and
   /// never believed: it goes on until kTimeout.
   const std::string& reason() const { return reason_; }
@@ -67,6 +71,7 @@ class HandshakeInitiator {
   void on_accept(const HandshakePacket& packet);
 
   const HandshakeConfig& config_;
+  crypto::Random random_;
   State state_ = State::Asking;
   std::uint64_t nonce_ = 0;
   std::uint32_t local_receiver_;
@@ -79,11 +84,13 @@ class HandshakeInitiator {
   std::int64_t interval_;
   int unanswered_ = 0;
   std::optional<Session> session_;
+  Verdict verdict_ = Verdict::Welcome;
   std::string reason_;
 };
 
-/// Answers strangers: questions by a cookie that costs no memory, and proofs, where a cookie shows
-/// that the stranger receives at his address and the session key that he is a member, by a session.
+/// Answers strangers: questions, all of them, by a cookie that costs no memory, and proofs, where a
+/// cookie shows that the stranger receives at his address and the session key that he is a member,
+/// by a session.
 class HandshakeResponder {
  public:
   static constexpr std::int64_t kCookieLife = 5'000'000'000;    // ns
@@ -108,7 +115,7 @@ class HandshakeResponder {
 
   struct Counters {
     std::uint64_t malformed = 0;
-    std::uint64_t limited = 0;     // over the rate, not looked at
+    std::uint64_t limited = 0;     // proofs over the rate of an address that has shown it is there
     std::uint64_t challenged = 0;  // questions answered
     std::uint64_t bad_cookie = 0;  // of another address, too old, invented
     std::uint64_t bad_proof = 0;   // not a member
@@ -136,7 +143,6 @@ class HandshakeResponder {
   Decide decide_;
   NextReceiver next_receiver_;
   crypto::Secret cookie_key_;
-  AddressLimiter hellos_;
   AddressLimiter proofs_;
   std::deque<HalfOpen> half_open_;  // oldest first
   std::vector<std::byte> reply_;

@@ -65,7 +65,7 @@ const char* describe(Verdict verdict) {
     case Verdict::OnHold:
       return "dropped a moment ago";
     case Verdict::Outdated:
-      return "a later process of this peer has been seen";
+      return "a later process of this peer is there";
   }
   return "unknown";
 }

@@ -18,7 +18,7 @@ namespace tandem::net {
 // and keep that in every version, so that a disagreement can be explained.
 
 constexpr std::uint32_t kUdpMagic = 0x55444e54;  // "TNDU"
-constexpr std::uint16_t kUdpVersion = 1;
+constexpr std::uint16_t kUdpVersion = 2;
 constexpr std::size_t kHandshakeHeader = 1 + 4 + 2 + 8;
 constexpr std::size_t kCookieBytes = 8 + 16;
 constexpr std::size_t kHelloBytes = 64;  // padded: no answer is longer
@@ -48,7 +48,7 @@ enum class Verdict : std::uint8_t {
   NotTrusted = 3,  // that peer has another public key, or none
   Full = 4,
   OnHold = 5,    // dropped a moment ago
-  Outdated = 6,  // a later process of the same peer has been seen
+  Outdated = 6,  // a later process of the same peer is there
 };
 const char* describe(Verdict verdict);
 

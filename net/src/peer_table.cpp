@@ -10,16 +10,6 @@ namespace tandem::net {
 
 using consensus::Delivery;
 
-namespace {
-
-/// ns since 1970, as SessionClock reads it.
-consensus::SessionTime system_now() {
-  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
-  return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
-}
-
-}  // namespace
-
 // ---- application's thread ----
 
 PeerTable::PostResult PeerTable::post(PeerId to, std::span<const std::byte> bytes,
@@ -105,9 +95,9 @@ std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, SteadyT
   if (record != nullptr && now < record->hold_until) {
     return record->status.reason + " (on hold)";
   }
-  // Never back to an older process, not even once the newer one is gone: the numbering of Reliable
-  // frames with it has started anew.
-  if (record != nullptr && hello.incarnation < record->incarnation) {
+  // Of two processes that are there the newer one. What is gone says nothing: it may have had a
+  // clock that was ahead.
+  if (record != nullptr && record->link != 0 && hello.incarnation < record->incarnation) {
     return "a newer process has taken peer id " + std::to_string(hello.peer);
   }
   if ((record == nullptr || record->link == 0) && connected_ >= options_.max_peers) {
@@ -199,7 +189,7 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
   record->inbox.push({.delivery = delivery,
                       .sequence = sequence,
                       .bytes = {bytes.begin(), bytes.end()},
-                      .received = system_now()});
+                      .received = clock_.now()});
   if (delivery == Delivery::Reliable) record->last_received = sequence;
   ++record->status.packets_in;
   record->status.bytes_in += bytes.size();

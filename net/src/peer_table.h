@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "frame_queue.h"
+#include "tandem/net/clock.h"
 #include "tandem/net/tcp.h"
 #include "wire.h"
 
@@ -123,6 +124,7 @@ class PeerTable {
   std::vector<DialStatus> dials_;
   StrangerStatus strangers_;
   bool shutting_down_ = false;
+  SessionClock clock_;  ///< what came is dated by it
 };
 
 }  // namespace tandem::net

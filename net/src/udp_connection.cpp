@@ -89,6 +89,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
           std::to_string(options_.idle_timeout / 1'000'000) + " ms");
     return {};
   }
+  if (!confirmed_) return {};
   channels_.on_time(now);
   congestion_.update(channels_.take_feedback(), channels_.rtt(), held_back_, now);
   held_back_ = false;
@@ -118,6 +119,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
 std::int64_t UdpConnection::next_due(std::int64_t now) {
   if (state_ == State::Closed) return INT64_MAX;
   if (state_ == State::Leaving) return goodbye_due_;
+  if (!confirmed_) return std::max(now, last_heard_ + options_.idle_timeout + 1);
   std::int64_t due = std::min(
       {channels_.ack_due(), last_sent_ + keep_alive_, last_heard_ + options_.idle_timeout + 1});
   if (last_clock_ != INT64_MIN) due = std::min(due, last_clock_ + clock_period(now));
@@ -186,6 +188,7 @@ void UdpConnection::read(std::int64_t now) {
 
 void UdpConnection::leave(const std::string& reason, std::int64_t now) {
   if (state_ != State::Open) return;
+  if (!confirmed_) return close(reason);
   state_ = State::Leaving;
   reason_ = (reason.empty() ? std::string("closed") : reason).substr(0, kMaxReason);
   goodbyes_ = kGoodbyes;

@@ -31,7 +31,9 @@ class UdpConnection {
  public:
   enum class State { Open, Leaving, Closed };
 
-  /// @param confirmed  the other end's possession of the keys is known (the initiator's view)
+  /// @param confirmed  the other end's possession of the keys is known (the initiator's view).
+  /// Until
+  ///   it is, nothing is sent: its address would get more than came from there.
   UdpConnection(const Session& session, const UdpConnectionOptions& options, bool confirmed,
                 std::int64_t now);
 
@@ -79,6 +81,8 @@ class UdpConnection {
   const std::string& reason() const { return reason_; }
   /// A packet has come that only the other end could have sealed, now.
   bool confirmed() const { return confirmed_; }
+  /// Nothing has come for so long that it may have gone.
+  bool silent(std::int64_t now) const { return now - last_heard_ > options_.idle_timeout / 2; }
   const Session& session() const { return session_; }
   const Channels& channels() const { return channels_; }
   const Congestion& congestion() const { return congestion_; }

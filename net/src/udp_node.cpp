@@ -11,9 +11,9 @@ using consensus::PeerId;
 
 namespace {
 
-/// Records of peers that are gone are kept for their status; whoever makes up ids must not fill the
-/// memory with them.
-constexpr std::size_t kMaxRecords = 1024;
+/// Connections that somebody has begun and not gone on with. Who goes on does so in one round trip,
+/// so that the oldest may go.
+constexpr std::size_t kMaxUnconfirmed = 16;
 
 constexpr std::int64_t kMeshPeriod = 250'000'000;  // ns, between two looks for relays
 
@@ -46,16 +46,20 @@ std::size_t UdpNode::attached_count() const {
 Verdict UdpNode::decide(const Introduction& other, std::int64_t now) const {
   if (leaving_) return Verdict::Full;
   const auto found = records_.find(other.peer);
-  if (found == records_.end()) {
-    if (records_.size() >= kMaxRecords) return Verdict::Full;
-  } else {
-    if (other.incarnation < found->second.incarnation) return Verdict::Outdated;
-    if (now < found->second.hold_until) return Verdict::OnHold;
-  }
   const bool is_here = found != records_.end() && found->second.receiver != 0;
+  if (found != records_.end() && now < found->second.hold_until) return Verdict::OnHold;
+  // An incarnation says which of two processes is meant. It comes from a clock that may be wrong,
+  // so that of one that is gone says nothing.
+  if (is_here && other.incarnation < found->second.incarnation &&
+      !connections_.at(found->second.receiver).link->silent(now)) {
+    return Verdict::Outdated;
+  }
   if (!is_here && attached_count() >= options_.max_peers) return Verdict::Full;
-  // As many again that are not confirmed or are leaving.
-  return connections_.size() < 2 * options_.max_peers ? Verdict::Welcome : Verdict::Full;
+  const auto confirmed = std::ranges::count_if(
+      connections_, [](const auto& entry) { return entry.second.link->confirmed(); });
+  // As many again that are leaving.
+  return static_cast<std::size_t>(confirmed) < 2 * options_.max_peers ? Verdict::Welcome
+                                                                      : Verdict::Full;
 }
 
 std::uint32_t UdpNode::free_receiver() {
@@ -72,13 +76,36 @@ std::uint32_t UdpNode::free_receiver() {
 
 void UdpNode::open(const Session& session, const Address& address, bool began_here,
                    std::int64_t now) {
+  if (!began_here) forget_unconfirmed();
   Connection connection{
       .link = std::make_unique<UdpConnection>(session, options_.connection, began_here, now),
       .address = address,
       .began_here = began_here,
+      .opened = now,
       .relay = Pacer(options_.relay_kbit, now)};
   connections_.insert_or_assign(session.local_receiver, std::move(connection));
   if (began_here) attach(session.local_receiver, now);
+}
+
+void UdpNode::forget_unconfirmed() {
+  auto oldest = connections_.end();
+  std::size_t count = 0;
+  for (auto at = connections_.begin(); at != connections_.end(); ++at) {
+    if (at->second.link->confirmed()) continue;
+    ++count;
+    if (oldest == connections_.end() || at->second.opened < oldest->second.opened) oldest = at;
+  }
+  if (count >= kMaxUnconfirmed) connections_.erase(oldest);
+}
+
+void UdpNode::forget_departed() {
+  if (records_.size() < 2 * options_.max_peers) return;
+  auto oldest = records_.end();
+  for (auto at = records_.begin(); at != records_.end(); ++at) {
+    if (at->second.receiver != 0) continue;
+    if (oldest == records_.end() || at->second.departure < oldest->second.departure) oldest = at;
+  }
+  if (oldest != records_.end()) records_.erase(oldest);
 }
 
 UdpNode::Connection* UdpNode::attached(PeerId peer) {
@@ -95,6 +122,7 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
     connection.link->leave(describe(Verdict::Full), now);
     return;
   }
+  if (!records_.contains(remote.peer)) forget_departed();
   Record& record = records_[remote.peer];
   record.status.id = remote.peer;
   const auto began_by_lower = [&](const Connection& c) {
@@ -107,7 +135,7 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
     const bool worse = existing_direct != !is_relayed(connection.address)
                            ? existing_direct
                            : began_by_lower(*existing) && !began_by_lower(connection);
-    if (older || (!newer && worse)) {
+    if (!existing->link->silent(now) && (older || (!newer && worse))) {
       connection.link->leave("another connection is kept", now);
       return;
     }
@@ -236,6 +264,10 @@ void UdpNode::finish(Dial& dial, std::int64_t now) {
   dial.due = now + dial.backoff;
   dial.backoff = std::min(2 * dial.backoff, options_.backoff_max);
   if (state != State::Done) {
+    // Who is refused because its predecessor was there a moment ago is let in soon.
+    if (state == State::Refused && attempt->verdict() == Verdict::Outdated) {
+      dial.backoff = options_.backoff_min;
+    }
     const auto record = records_.find(dial.peer);
     if (record != records_.end() && !record->second.status.connected && !record->second.dropped) {
       record->second.status.reason = attempt->reason();

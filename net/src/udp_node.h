@@ -37,8 +37,9 @@ struct UdpNodeOptions {
 /// One process of a mesh without its socket: handshakes, connections, who is who. Datagrams come
 /// in, datagrams go out by `send`; nothing waits, nothing reads a clock. Times in ns.
 ///
-/// Two connections to one peer: a larger incarnation wins; of one process a direct one, then the
-/// one that the lower id began, then the newer one. Both ends decide alike.
+/// Two connections to one peer: one that is silent gives way; a larger incarnation wins; of one
+/// process a direct one, then the one that the lower id began, then the newer one. Both ends decide
+/// alike.
 ///
 /// Connected peers tell each other where the third ones are, so that one address is enough to meet
 /// all. Who cannot be reached for kRelayPatience is asked through one that can; a connection made
@@ -116,6 +117,7 @@ class UdpNode {
     std::unique_ptr<UdpConnection> link;
     Address address;
     bool began_here = false;
+    std::int64_t opened = 0;
     bool attached = false;
     Pacer relay;                    // what it may have passed on
     std::int64_t tell_due = 0;      // when it is told again who is there,
@@ -143,6 +145,9 @@ class UdpNode {
   void look_for_relays(std::int64_t now);
   void forget_dials(std::int64_t now);
   void shed_departed();
+  /// Make room for one more of them where there is none.
+  void forget_unconfirmed();
+  void forget_departed();
   bool is_attached_directly(consensus::PeerId peer) const;
   std::size_t attached_count() const;
   Verdict decide(const Introduction& other, std::int64_t now) const;

@@ -3,9 +3,12 @@
 #include "tandem/net/clock.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "support/catch.h"
@@ -163,6 +166,23 @@ TEST_CASE("clock: the session clock never goes back", "[net][unit]") {
   CHECK(clock.now() == 201);
   CHECK(clock.held() == 0);
   CHECK_THROWS_AS(SessionClock(SessionClock::Source{}), std::invalid_argument);
+}
+
+TEST_CASE("clock: session time goes on with the steady clock, whoever sets the other one",
+          "[net][unit]") {
+  using std::chrono::steady_clock;
+  SessionClock clock;
+  const auto steady = steady_clock::now();
+  const SessionTime start = clock.now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const std::int64_t passed =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(steady_clock::now() - steady).count();
+  const std::int64_t told = clock.now() - start;
+  CHECK(told >= 20'000'000);
+  CHECK(told <= passed + 1'000'000);  // it was read later than the other one at the start
+  CHECK(std::abs(clock.stepped()) < 100'000'000);
+  SessionClock own([] { return SessionTime{5}; });
+  CHECK(own.stepped() == 0);
 }
 
 TEST_CASE("clock: two session clocks of one host agree", "[net][unit]") {

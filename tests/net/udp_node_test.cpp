@@ -66,8 +66,7 @@ TEST_CASE("udp node: four peers that all dial each other have one connection eac
   for (const auto& [ends, count] : states) CHECK(count > 250);  // 5 % lost: 285 expected
 }
 
-TEST_CASE("udp node: a restarted peer takes over at once, its predecessor is refused",
-          "[net][fault]") {
+TEST_CASE("udp node: a restarted peer takes over at once", "[net][fault]") {
   World world({.delay = 20 * kMs});
   world.start(1);
   world.start(2, 10).dial(address_of(1), 0);
@@ -80,13 +79,77 @@ TEST_CASE("udp node: a restarted peer takes over at once, its predecessor is ref
   CHECK(world.node(1).connections() <= 2);  // one of them says goodbye
   world.run(kSecond);
   CHECK(world.node(1).connections() == 1);
+}
 
+TEST_CASE("udp node: a peer whose clock was set back is let in once its predecessor is silent",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2, 1'000'000).dial(address_of(1), 0);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  // Without a word, and at once with an earlier clock.
+  world.stop(2);
+  world.start(2, 10).dial(address_of(1), world.now);
+  world.run(kSecond);
+  CHECK_FALSE(status(world.node(2), 1).connected);
+  world.run(2 * kSecond);
+  CHECK(linked(world, 1, 2));
+  // Long after the other one has been forgotten.
   world.stop(2);
   world.run(6 * kSecond);
   CHECK_FALSE(status(world.node(1), 2).connected);
-  world.start(2, 10).dial(address_of(1), world.now);
-  world.run(3 * kSecond);
-  CHECK_FALSE(status(world.node(1), 2).connected);
+  world.start(2, 5).dial(address_of(1), world.now);
+  world.run(kSecond);
+  CHECK(linked(world, 1, 2));
+}
+
+TEST_CASE("udp node: of two processes with one id the later one stays", "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2, 11).dial(address_of(1), 0);
+  world.run(kSecond);
+  HandshakeConfig config;
+  config.self = 2;
+  config.incarnation = 10;
+  config.scene_hash = 42;
+  config.session_key = secret(1000);
+  config.identity = crypto::make_key_pair(seeded(9));
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    HandshakeInitiator initiator(config, seeded(static_cast<std::uint64_t>(attempt)), 7, world.now);
+    for (int i = 0; i < 500 && initiator.state() != HandshakeInitiator::State::Refused; ++i) {
+      const Bytes question = copy(initiator.poll(world.now));
+      if (!question.empty()) world.node(1).on_datagram(question, address_of(40), world.now);
+      world.run(kMs);
+      for (const Bytes& answer : world.path(address_of(1), address_of(40)).arrived(world.now)) {
+        initiator.on_datagram(answer, world.now);
+      }
+    }
+    CHECK(initiator.state() == HandshakeInitiator::State::Refused);
+    CHECK(initiator.verdict() == Verdict::Outdated);
+    CHECK(linked(world, 1, 2));
+    world.run(300 * kMs);
+  }
+}
+
+TEST_CASE("udp node: a member that makes up ids keeps nobody out and is forgotten",
+          "[net][fault]") {
+  World world({.delay = kMs});
+  world.start(1, 1, 8);
+  world.start(3).dial(address_of(1), 0);
+  world.run(kSecond);
+  for (PeerId id = 1000; id < 1100; ++id) {
+    world.start(id).dial(address_of(1), world.now);
+    world.run(50 * kMs);
+    world.node(id).leave("gone", world.now);
+    world.run(100 * kMs);
+    world.stop(id);
+  }
+  CHECK(linked(world, 1, 3));  // was there all the time
+  CHECK(world.node(1).peers().size() <= 16);
+  world.start(2).dial(address_of(1), world.now);
+  world.run(kSecond);
+  CHECK(linked(world, 1, 2));
 }
 
 TEST_CASE("udp node: a cut path heals by itself", "[net][fault]") {
@@ -319,7 +382,7 @@ TEST_CASE("udp node: a member that begins connections and never goes on fills no
   World world({.delay = kMs});
   world.start(1, 1, 8);
   // It has the session key: many proofs, of which none is followed by a packet.
-  std::vector<Bytes> accepts;
+  std::map<std::uint64_t, std::uint64_t> asked;
   for (PeerId id = 100; id < 140; ++id) {
     HandshakeConfig config;
     config.self = id;
@@ -332,6 +395,7 @@ TEST_CASE("udp node: a member that begins connections and never goes on fills no
     for (int i = 0; i < 200 && initiator.state() != HandshakeInitiator::State::Done; ++i) {
       const Bytes question = copy(initiator.poll(world.now));
       if (!question.empty()) world.node(1).on_datagram(question, from, world.now);
+      asked[id % 3 + 30] += question.size() + (question.empty() ? 0 : kIpUdpBytes);
       world.run(kMs);
       for (const Bytes& answer : world.path(address_of(1), from).arrived(world.now)) {
         initiator.on_datagram(answer, world.now);
@@ -339,6 +403,10 @@ TEST_CASE("udp node: a member that begins connections and never goes on fills no
     }
   }
   CHECK(world.node(1).connections() <= 16);
+  // The answers of their handshakes, no longer than the questions, and nothing else.
+  for (std::uint64_t i = 30; i < 33; ++i) {
+    CHECK(world.path(address_of(1), address_of(i)).bytes() <= asked[i]);
+  }
   world.run(6 * kSecond);  // idle_timeout
   CHECK(world.node(1).connections() == 0);
   world.start(2).dial(address_of(1), world.now);

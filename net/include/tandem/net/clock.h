@@ -17,13 +17,16 @@ using consensus::SessionTime;
 /// Nanoseconds to seconds, for a solver that takes seconds.
 constexpr double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-/// The time all peers share, read from the system clock: ns since 1970, UTC. Processes on one host
-/// agree exactly; hosts agree as well as NTP or PTP disciplines them (an error of dt displaces a
-/// body of speed v by v*dt, so 1 ms is 5 mm at 5 m/s).
+/// The time all peers share: that of the system clock when this was made, ns since 1970, UTC, and
+/// from there on that of the steady clock. Processes on one host agree to microseconds; hosts agree
+/// as well as NTP or PTP disciplines them (an error of dt displaces a body of speed v by v*dt, so
+/// 1 ms is 5 mm at 5 m/s). Both clocks are slewed alike.
 ///
-/// The reading never goes back: while the source is behind the last reading (the system clock was
-/// set back) that reading is held, and held() says how far behind the source is. A disciplined
-/// clock is slewed, not set, and does not get there.
+/// Who sets the system clock moves nothing in a session that runs: stepped() says by how much it
+/// was set. Whoever starts afterwards is apart by that.
+///
+/// The reading never goes back: while a source of your own is behind the last reading, that reading
+/// is held, and held() says how far behind the source is.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API SessionClock {
  public:
@@ -36,9 +39,14 @@ class TANDEM_API SessionClock {
   SessionTime now();
   /// How far the source was behind the reading at the last now(), ns, >= 0; 0 in normal running.
   std::int64_t held() const { return held_; }
+  /// How far the system clock is ahead of this one by now, ns: by so much it was set since this was
+  /// made. 0 with a source of your own.
+  std::int64_t stepped() const;
 
  private:
   Source source_;
+  std::int64_t offset_ = 0;  ///< ns, of the steady clock
+  bool steady_ = false;
   SessionTime last_ = INT64_MIN;
   std::int64_t held_ = 0;
 };
