@@ -98,6 +98,7 @@ def start_peers(args, folder, stack):
         stack.callback(proxy.wait)
         stack.callback(proxy.terminate)
     key = subprocess.run([args.binaries / "tandem-key"], check=True, capture_output=True, text=True)
+    (folder / "key").touch(mode=0o600)
     (folder / "key").write_text(key.stdout)
     peers = []
     for number in range(1, args.peers + 1):

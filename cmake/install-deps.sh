@@ -14,11 +14,11 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build
   libeigen3-dev libxsimd-dev libccd-dev libfcl-dev libtinyobjloader-dev libasio-dev
-  pkgconf libsodium-dev libtomlplusplus-dev libcpp-httplib-dev libtinygltf-dev
+  pkgconf libsodium-dev libtomlplusplus-dev libboost-dev libtinygltf-dev
   catch2
 )
 with_view() {
-  packages+=(libboost-dev nlohmann-json3-dev)
+  packages+=(nlohmann-json3-dev)
   # A newer Node.js than Debian's, where there is one, would not bear Debian's npm beside it.
   command -v node >/dev/null || packages+=(nodejs)
   command -v npm >/dev/null || packages+=(npm)

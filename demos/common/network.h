@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/options.h"
 #include "common/session_key.h"
@@ -24,6 +26,11 @@ class Network {
   virtual std::uint16_t local_port() const = 0;
   /// Why nobody has come, for who waits; "" where nothing is known.
   virtual std::string trouble() const = 0;
+  /// How often what came from nobody that is known was refused, by reason.
+  using Counts = std::vector<std::pair<const char*, std::uint64_t>>;
+  virtual Counts refused() const = 0;
+  /// ns: by how much the system clock was set since the start, where session time began with it.
+  virtual std::int64_t clock_stepped() const { return 0; }
 };
 
 /// As the options say.

@@ -30,6 +30,12 @@ class TcpNetwork final : public Network {
     if (!strangers.last_reason.empty()) text += "; refused: " + strangers.last_reason;
     return text;
   }
+  Counts refused() const override {
+    const net::StrangerStatus s = transport_.strangers();
+    return {{"refused", s.refused}, {"malformed", s.malformed}, {"timed_out", s.timed_out},
+            {"limited", s.limited}, {"bad_proof", s.bad_proof}, {"forged", s.forged}};
+  }
+  std::int64_t clock_stepped() const override { return clock_.stepped(); }
 
  private:
   net::TcpTransport transport_;

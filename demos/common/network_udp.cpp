@@ -73,6 +73,11 @@ class UdpNetwork final : public Network {
     if (strangers.refused > 0) text += "; somebody has another scene or the same id";
     return text;
   }
+  Counts refused() const override {
+    const net::UdpStrangers s = transport_.strangers();
+    return {{"refused", s.refused},       {"malformed", s.malformed}, {"limited", s.limited},
+            {"bad_cookie", s.bad_cookie}, {"bad_proof", s.bad_proof}, {"unknown", s.unknown}};
+  }
 
  private:
   net::UdpTransport transport_;

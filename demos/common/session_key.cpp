@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -27,6 +28,12 @@ std::optional<Key> key_from_hex(std::string_view digits) {
 Key read_session_key(const std::string& path) {
   std::ifstream in(path);
   if (!in) throw std::invalid_argument("a file that can be read");
+  using std::filesystem::perms;
+  constexpr perms kOthers = perms::group_all | perms::others_all;
+  std::error_code ignored;
+  if ((std::filesystem::status(path, ignored).permissions() & kOthers) != perms::none) {
+    throw std::invalid_argument("a file that nobody else can read or write (chmod 600)");
+  }
   std::string digits;
   for (char c = 0; digits.size() <= 2 * sizeof(Key) && in.get(c);) {
     if (std::isspace(static_cast<unsigned char>(c)) == 0) digits += c;

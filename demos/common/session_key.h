@@ -15,7 +15,8 @@ using Key = std::array<std::uint8_t, 32>;
 /// 64 hex digits; nothing where they are something else, or zero.
 std::optional<Key> key_from_hex(std::string_view digits);
 
-/// The key in a file: 64 hex digits, white space between them is passed over.
+/// The key in a file: 64 hex digits, white space between them is passed over. Nobody but its owner
+/// may have access to it.
 /// @throws std::invalid_argument with the rule that the file breaks, without its name
 Key read_session_key(const std::string& path);
 

@@ -2,10 +2,14 @@
 // Copyright (c) 2026 The Tandem authors
 #include "peer/metrics_server.h"
 
-#include <httplib.h>
-
-#include <atomic>
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
 #include <chrono>
+#include <list>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -13,40 +17,45 @@
 
 namespace tandem::demos {
 
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using Tcp = asio::ip::tcp;
+using Error = boost::system::error_code;
+
+constexpr std::chrono::seconds kPatience{2};  // from the first byte of a request to the last answer
+constexpr std::size_t kMostClients = 16;      // at a time; the oldest gives way to a new one
+constexpr std::uint32_t kHeaderBytes = 8192;
+
+}  // namespace
+
+/// One thread for all clients: none of them waits for another.
 class MetricsServer::Impl {
  public:
-  Impl(const std::string& address, std::uint16_t port) {
-    // Two, so that one client that says nothing does not keep out the other.
-    server_.new_task_queue = [] { return new httplib::ThreadPool(2); };
-    server_.set_keep_alive_max_count(1);
-    server_.set_read_timeout(2);
-    server_.set_payload_max_length(1024);
-    server_.Get("/metrics", [this](const httplib::Request&, httplib::Response& response) {
-      const std::lock_guard lock(mutex_);
-      response.set_content(text_, "text/plain; version=0.0.4");
-    });
-    int bound = port;
-    if (port == 0) {
-      bound = server_.bind_to_any_port(address);
-    } else if (!server_.bind_to_port(address, port)) {
-      bound = -1;
-    }
-    if (bound <= 0) {
+  Impl(const std::string& address, std::uint16_t port) : acceptor_(io_) {
+    Error error;
+    const Tcp::endpoint endpoint(asio::ip::make_address(address, error), port);
+    if (!error) acceptor_.open(endpoint.protocol(), error);
+    // A server that has just ended is no hindrance; one that runs is.
+    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    if (error) {
       throw std::runtime_error("metrics.port = " + std::to_string(port) + ": cannot listen on " +
-                               address);
+                               address + ": " + error.message());
     }
-    port_ = static_cast<std::uint16_t>(bound);
-    thread_ = std::thread([this] {
-      server_.listen_after_bind();
-      ended_ = true;
-    });
-    // A server that does not run yet cannot be stopped.
-    while (!server_.is_running() && !ended_) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    port_ = acceptor_.local_endpoint().port();
+    accept();
+    thread_ = std::thread([this] { io_.run(); });
   }
   ~Impl() {
-    server_.stop();
+    asio::post(io_, [this] {
+      Error ignored;
+      acceptor_.close(ignored);
+      for (Client& client : clients_) client.stream.close();
+    });
     thread_.join();
   }
   Impl(const Impl&) = delete;
@@ -59,11 +68,68 @@ class MetricsServer::Impl {
   }
 
  private:
-  httplib::Server server_;
+  struct Client {
+    explicit Client(Tcp::socket socket) : stream(std::move(socket)) {
+      request.header_limit(kHeaderBytes);
+    }
+    beast::tcp_stream stream;
+    beast::flat_buffer buffer;
+    http::request_parser<http::empty_body> request;
+    http::response<http::string_body> response;
+  };
+  using Place = std::list<Client>::iterator;
+
+  void accept() {
+    acceptor_.async_accept([this](const Error& error, Tcp::socket socket) {
+      if (!acceptor_.is_open()) return;
+      if (!error) {
+        // Its handler takes it out of the list.
+        if (clients_.size() >= kMostClients) clients_.front().stream.close();
+        serve(clients_.emplace(clients_.end(), std::move(socket)));
+      }
+      accept();
+    });
+  }
+
+  void serve(Place client) {
+    client->stream.expires_after(kPatience);
+    http::async_read_header(client->stream, client->buffer, client->request,
+                            [this, client](const Error& error, std::size_t) {
+                              if (error) return end(client);
+                              answer(client);
+                            });
+  }
+
+  void answer(Place client) {
+    const auto& request = client->request.get();
+    auto& response = client->response;
+    response.version(request.version());
+    response.keep_alive(false);
+    if (request.target() != "/metrics") {
+      response.result(http::status::not_found);
+    } else if (request.method() != http::verb::get) {
+      response.result(http::status::method_not_allowed);
+    } else {
+      response.set(http::field::content_type, "text/plain; version=0.0.4");
+      const std::lock_guard lock(mutex_);
+      response.body() = text_;
+    }
+    response.prepare_payload();
+    http::async_write(client->stream, response, [this, client](const Error&, std::size_t) {
+      Error ignored;
+      client->stream.socket().shutdown(Tcp::socket::shutdown_send, ignored);
+      end(client);
+    });
+  }
+
+  void end(Place client) { clients_.erase(client); }
+
+  asio::io_context io_;
+  Tcp::acceptor acceptor_;
+  std::list<Client> clients_;  ///< oldest first
   std::mutex mutex_;
   std::string text_;
   std::uint16_t port_ = 0;
-  std::atomic<bool> ended_ = false;
   std::thread thread_;
 };
 

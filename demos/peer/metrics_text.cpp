@@ -123,6 +123,10 @@ std::string metrics_text(const PeerFigures& f) {
               static_cast<double>(f.packets_rejected));
   page.single("bodies_placed_total", "counter", "Bodies put where the leading peer has them.",
               static_cast<double>(f.bodies_placed));
+  page.begin("strangers_refused_total", "counter", "What came from nobody that is known.");
+  for (const auto& [reason, count] : f.refused) {
+    page.value("reason=\"" + std::string(reason) + '"', count);
+  }
   links(page, f);
   return page.take();
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "peer/recent_quantiles.h"
@@ -30,6 +31,8 @@ struct PeerFigures {
   std::uint64_t faults = 0;                     ///< steps after which the world was broken
   std::uint64_t packets_rejected = 0;           ///< that did not decode
   std::uint64_t bodies_placed = 0;
+  /// What came from nobody that is known and was refused, by reason.
+  std::vector<std::pair<const char*, std::uint64_t>> refused;
 
   std::size_t connected() const;
 };

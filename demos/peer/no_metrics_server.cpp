@@ -12,7 +12,7 @@ bool has_metrics_server() { return false; }
 
 MetricsServer::MetricsServer(const std::string& /*address*/, std::uint16_t port) {
   throw std::runtime_error("metrics.port = " + std::to_string(port) +
-                           ": needs a build with cpp-httplib (Debian: libcpp-httplib-dev)");
+                           ": needs a build with Boost (Debian: libboost-dev)");
 }
 MetricsServer::~MetricsServer() = default;
 std::uint16_t MetricsServer::port() const { return 0; }

@@ -46,6 +46,7 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kTellEvery{500};   // metrics and the status line
 constexpr std::chrono::seconds kTurnEvery{30};         // quantiles are of the last one to two
 constexpr std::chrono::seconds kTroubleEvery{10};      // at most, of what strangers cause
+constexpr std::int64_t kStepTold = 100'000'000;        // ns
 constexpr std::uint64_t kStepsPerLook = 60;            // between two looks for faults
 constexpr std::uint64_t kWordsOfPeers = 0x7065657273;  // no demo's session and no peer's are one
 
@@ -274,6 +275,7 @@ class Node {
     figures.faults = faults_;
     figures.packets_rejected = peer_.stats().packets_rejected;
     figures.bodies_placed = peer_.stats().bodies_placed;
+    figures.refused = network_->refused();
     for (const consensus::PeerStatus& status : peers) {
       const LinkFigures link = words_.figures(status.id);
       const double round_trip =
@@ -309,6 +311,25 @@ class Node {
       next_trouble_ = SteadyClock::now() + kTroubleEvery;
       trouble_ = trouble;
       if (!trouble.empty()) log_.line(Level::Warn, "network", {{"what", trouble.substr(2)}});
+    }
+    tell_refused();
+    const std::int64_t stepped = network_->clock_stepped();
+    if (std::abs(stepped - told_stepped_) > kStepTold) {
+      told_stepped_ = stepped;
+      log_.line(Level::Warn, "system_clock_set", {{"seconds", net::seconds(stepped)}});
+    }
+  }
+
+  /// What strangers were refused for since it was last said.
+  void tell_refused() {
+    const SteadyClock::time_point now = SteadyClock::now();
+    if (now < next_refused_) return;
+    for (const auto& [reason, count] : network_->refused()) {
+      std::uint64_t& told = told_refused_[reason];
+      if (count == told) continue;
+      log_.line(Level::Warn, "strangers_refused", {{"reason", reason}, {"count", count - told}});
+      told = count;
+      next_refused_ = now + kTroubleEvery;
     }
   }
 
@@ -358,6 +379,9 @@ class Node {
   std::map<PeerId, Company> company_;
   std::string trouble_;
   SteadyClock::time_point next_trouble_;
+  std::map<std::string, std::uint64_t> told_refused_;
+  SteadyClock::time_point next_refused_;
+  std::int64_t told_stepped_ = 0;
   SteadyClock::time_point start_ = SteadyClock::now();
   SteadyClock::time_point next_tell_ = start_;
   SteadyClock::time_point next_turn_ = start_ + kTurnEvery;

@@ -35,6 +35,7 @@ TEST_CASE("peer config: the least that is needed is an id and a way to others", 
 TEST_CASE("peer config: every key reaches its field", "[demos][unit]") {
   const std::filesystem::path folder = std::filesystem::temp_directory_path();
   std::ofstream(folder / "tandem_config_key") << std::string(64, 'a');
+  std::filesystem::permissions(folder / "tandem_config_key", std::filesystem::perms(0600));
   const PeerConfig c = parse_config(R"(
 id = 2
 seed = 9

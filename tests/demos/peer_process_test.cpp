@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <string>
+#include <vector>
 
 #include "processes.h"
 #include "support/catch.h"
@@ -91,6 +92,38 @@ void hold_session(const Folder& folder, const std::string& first, const std::str
     CHECK(folder.text("said").find(" steps, bit-exact\n") != std::string::npos);
   }
 }
+
+#ifdef TANDEM_HAS_METRICS
+TEST_CASE("tandem-peer: slow clients keep nobody from its metrics, and a port in use is said",
+          "[demos][socket][fault]") {
+  const Folder folder;
+  const int port = free_port();
+  const std::string network = "listen = " + std::to_string(free_port()) + "\ninsecure = true\n";
+  Process peer("tandem-peer",
+               {"cubes", "--config", folder.write("1.toml", config(1, network, port))});
+  REQUIRE(eventually([&] { return !fetch(port, "/metrics").empty(); }));
+  // More than it serves at a time, who begin a request and never end it.
+  std::vector<int> slow;
+  for (int i = 0; i < 40; ++i) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    slow.push_back(socket(AF_INET, SOCK_STREAM, 0));
+    REQUIRE(connect(slow.back(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+    send(slow.back(), "GET", 3, 0);
+  }
+  CHECK(fetch(port, "/metrics").starts_with("HTTP/1.1 200 OK"));
+  for (const int fd : slow) close(fd);
+
+  Process second("tandem-peer",
+                 {"cubes", "--config", folder.write("2.toml", config(2, network, port))},
+                 folder.file("said"));
+  CHECK(second.wait() != 0);
+  peer.send(SIGTERM);
+  CHECK(peer.wait() == 0);
+}
+#endif
 
 TEST_CASE("tandem-peer: two of them hold a session over TCP with a key", "[demos][socket]") {
 #ifndef TANDEM_HAS_UDP

@@ -13,11 +13,14 @@
 namespace tandem::demos::session_key_test {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// The rule that a file with this text breaks; empty where it holds a key.
-std::string refusal(const std::string& text) {
+std::string refusal(const std::string& text, fs::perms access = fs::perms(0600)) {
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem_session_key_test").string();
   std::ofstream(path) << text;
+  fs::permissions(path, access);
   std::string result;
   try {
     read_session_key(path);
@@ -34,6 +37,7 @@ TEST_CASE("session key: 64 hex digits of either case, with white space", "[demos
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem_session_key_good").string();
   std::ofstream(path) << digits;
+  fs::permissions(path, fs::perms(0400));
   const auto key = read_session_key(path);
   std::filesystem::remove(path);
   CHECK(key[0] == 0x0a);
@@ -49,6 +53,16 @@ TEST_CASE("session key: anything else is refused with the rule", "[demos][fault]
     CHECK(refusal(bad) == "a file with 64 hex digits, not all 0, see tandem-key");
   }
   CHECK_THROWS_AS(read_session_key("/nowhere/at/all"), std::invalid_argument);
+}
+
+TEST_CASE("session key: a file that others can read or write is refused", "[demos][fault]") {
+  const std::string key(64, '7');
+  CHECK(refusal(key, fs::perms(0600)).empty());
+  CHECK(refusal(key, fs::perms(0400)).empty());
+  for (const unsigned mode : {0604U, 0640U, 0660U, 0602U, 0644U, 0666U}) {
+    CAPTURE(mode);
+    CHECK(refusal(key, fs::perms(mode)) == "a file that nobody else can read or write (chmod 600)");
+  }
 }
 
 TEST_CASE("session key: a name that begins like a loopback address is none", "[demos][unit]") {

@@ -34,8 +34,10 @@ class Folder {
     text << in.rdbuf();
     return text.str();
   }
+  /// Nobody else can read it, as keys must be.
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name) << text;
+    std::filesystem::permissions(path_ / name, std::filesystem::perms(0600));
     return file(name);
   }
 
