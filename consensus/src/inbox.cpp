@@ -94,6 +94,11 @@ void Inbox::remove_peer(PeerId peer) {
   }
 }
 
+void Inbox::forget_peer(PeerId peer) {
+  remove_peer(peer);
+  std::erase_if(peers_, [peer](const Peer& p) { return p.id == peer; });
+}
+
 InboxVerdict Inbox::offer(PeerId from, const StateUpdate& update, SessionTime now) {
   const InboxVerdict verdict = judge(from, update, now);
   totals_.count(verdict);

@@ -15,6 +15,10 @@ namespace {
 /// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
 constexpr SessionTime kMaxAhead = 1'000'000'000;
 
+/// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
+/// silent for the longest is forgotten for a new one. Who acts is heard in each step.
+constexpr std::size_t kMostPeers = 1024;
+
 /// Marks bodies that a joint or a spring (not a contact) holds to another or to the world, and
 /// collects pairs of bodies that move.
 class JointMarker final : public pbd::LinkVisitor {
@@ -61,6 +65,7 @@ void Peer::Impl::receive(SessionTime now) {
     }
     stats_.updates_received += incoming_.states.size();
     const CpuTimer process(stats_.process_s);
+    meet(packet.from, now);
     if (options_.dating == Dating::Receipt) date(packet, now);
     take_in(packet.from, now);
   }
@@ -80,6 +85,38 @@ void Peer::Impl::date(const Packet& packet, SessionTime now) {
   shift_stamps(incoming_, known ? *known
                                 : SenderClocks::guess(newest_stamp_of_others(incoming_), received,
                                                       round_trip));
+}
+
+void Peer::Impl::meet(PeerId from, SessionTime now) {
+  auto at = std::ranges::lower_bound(met_, from, {}, &std::pair<PeerId, SessionTime>::first);
+  if (at == met_.end() || at->first != from) {
+    if (met_.size() >= kMostPeers) {
+      const auto silent =
+          std::ranges::min_element(met_, {}, &std::pair<PeerId, SessionTime>::second);
+      forget(silent->first, now);
+      met_.erase(silent);
+      at = std::ranges::lower_bound(met_, from, {}, &std::pair<PeerId, SessionTime>::first);
+    }
+    at = met_.insert(at, {from, now});
+  }
+  at->second = now;
+}
+
+void Peer::Impl::part_from(PeerId peer, SessionTime now) {
+  inbox_.remove_peer(peer);
+  names_.forget(peer);
+  for (Shared& shared : shared_) {
+    std::erase_if(shared.heard, [peer](const Heard& heard) { return heard.peer == peer; });
+  }
+  std::erase_if(farewells_, [peer](const auto& entry) { return entry.first == peer; });
+  springs_.drop_peer(peer, now);
+}
+
+void Peer::Impl::forget(PeerId peer, SessionTime now) {
+  part_from(peer, now);
+  inbox_.forget_peer(peer);
+  sender_clocks_.forget(peer);
+  std::erase_if(reports_, [peer](const PeerReport& report) { return report.peer == peer; });
 }
 
 void Peer::Impl::take_in(PeerId from, SessionTime now) {
@@ -104,16 +141,10 @@ void Peer::Impl::take_in(PeerId from, SessionTime now) {
   take_in_anchors(from, now);
   if (!incoming_.ownership.empty()) hear_ownership(from, now);
   if (!incoming_.leaves.empty()) {
-    inbox_.remove_peer(from);
-    names_.forget(from);
-    for (Shared& shared : shared_) {
-      std::erase_if(shared.heard, [from](const Heard& heard) { return heard.peer == from; });
-    }
-    std::erase_if(farewells_, [from](const auto& entry) { return entry.first == from; });
+    part_from(from, now);
     // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
     // successor.
     farewells_.emplace_back(from, std::min(now + kMaxAhead, incoming_.leaves.back().stamp));
-    springs_.drop_peer(from, now);
   }
 }
 

@@ -146,6 +146,11 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   CodecResult parse(const Packet& packet);
   /// Shift the stamps of incoming_ to the own clock.
   void date(const Packet& packet, SessionTime now);
+  /// Note that a peer was heard; make room for it.
+  void meet(PeerId from, SessionTime now);
+  /// What a peer has said counts no more.
+  void part_from(PeerId peer, SessionTime now);
+  void forget(PeerId peer, SessionTime now);
   void take_in(PeerId from, SessionTime now);
   void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell, SessionTime now);
   void take_in_compact(PeerId from, SessionTime farewell, SessionTime now);
@@ -307,6 +312,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   SessionTime springs_told_ = 0;          ///< ns, when springs were last sent in full
   std::unique_ptr<Ownership> ownership_;  ///< of shared_; null: bodies change no hands
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
+  std::vector<std::pair<PeerId, SessionTime>> met_;  ///< by id, with when they were last heard
   std::vector<PeerStatus> company_;  ///< all that the transport knows, by id, at the last look
   std::vector<PeerId> connected_;    ///< of these, ascending
   std::vector<PeerId> newcomers_;    ///< of these, who have not been greeted

@@ -3,6 +3,7 @@
 //
 // Bytes from peers are untrusted: what is refused is counted and moves nothing, what is believed
 // moves bodies no further than it should.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -235,6 +236,28 @@ TEST_CASE("peer: late states of a peer that has left move nothing", "[consensus]
   });
   CHECK(duel.untouched());
   // Back again, it is heard.
+  duel.line().deliver(2, duel.state({0.1, 0.0, 0.0}, 0.1f));
+  duel.run(1);
+  CHECK_FALSE(duel.untouched());
+}
+
+TEST_CASE("peer: made-up ids fill no memory and push out nobody who acts", "[consensus][fault]") {
+  Duel duel({}, kWeightless);
+  duel.run(90, [&](int) { duel.line().deliver(2, duel.state(Vec3::Zero(), 0.1f)); });
+  PeerId invented = 1000;
+  duel.run(100, [&](int) {
+    duel.line().deliver(2, duel.state(Vec3::Zero(), 0.1f));
+    for (int i = 0; i < 100; ++i) {
+      StateUpdate update = duel.state(Vec3::Zero(), 0.1f);
+      update.id = {7, ++invented};  // a body that nobody has
+      duel.line().deliver(invented, update);
+    }
+  });
+  const auto reports = duel.victim().peer->reports();
+  CHECK(reports.size() <= 1024);
+  REQUIRE(std::ranges::find(reports, PeerId{2}, &PeerReport::peer) != reports.end());
+  CHECK(std::ranges::find(reports, PeerId{2}, &PeerReport::peer)->inbox.accepted == 190);
+  // It is heard as before.
   duel.line().deliver(2, duel.state({0.1, 0.0, 0.0}, 0.1f));
   duel.run(1);
   CHECK_FALSE(duel.untouched());

@@ -81,6 +81,8 @@ class TANDEM_API Inbox {
   void add_peer(PeerId peer);
   /// Forget a peer's updates, as when it leaves. Its counters stay.
   void remove_peer(PeerId peer);
+  /// The same, its counters as well.
+  void forget_peer(PeerId peer);
 
   /// Look at one update from an authenticated peer. @param now  session time, ns.
   /// No allocation but at the first update of a peer for a body.

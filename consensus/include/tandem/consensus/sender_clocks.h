@@ -50,6 +50,9 @@ class TANDEM_API SenderClocks {
   SessionTime hear(PeerId from, SessionTime newest, SessionTime received, SessionTime round_trip);
   /// ns, the same as the last one; nullopt where nothing was heard.
   std::optional<SessionTime> shift(PeerId from) const;
+  void forget(PeerId from) {
+    std::erase_if(senders_, [from](const Sender& sender) { return sender.peer == from; });
+  }
   /// What one packet alone says.
   static SessionTime guess(SessionTime newest, SessionTime received, SessionTime round_trip);
 
