@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 #include "engine/tandem_joints.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/pbd/contact.h"

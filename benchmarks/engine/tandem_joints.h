@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "scenes/scene.h"
+#include "demos/engine/scene.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::bench {

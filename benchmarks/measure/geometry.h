@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "demos/engine/scene.h"
 
 /// Distances between sharp shapes, written for the benchmarks alone: no engine's code measures it.
 namespace tandem::bench {

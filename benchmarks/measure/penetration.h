@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 #include "measure/geometry.h"
 
 namespace tandem::bench {

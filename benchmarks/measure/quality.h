@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 #include "measure/penetration.h"
 
 namespace tandem::bench {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 """Divergence from the tracks that both processes of a session have kept of their own bodies, as
-demos/common/metrics.cpp and track.cpp have it for peers of one process."""
+demos/measures/metrics.cpp and demos/session/track.cpp have it for peers of one process."""
 import bisect
 import csv
 import json

@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <thread>
 
-#include "support/web_client.h"
 #include "view/server.h"
+#include "view/web_client.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 
 /// Scenes with a known outcome: each case says what came out, what ought to, and how far off it may
 /// be. All at the engine's default setting.

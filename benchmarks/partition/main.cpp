@@ -15,9 +15,9 @@
 #include <string_view>
 #include <vector>
 
-#include "common/geometry.h"
-#include "common/json.h"
 #include "demos/scenes/cliff_geometry.h"
+#include "measures/json.h"
+#include "session/geometry.h"
 #include "site.h"
 #include "tandem/consensus/virtual_link.h"
 

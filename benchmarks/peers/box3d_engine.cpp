@@ -9,7 +9,7 @@
 
 #include <stdexcept>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 
 namespace tandem::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 
 namespace tandem::bench {
 

@@ -6,7 +6,7 @@
 // asked and without damping, as all engines here.
 #include <stdexcept>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 #include "peers/jolt_world.h"
 
 namespace tandem::bench {

@@ -11,7 +11,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 
 namespace tandem::bench {
 namespace {

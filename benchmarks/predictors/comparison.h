@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/track.h"
+#include "session/track.h"
 #include "tandem/consensus/peer.h"
 
 namespace tandem::bench {

@@ -11,15 +11,15 @@
 #include <string_view>
 #include <vector>
 
-#include "common/metrics.h"
-#include "common/options.h"
-#include "common/virtual_runner.h"
 #include "comparison.h"
+#include "measures/metrics.h"
+#include "runner/virtual_runner.h"
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"
 #include "scenes/piano.h"
 #include "scenes/room.h"
 #include "scenes/tennis.h"
+#include "session/options.h"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "demos/engine/scene.h"
 #include "demos/scenes/cliff_geometry.h"
 #include "scenes/random.h"
-#include "scenes/scene.h"
 
 namespace tandem::bench {
 namespace {

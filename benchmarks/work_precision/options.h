@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 
 namespace tandem::bench {
 

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include "engine/engine.h"
+#include "demos/engine/engine.h"
 
 namespace tandem::bench {
 

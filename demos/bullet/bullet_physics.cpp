@@ -4,10 +4,10 @@
 // Another engine as a full peer of a session. The scene's world is a view of Bullet's: what peers
 // agree upon moves the view, the view moves Bullet before its step and follows it afterwards. So
 // nothing of the consensus is written twice, and a peer is not asked what engine it has.
-#include "benchmarks/engine/engine.h"
 #include "bullet/bullet_scene.h"
 #include "bullet/springs.h"
-#include "common/physics.h"
+#include "demos/engine/engine.h"
+#include "session/physics.h"
 
 namespace tandem::demos {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "benchmarks/engine/engine.h"
+#include "demos/engine/engine.h"
 #include "scenes/scene.h"
 
 namespace tandem::demos {

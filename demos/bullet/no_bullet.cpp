@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <stdexcept>
 
-#include "common/physics.h"
+#include "session/physics.h"
 
 namespace tandem::demos {
 

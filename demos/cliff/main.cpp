@@ -3,7 +3,7 @@
 
 // A thousand balls, held in the air, then let go over a cliff of triangles.
 
-#include "common/demo_main.h"
+#include "program/demo_main.h"
 #include "scenes/cliff.h"
 
 int main(int argc, char** argv) {

@@ -3,7 +3,7 @@
 
 // Two users at two peers throw stacked cubes over and carry them on their plate together.
 
-#include "common/demo_main.h"
+#include "program/demo_main.h"
 #include "scenes/cubes.h"
 
 int main(int argc, char** argv) {

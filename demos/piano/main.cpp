@@ -4,7 +4,7 @@
 // Two users with haptic devices carry a piano through a maze. --variant takes soft, mouse, tug, or
 // several of them with - between.
 
-#include "common/demo_main.h"
+#include "program/demo_main.h"
 #include "scenes/piano.h"
 
 int main(int argc, char** argv) {

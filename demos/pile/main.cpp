@@ -3,7 +3,7 @@
 
 // Two users roll a big cube through nine hundred small ones.
 
-#include "common/demo_main.h"
+#include "program/demo_main.h"
 #include "scenes/pile.h"
 
 int main(int argc, char** argv) {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/track.h"
 #include "scenes/scene.h"
+#include "session/track.h"
 
 namespace tandem::demos {
 

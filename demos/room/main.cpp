@@ -3,7 +3,7 @@
 
 // Two users at two peers hand over, carry, stack and throw things in a room.
 
-#include "common/demo_main.h"
+#include "program/demo_main.h"
 #include "scenes/room.h"
 
 int main(int argc, char** argv) {

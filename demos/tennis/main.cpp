@@ -3,7 +3,7 @@
 
 // Two users at two peers play table tennis, each by what their own peer shows.
 
-#include "common/demo_main.h"
+#include "program/demo_main.h"
 #include "scenes/tennis.h"
 
 int main(int argc, char** argv) {

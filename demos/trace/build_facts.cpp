@@ -6,7 +6,7 @@
 #include <gnu/libc-version.h>
 #endif
 
-#include "common/physics.h"
+#include "session/physics.h"
 
 namespace tandem::demos {
 

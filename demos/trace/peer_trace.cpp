@@ -6,7 +6,7 @@
 #include <cstring>
 #include <system_error>
 
-#include "common/run_arguments.h"
+#include "session/run_arguments.h"
 #include "trace/build_facts.h"
 
 namespace tandem::demos {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "common/options.h"
-#include "common/step_watch.h"
 #include "scenes/scenario.h"
+#include "session/options.h"
+#include "session/step_watch.h"
 #include "trace/stage_hashes.h"
 #include "trace/transports.h"
 #include "trace/writer.h"

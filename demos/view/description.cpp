@@ -4,7 +4,7 @@
 // What a page is told in words.
 #include <utility>
 
-#include "common/json.h"
+#include "measures/json.h"
 #include "view/protocol.h"
 
 namespace tandem::demos::view {

@@ -2,9 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include "common/options.h"
-#include "common/virtual_runner.h"
+#include "runner/virtual_runner.h"
 #include "scenes/scenario.h"
+#include "session/options.h"
 
 namespace tandem::demos::view {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/virtual_runner.h"
-#include "common/virtual_session.h"
+#include "runner/virtual_runner.h"
+#include "runner/virtual_session.h"
 #include "view/mouse.h"
 #include "view/pane_watch.h"
 #include "view/protocol.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "common/participant.h"
+#include "session/participant.h"
 #include "tandem/consensus/peer.h"
 #include "view/protocol.h"
 

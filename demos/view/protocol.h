@@ -11,8 +11,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/options.h"
 #include "scenes/scene.h"
+#include "session/options.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/types.h"
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <memory>
 
-#include "common/options.h"
 #include "scenes/scenario.h"
 #include "scenes/user.h"
+#include "session/options.h"
 #include "tandem/consensus/peer.h"
 
 namespace tandem::demos::view {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/metrics.h"
-#include "common/physics.h"
-#include "common/virtual_runner.h"
+#include "measures/metrics.h"
+#include "runner/virtual_runner.h"
 #include "runs.h"
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"
+#include "session/physics.h"
 #include "support/catch.h"
 #include "tandem/consensus/virtual_link.h"
 

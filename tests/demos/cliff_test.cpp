@@ -2,9 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #include "scenes/cliff.h"
 
-#include "common/report.h"
-#include "common/virtual_runner.h"
 #include "demos/scenes/cliff_geometry.h"
+#include "measures/report.h"
+#include "runner/virtual_runner.h"
 #include "runs.h"
 #include "support/catch.h"
 #include "tandem/pbd/solver.h"

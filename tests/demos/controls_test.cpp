@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "common/signals.h"
 #include "scenes/replay.h"
+#include "session/signals.h"
 #include "support/catch.h"
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/solver.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/geometry.h"
+#include "session/geometry.h"
 
 #include <cmath>
 #include <numbers>

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "common/virtual_runner.h"
+#include "runner/virtual_runner.h"
 #include "runs.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/json.h"
+#include "measures/json.h"
 
 #include <cstdint>
 #include <limits>

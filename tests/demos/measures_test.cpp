@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/measures.h"
+#include "measures/measures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "common/link_probe.h"
+#include "measures/link_probe.h"
 #include "support/catch.h"
 
 namespace tandem::demos::measures_test {

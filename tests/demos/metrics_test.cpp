@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/metrics.h"
+#include "measures/metrics.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/options.h"
+#include "session/options.h"
 
 #include <string>
 #include <string_view>

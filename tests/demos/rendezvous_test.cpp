@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/rendezvous.h"
+#include "session/rendezvous.h"
 
 #include <vector>
 
-#include "common/remote_view.h"
 #include "scenes/cubes.h"
+#include "session/remote_view.h"
 #include "support/catch.h"
 #include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/bytes.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/report.h"
+#include "measures/report.h"
 
 #include <string>
 
-#include "common/json.h"
+#include "measures/json.h"
 #include "support/catch.h"
 
 namespace tandem::demos::report_test {

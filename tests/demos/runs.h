@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "common/options.h"
-#include "common/track.h"
+#include "session/options.h"
+#include "session/track.h"
 #include "support/catch.h"
 
 namespace tandem::demos {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <set>
 
-#include "common/report.h"
-#include "common/virtual_runner.h"
+#include "measures/report.h"
+#include "runner/virtual_runner.h"
 #include "runs.h"
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"

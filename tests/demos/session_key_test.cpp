@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/session_key.h"
+#include "session/session_key.h"
 
 #include <cstdio>
 #include <filesystem>

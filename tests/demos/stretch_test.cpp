@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/stretch.h"
+#include "measures/stretch.h"
 
 #include <cmath>
 #include <functional>
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/report.h"
-#include "common/virtual_runner.h"
+#include "measures/report.h"
+#include "runner/virtual_runner.h"
 #include "runs.h"
 #include "support/catch.h"
 

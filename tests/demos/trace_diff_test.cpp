@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "replay/diff.h"
 #include "runs.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"
 #include "tandem/consensus/update.h"
-#include "trace/diff.h"
 #include "trace_support.h"
 
 namespace tandem::demos::trace_diff_test {

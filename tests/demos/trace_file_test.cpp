@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "replay/replayer.h"
 #include "runs.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"
-#include "trace/replayer.h"
 #include "trace_support.h"
 
 namespace tandem::demos::trace_file_test {

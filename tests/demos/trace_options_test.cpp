@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/options.h"
-#include "common/run_arguments.h"
+#include "session/options.h"
+#include "session/run_arguments.h"
 #include "support/catch.h"
 
 namespace tandem::demos::trace_options_test {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "common/actor.h"
 #include "runs.h"
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"
@@ -14,6 +13,7 @@
 #include "scenes/pile.h"
 #include "scenes/room.h"
 #include "scenes/tennis.h"
+#include "session/actor.h"
 #include "support/catch.h"
 #include "tandem/consensus/virtual_link.h"
 #include "trace/peer_trace.h"

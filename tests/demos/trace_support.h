@@ -13,15 +13,15 @@
 #include <string>
 #include <vector>
 
-#include "common/options.h"
-#include "common/track.h"
-#include "common/virtual_runner.h"
+#include "replay/reader.h"
+#include "replay/replayer.h"
+#include "runner/virtual_runner.h"
 #include "scenes/cubes.h"
 #include "scenes/scenario.h"
+#include "session/options.h"
+#include "session/track.h"
 #include "support/catch.h"
 #include "support/folder.h"
-#include "trace/reader.h"
-#include "trace/replayer.h"
 #include "trace/writer.h"
 
 namespace tandem::demos {

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "support/catch.h"
-#include "support/web_client.h"
 #include "view/server.h"
+#include "view/web_client.h"
 #include "view_frames.h"
 
 namespace tandem::demos::view::view_server_test {

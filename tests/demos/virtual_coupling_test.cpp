@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/virtual_coupling.h"
+#include "session/virtual_coupling.h"
 
 #include <cmath>
 #include <limits>

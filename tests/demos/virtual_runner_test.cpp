@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "common/virtual_runner.h"
+#include "runner/virtual_runner.h"
 
 #include <filesystem>
 
-#include "common/metrics.h"
-#include "common/report.h"
+#include "measures/metrics.h"
+#include "measures/report.h"
 #include "runs.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"

@@ -4,10 +4,10 @@
 // What the demos read of traces.
 #include <optional>
 
+#include "replay/diff.h"
+#include "replay/reader.h"
 #include "scenes/inputs.h"
 #include "target.h"
-#include "trace/diff.h"
-#include "trace/reader.h"
 #include "trace/writer.h"
 
 namespace fuzz {

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "session/ablation.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "tandem/pbd/world.h"
+
+namespace tandem::demos {
+
+namespace {
+
+/// Velocities are taken from all that moved, as position-based dynamics has it where there is one
+/// channel.
+class OneChannel final : public Physics {
+ public:
+  explicit OneChannel(std::unique_ptr<Physics> physics) : physics_(std::move(physics)) {}
+
+  const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) override {
+    report_ = physics_->step(scene, peer, dt);
+    const double before = scene.world->kinetic_energy();
+    for (const SceneBody& shared : scene.bodies) {
+      const pbd::Correction done = scene.world->correction(shared.body);
+      if (done.translation.isZero(0.0) && done.rotation.isZero(0.0)) continue;
+      pbd::Twist twist = scene.world->twist(shared.body);
+      twist.linear += done.translation / dt;
+      twist.angular += done.rotation / dt;
+      scene.world->set_twist(shared.body, twist);
+    }
+    report_.energy.displacement += scene.world->kinetic_energy() - before;
+    return report_;
+  }
+  const std::vector<std::pair<std::size_t, std::size_t>>* touching() const override {
+    return physics_->touching();
+  }
+
+ private:
+  std::unique_ptr<Physics> physics_;
+  pbd::StepReport report_;
+};
+
+/// Targets that say less.
+class PlainTargets final : public pbd::TargetSource {
+ public:
+  PlainTargets(pbd::TargetSource& source, const Ablation& ablation)
+      : source_(source), ablation_(ablation) {}
+
+  void collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
+               std::vector<pbd::PoseTarget>& out) override {
+    const std::size_t first = out.size();
+    source_.collect(world, dt, options, out);
+    for (std::size_t i = first; i < out.size(); ++i) {
+      pbd::PoseTarget& target = out[i];
+      if (target.share >= 1.0) continue;  // owners are no agreement
+      if (ablation_.lacks(Part::Velocities)) target.twist = world.twist(target.body);
+      if (ablation_.lacks(Part::Motion)) target.motion = pbd::TargetMotion::Inertial;
+      if (ablation_.lacks(Part::Rotation)) target.use_rotation_error = false;
+    }
+  }
+
+ private:
+  pbd::TargetSource& source_;
+  const Ablation& ablation_;
+};
+
+}  // namespace
+
+std::string_view to_string(Part part) {
+  constexpr std::array<std::string_view, kParts> kNames{
+      "channels",   "velocities", "motion",      "rotation", "age",
+      "initiative", "leading",    "arbitration", "ramp",     "refine"};
+  return kNames[static_cast<std::size_t>(part)];
+}
+
+void Ablation::apply(pbd::SolverOptions& options) const {
+  if (lacks(Part::Refine)) options.refine = false;
+}
+
+void Ablation::apply(consensus::PeerOptions& options) const {
+  consensus::InfluenceOptions& influence = options.influence;
+  constexpr double kNever = 1e6;  // s
+  if (lacks(Part::Age)) influence.half_life = kNever;
+  if (lacks(Part::Leading)) influence.leading = 0.0;
+  if (lacks(Part::Initiative)) options.initiative = false;
+  if (lacks(Part::Arbitration)) options.arbitration = false;
+  if (lacks(Part::Ramp)) options.authority_ramp = 0.0;
+}
+
+std::unique_ptr<Physics> Ablation::around(std::unique_ptr<Physics> physics) const {
+  if (!lacks(Part::Channels)) return physics;
+  return std::make_unique<OneChannel>(std::move(physics));
+}
+
+std::unique_ptr<pbd::TargetSource> Ablation::around(pbd::TargetSource& source) const {
+  if (!lacks(Part::Velocities) && !lacks(Part::Motion) && !lacks(Part::Rotation)) return nullptr;
+  return std::make_unique<PlainTargets>(source, *this);
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "session/option_values.h"
+
+#include <cstdint>
+
+namespace tandem::demos {
+
+namespace {
+
+/// visit(item) of a list with commas between its items; an empty one has one item, which is empty.
+template <class Visit>
+void each_item(std::string_view list, Visit&& visit) {
+  while (true) {
+    const std::size_t comma = list.find(',');
+    visit(list.substr(0, comma));
+    if (comma == std::string_view::npos) return;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
+void refuse(std::string_view option, std::string_view value, std::string_view rule) {
+  throw UsageError(std::string(option) + " = " + std::string(value) +
+                   " breaks: " + std::string(rule));
+}
+
+double limit(std::string_view option, std::string_view text, double least, double most,
+             std::string_view rule) {
+  const double value = number(option, text, 0.0, most, rule);
+  if (value > 0.0 && value < least) refuse(option, text, rule);
+  return value;
+}
+
+consensus::PredictorKind predictor(std::string_view text) {
+  for (int i = 0; i <= static_cast<int>(consensus::PredictorKind::Replay); ++i) {
+    const auto kind = static_cast<consensus::PredictorKind>(i);
+    if (text == to_string(kind)) return kind;
+  }
+  refuse("--predictor", text, "none, euler, second-order or replay");
+}
+
+consensus::ReplayInputs inputs(std::string_view text) {
+  if (text == "known") return consensus::ReplayInputs::Known;
+  if (text == "common") return consensus::ReplayInputs::Common;
+  refuse("--inputs", text, "known or common");
+}
+
+consensus::InputMode mode(std::string_view text) {
+  for (int i = 0; i <= static_cast<int>(consensus::InputMode::Hard); ++i) {
+    const auto value = static_cast<consensus::InputMode>(i);
+    if (text == to_string(value)) return value;
+  }
+  refuse("--mode", text, "soft, asymmetric or hard");
+}
+
+Scheme scheme(std::string_view option, std::string_view text) {
+  for (int i = 0; i <= static_cast<int>(Scheme::Pd); ++i) {
+    const auto value = static_cast<Scheme>(i);
+    if (text == to_string(value)) return value;
+  }
+  refuse(
+      option, text,
+      "one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, none, single-owner or "
+      "pd");
+}
+
+std::string address(std::string_view text) {
+  constexpr std::string_view kRule = "HOST:PORT, port 1 to 65535";
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) refuse("--connect", text, kRule);
+  const std::string_view port = text.substr(colon + 1);
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), value);
+  if (error != std::errc{} || end != port.data() + port.size() || value < 1 || value > 65535) {
+    refuse("--connect", text, kRule);
+  }
+  return std::string(text);
+}
+
+std::vector<double> rates(std::string_view text) {
+  std::vector<double> result;
+  each_item(text, [&result](std::string_view rate) {
+    result.push_back(
+        number("--rates", rate, 10.0, 1000.0, "numbers from 10 to 1000, with commas between them"));
+  });
+  return result;
+}
+
+std::vector<Engine> engines(std::string_view text) {
+  std::vector<Engine> result;
+  each_item(text, [&result](std::string_view name) {
+    if (name != "tandem" && name != "bullet") {
+      refuse("--engines", name, "tandem and bullet, with commas between them");
+    }
+    if (name == "bullet" && !has_bullet()) {
+      refuse("--engines", name, "built with Bullet (TANDEM_BULLET_PEER)");
+    }
+    result.push_back(name == "bullet" ? Engine::Bullet : Engine::Tandem);
+  });
+  return result;
+}
+
+Ablation ablation(std::string_view text) {
+  Ablation result;
+  each_item(text, [&result](std::string_view name) {
+    std::size_t part = 0;
+    while (part < kParts && name != to_string(static_cast<Part>(part))) ++part;
+    if (part == kParts) refuse("--ablate", name, "parts that --help lists, with commas between");
+    result.leave_out(static_cast<Part>(part));
+  });
+  return result;
+}
+
+}  // namespace tandem::demos

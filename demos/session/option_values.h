@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <charconv>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "session/ablation.h"
+#include "session/options.h"
+#include "session/physics.h"
+#include "tandem/consensus/peer.h"
+
+// What the values of options are read with. All throw UsageError, naming option, value and rule.
+namespace tandem::demos {
+
+[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view rule);
+
+template <class Number>
+Number number(std::string_view option, std::string_view text, Number low, Number high,
+              std::string_view rule) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  // Written so that NaN is refused as well.
+  const bool good =
+      error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
+  if (!good) refuse(option, text, rule);
+  return value;
+}
+
+/// A limit: 0, which is none, or a number from `least` to `most`.
+double limit(std::string_view option, std::string_view text, double least, double most,
+             std::string_view rule);
+consensus::PredictorKind predictor(std::string_view text);
+consensus::ReplayInputs inputs(std::string_view text);
+consensus::InputMode mode(std::string_view text);
+Scheme scheme(std::string_view option, std::string_view text);
+/// "HOST:PORT"
+std::string address(std::string_view text);
+/// "60,72": steps each second of the peers, in turn.
+std::vector<double> rates(std::string_view text);
+/// "tandem,bullet": what the peers run on, in turn.
+std::vector<Engine> engines(std::string_view text);
+/// "ramp,refine": parts to do without.
+Ablation ablation(std::string_view text);
+
+}  // namespace tandem::demos

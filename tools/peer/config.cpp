@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "peer/config.h"
+
+#include <toml++/toml.h>
+
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <sstream>
+#include <vector>
+
+#include "session/session_key.h"
+#include "tandem/net/session.h"
+
+namespace tandem::demos {
+
+namespace {
+
+/// One table of a file: hands out its values once they keep their rules, and refuses the rest.
+class Section {
+ public:
+  /// @param prefix  of the keys' full names
+  Section(const toml::table& table, std::string file, std::string prefix)
+      : table_(table), file_(std::move(file)), prefix_(std::move(prefix)) {}
+
+  [[noreturn]] void refuse(std::string_view key, const std::string& rule) const {
+    const toml::node* const node = table_.get(key);
+    const std::string line = node == nullptr ? "" : ':' + std::to_string(node->source().begin.line);
+    throw ConfigError(file_ + line + ": " + prefix_ + std::string(key) + " = " + text(node) +
+                      " breaks: " + rule);
+  }
+
+  /// The node of a key; null where it is absent.
+  const toml::node* take(std::string_view key) {
+    known_.emplace_back(key);
+    return table_.get(key);
+  }
+  bool has(std::string_view key) const { return table_.get(key) != nullptr; }
+
+  void read(std::string_view key, bool& into) {
+    const toml::node* const node = take(key);
+    if (node == nullptr) return;
+    if (!node->is_boolean()) refuse(key, "true or false");
+    into = node->value_or(false);
+  }
+  void read(std::string_view key, std::string& into) {
+    const toml::node* const node = take(key);
+    if (node == nullptr) return;
+    if (!node->is_string()) refuse(key, "a text in quotation marks");
+    into = node->value_or(std::string());
+  }
+  void read(std::string_view key, double& into, double low, double high, const char* rule) {
+    const toml::node* const node = take(key);
+    if (node == nullptr) return;
+    const std::optional<double> value = node->is_number() ? node->value<double>() : std::nullopt;
+    // Written so that NaN is refused as well.
+    if (!value || !(*value >= low && *value <= high)) refuse(key, rule);
+    into = *value;
+  }
+  template <class Integer>
+  void read(std::string_view key, Integer& into, std::int64_t low, std::int64_t high,
+            const char* rule) {
+    const toml::node* const node = take(key);
+    if (node == nullptr) return;
+    const std::optional<std::int64_t> value =
+        node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
+    if (!value || *value < low || *value > high) refuse(key, rule);
+    into = static_cast<Integer>(*value);
+  }
+  /// A list of texts, each of which `good` accepts.
+  void read(std::string_view key, std::vector<std::string>& into, const char* rule,
+            const std::function<bool(const std::string&)>& good) {
+    const toml::node* const node = take(key);
+    if (node == nullptr) return;
+    const toml::array* const list = node->as_array();
+    if (list == nullptr) refuse(key, rule);
+    for (const toml::node& each : *list) {
+      const std::string value = each.value_or(std::string());
+      if (!each.is_string() || !good(value)) refuse(key, rule);
+      into.push_back(value);
+    }
+  }
+
+  /// All keys of this table, whatever their names, with the texts that they have.
+  void read_each(const std::function<void(const std::string&, const std::string&)>& take_one) {
+    for (const auto& entry : table_) {
+      const std::string key(entry.first.str());
+      known_.push_back(key);
+      if (!entry.second.is_string()) refuse(key, "a text in quotation marks");
+      take_one(key, entry.second.value_or(std::string()));
+    }
+  }
+
+  /// A table in this one, empty where it is absent.
+  Section section(std::string_view key) {
+    static const toml::table kEmpty;
+    const toml::node* const node = take(key);
+    if (node != nullptr && !node->is_table()) refuse(key, "a table");
+    return {node == nullptr ? kEmpty : *node->as_table(), file_, prefix_ + std::string(key) + '.'};
+  }
+
+  /// Nothing may be left over: a key that is misspelt would have no effect, silently.
+  void finish() const {
+    for (const auto& entry : table_) {
+      const std::string_view key = entry.first.str();
+      bool known = false;
+      std::string all;
+      for (const std::string& name : known_) {
+        known = known || name == key;
+        all += (all.empty() ? "" : ", ") + name;
+      }
+      if (!known) refuse(key, "keys here are " + all);
+    }
+  }
+
+ private:
+  static std::string text(const toml::node* node) {
+    if (node == nullptr) return "nothing";
+    std::ostringstream out;
+    node->visit([&out](const auto& value) { out << value; });
+    constexpr std::size_t kLongest = 80;
+    std::string result = out.str();
+    if (result.size() > kLongest) result = result.substr(0, kLongest) + "..";
+    return result;
+  }
+
+  const toml::table& table_;
+  std::string file_;
+  std::string prefix_;
+  std::vector<std::string> known_;
+};
+
+bool is_host_port(const std::string& text) {
+  try {
+    net::parse_host_port(text);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
+}
+
+/// A file with a key: its name is made one from here, and what is in it is looked at.
+void read_key_file(const Section& in, const char* key, const std::filesystem::path& folder,
+                   std::string& name) {
+  if (name.empty()) return;
+  name = (folder / name).string();
+  try {
+    read_session_key(name);
+  } catch (const std::invalid_argument& error) {
+    in.refuse(key, error.what());
+  }
+}
+
+void read_network(Section in, const std::filesystem::path& folder, DemoOptions& o) {
+  std::string transport = "udp";
+  in.read("transport", transport);
+  if (transport != "udp" && transport != "tcp") in.refuse("transport", "\"udp\" or \"tcp\"");
+  const bool udp = transport == "udp";
+  std::uint16_t port = 0;
+  in.read("listen", port, 0, 65535, "a port from 0 (any) to 65535");
+  if (in.has("listen")) o.listen = port;
+  in.read("connect", o.connect, "a list of \"HOST:PORT\", port 1 to 65535", is_host_port);
+  if (!o.over_network()) in.refuse("listen", "must be given where connect is not");
+  in.read("key", o.key);
+  in.read("identity", o.identity);
+  in.read("insecure", o.insecure);
+  std::string clock = "session";
+  in.read("clock", clock);
+  if (clock != "session" && clock != "system" && clock != "none") {
+    in.refuse("clock", "\"session\", \"system\" or \"none\"");
+  }
+  o.timeline = clock == "none"     ? Timeline::None
+               : clock == "system" ? Timeline::System
+                                   : Timeline::Session;
+  in.read("kbit_per_s", o.budget, 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
+  in.read("compact", o.compact);
+  in.read("tolerance", o.tolerance, 0.0, 10.0, "m, a number from 0 to 10");
+  o.wire = udp ? Wire::Udp : Wire::Tcp;
+  if (!udp) {
+    for (const char* key : {"clock", "kbit_per_s"}) {
+      if (in.has(key)) in.refuse(key, "has no meaning with transport = \"tcp\"");
+    }
+  }
+  if (o.key.empty() == !o.insecure) {
+    in.refuse("key", "a file with the session's key, or insecure = true on one machine");
+  }
+  read_key_file(in, "key", folder, o.key);
+  read_key_file(in, "identity", folder, o.identity);
+  Section trusted = in.section("trusted");
+  trusted.read_each([&](const std::string& id, const std::string& digits) {
+    const std::optional<Key> key = key_from_hex(digits);
+    std::uint64_t peer = 0;
+    const char* const end = id.data() + id.size();
+    const std::from_chars_result number = std::from_chars(id.data(), end, peer);
+    const bool good = number.ec == std::errc{} && number.ptr == end && peer != 0;
+    if (!good || peer == o.peer_id || !key) {
+      trusted.refuse(id, "another peer's id and its public key, 64 hex digits");
+    }
+    o.trusted.emplace_back(peer, *key);
+  });
+  if (o.insecure && (!o.identity.empty() || !o.trusted.empty())) {
+    in.refuse("insecure", "has no meaning with identity or trusted");
+  }
+  for (const std::string& address : o.connect) {
+    if (o.insecure && !is_loopback(net::parse_host_port(address).host)) {
+      in.refuse("connect", "addresses of this machine, with insecure = true");
+    }
+  }
+  in.finish();
+}
+
+PeerConfig read(const toml::table& table, const std::string& name) {
+  const std::filesystem::path folder = std::filesystem::path(name).parent_path();
+  PeerConfig config;
+  DemoOptions& o = config.session;
+  Section top(table, name, "");
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  if (!top.has("id")) top.refuse("id", "must be given, unique in the session");
+  top.read("id", o.peer_id, 1, std::int64_t{1} << 62, "an integer >= 1, unique in the session");
+  top.read("seed", o.seed, 0, kMost, "an integer >= 0");
+  top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");
+  top.read("update_hz", o.update_hz, 0.1, 1000.0, "a number from 0.1 to 1000");
+  read_network(top.section("network"), folder, o);
+
+  Section user = top.section("user");
+  user.read("fidget", config.fidget);
+  user.read("seed", config.user_seed, 0, kMost, "an integer >= 0");
+  user.finish();
+
+  Section log = top.section("log");
+  log.read("file", config.log_file);
+  if (!config.log_file.empty()) config.log_file = (folder / config.log_file).string();
+  std::string level(to_string(config.log_level));
+  log.read("level", level);
+  if (!parse_level(level, config.log_level)) {
+    log.refuse("level", "\"debug\", \"info\", \"warn\" or \"error\"");
+  }
+  log.finish();
+
+  Section status = top.section("status");
+  status.read("line", config.status_line);
+  status.finish();
+
+  Section metrics = top.section("metrics");
+  std::uint16_t port = 0;
+  metrics.read("port", port, 0, 65535, "a port from 0 (any) to 65535");
+  if (metrics.has("port")) config.metrics_port = port;
+  metrics.read("address", config.metrics_address);
+  metrics.finish();
+
+  Section view = top.section("view");
+  std::uint16_t page = 0;
+  view.read("port", page, 0, 65535, "a port from 0 (any) to 65535");
+  if (view.has("port")) o.view = page;
+  view.read("address", o.view_address);
+  view.finish();
+  top.finish();
+  return config;
+}
+
+}  // namespace
+
+PeerConfig parse_config(std::string_view text, const std::string& name) {
+  try {
+    return read(toml::parse(text, name), name);
+  } catch (const toml::parse_error& error) {
+    throw ConfigError(name + ':' + std::to_string(error.source().begin.line) +
+                      ": no TOML: " + std::string(error.description()));
+  }
+}
+
+PeerConfig read_config(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) throw ConfigError(path + ": cannot be read");
+  return parse_config(text.str(), path);
+}
+
+}  // namespace tandem::demos

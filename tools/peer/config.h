@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "peer/log.h"
+#include "session/options.h"
+
+namespace tandem::demos {
+
+/// What a long-running peer reads from its file; docs/tandem-peer.md lists the keys.
+struct PeerConfig {
+  /// Its id, seed, rates and place on the network; the rest as everywhere.
+  DemoOptions session;
+  bool fidget = false;                        ///< a scripted user sits here
+  std::uint64_t user_seed = 0;                ///< of that user; 0 = from seed and id
+  std::string log_file;                       ///< "" = standard error
+  Level log_level = Level::Info;              ///< the least that is written
+  bool status_line = true;                    ///< where standard error is a terminal
+  std::optional<std::uint16_t> metrics_port;  ///< 0 takes a free one; none: nothing is served
+  std::string metrics_address = "127.0.0.1";  ///< numeric
+};
+
+/// A file that cannot be used; what() names file, line, key, value and rule.
+class ConfigError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Reads a file. Names of files in it are relative to its folder. @throws ConfigError
+PeerConfig read_config(const std::string& path);
+/// The same from its text. @param name  of the file, for errors and relative names
+PeerConfig parse_config(std::string_view text, const std::string& name);
+
+}  // namespace tandem::demos

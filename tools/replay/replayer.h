@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "replay/reader.h"
+#include "scenes/scenario.h"
+#include "session/options.h"
+#include "session/participant.h"
+#include "session/step_watch.h"
+#include "trace/stage_hashes.h"
+#include "trace/transports.h"
+
+namespace tandem::demos {
+
+/// Where a replay, or another run, does something else than a trace has.
+struct Departure {
+  std::uint64_t step = 0;           ///< from 0
+  consensus::SessionTime time = 0;  ///< ns, of the step's beginning
+  /// What differs first: "packets", "inputs", "targets", "poses", "sent" ..
+  std::string stage;
+  std::optional<std::size_t> body;  ///< the first one, of the scene's bodies
+  std::size_t bodies = 0;           ///< how many differ there
+  std::string note;                 ///< what else is known; may be empty
+};
+
+/// For people. @param name  of the body; "" where none is meant
+std::string to_text(const Departure& departure, const std::string& name);
+
+/// The first body in which two hashes of one stage differ; nothing where they are the same.
+std::optional<Departure> compare(const StageHash& a, const StageHash& b, const char* stage);
+
+/// The options that a trace's header or Rules name. @throws UsageError
+DemoOptions traced_options(std::span<const std::string> arguments);
+
+/// Runs a peer again as its trace has it, and compares.
+/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
+class Replayer final : private StepWatch {
+ public:
+  /// Scenario and bytes must outlive it.
+  /// @throws TraceError, UsageError or std::invalid_argument where the trace is not of this
+  /// scenario
+  ///   or cannot be read
+  Replayer(const Scenario& scenario, std::span<const std::byte> trace);
+  ~Replayer() override;
+
+  /// To the end of the next step. False where there is none, or where the replay has departed.
+  /// @throws TraceError
+  bool next_step();
+  /// Steps that were computed.
+  std::uint64_t steps() const { return steps_; }
+  /// ns, where the last step ended.
+  consensus::SessionTime time() const { return end_; }
+  /// The first thing that is not as in the trace; nothing while all is.
+  const std::optional<Departure>& departure() const { return departure_; }
+  const Scene& scene() const { return participant_->scene(); }
+  const TraceReader& reader() const { return reader_; }
+
+ private:
+  class TracedUser;
+
+  const TraceHeader& header() const { return reader_.header(); }
+  void load_phase();
+  void run_phase();
+  void run_driver();
+  void depart(Departure departure);
+  const TraceRecord* find(TraceKind kind) const;
+  std::span<const TraceRecord> answers() const { return answers_; }
+
+  // StepWatch
+  void attach(Scene& scene, consensus::Peer& peer) override { hashes_.attach(scene, peer); }
+  void told() override { hashes_.told(); }
+  void solved() override;
+  void sent() override;
+
+  TraceReader reader_;
+  DemoOptions options_;
+  ReplayTransport transport_;
+  StageHashes hashes_;
+  TraceRecord driver_;                ///< begins the phase
+  TraceRecord next_;                  ///< begins the one after it
+  bool more_ = true;                  ///< whether next_ holds something
+  std::vector<TraceRecord> answers_;  ///< of the phase
+  std::unique_ptr<Participant> participant_;
+  std::optional<Departure> departure_;
+  std::uint64_t steps_ = 0;
+  consensus::SessionTime begun_ = 0;
+  consensus::SessionTime end_ = 0;
+};
+
+}  // namespace tandem::demos
