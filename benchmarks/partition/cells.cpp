@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::partition_bench {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::partition_bench {
 

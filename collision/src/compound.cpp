@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 
@@ -16,20 +16,15 @@ using pbd::Vec3;
 namespace {
 
 void check_local(const pbd::Pose& local, const std::string& part) {
-  const std::string field = "mass_properties: " + part + ".local.";
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(local.position[i])) refuse(field + "position", local.position[i], "finite");
-  }
-  const double norm = local.orientation.norm();
-  if (!(std::abs(norm - 1.0) < 1e-3)) {
-    refuse(field + "orientation", norm, "a quaternion of unit norm (within 1e-3)");
-  }
+  const std::string field = part + ".local.";
+  pbd::detail::require_finite(local.position, "mass_properties", field + "position");
+  pbd::detail::require_unit(local.orientation, "mass_properties", field + "orientation");
 }
 
 }  // namespace
 
 MassProperties mass_properties(std::span<const CompoundPart> parts) {
-  if (parts.empty()) refuse("mass_properties: parts = none", "at least one");
+  if (parts.empty()) pbd::detail::refuse("mass_properties: parts", "at least one", "none");
   std::vector<MassProperties> placed;
   MassProperties all;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -49,11 +44,11 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
   }
   // Of parts that each are within the rules the sum may be beyond them.
   if (!(all.mass > 0.0) || !std::isfinite(all.mass)) {
-    refuse("mass_properties: mass of all parts", all.mass, "finite and > 0");
+    pbd::detail::refuse("mass_properties: mass of all parts", "finite and > 0", all.mass);
   }
   all.com /= all.mass;
   if (!all.com.allFinite()) {
-    refuse("mass_properties: centre of mass of all parts", all.com.sum(), "finite");
+    pbd::detail::refuse("mass_properties: centre of mass of all parts", "finite", all.com.sum());
   }
   for (const MassProperties& p : placed) {
     const Vec3 d = p.com - all.com;
@@ -61,7 +56,7 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
         p.inertia_l + p.mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
   }
   if (!all.inertia_l.allFinite()) {
-    refuse("mass_properties: inertia of all parts", all.inertia_l.trace(), "finite");
+    pbd::detail::refuse("mass_properties: inertia of all parts", "finite", all.inertia_l.trace());
   }
   return all;
 }

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "contact_reading.h"
 #include "sensors.h"
 #include "tandem/pbd/bytes.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -73,9 +73,7 @@ bool load_pairs(pbd::ByteReader& in, std::vector<Pair>& pairs) {
 bool ContactEventOptions::validate(std::string* error) const {
   const auto fail = [&](const char* field, double value, const char* rule) {
     if (error != nullptr) {
-      std::ostringstream text;
-      text << "ContactEventOptions." << field << " = " << value << " breaks the rule: " << rule;
-      *error = text.str();
+      *error = pbd::detail::must_be(std::string("ContactEventOptions.") + field, rule, value);
     }
     return false;
   };

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "contact_source_impl.h"
-#include "refuse.h"
 #include "sphere_contact.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -33,7 +33,7 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
   if (free_.empty()) {
     index = static_cast<std::uint32_t>(colliders_.size());
     if (index >= (1u << kIndexBits)) {
-      refuse("ColliderDef: count", index, "fewer than 2^26 colliders");
+      pbd::detail::refuse("ColliderDef: count", "below 2^26", index);
     }
     colliders_.emplace_back();
     free_.reserve(colliders_.capacity());
@@ -54,10 +54,9 @@ ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef&
 
 const Collider& CollisionScene::Impl::checked(ColliderId id, const char* what) const {
   if (contains(id)) return colliders_[id.index];
-  throw std::invalid_argument(std::string("CollisionScene::") + what + ": id = collider " +
-                              std::to_string(id.index) + " (generation " +
-                              std::to_string(id.generation) +
-                              ") breaks the rule: names a collider of this scene");
+  pbd::detail::refuse(std::string("CollisionScene::") + what + ": id", "a collider of this scene",
+                      "collider " + std::to_string(id.index) + " (generation " +
+                          std::to_string(id.generation) + ")");
 }
 
 void CollisionScene::Impl::remove(ColliderId id) {

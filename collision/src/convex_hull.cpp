@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string>
 
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -59,13 +59,15 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
   const Vec3 u = from_a(b).normalized();
   const std::uint32_t c =
       furthest(points.size(), [&](std::uint32_t i) { return u.cross(from_a(i)).squaredNorm(); });
-  const char* rule = "points that span a volume (1e-4 of their extent in each direction)";
-  if (!(u.cross(from_a(c)).norm() > kFlat * extent)) refuse("ConvexHull: points on a line", rule);
+  const char* rule = "such that they span a volume (1e-4 of their extent in each direction)";
+  if (!(u.cross(from_a(c)).norm() > kFlat * extent))
+    pbd::detail::refuse("ConvexHull: points", rule, "on a line");
   const Vec3 n = u.cross(from_a(c)).normalized();
   const std::uint32_t d =
       furthest(points.size(), [&](std::uint32_t i) { return std::abs(n.dot(from_a(i))); });
   const double height = n.dot(from_a(d));
-  if (!(std::abs(height) > kFlat * extent)) refuse("ConvexHull: points in a plane", rule);
+  if (!(std::abs(height) > kFlat * extent))
+    pbd::detail::refuse("ConvexHull: points", rule, "in a plane");
   if (height > 0.0) return {{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}};
   return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
@@ -81,7 +83,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
   for (std::size_t round = 0; round <= points.size(); ++round) {
     // A corner that goes in may be swallowed later, but not so many of them.
     if (round > 2 * ConvexHull::kMaxVertices) {
-      refuse("ConvexHull: corners = more", "at most 128 corners");
+      pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
     }
     std::uint32_t next = 0;
     double most = kOutside * extent;
@@ -124,11 +126,13 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
 
 std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points) {
   if (points.size() < 4) {
-    refuse("ConvexHull: points = " + std::to_string(points.size()), "at least 4");
+    pbd::detail::refuse("ConvexHull: number of points", "at least 4",
+                        static_cast<double>(points.size()));
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite() || !(points[i].norm() < 1e6)) {
-      refuse("ConvexHull: points[" + std::to_string(i) + "]", "finite and within 1e6 m");
+      pbd::detail::refuse("ConvexHull: points[" + std::to_string(i) + "]",
+                          "finite and within 1e6 m");
     }
   }
   const std::shared_ptr<ConvexHull> hull(new ConvexHull);
@@ -145,7 +149,8 @@ void ConvexHull::build(std::span<const Vec3> points) {
   }
   bounds_ = {low, high};
   const double extent = (high - low).maxCoeff();
-  if (!(extent > 0.0)) refuse("ConvexHull: points in one place", "points that span a volume");
+  if (!(extent > 0.0))
+    pbd::detail::refuse("ConvexHull: points", "such that they span a volume", "in one place");
   // About the middle, so that no digits are lost where the points are far from the origin.
   centre_ = 0.5 * (low + high);
   std::vector<Vec3> local;
@@ -159,7 +164,7 @@ void ConvexHull::build(std::span<const Vec3> points) {
         index[v] = static_cast<std::uint32_t>(arms_.size());
         arms_.push_back(local[v]);
         if (arms_.size() > kMaxVertices) {
-          refuse("ConvexHull: corners = more", "at most 128 corners");
+          pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
         }
       }
       v = index[v];
@@ -180,7 +185,7 @@ void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tole
         if (triangles[t][k] == to && triangles[t][(k + 1) % 3] == from) return t;
       }
     }
-    refuse("ConvexHull: points too near to each other", "corners further apart than round-off");
+    pbd::detail::refuse("ConvexHull: corners", "further apart than round-off");
   };
   constexpr std::uint32_t kFree = 0xffffffffu;
   std::vector<std::uint32_t> owner(triangles.size(), kFree);
@@ -236,14 +241,14 @@ void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tole
       const auto step =
           std::find_if(border.begin(), border.end(), [&](const auto& e) { return e[0] == at; });
       if (step == border.end()) {
-        refuse("ConvexHull: points too near to each other", "a hull of simple faces");
+        pbd::detail::refuse("ConvexHull: points", "far enough apart for a hull of simple faces");
       }
       at = (*step)[1];
       if (at == border[0][0]) break;
     }
     face.count = static_cast<std::uint32_t>(corners_.size()) - face.begin;
     if (face.count != border.size()) {
-      refuse("ConvexHull: points too near to each other", "a hull of simple faces");
+      pbd::detail::refuse("ConvexHull: points", "far enough apart for a hull of simple faces");
     }
     faces_.push_back(face);
   }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -19,24 +19,27 @@ constexpr std::uint32_t kMaxSide = 16384;
 std::shared_ptr<const HeightField> HeightField::make(std::uint32_t columns, std::uint32_t rows,
                                                      double spacing_x, double spacing_y,
                                                      std::span<const double> heights) {
-  if (columns < 2 || columns > kMaxSide) refuse("HeightField: columns", columns, "2 to 16384");
-  if (rows < 2 || rows > kMaxSide) refuse("HeightField: rows", rows, "2 to 16384");
+  if (columns < 2 || columns > kMaxSide)
+    pbd::detail::refuse("HeightField: columns", "from 2 to 16384", columns);
+  if (rows < 2 || rows > kMaxSide)
+    pbd::detail::refuse("HeightField: rows", "from 2 to 16384", rows);
   for (const double spacing : {spacing_x, spacing_y}) {
     if (!(spacing > 0.0 && spacing < 1e6)) {
-      refuse("HeightField: spacing", spacing, "> 0 and below 1e6 m");
+      pbd::detail::refuse("HeightField: spacing", "> 0 and below 1e6 m", spacing);
     }
   }
   const std::size_t count = std::size_t{columns} * rows;
   if (heights.size() != count) {
-    refuse("HeightField: heights.size", static_cast<double>(heights.size()), "columns * rows");
+    pbd::detail::refuse("HeightField: heights.size", "columns * rows",
+                        static_cast<double>(heights.size()));
   }
   const std::shared_ptr<HeightField> field(new HeightField);
   double low = HUGE_VAL;
   double high = -HUGE_VAL;
   for (std::size_t i = 0; i < count; ++i) {
     if (!(std::abs(heights[i]) < 1e6)) {
-      refuse("HeightField: heights[" + std::to_string(i) + "]", heights[i],
-             "finite and within 1e6 m");
+      pbd::detail::refuse("HeightField: heights[" + std::to_string(i) + "]",
+                          "finite and within 1e6 m", heights[i]);
     }
     low = std::min(low, heights[i]);
     high = std::max(high, heights[i]);

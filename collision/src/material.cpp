@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <string>
 
 #include "material_io.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -40,9 +41,7 @@ bool is_rule(Combine rule) { return rule <= Combine::Maximum; }
 bool Material::validate(std::string* error) const {
   const auto fail = [&](const char* field, double value, const char* rule) {
     if (error != nullptr) {
-      std::ostringstream text;
-      text << "Material." << field << " = " << value << " breaks the rule: " << rule;
-      *error = text.str();
+      *error = pbd::detail::must_be(std::string("Material.") + field, rule, value);
     }
     return false;
   };
@@ -50,7 +49,7 @@ bool Material::validate(std::string* error) const {
     return fail("friction", friction, "finite and >= 0");
   }
   if (!(restitution >= 0.0 && restitution <= 1.0)) {
-    return fail("restitution", restitution, "0 to 1");
+    return fail("restitution", restitution, "from 0 to 1");
   }
   if (!is_rule(friction_rule)) {
     return fail("friction_rule", static_cast<double>(friction_rule), "one of Combine");

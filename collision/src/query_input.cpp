@@ -7,38 +7,35 @@
 
 #include "collider_query.h"
 #include "gjk.h"
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
 
-void require_finite(const Vec3& value, const char* field) {
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(value[i])) refuse(field, value[i], "finite");
-  }
-}
+using pbd::detail::refuse;
+using pbd::detail::require_finite;
 
 }  // namespace
 
 void check_distance(double max_distance) {
   if (!(max_distance >= 0.0) || !std::isfinite(max_distance)) {
-    refuse("query: max_distance", max_distance, "finite and >= 0");
+    refuse("query: max_distance", "finite and >= 0", max_distance);
   }
 }
 
 CheckedRay::CheckedRay(const Ray& ray) : origin(ray.origin), limit(ray.max_distance) {
-  require_finite(ray.origin, "Ray.origin");
-  require_finite(ray.direction, "Ray.direction");
+  require_finite(ray.origin, "Ray", "origin");
+  require_finite(ray.direction, "Ray", "direction");
   const double length = ray.direction.stableNorm();
-  if (!(length > 0.0)) refuse("Ray.direction", length, "longer than 0");
+  if (!(length > 0.0)) refuse("Ray: direction", "longer than 0", length);
   if (!(limit > 0.0) || !std::isfinite(limit)) {
-    refuse("Ray.max_distance", limit, "finite and > 0");
+    refuse("Ray: max_distance", "finite and > 0", limit);
   }
   direction = (ray.direction / length).normalized();
 }
 
 Displacement::Displacement(const Vec3& value) {
-  require_finite(value, "query: displacement");
+  require_finite(value, "query", "displacement");
   length = value.stableNorm();
   if (length > 0.0) direction = (value / length).normalized();
 }
@@ -46,14 +43,11 @@ Displacement::Displacement(const Vec3& value) {
 Probe::Probe(const Shape& shape, const pbd::Pose& pose) : origin(pose.position) {
   std::string error;
   if (!validate(shape, &error)) throw std::invalid_argument("query: shape: " + error);
-  require_finite(pose.position, "query: pose.position");
-  const double norm = pose.orientation.norm();
-  if (!(std::abs(norm - 1.0) < 1e-3)) {
-    refuse("query: pose.orientation", norm, "a quaternion of unit norm (within 1e-3)");
-  }
+  require_finite(pose.position, "query", "pose.position");
+  pbd::detail::require_unit(pose.orientation, "query", "pose.orientation");
   Collider collider = make_collider({.shape = shape}, {});
   if (!collider.is_convex()) {
-    refuse("query: shape", static_cast<double>(shape.index()), "a convex shape");
+    refuse("query: shape", "a convex shape");
   }
   collider.position = pose.position;
   collider.rotation = pose.orientation.normalized().toRotationMatrix();
@@ -61,7 +55,7 @@ Probe::Probe(const Shape& shape, const pbd::Pose& pose) : origin(pose.position) 
 }
 
 Probe::Probe(const Vec3& point) : origin(point) {
-  require_finite(point, "query: point");
+  require_finite(point, "query", "point");
   place(point_core(Vec3::Zero()));
 }
 

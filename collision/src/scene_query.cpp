@@ -10,7 +10,7 @@
 #include "collider_query.h"
 #include "query_colliders.h"
 #include "query_input.h"
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -160,7 +160,8 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
     check_distance(max_distance);
     if (id.index >= colliders.size() || !colliders.present(id.index) ||
         colliders.id(id.index) != id) {
-      refuse("SceneQuery::closest_on: collider", id.index, "one that the last update() saw");
+      pbd::detail::refuse("SceneQuery::closest_on: collider", "one that the last update() saw",
+                          id.index);
     }
     SurfaceHit hit;
     const Collider& c = colliders.collider(id.index);

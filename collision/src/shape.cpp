@@ -4,10 +4,9 @@
 
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -19,11 +18,12 @@ using pbd::Vec3;
 constexpr double kMaxSize = 1e6;
 
 bool fail(std::string* error, const char* field, double value, const char* rule) {
-  if (error != nullptr) {
-    std::ostringstream text;
-    text << field << " = " << value << " breaks the rule: " << rule;
-    *error = text.str();
-  }
+  if (error != nullptr) *error = pbd::detail::must_be(field, rule, value);
+  return false;
+}
+
+bool refuse_null(std::string* error, const char* field, const char* rule) {
+  if (error != nullptr) *error = pbd::detail::must_be(field, rule, "null");
   return false;
 }
 
@@ -57,20 +57,20 @@ struct Validator {
     return size_ok(c.half_height) || fail(error, "Cone.half_height", c.half_height, kSizeRule);
   }
   bool operator()(const Hull& h) const {
-    return h != nullptr || fail(error, "Hull", 0.0, "a hull made by ConvexHull::make, not null");
+    return h != nullptr || refuse_null(error, "Hull", "a hull made by ConvexHull::make");
   }
   bool operator()(const Field& f) const {
-    return f != nullptr || fail(error, "Field", 0.0, "a field made by HeightField::make, not null");
+    return f != nullptr || refuse_null(error, "Field", "a field made by HeightField::make");
   }
   bool operator()(const HalfSpace& h) const {
     const double norm = h.normal.norm();
     if (!(std::abs(norm - 1.0) < 1e-6)) {
-      return fail(error, "HalfSpace.normal", norm, "unit length (within 1e-6)");
+      return fail(error, "HalfSpace.normal", norm, "of unit length (within 1e-6)");
     }
     return std::isfinite(h.offset) || fail(error, "HalfSpace.offset", h.offset, "finite");
   }
   bool operator()(const Mesh& m) const {
-    return m != nullptr || fail(error, "Mesh", 0.0, "a mesh made by TriangleMesh::make, not null");
+    return m != nullptr || refuse_null(error, "Mesh", "a mesh made by TriangleMesh::make");
   }
 };
 
@@ -124,14 +124,14 @@ struct Weigher {
     return {density * h->volume(), h->centre(), covariance.trace() * Mat3::Identity() - covariance};
   }
   MassProperties operator()(const Field&) const {
-    refuse("mass_properties: shape = HeightField", "a shape with a finite volume");
+    pbd::detail::refuse("mass_properties: shape", "one of finite volume", "a HeightField");
   }
   MassProperties operator()(const HalfSpace&) const {
-    refuse("mass_properties: shape = HalfSpace", "a shape with a finite volume");
+    pbd::detail::refuse("mass_properties: shape", "one of finite volume", "a HalfSpace");
   }
   MassProperties operator()(const Mesh& m) const {
     if (!m->closed()) {
-      refuse("mass_properties: shape = Mesh with a border", "a closed mesh");
+      pbd::detail::refuse("mass_properties: shape", "a closed mesh", "a Mesh with a border");
     }
     // Sum of signed tetrahedra from a corner of the mesh, which keeps round-off small far away.
     const Vec3 origin = m->vertices()[0];
@@ -151,8 +151,8 @@ struct Weigher {
                 (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
     }
     if (!(volume > 0.0)) {
-      refuse("mass_properties: shape = Mesh of volume " + std::to_string(volume) + " m^3",
-             "> 0 (fronts point outwards)");
+      pbd::detail::refuse("mass_properties: volume of the mesh", "> 0 m^3 (fronts point outwards)",
+                          volume);
     }
     const Vec3 com = first / volume;
     const Mat3 covariance = density * (second - volume * com * com.transpose());
@@ -170,11 +170,12 @@ MassProperties mass_properties(const Shape& shape, double density) {
   std::string error;
   if (!validate(shape, &error)) throw std::invalid_argument("mass_properties: " + error);
   if (!(density > 0.0) || !std::isfinite(density)) {
-    refuse("mass_properties: density", density, "finite and > 0");
+    pbd::detail::refuse("mass_properties: density", "finite and > 0", density);
   }
   MassProperties p = std::visit(Weigher{density}, shape);
   if (!std::isfinite(p.mass) || !p.inertia_l.allFinite()) {
-    refuse("mass_properties: density", density, "mass and inertia of the shape are finite");
+    pbd::detail::refuse("mass_properties: density",
+                        "such that mass and inertia of the shape are finite", density);
   }
   return p;
 }

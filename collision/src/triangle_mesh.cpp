@@ -7,7 +7,7 @@
 #include <numeric>
 #include <string>
 
-#include "refuse.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
@@ -34,22 +34,21 @@ struct HalfEdge {
 
 std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vec3> vertices,
                                                        std::span<const Triangle> triangles) {
-  if (triangles.empty()) refuse("TriangleMesh: triangles = none", "at least one");
+  if (triangles.empty()) pbd::detail::refuse("TriangleMesh: triangles", "at least one", "none");
   if (triangles.size() >= (1u << 28)) {
-    refuse("TriangleMesh: triangles = too many", "fewer than 2^28");
+    pbd::detail::refuse("TriangleMesh: number of triangles", "below 2^28",
+                        static_cast<double>(triangles.size()));
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const pbd::Vec3& v = vertices[i];
     if (v.allFinite()) continue;
-    refuse("TriangleMesh: vertices[" + std::to_string(i) + "] = (" + std::to_string(v.x()) + ", " +
-               std::to_string(v.y()) + ", " + std::to_string(v.z()) + ")",
-           "finite");
+    pbd::detail::require_finite(v, "TriangleMesh", "vertices[" + std::to_string(i) + "]");
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t v : triangles[t]) {
       if (v >= vertices.size()) {
-        refuse("TriangleMesh: triangles[" + std::to_string(t) + "] = corner " + std::to_string(v),
-               "an index below " + std::to_string(vertices.size()));
+        pbd::detail::refuse("TriangleMesh: corner of triangles[" + std::to_string(t) + "]",
+                            "an index below " + std::to_string(vertices.size()), v);
       }
     }
   }
@@ -94,9 +93,8 @@ void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Triangle
     const double area2 = cross.norm();
     const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
     if (!(area2 > kMinArea * longest2) || !std::isfinite(area2)) {
-      refuse("TriangleMesh: triangles[" + std::to_string(t) + "] = area " +
-                 std::to_string(0.5 * area2),
-             "an area above 0");
+      pbd::detail::refuse("TriangleMesh: area of triangles[" + std::to_string(t) + "]", "above 0",
+                          0.5 * area2);
     }
     triangles_.push_back(corners);
     normals_.push_back(cross / area2);
@@ -129,8 +127,8 @@ void TriangleMesh::find_neighbours() {
     }
     const bool pair = end - i == 2 && halves[i].ascending != halves[i + 1].ascending;
     if (end - i > 1 && !pair) {
-      refuse("TriangleMesh: triangles[" + std::to_string(halves[i + 1].triangle) + "]",
-             "an edge has at most one triangle on each side");
+      pbd::detail::refuse("TriangleMesh: triangles[" + std::to_string(halves[i + 1].triangle) + "]",
+                          "the only one on its side of each of its edges");
     }
     const auto id = static_cast<std::uint32_t>(edges.size());
     edges.emplace_back(halves[i].low, halves[i].high);

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "session_time.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 namespace {
@@ -32,7 +32,7 @@ InboxOptions validated(const InboxOptions& options) {
 void InboxOptions::validate() const {
   const auto check = [](double value, const char* field) {
     pbd::detail::require(value >= 0.0 && value <= kLongestTime, "InboxOptions", field, value,
-                         "0 to 1e8 s");
+                         "from 0 to 1e8 s");
   };
   check(max_age, "max_age");
   check(max_future, "max_future");
@@ -58,7 +58,7 @@ Inbox::Inbox(const InboxOptions& options)
       plausibility_(options.plausibility) {}
 
 void Inbox::add_id(const SharedId& id) {
-  if (!id.valid()) throw std::invalid_argument("Inbox::add_id: id = zeros: must not be all zeros");
+  if (!id.valid()) pbd::detail::refuse("Inbox::add_id: id", "not all zeros");
   const auto at = std::lower_bound(bodies_.begin(), bodies_.end(), id,
                                    [](const Body& b, const SharedId& i) { return b.id < i; });
   if (at != bodies_.end() && at->id == id) return;
@@ -74,7 +74,7 @@ void Inbox::remove_id(const SharedId& id) {
 bool Inbox::contains(const SharedId& id) const { return find(bodies_, id) != nullptr; }
 
 void Inbox::add_peer(PeerId peer) {
-  if (peer == 0) throw std::invalid_argument("Inbox::add_peer: peer = 0: must not be 0");
+  if (peer == 0) pbd::detail::refuse("Inbox::add_peer: peer", "not 0", "0");
   auto at = std::lower_bound(peers_.begin(), peers_.end(), peer,
                              [](const Peer& p, PeerId id) { return p.id < id; });
   if (at == peers_.end() || at->id != peer) {

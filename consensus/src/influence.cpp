@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 
@@ -34,14 +34,15 @@ double share_per_step(double share, double dt) {
 double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }
 
 void InfluenceOptions::validate() const {
-  require(baseline >= 0.0 && baseline <= 1.0, "InfluenceOptions", "baseline", baseline, "0 to 1");
+  require(baseline >= 0.0 && baseline <= 1.0, "InfluenceOptions", "baseline", baseline,
+          "from 0 to 1");
   require(held_alone >= 0.0 && held_alone <= 1.0, "InfluenceOptions", "held_alone", held_alone,
-          "0 to 1");
-  require(leading >= 0.0 && leading <= 1.0, "InfluenceOptions", "leading", leading, "0 to 1");
+          "from 0 to 1");
+  require(leading >= 0.0 && leading <= 1.0, "InfluenceOptions", "leading", leading, "from 0 to 1");
   require(std::isfinite(half_life) && half_life > 0.0, "InfluenceOptions", "half_life", half_life,
           "finite and above 0 s");
   require(max_age > 0.0 && max_age <= 1e8, "InfluenceOptions", "max_age", max_age,
-          "above 0 to 1e8 s");
+          "above 0 and at most 1e8 s");
 }
 
 double announced_share(const InfluenceOptions& options, bool held_alone, bool leads) {

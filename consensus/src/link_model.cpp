@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "session_time.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 
@@ -35,20 +35,23 @@ bool later(const Flight& a, const Flight& b) {
 
 void LinkOptions::validate() const {
   constexpr double kLongest = 3600.0;
-  require(latency >= 0.0 && latency <= kLongest, "LinkOptions", "latency", latency, "0 to 3600 s");
-  require(jitter >= 0.0 && jitter <= kLongest, "LinkOptions", "jitter", jitter, "0 to 3600 s");
-  require(loss >= 0.0 && loss <= 0.99, "LinkOptions", "loss", loss, "0 to 0.99");
-  require(duplicate >= 0.0 && duplicate <= 1.0, "LinkOptions", "duplicate", duplicate, "0 to 1");
-  require(reorder >= 0.0 && reorder <= 1.0, "LinkOptions", "reorder", reorder, "0 to 1");
+  require(latency >= 0.0 && latency <= kLongest, "LinkOptions", "latency", latency,
+          "from 0 to 3600 s");
+  require(jitter >= 0.0 && jitter <= kLongest, "LinkOptions", "jitter", jitter, "from 0 to 3600 s");
+  require(loss >= 0.0 && loss <= 0.99, "LinkOptions", "loss", loss, "from 0 to 0.99");
+  require(duplicate >= 0.0 && duplicate <= 1.0, "LinkOptions", "duplicate", duplicate,
+          "from 0 to 1");
+  require(reorder >= 0.0 && reorder <= 1.0, "LinkOptions", "reorder", reorder, "from 0 to 1");
   require(reorder_delay >= 0.0 && reorder_delay <= kLongest, "LinkOptions", "reorder_delay",
-          reorder_delay, "0 to 3600 s");
-  require(bursts >= 0.0 && bursts <= 1000.0, "LinkOptions", "bursts", bursts, "0 to 1000 per s");
+          reorder_delay, "from 0 to 3600 s");
+  require(bursts >= 0.0 && bursts <= 1000.0, "LinkOptions", "bursts", bursts,
+          "from 0 to 1000 per s");
   require(burst_length >= 0.0 && burst_length <= kLongest, "LinkOptions", "burst_length",
-          burst_length, "0 to 3600 s");
+          burst_length, "from 0 to 3600 s");
   require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "LinkOptions",
           "bandwidth", bandwidth, "0 or at least 1 bit/s");
   require(max_state_bytes >= 1 && max_state_bytes <= VirtualNetwork::kMaxPacketBytes, "LinkOptions",
-          "max_state_bytes", static_cast<double>(max_state_bytes), "1 to 65536");
+          "max_state_bytes", static_cast<double>(max_state_bytes), "from 1 to 65536");
 }
 
 LinkOptions network_profile(int number) {
@@ -59,8 +62,7 @@ LinkOptions network_profile(int number) {
   constexpr std::array<Row, 5> kTable = {
       {{3.5e-3, 0.0}, {6e-3, 0.5e-3}, {28.5e-3, 2.5e-3}, {63.5e-3, 4e-3}, {123.5e-3, 5e-3}}};
   if (number < 1 || number > 5) {
-    throw std::invalid_argument("network_profile: number = " + std::to_string(number) +
-                                ": must be 1 to 5");
+    pbd::detail::refuse("network_profile: number", "from 1 to 5", number);
   }
   const Row& row = kTable[static_cast<std::size_t>(number - 1)];
   LinkOptions options;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "peer_impl.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 
@@ -16,13 +16,13 @@ void SendOptions::validate() const {
     require(value >= low && value <= high, "SendOptions", field, value, rule);
   };
   require(kbit_per_s == 0.0 || (kbit_per_s >= 8.0 && kbit_per_s <= 1e9), "SendOptions",
-          "kbit_per_s", kbit_per_s, "0 or 8 to 1e9");
-  in("packet_overhead", packet_overhead, 0.0, 1000.0, "0 to 1000 bytes");
-  in("tolerance", tolerance, 0.0, 1e3, "0 to 1000 m");
+          "kbit_per_s", kbit_per_s, "0 or from 8 to 1e9");
+  in("packet_overhead", packet_overhead, 0.0, 1000.0, "from 0 to 1000 bytes");
+  in("tolerance", tolerance, 0.0, 1e3, "from 0 to 1000 m");
   require(angle_tolerance > 0.0 && angle_tolerance <= 10.0, "SendOptions", "angle_tolerance",
-          angle_tolerance, "above 0 to 10 rad");
-  in("refresh", refresh, 0.0, 3600.0, "0 to 3600 s");
-  in("rest_refresh", rest_refresh, 0.0, 3600.0, "0 to 3600 s");
+          angle_tolerance, "above 0 and at most 10 rad");
+  in("refresh", refresh, 0.0, 3600.0, "from 0 to 3600 s");
+  in("rest_refresh", rest_refresh, 0.0, 3600.0, "from 0 to 3600 s");
 }
 
 void PeerOptions::validate() const {
@@ -33,17 +33,17 @@ void PeerOptions::validate() const {
   robust.validate();
   plausibility.validate();
   require(update_hz >= 1e-3 && update_hz <= 10000.0, "PeerOptions", "update_hz", update_hz,
-          "0.001 to 10000");
+          "from 0.001 to 10000");
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",
           authority_ramp, "finite and >= 0 s");
   require(max_future >= 0.0 && max_future <= 86400.0, "PeerOptions", "max_future", max_future,
-          "0 to 86400 s");
+          "from 0 to 86400 s");
   // Times in nanoseconds are 64 bit: a day is as good as never, and fits.
   constexpr double kLongest = 86400.0;
   require(spring_timeout > 0.0 && spring_timeout <= kLongest, "PeerOptions", "spring_timeout",
-          spring_timeout, "above 0 to 86400 s");
+          spring_timeout, "above 0 and at most 86400 s");
   require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest, "PeerOptions",
-          "max_anchor_extrapolation", max_anchor_extrapolation, "0 to 86400 s");
+          "max_anchor_extrapolation", max_anchor_extrapolation, "from 0 to 86400 s");
   require(anchor_velocity_filter > 0.0 && std::isfinite(anchor_velocity_filter), "PeerOptions",
           "anchor_velocity_filter", anchor_velocity_filter, "finite and > 0 s");
 }

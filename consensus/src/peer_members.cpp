@@ -3,31 +3,29 @@
 //
 // Which bodies are shared.
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "peer_impl.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 
 void Peer::Impl::share(const ShareDef& def) {
-  if (!def.id.valid()) throw std::invalid_argument("ShareDef: id = 0 breaks the rule: not zero");
+  if (!def.id.valid()) pbd::detail::refuse("ShareDef: id", "not zero", "0");
   pbd::detail::require_body(world_, def.body, "ShareDef", "body");
   if (find(def.id) != nullptr) {
-    throw std::invalid_argument("ShareDef: id = " + def.id.to_string() +
-                                " breaks the rule: shared once only");
+    pbd::detail::refuse("ShareDef: id", "shared once only", def.id.to_string());
   }
   if (world_.props(def.body).type == pbd::BodyType::Static) {
-    throw std::invalid_argument("ShareDef: body = static breaks the rule: one that can move");
+    pbd::detail::refuse("ShareDef: body", "one that can move", "static");
   }
   if (std::ranges::any_of(shared_, [&](const Shared& s) { return s.def.body == def.body; })) {
-    throw std::invalid_argument("ShareDef: body of id = " + def.id.to_string() +
-                                " breaks the rule: shared under one id only");
+    pbd::detail::refuse("ShareDef: body", "shared under one id only",
+                        "to be shared under " + def.id.to_string() + " as well");
   }
   if (outbox_ != nullptr && shared_.size() + 1 >= Outbox::kMaxNames) {
-    throw std::invalid_argument("Peer::share: bodies = " + std::to_string(shared_.size() + 1) +
-                                " breaks the rule: fewer than 65536 where SendOptions select");
+    pbd::detail::refuse("Peer::share: number of bodies", "below 65536 where SendOptions select",
+                        static_cast<double>(shared_.size() + 1));
   }
   const auto at =
       std::lower_bound(shared_.begin(), shared_.end(), def.id,
@@ -84,9 +82,7 @@ Peer::Impl::Shared* Peer::Impl::find(const SharedId& id) {
 
 Peer::Impl::Shared& Peer::Impl::at(const SharedId& id) {
   Shared* shared = find(id);
-  if (shared == nullptr) {
-    throw std::invalid_argument("Peer: id = " + id.to_string() + " breaks the rule: shared here");
-  }
+  if (shared == nullptr) pbd::detail::refuse("Peer: id", "shared here", id.to_string());
   return *shared;
 }
 

@@ -9,7 +9,7 @@
 #include "peer_impl.h"
 #include "tandem/consensus/robust.h"
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 namespace {

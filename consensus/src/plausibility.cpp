@@ -7,7 +7,7 @@
 
 #include "session_time.h"
 #include "tandem/consensus/influence.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 
@@ -25,7 +25,7 @@ void PlausibilityOptions::validate() const {
   positive(max_spin_acceleration, "max_spin_acceleration");
   positive(max_hit, "max_hit");
   require(teleport_interval >= 0.0 && teleport_interval <= 86400.0, "PlausibilityOptions",
-          "teleport_interval", teleport_interval, "0 to 86400 s");
+          "teleport_interval", teleport_interval, "from 0 to 86400 s");
 }
 
 bool plausible(const StateUpdate& state, const PlausibilityOptions& limits) {

@@ -9,7 +9,7 @@
 #include "body_state.h"
 #include "session_time.h"
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 

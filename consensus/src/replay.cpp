@@ -11,7 +11,7 @@
 #include "session_time.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 namespace {
@@ -51,9 +51,10 @@ pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
 using pbd::detail::require;
 
 void ReplayOptions::validate() const {
-  require(share > 0.0 && share <= 1.0, "ReplayOptions", "share", share, "above 0 to 1");
+  require(share > 0.0 && share <= 1.0, "ReplayOptions", "share", share, "above 0 and at most 1");
   require(budget >= 1.0, "ReplayOptions", "budget", budget, "at least 1");
-  require(substeps >= 0 && substeps <= 1000, "ReplayOptions", "substeps", substeps, "0 to 1000");
+  require(substeps >= 0 && substeps <= 1000, "ReplayOptions", "substeps", substeps,
+          "from 0 to 1000");
   require(tolerance >= 0.0 && std::isfinite(tolerance), "ReplayOptions", "tolerance", tolerance,
           "finite and >= 0 m");
 }

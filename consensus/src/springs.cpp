@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "session_time.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 namespace {
@@ -72,8 +73,8 @@ Springs::Own& Springs::find(GrabId id) {
   const auto it = std::lower_bound(own_.begin(), own_.end(), id.spring,
                                    [](const Own& o, std::uint32_t s) { return o.spring < s; });
   if (it == own_.end() || it->spring != id.spring) {
-    throw std::invalid_argument("Peer: grab = " + std::to_string(id.spring) +
-                                " breaks the rule: one of this peer's springs, not released yet");
+    pbd::detail::refuse("Peer: grab", "one of this peer's springs, not released yet",
+                        std::to_string(id.spring));
   }
   return *it;
 }

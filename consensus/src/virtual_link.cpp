@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "link_model.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 
@@ -31,9 +31,9 @@ struct __attribute__((visibility("hidden"))) VirtualNetwork::State {
   }
   Link& checked(PeerId from, PeerId to, const char* what) {
     if (Link* const link = find(from, to)) return *link;
-    throw std::invalid_argument(std::string("VirtualNetwork::") + what + ": link " +
-                                std::to_string(from) + " to " + std::to_string(to) +
-                                ": both peers must have joined");
+    pbd::detail::refuse(std::string("VirtualNetwork::") + what + ": link",
+                        "between peers that have joined",
+                        "from " + std::to_string(from) + " to " + std::to_string(to));
   }
   void add_link(PeerId from, PeerId to) {
     links.try_emplace({from, to}, from, to, defaults, seed, now);
@@ -134,7 +134,7 @@ VirtualNetwork::~VirtualNetwork() = default;
 
 Transport& VirtualNetwork::transport(PeerId peer) {
   if (peer == 0) {
-    throw std::invalid_argument("VirtualNetwork::transport: peer = 0: must not be 0");
+    pbd::detail::refuse("VirtualNetwork::transport: peer", "not 0", "0");
   }
   const auto found = state_->endpoints.find(peer);
   if (found != state_->endpoints.end()) return *found->second;
@@ -164,8 +164,8 @@ SessionTime VirtualNetwork::now() const { return state_->now; }
 
 void VirtualNetwork::advance_to(SessionTime time) {
   if (time < state_->now) {
-    throw std::invalid_argument("VirtualNetwork::advance_to: time = " + std::to_string(time) +
-                                ": must not be before " + std::to_string(state_->now));
+    pbd::detail::refuse("VirtualNetwork::advance_to: time",
+                        "at least " + std::to_string(state_->now), std::to_string(time));
   }
   for (auto& [ends, link] : state_->links) link.send_waiting(time, state_->air);
   while (!state_->air.empty() && state_->air.next_due() <= time) {
@@ -190,12 +190,12 @@ void VirtualNetwork::set_clock(PeerId peer, SessionTime ahead, double drift_ppm)
   constexpr SessionTime kMost = 1'000'000'000'000'000'000;
   const auto at = state_->endpoints.find(peer);
   if (at == state_->endpoints.end()) {
-    throw std::invalid_argument("VirtualNetwork::set_clock: peer = " + std::to_string(peer) +
-                                ": must have joined");
+    pbd::detail::refuse("VirtualNetwork::set_clock: peer", "one that has joined",
+                        std::to_string(peer));
   }
   if (ahead < -kMost || ahead > kMost) {
-    throw std::invalid_argument("VirtualNetwork::set_clock: ahead = " + std::to_string(ahead) +
-                                ": must be within 1e18 ns of 0");
+    pbd::detail::refuse("VirtualNetwork::set_clock: ahead", "within 1e18 ns of 0",
+                        std::to_string(ahead));
   }
   pbd::detail::require(std::abs(drift_ppm) <= 1000.0, "VirtualNetwork::set_clock", "drift_ppm",
                        drift_ppm, "within 1000 of 0");

@@ -314,7 +314,7 @@ void Participant::look_at_springs(consensus::SessionTime now) {
 }
 
 void Participant::watch(consensus::SessionTime now, const pbd::StepReport& report) {
-  if (report.status != pbd::StepStatus::Ok) set_fault(now, "a body left the finite numbers");
+  if (report.status != pbd::StepStatus::Ok) set_fault(now, "a body became NaN or infinite");
   for (const SceneBody& body : scene_.bodies) {
     const pbd::BodyState& state = scene_.world->state(body.body);
     if (!(state.pose.position.norm() < bounds_.max_distance)) {

@@ -7,7 +7,7 @@
 
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 namespace {

@@ -33,7 +33,7 @@ SessionClock::SessionClock() : offset_(system_offset()), steady_(true) {
 
 SessionClock::SessionClock(Source source) : source_(std::move(source)) {
   if (!source_) {
-    throw std::invalid_argument("SessionClock: source is empty, must be callable");
+    pbd::detail::refuse("SessionClock: source", "callable", "empty");
   }
 }
 

@@ -3,18 +3,17 @@
 #pragma once
 
 #include <chrono>
-#include <stdexcept>
 #include <string>
+
+#include "tandem/pbd/validate.h"
 
 namespace tandem::net {
 
-/// Throws std::invalid_argument "<owner>: <field> is <value>, must be <rule>" unless `ok`.
+/// Throws std::invalid_argument "<owner>: <field> must be <rule>, is <value>" unless `ok`.
 inline void require(bool ok, const char* owner, const char* field, const std::string& value,
                     const char* rule) {
-  if (!ok) {
-    throw std::invalid_argument(std::string(owner) + ": " + field + " is " + value + ", must be " +
-                                rule);
-  }
+  if (ok) return;
+  pbd::detail::refuse(std::string(owner) + ": " + field, rule, value.empty() ? "empty" : value);
 }
 
 template <class Integer>

@@ -13,11 +13,13 @@
 #include <system_error>
 #include <thread>
 
+#include "tandem/pbd/validate.h"
+
 namespace tandem::net {
 
 HostPort parse_host_port(std::string_view text) {
   const auto fail = [&](const char* rule) -> HostPort {
-    throw std::invalid_argument("address is \"" + std::string(text) + "\", must be " + rule);
+    pbd::detail::refuse("address", rule, '"' + std::string(text) + '"');
   };
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return fail("HOST:PORT");

@@ -31,7 +31,7 @@ class BodyBuffer {
   /// Back to where the step began: each group sees them move.
   void rewind_kinematic(const World& world);
 
-  /// Back into the world. A body that has left the finite numbers stays where the step began, at
+  /// Back into the world. A body that became NaN or infinite stays where the step began, at
   /// rest, and is named in the report.
   void store(World& world, double dt, std::span<const Group> groups, StepReport& report);
 

@@ -5,20 +5,16 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "tandem/pbd/typed_block.h"
-#include "value_text.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
 
 void check_pose(const Pose& pose, std::string_view kind) {
   detail::require_finite(pose.position, kind, "pose.position");
-  const double norm = pose.orientation.norm();
-  detail::require(std::abs(norm - 1.0) < 1e-3, kind, "pose.orientation", norm,
-                  "a quaternion of unit norm (within 1e-3)");
+  detail::require_unit(pose.orientation, kind, "pose.orientation");
 }
 
 void check_twist(const Twist& twist, std::string_view kind) {
@@ -56,7 +52,7 @@ void check_def(const BodyDef& def) {
   detail::require(off < 1e-3, kKind, "inertia", moments[0],
                   "neither too small nor too large for its inverse");
   detail::require(moments[0] + moments[1] >= moments[2] * (1.0 - 1e-6), kKind, "inertia",
-                  moments[2], "largest moment at most the sum of the other two");
+                  moments[2], "such that its largest moment is at most the sum of the other two");
 }
 
 BodyProps make_props(const BodyDef& def) {
@@ -80,17 +76,6 @@ BodyProps make_props(const BodyDef& def) {
 
 namespace detail {
 
-void require(bool ok, std::string_view kind, std::string_view field, double value,
-             std::string_view rule) {
-  if (ok) return;
-  throw std::invalid_argument(std::string(kind) + ": " + std::string(field) + " = " +
-                              value_text(value) + " breaks the rule: " + std::string(rule));
-}
-
-void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {
-  for (int i = 0; i < 3; ++i) require(std::isfinite(value[i]), kind, field, value[i], "finite");
-}
-
 bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::uint8_t> alive) {
   std::vector<std::uint8_t> known(alive.begin(), alive.end());
   for (const std::uint32_t slot : free) {
@@ -98,13 +83,6 @@ bool are_free_slots(std::span<const std::uint32_t> free, std::span<const std::ui
     known[slot] = 1;
   }
   return std::all_of(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; });
-}
-
-void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field) {
-  if (world.contains(id)) return;
-  throw std::invalid_argument(std::string(kind) + ": " + std::string(field) + " = body " +
-                              std::to_string(id.index) + " (generation " +
-                              std::to_string(id.generation) + ") names no body of this world");
 }
 
 }  // namespace detail

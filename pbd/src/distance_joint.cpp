@@ -9,14 +9,14 @@ namespace tandem::pbd {
 void DistanceJoint::check(const World& world, const Def& def) {
   if (def.a.valid()) detail::require_body(world, def.a, kName, "a");
   detail::require_body(world, def.b, kName, "b");
-  detail::require(def.a != def.b, kName, "b", def.b.index, "must differ from a");
+  detail::require(def.a != def.b, kName, "b", def.b.index, "another body than a");
   detail::require_finite(def.anchor_a_l, kName, "anchor_a_l");
   detail::require_finite(def.anchor_b_l, kName, "anchor_b_l");
   detail::require(def.rest_length >= 0.0 && std::isfinite(def.rest_length), kName, "rest_length",
                   def.rest_length, "finite and >= 0");
   detail::require(def.compliance == 0.0 ||
                       (def.compliance >= kLeastCompliance && std::isfinite(def.compliance)),
-                  kName, "compliance", def.compliance, "finite and >= 0, 0 or at least 1e-100");
+                  kName, "compliance", def.compliance, "0, or finite and at least 1e-100");
   detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
                   "finite and >= 0");
   detail::require(def.min_length >= 0.0 && std::isfinite(def.min_length), kName, "min_length",
@@ -26,7 +26,7 @@ void DistanceJoint::check(const World& world, const Def& def) {
   detail::require(
       def.range_compliance == 0.0 ||
           (def.range_compliance >= kLeastCompliance && std::isfinite(def.range_compliance)),
-      kName, "range_compliance", def.range_compliance, "finite and >= 0, 0 or at least 1e-100");
+      kName, "range_compliance", def.range_compliance, "0, or finite and at least 1e-100");
   detail::require(def.range_damping >= 0.0 && std::isfinite(def.range_damping), kName,
                   "range_damping", def.range_damping, "finite and >= 0");
   detail::require(def.break_force >= 0.0 && std::isfinite(def.break_force), kName, "break_force",

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
 namespace {
@@ -15,9 +15,7 @@ constexpr std::string_view kKind = "joint";
 
 void check_frame(const JointFrame& frame, const std::string& field) {
   detail::require_finite(frame.anchor, kKind, field + ".anchor");
-  const double norm = frame.basis.norm();
-  detail::require(std::abs(norm - 1.0) < 1e-3, kKind, field + ".basis", norm,
-                  "a quaternion of unit norm (within 1e-3)");
+  detail::require_unit(frame.basis, kKind, field + ".basis");
 }
 
 void check_at_least_0(double value, const std::string& field) {
@@ -26,7 +24,7 @@ void check_at_least_0(double value, const std::string& field) {
 
 void check_compliance(double value, const std::string& field) {
   const bool ok = value == 0.0 || (value >= kLeastCompliance && std::isfinite(value));
-  detail::require(ok, kKind, field, value, "finite and >= 0, 0 or at least 1e-100");
+  detail::require(ok, kKind, field, value, "0, or finite and at least 1e-100");
 }
 
 void check_axis(const JointAxis& axis, const std::string& field) {
@@ -53,7 +51,7 @@ void check_axis(const JointAxis& axis, const std::string& field) {
     detail::require(axis.motor.mode == MotorMode::Off, kKind, field + ".motor.mode",
                     static_cast<double>(axis.motor.mode), "off on a locked axis");
     detail::require(axis.spring.stiffness == 0.0 && axis.spring.damping == 0.0, kKind,
-                    field + ".spring.stiffness", axis.spring.stiffness, "none on a locked axis");
+                    field + ".spring.stiffness", axis.spring.stiffness, "0 on a locked axis");
   }
 }
 
@@ -168,7 +166,7 @@ SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b, const Vec
 void check_joint(const World& world, const SixDofJointDef& def) {
   if (def.a.valid()) detail::require_body(world, def.a, kKind, "a");
   detail::require_body(world, def.b, kKind, "b");
-  detail::require(def.a != def.b, kKind, "b", def.b.index, "must differ from a");
+  detail::require(def.a != def.b, kKind, "b", def.b.index, "another body than a");
   check_frame(def.frame_a, "frame_a");
   check_frame(def.frame_b, "frame_b");
   for (std::size_t i = 0; i < 3; ++i) {

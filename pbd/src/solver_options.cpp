@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include <cmath>
 #include <string>
 
 #include "tandem/pbd/solver.h"
-#include "value_text.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
 namespace {
 
 bool in_range(double value, double low, double high, const char* field, std::string* error) {
-  if (std::isfinite(value) && value >= low && value <= high) return true;
-  if (error != nullptr) {
-    *error = std::string("SolverOptions: ") + field + " = " + detail::value_text(value) +
-             " breaks the rule: from " + detail::value_text(low) + " to " +
-             detail::value_text(high);
-  }
-  return false;
+  return detail::in_range(value, low, high, std::string("SolverOptions: ") + field, error);
 }
 
 }  // namespace

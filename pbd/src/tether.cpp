@@ -12,9 +12,9 @@ void Tether::check(const World& world, const Def& def) {
   detail::require_finite(def.anchor_w, kName, "anchor_w");
   detail::require_finite(def.anchor_velocity, kName, "anchor_velocity");
   detail::require(def.stiffness >= kMinStiffness && def.stiffness <= kMaxStiffness, kName,
-                  "stiffness", def.stiffness, "1e-9 to 1e15 N/m");
+                  "stiffness", def.stiffness, "from 1e-9 to 1e15 N/m");
   detail::require(def.damping >= 0.0 && def.damping <= kMaxStiffness, kName, "damping", def.damping,
-                  "0 to 1e15 N s/m");
+                  "from 0 to 1e15 N s/m");
   detail::require(def.max_force > 0.0, kName, "max_force", def.max_force, "> 0");
 }
 

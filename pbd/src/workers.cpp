@@ -2,10 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/workers.h"
 
-#include <stdexcept>
-#include <string>
 #include <thread>
 #include <vector>
+
+#include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
 namespace {
@@ -56,8 +56,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
 
 Workers::Workers(int count) : count_(count) {
   if (count < 1 || count > 64) {
-    throw std::invalid_argument("Workers: count = " + std::to_string(count) +
-                                " breaks the rule: 1 to 64");
+    detail::refuse("Workers: count", "from 1 to 64", count);
   }
   if (count == 1) return;
   team_ = std::make_unique<Team>();

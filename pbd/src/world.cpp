@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "body_def.h"
 #include "integrate.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
 namespace {
@@ -63,8 +62,8 @@ std::uint32_t World::checked_index(BodyId id, const char* what) const {
 BodyId World::add_body(const BodyDef& def) {
   check_def(def);
   if (def.stable_id && by_stable_id_.contains(*def.stable_id)) {
-    throw std::invalid_argument("BodyDef: stable_id = " + std::to_string(*def.stable_id) +
-                                " breaks the rule: of no other body of this world");
+    detail::refuse("BodyDef: stable_id", "that of no other body of this world",
+                   std::to_string(*def.stable_id));
   }
   std::uint32_t index = 0;
   if (free_.empty()) {
@@ -174,8 +173,8 @@ void World::set_twist(BodyId id, const Twist& twist) {
 std::uint32_t World::checked_dynamic(BodyId id, const char* what) const {
   const std::uint32_t index = checked_index(id, what);
   if (props_[index].type != BodyType::Dynamic) {
-    throw std::invalid_argument(std::string("World::") + what + ": id = body " +
-                                std::to_string(id.index) + " breaks the rule: a dynamic body");
+    detail::refuse(std::string("World::") + what + ": id", "a dynamic body",
+                   "body " + std::to_string(id.index));
   }
   return index;
 }
@@ -300,16 +299,16 @@ void World::insert_block(std::unique_ptr<ConstraintBlock> block) {
 }
 
 void World::remove_block(const ConstraintBlock& block) {
-  const auto refuse = [](const std::string& value, const char* rule) {
-    throw std::invalid_argument("World::remove_block: block = " + value +
-                                " breaks the rule: " + rule);
-  };
   const auto at = std::find_if(
       blocks_.begin(), blocks_.end(),
       [&](const std::unique_ptr<ConstraintBlock>& own) { return own.get() == &block; });
   // It may have been removed before: nothing of it is read.
-  if (at == blocks_.end()) refuse("unknown", "one of the world's blocks()");
-  if (&block == contacts_) refuse("that of contacts", "one that add_block() made");
+  if (at == blocks_.end()) {
+    detail::refuse("World::remove_block: block", "one of the world's blocks()", "unknown");
+  }
+  if (&block == contacts_) {
+    detail::refuse("World::remove_block: block", "one that add_block() made", "that of contacts");
+  }
   std::vector<std::uint32_t> named;
   BodyCollector collector(named);
   block.links(collector);

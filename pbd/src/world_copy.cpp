@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <typeinfo>
 #include <utility>
 
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
 namespace {
@@ -132,15 +131,13 @@ bool WorldCopy::assign(const World& source) {
 }
 
 void WorldCopy::restore(World& target) const {
-  const auto refuse = [](const char* value, const char* rule) {
-    throw std::invalid_argument(std::string("WorldCopy::restore: ") + value +
-                                " breaks the rule: " + rule);
-  };
-  if (!filled_) refuse("copy = empty", "assign() has copied a world");
+  if (!filled_) {
+    detail::refuse("WorldCopy::restore: the copy", "of a world (assign())", "empty");
+  }
   if (&target == &world_) return;
   if (!same_kinds(target)) {
-    refuse("target",
-           "has the same kinds of blocks and contact source as the world that was copied");
+    detail::refuse("WorldCopy::restore: target",
+                   "a world with the blocks and the contact source of the one that was copied");
   }
   copy_bodies(world_, target);
   for (std::size_t i = 0; i < target.blocks_.size(); ++i) {

@@ -9,7 +9,7 @@
 #include "body_def.h"
 #include "groups.h"
 #include "tandem/pbd/bytes.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
@@ -169,9 +169,7 @@ std::vector<std::byte> World::snapshot() const {
 }
 
 void World::restore(std::span<const std::byte> bytes) {
-  const auto refuse = [](const char* rule) {
-    throw std::invalid_argument(std::string("World::restore: bytes break the rule: ") + rule);
-  };
+  const auto refuse = [](const char* rule) { detail::refuse("World::restore: bytes", rule); };
   // The check value comes first: it finds damage, but not bytes that somebody made up.
   if (bytes.size() < kCheckBytes) refuse("whole");
   const auto content = bytes.first(bytes.size() - kCheckBytes);

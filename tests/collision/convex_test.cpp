@@ -245,7 +245,8 @@ TEST_CASE("convex: a hull holds all its points and is closed", "[collision][unit
 
 TEST_CASE("convex: what makes no hull or no field is refused by name", "[collision][fault]") {
   const auto hull = [](std::vector<Vec3> points) { return ConvexHull::make(points); };
-  CHECK_THROWS_WITH(hull({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}), Contains("points = 3"));
+  CHECK_THROWS_WITH(hull({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}),
+                    Contains("points must be") && Contains("is 3"));
   CHECK_THROWS_WITH(hull(std::vector<Vec3>(9, Vec3(1, 2, 3))), Contains("one place"));
   CHECK_THROWS_WITH(hull({Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(2, 2, 2), Vec3(3, 3, 3)}),
                     Contains("line"));
@@ -260,9 +261,12 @@ TEST_CASE("convex: what makes no hull or no field is refused by name", "[collisi
   CHECK_THROWS_WITH(hull(ball), Contains("128"));
 
   const std::vector<double> four(4, 0.0);
-  CHECK_THROWS_WITH(HeightField::make(1, 4, 1.0, 1.0, four), Contains("columns = 1"));
-  CHECK_THROWS_WITH(HeightField::make(2, 2, 0.0, 1.0, four), Contains("spacing = 0"));
-  CHECK_THROWS_WITH(HeightField::make(3, 2, 1.0, 1.0, four), Contains("heights.size = 4"));
+  CHECK_THROWS_WITH(HeightField::make(1, 4, 1.0, 1.0, four),
+                    Contains("columns must be") && Contains("is 1"));
+  CHECK_THROWS_WITH(HeightField::make(2, 2, 0.0, 1.0, four),
+                    Contains("spacing must be") && Contains("is 0"));
+  CHECK_THROWS_WITH(HeightField::make(3, 2, 1.0, 1.0, four),
+                    Contains("heights.size must be") && Contains("is 4"));
   const std::vector<double> bad{0, 0, NAN, 0};
   CHECK_THROWS_WITH(HeightField::make(2, 2, 1.0, 1.0, bad), Contains("heights[2]"));
 }
@@ -326,7 +330,8 @@ TEST_CASE("convex: parts of a compound share what their collider says", "[collis
   for (const Manifold& m : f.manifolds) CHECK(m.friction == Approx(0.25));
   const std::vector<CompoundPart> bad{{Sphere{0.5}, {}}, {Sphere{-1}, {}}};
   const auto slots = f.scene.slot_count();
-  CHECK_THROWS_WITH(add_compound(f.scene, f.world, def, bad), Contains("radius = -1"));
+  CHECK_THROWS_WITH(add_compound(f.scene, f.world, def, bad),
+                    Contains("radius must be") && Contains("is -1"));
   CHECK(f.collect().size() == 2);
   CHECK(f.scene.slot_count() <= slots + 1);
 }

@@ -430,18 +430,22 @@ TEST_CASE("scene_query: input that cannot be is refused by name, value and rule"
   Fixture f;
   f.fixed(Sphere{1.0});
   const SceneQuery query(f.world, f.scene);
-  CHECK_THROWS_WITH(query.ray_cast({Vec3::Zero(), Vec3::Zero(), 1.0}),
-                    Contains("Ray.direction = 0") && Contains("longer than 0"));
+  CHECK_THROWS_WITH(
+      query.ray_cast({Vec3::Zero(), Vec3::Zero(), 1.0}),
+      Contains("Ray: direction must be") && Contains("is 0") && Contains("longer than 0"));
   CHECK_THROWS_WITH(query.ray_cast({Vec3(0, NAN, 0), Vec3::UnitX(), 1.0}),
-                    Contains("Ray.origin = nan"));
+                    Contains("Ray: origin must be") && Contains("is nan"));
   CHECK_THROWS_WITH(query.ray_blocked({Vec3::Zero(), Vec3::UnitX(), INFINITY}),
-                    Contains("Ray.max_distance = inf"));
+                    Contains("Ray: max_distance must be") && Contains("is inf"));
   CHECK_THROWS_WITH(query.overlaps(HalfSpace{}, {}), Contains("a convex shape"));
-  CHECK_THROWS_WITH(query.overlaps(Sphere{-1}, {}), Contains("Sphere.radius = -1"));
+  CHECK_THROWS_WITH(query.overlaps(Sphere{-1}, {}),
+                    Contains("Sphere.radius must be") && Contains("is -1"));
   CHECK_THROWS_WITH(query.shape_cast(Sphere{1}, {}, Vec3(INFINITY, 0, 0)),
-                    Contains("displacement = inf"));
-  CHECK_THROWS_WITH(query.closest(Vec3::Zero(), -1.0), Contains("max_distance = -1"));
-  CHECK_THROWS_WITH(query.closest_on({4, 0}, Vec3::Zero(), 1.0), Contains("collider = 4"));
+                    Contains("displacement must be") && Contains("is inf"));
+  CHECK_THROWS_WITH(query.closest(Vec3::Zero(), -1.0),
+                    Contains("max_distance must be") && Contains("is -1"));
+  CHECK_THROWS_WITH(query.closest_on({4, 0}, Vec3::Zero(), 1.0),
+                    Contains("collider must be") && Contains("is 4"));
   CHECK_FALSE(SceneQuery().ray_cast({}));
 }
 

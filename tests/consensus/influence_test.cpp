@@ -100,7 +100,8 @@ TEST_CASE("influence: options out of range are refused by name", "[consensus][fa
   };
   CHECK(message([](InfluenceOptions&) {}) == "accepted");
   CHECK_THAT(message([](InfluenceOptions& o) { o.baseline = 1.5; }),
-             Catch::Contains("baseline = 1.5") && Catch::Contains("0 to 1"));
+             Catch::Contains("baseline must be") && Catch::Contains("is 1.5") &&
+                 Catch::Contains("0 to 1"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.half_life = 0.0; }), Catch::Contains("half_life"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.leading = -0.1; }), Catch::Contains("leading"));
   CHECK_THAT(message([](InfluenceOptions& o) { o.held_alone = 1.1; }),

@@ -381,9 +381,12 @@ TEST_CASE("replay: options out of range are refused by field and rule", "[consen
   CHECK(refused([](ReplayOptions& o) { o.share = 1.0; }).empty());
   CHECK(refused([](ReplayOptions& o) { o.budget = kInf; }).empty());
   CHECK(refused([](ReplayOptions& o) { o.tolerance = 0.0; }).empty());
-  CHECK(names(refused([](ReplayOptions& o) { o.share = 0.0; }), "share", "0", "above 0 to 1"));
-  CHECK(names(refused([](ReplayOptions& o) { o.share = 1.5; }), "share", "1.5", "above 0 to 1"));
-  CHECK(names(refused([](ReplayOptions& o) { o.share = kNan; }), "share", "nan", "above 0 to 1"));
+  CHECK(names(refused([](ReplayOptions& o) { o.share = 0.0; }), "share", "0",
+              "above 0 and at most 1"));
+  CHECK(names(refused([](ReplayOptions& o) { o.share = 1.5; }), "share", "1.5",
+              "above 0 and at most 1"));
+  CHECK(names(refused([](ReplayOptions& o) { o.share = kNan; }), "share", "nan",
+              "above 0 and at most 1"));
   CHECK(names(refused([](ReplayOptions& o) { o.budget = 0.5; }), "budget", "0.5", "at least 1"));
   CHECK(names(refused([](ReplayOptions& o) { o.budget = kNan; }), "budget", "nan", "at least 1"));
   CHECK(names(refused([](ReplayOptions& o) { o.tolerance = -1.0; }), "tolerance", "-1", ">= 0"));

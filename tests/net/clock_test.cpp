@@ -142,7 +142,7 @@ TEST_CASE("clock: late jitter leaves the steps nominal", "[net][unit]") {
 TEST_CASE("clock: options that cannot work are refused by name", "[net][fault]") {
   const auto refused = [](PhysicsClockOptions options, const std::string& field) {
     CHECK_THROWS_WITH(PhysicsClock(options, 0),
-                      Catch::Matchers::Contains("PhysicsClockOptions: " + field + " is "));
+                      Catch::Matchers::Contains("PhysicsClockOptions: " + field + " must be "));
   };
   refused({.min_step = 0}, "min_step");
   refused({.min_step = 40 * kMs}, "max_step");

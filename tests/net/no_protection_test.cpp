@@ -14,7 +14,7 @@ TEST_CASE("tcp: a key is refused where nothing can be encrypted, not passed over
   TcpOptions options = raw::options(1);
   options.session_key.emplace().fill(7);
   CHECK_THROWS_WITH(TcpTransport(options),
-                    "TcpOptions: session_key is given, must be none in a build without libsodium");
+                    "TcpOptions: session_key must be none in a build without libsodium, is given");
   CHECK_THROWS_AS(make_key(), std::runtime_error);
 }
 

@@ -454,7 +454,8 @@ TEST_CASE("protected tcp: strangers cost little, and members get in beside them"
 TEST_CASE("protected tcp: frames in the clear stay on this machine unless that is asked for",
           "[net][fault]") {
   const std::string rule =
-      ", must be of this machine where there is neither session_key nor insecure";
+      "TcpOptions: listen_address must be of this machine where there is neither session_key nor "
+      "insecure, is ";
   const auto error = [](const TcpOptions& options) {
     try {
       options.validate();
@@ -464,15 +465,15 @@ TEST_CASE("protected tcp: frames in the clear stay on this machine unless that i
     return std::string();
   };
   TcpOptions options{.self = 1, .listen_port = 0};
-  CHECK(error(options) == "TcpOptions: listen_address is 0.0.0.0" + rule);
+  CHECK(error(options) == rule + "0.0.0.0");
   options.insecure = true;
   CHECK(error(options).empty());
   options.session_key = key(1);
-  CHECK(error(options) == "TcpOptions: insecure is true, must be false with a session_key");
+  CHECK(error(options) == "TcpOptions: insecure must be false with a session_key, is true");
   options.insecure = false;
   CHECK(error(options).empty());
   options.session_key = Key{};
-  CHECK(error(options) == "TcpOptions: session_key is zero, must be secret");
+  CHECK(error(options) == "TcpOptions: session_key must be secret, is zero");
   options.session_key.reset();
   for (const char* here : {"127.0.0.1", "127.3.2.1", "::1", "::ffff:127.0.0.1"}) {
     options.listen_address = here;
@@ -480,25 +481,26 @@ TEST_CASE("protected tcp: frames in the clear stay on this machine unless that i
   }
   for (const char* there : {"::", "192.0.2.1", "127.0.0.1.example.org", "::ffff:192.0.2.1"}) {
     options.listen_address = there;
-    CHECK(error(options) == "TcpOptions: listen_address is " + std::string(there) + rule);
+    CHECK(error(options) == rule + there);
   }
   options.listen_port.reset();
   CHECK(error(options).empty());  // of no meaning then
   options.connect = {{"localhost", 5}};
   CHECK(error(options).empty());
   options.connect = {{"example.org", 5}};
-  CHECK(error(options) == "TcpOptions: connect is example.org:5" + rule);
+  CHECK(error(options) == "TcpOptions: connect must be of this machine where there is neither session_key nor "
+                          "insecure, is example.org:5");
   options.insecure = true;
   CHECK(error(options).empty());
   options.identity = key(2);
-  CHECK(error(options) == "TcpOptions: identity is given, must be none without a session_key");
+  CHECK(error(options) == "TcpOptions: identity must be none without a session_key, is given");
   options.identity.reset();
   options.trusted = {{.peer = 2, .public_key = key(3)}};
-  CHECK(error(options) == "TcpOptions: trusted is given, must be empty without a session_key");
+  CHECK(error(options) == "TcpOptions: trusted must be empty without a session_key, is given");
   options.session_key = key(1);
   options.insecure = false;
   options.trusted[0].peer = 1;
-  CHECK(error(options) == "TcpOptions: trusted is 1, must be ids of other peers");
+  CHECK(error(options) == "TcpOptions: trusted must be ids of other peers, is 1");
 }
 
 }  // namespace tcp_protected_test

@@ -259,7 +259,7 @@ TEST_CASE("tcp: options that cannot work are refused by name", "[net][fault]") {
     TcpOptions broken = options(1);
     change(broken);
     CHECK_THROWS_WITH(TcpTransport(broken),
-                      Catch::Matchers::Contains("TcpOptions: " + field + " is "));
+                      Catch::Matchers::Contains("TcpOptions: " + field + " must be "));
   };
   refused("self", [](TcpOptions& o) { o.self = 0; });
   refused("listen_address", [](TcpOptions& o) { o.listen_address.clear(); });

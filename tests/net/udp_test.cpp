@@ -309,7 +309,7 @@ TEST_CASE("udp: options that are not valid are named, a port in use is an error"
   CHECK_THROWS_AS(UdpTransport(zero), std::invalid_argument);
   auto small = options(1);
   small.max_datagram = 500;
-  CHECK_THROWS_WITH(UdpTransport(small), "UdpOptions: max_datagram is 500, must be in [548, 1200]");
+  CHECK_THROWS_WITH(UdpTransport(small), "UdpOptions: max_datagram must be in [548, 1200], is 500");
   UdpTransport a(options(1));
   auto taken = options(2);
   taken.port = a.local_port();

@@ -113,25 +113,28 @@ TEST_CASE("load_obj: polygons keep their area and front, convex or not", "[obj]"
 
 TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  CHECK_THAT(refused(v), Contains("test.obj: faces = none"));
-  CHECK_THAT(refused(""), Contains("faces = none"));
-  CHECK_THAT(refused(v + "f 1 2 4"), Contains("test.obj:4: vertex number 4") && Contains("3"));
-  CHECK_THAT(refused(v + "f 1 2 -4"), Contains("test.obj:4: vertex number -4"));
-  CHECK_THAT(refused("f 1 2 3\n" + v), Contains("test.obj:1: vertex number 1"));
-  CHECK_THAT(refused(v + "\nf 0 1 2"), Contains("test.obj:5: corner \"0\""));
-  CHECK_THAT(refused(v + "f 1 two 3"), Contains("test.obj:4: corner \"two\""));
-  CHECK_THAT(refused(v + "f 1 2"), Contains("test.obj:4: face of 2 corners"));
-  CHECK_THAT(refused("v 0 nan 0\n"), Contains("test.obj:1: y = \"nan\""));
-  CHECK_THAT(refused("v 0 0 1e999\n"), Contains("test.obj:1: z = \"1e999\""));
-  CHECK_THAT(refused("# x\nv 0 0\n"), Contains("test.obj:2: z = \"\""));
-  CHECK_THAT(refused("v 0 0 zero\n"), Contains("z = \"zero\"") && Contains("finite number"));
+  CHECK_THAT(refused(v), Contains("test.obj: faces must be") && Contains("is none"));
+  CHECK_THAT(refused(""), Contains("faces must be") && Contains("is none"));
+  CHECK_THAT(refused(v + "f 1 2 4"),
+             Contains("test.obj:4: vertex number must be one of the 3 vertices, is 4"));
+  CHECK_THAT(refused(v + "f 1 2 -4"), Contains("test.obj:4: vertex number") && Contains("is -4"));
+  CHECK_THAT(refused("f 1 2 3\n" + v), Contains("test.obj:1: vertex number") && Contains("is 1"));
+  CHECK_THAT(refused(v + "\nf 0 1 2"), Contains("test.obj:5: corner") && Contains("is \"0\""));
+  CHECK_THAT(refused(v + "f 1 two 3"), Contains("test.obj:4: corner") && Contains("is \"two\""));
+  CHECK_THAT(refused(v + "f 1 2"), Contains("test.obj:4: number of corners") && Contains("is 2"));
+  CHECK_THAT(refused("v 0 nan 0\n"), Contains("test.obj:1: y must be") && Contains("is \"nan\""));
+  CHECK_THAT(refused("v 0 0 1e999\n"),
+             Contains("test.obj:1: z must be") && Contains("is \"1e999\""));
+  CHECK_THAT(refused("# x\nv 0 0\n"), Contains("test.obj:2: z must be") && Contains("is \"\""));
+  CHECK_THAT(refused("v 0 0 zero\n"),
+             Contains("z must be") && Contains("is \"zero\"") && Contains("finite number"));
   CHECK_THAT(refused(v + "v 2 0 0\nf 1 2 4"), Contains("test.obj:5: face") && Contains("an area"));
   CHECK_THAT(refused("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 2 1 0\nf 1 2 3 4"), Contains("cross itself"));
   CHECK_THAT(refused(v + "f 1 2 3\nf 1 2 3"), Contains("test.obj:5") && Contains("edge"));
   CHECK_THROWS_WITH(obj::load_obj("no/such/file.obj"),
                     Contains("no/such/file.obj: file") && Contains("can be read"));
   CHECK_THROWS_WITH(obj::parse_obj(v + "f 1 2 3", "test.obj", {.scale = 0.0}),
-                    Contains("scale = 0"));
+                    Contains("scale must be") && Contains("is 0"));
 }
 
 TEST_CASE("load_obj: a file, a stream and a string give the same mesh", "[obj]") {

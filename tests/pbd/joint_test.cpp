@@ -269,23 +269,25 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
   };
   refused("a", "body 2", "no body", [&](Def& d) { d.a = stale; });
   refused("b", "body 2", "no body", [&](Def& d) { d.b = stale; });
-  refused("b", "1.0", "differ from a", [&](Def& d) { d.a = b; });
+  refused("b", "is 1", "another body than a", [&](Def& d) { d.a = b; });
   refused("frame_a.anchor", "nan", "finite", [&](Def& d) { d.frame_a.anchor.x() = kNan; });
-  refused("frame_b.basis", "2.0", "unit", [&](Def& d) { d.frame_b.basis.w() = 2.0; });
+  refused("frame_b.basis", "is 2", "unit", [&](Def& d) { d.frame_b.basis.w() = 2.0; });
   refused("frame_b.anchor", "-inf", "finite", [&](Def& d) { d.frame_b.anchor.z() = -kUnlimited; });
-  refused("linear[1].compliance", "-1.0", ">= 0", [&](Def& d) { d.linear[1].compliance = -1.0; });
+  refused("linear[1].compliance", "is -1", "at least 1e-100",
+          [&](Def& d) { d.linear[1].compliance = -1.0; });
   refused("linear[0].compliance", "nan", "finite", [&](Def& d) { d.linear[0].compliance = kNan; });
-  refused("linear[2].damping", "-2.0", ">= 0", [&](Def& d) { d.linear[2].damping = -2.0; });
+  refused("linear[2].damping", "is -2", ">= 0", [&](Def& d) { d.linear[2].damping = -2.0; });
   refused("linear[2].damping", "inf", "finite", [&](Def& d) { d.linear[2].damping = kUnlimited; });
-  refused("angular[0].upper", "-1.0", ">= lower", [&](Def& d) { d.angular[0] = limit(1.0, -1.0); });
-  refused("angular[2].motor.max_force", "0.0", "> 0",
+  refused("angular[0].upper", "is -1", ">= lower",
+          [&](Def& d) { d.angular[0] = limit(1.0, -1.0); });
+  refused("angular[2].motor.max_force", "is 0", "> 0",
           [&](Def& d) { d.angular[2].motor.max_force = 0.0; });
-  refused("linear[0].spring.stiffness", "5.0", "locked", [&](Def& d) {
+  refused("linear[0].spring.stiffness", "is 5", "locked", [&](Def& d) {
     d.linear[0] = lock();
     d.linear[0].spring.stiffness = 5.0;
   });
-  refused("cone", "-1.0", "> 0", [&](Def& d) { d.cone = -1.0; });
-  refused("angular[1].freedom", "1.0", "cone", [&](Def& d) {
+  refused("cone", "is -1", "> 0", [&](Def& d) { d.cone = -1.0; });
+  refused("angular[1].freedom", "is 1", "cone", [&](Def& d) {
     d.cone = 1.0;
     d.angular[1] = lock();
   });
@@ -299,7 +301,7 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
   CHECK(names(refusal([&] { ball_joint_at(world, stale, a, Vec3::Zero()); }), "joint: a", "body 2",
               "no body"));
   CHECK(names(refusal([&] { hinge_joint_at(world, a, b, Vec3::Zero(), Vec3::Zero()); }),
-              "joint: axis_w", "0.0", "longer"));
+              "joint: axis_w", "is 0", "longer"));
   joints.add(world, SixDofJointDef{.a = a, .b = b});
   world.remove_body(a);
   CHECK(joints.size() == 0);

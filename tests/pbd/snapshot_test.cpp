@@ -133,7 +133,7 @@ TEST_CASE("snapshot: cut short anywhere, it is refused and the world stays as it
     const std::string message =
         refusal([&] { scene.world.restore(std::span(bytes).first(length)); });
     INFO("length " << length);
-    REQUIRE(names(message, "World::restore", "bytes", "rule"));
+    REQUIRE(names(message, "World::restore", "bytes", "must be"));
     REQUIRE(scene.world.snapshot() == before);
   }
 }

@@ -54,16 +54,16 @@ TEST_CASE("solver: options out of range are refused naming field, value and rule
     std::function<void(SolverOptions&)> spoil;
   };
   const std::vector<Case> cases{
-      {"substeps", "0.0", [](SolverOptions& o) { o.substeps = 0; }},
-      {"substeps", "1001.0", [](SolverOptions& o) { o.substeps = 1001; }},
-      {"position_iterations", "0.0", [](SolverOptions& o) { o.position_iterations = 0; }},
-      {"joint_iterations", "-1.0", [](SolverOptions& o) { o.joint_iterations = -1; }},
+      {"substeps", "is 0", [](SolverOptions& o) { o.substeps = 0; }},
+      {"substeps", "is 1001", [](SolverOptions& o) { o.substeps = 1001; }},
+      {"position_iterations", "is 0", [](SolverOptions& o) { o.position_iterations = 0; }},
+      {"joint_iterations", "is -1", [](SolverOptions& o) { o.joint_iterations = -1; }},
       {"joint_tolerance", "nan", [](SolverOptions& o) { o.joint_tolerance = kNan; }},
-      {"velocity_iterations", "-1.0", [](SolverOptions& o) { o.velocity_iterations = -1; }},
+      {"velocity_iterations", "is -1", [](SolverOptions& o) { o.velocity_iterations = -1; }},
       {"velocity_tolerance", "-0.5", [](SolverOptions& o) { o.velocity_tolerance = -0.5; }},
       {"contact.push_speed", "inf", [](SolverOptions& o) { o.contact.push_speed = kInf; }},
       {"contact.warm_start_gap", "nan", [](SolverOptions& o) { o.contact.warm_start_gap = kNan; }},
-      {"contact.restitution_threshold", "-1.0",
+      {"contact.restitution_threshold", "is -1",
        [](SolverOptions& o) { o.contact.restitution_threshold = -1.0; }},
   };
   for (const Case& c : cases) {
@@ -74,7 +74,7 @@ TEST_CASE("solver: options out of range are refused naming field, value and rule
     CHECK_FALSE(options.validate(&error));
     CHECK_FALSE(options.validate());
     INFO("\"" << error << "\"");
-    CHECK(names(error, std::string("SolverOptions: ") + c.field + " =", c.value, "from"));
+    CHECK(names(error, std::string("SolverOptions: ") + c.field + " must be", c.value, "from"));
     CHECK(refusal([&] { Solver solver(options); }) == error);
   }
 }

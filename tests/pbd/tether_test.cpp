@@ -194,12 +194,12 @@ TEST_CASE("tether: a bad definition is refused naming field, value and rule", "[
   refused("anchor_l", "nan", "finite", [&](Def& d) { d.anchor_l.x() = kNan; });
   refused("anchor_w", "inf", "finite", [&](Def& d) { d.anchor_w.y() = kInf; });
   refused("anchor_velocity", "nan", "finite", [&](Def& d) { d.anchor_velocity.z() = kNan; });
-  refused("stiffness", "0.0", "1e-9 to 1e15", [&](Def& d) { d.stiffness = 0.0; });
+  refused("stiffness", "is 0", "1e-9 to 1e15", [&](Def& d) { d.stiffness = 0.0; });
   refused("stiffness", "inf", "1e-9 to 1e15", [&](Def& d) { d.stiffness = kInf; });
   refused("stiffness", "1e-310", "1e-9 to 1e15", [&](Def& d) { d.stiffness = 1e-310; });
-  refused("damping", "-1.0", "0 to 1e15", [&](Def& d) { d.damping = -1.0; });
+  refused("damping", "is -1", "0 to 1e15", [&](Def& d) { d.damping = -1.0; });
   refused("damping", "nan", "0 to 1e15", [&](Def& d) { d.damping = kNan; });
-  refused("max_force", "0.0", "> 0", [&](Def& d) { d.max_force = 0.0; });
+  refused("max_force", "is 0", "> 0", [&](Def& d) { d.max_force = 0.0; });
   refused("max_force", "nan", "> 0", [&](Def& d) { d.max_force = kNan; });
   CHECK(tethers.size() == 1);
   CHECK(tethers.def(id).stiffness == 500.0);

@@ -94,7 +94,7 @@ TEST_CASE("world: every call refuses a stale, foreign or invalid id and changes 
         [&] { (void)world.in_contact(id); },
     };
     for (const auto& call : calls) {
-      CHECK(names(refusal(call), "World", value, "names no body of this world"));
+      CHECK(names(refusal(call), "World", value, "must be a body of this world"));
     }
   }
   CHECK(world.hash() == before);
@@ -109,13 +109,13 @@ TEST_CASE("world: a bad body definition is refused naming field, value and rule"
     std::function<void(BodyDef&)> spoil;
   };
   const std::vector<Case> cases{
-      {"mass", "0.0", "> 0", [](BodyDef& d) { d.mass = 0.0; }},
-      {"mass", "-1.0", "> 0", [](BodyDef& d) { d.mass = -1.0; }},
+      {"mass", "is 0", "> 0", [](BodyDef& d) { d.mass = 0.0; }},
+      {"mass", "is -1", "> 0", [](BodyDef& d) { d.mass = -1.0; }},
       {"mass", "inf", "finite", [](BodyDef& d) { d.mass = kInf; }},
       {"mass", "nan", "finite", [](BodyDef& d) { d.mass = kNan; }},
       {"pose.position", "nan", "finite", [](BodyDef& d) { d.pose.position.y() = kNan; }},
       {"pose.position", "inf", "finite", [](BodyDef& d) { d.pose.position.z() = kInf; }},
-      {"pose.orientation", "0.0", "unit norm",
+      {"pose.orientation", "is 0", "unit norm",
        [](BodyDef& d) { d.pose.orientation = Quat(0.0, 0.0, 0.0, 0.0); }},
       {"pose.orientation", "1.4", "unit norm",
        [](BodyDef& d) { d.pose.orientation = Quat(1.0, 1.0, 0.0, 0.0); }},
@@ -126,11 +126,11 @@ TEST_CASE("world: a bad body definition is refused naming field, value and rule"
       {"gravity_scale", "nan", "finite", [](BodyDef& d) { d.gravity_scale = kNan; }},
       {"inertia", "nan", "finite", [](BodyDef& d) { d.inertia(1, 1) = kNan; }},
       {"inertia", "0.1", "symmetric", [](BodyDef& d) { d.inertia(0, 1) += 0.1; }},
-      {"inertia", "0.0", "positive definite", [](BodyDef& d) { d.inertia.setZero(); }},
-      {"inertia", "-1.0", "positive definite",
+      {"inertia", "is 0", "positive definite", [](BodyDef& d) { d.inertia.setZero(); }},
+      {"inertia", "is -1", "positive definite",
        [](BodyDef& d) { d.inertia = Vec3(-1.0, 1.0, 1.0).asDiagonal(); }},
       // No body of positive density has one moment above the sum of the others.
-      {"inertia", "3.0", "sum of the other two",
+      {"inertia", "is 3", "sum of the other two",
        [](BodyDef& d) { d.inertia = Vec3(1.0, 1.0, 3.0).asDiagonal(); }},
   };
   World world;
@@ -172,7 +172,7 @@ TEST_CASE("world: bad poses, twists and gravity are refused and change nothing",
   CHECK(names(refusal([&] {
                 world.set_twist(ground, {Vec3(1.0, 0.0, 0.0), Vec3::Zero()});
               }),
-              "twist", "1.0", "zero for a static body"));
+              "twist", "is 1", "zero for a static body"));
   CHECK(
       names(refusal([&] { world.set_gravity(Vec3(0.0, 0.0, kNan)); }), "gravity", "nan", "finite"));
   CHECK(names(refusal([&] { World bad({.gravity = Vec3(kInf, 0.0, 0.0)}); }), "gravity", "inf",

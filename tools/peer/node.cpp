@@ -238,7 +238,7 @@ class Node {
 
   void look(const pbd::StepReport& report) {
     std::string fault;
-    if (report.status != pbd::StepStatus::Ok) fault = "a body left the finite numbers";
+    if (report.status != pbd::StepStatus::Ok) fault = "a body became NaN or infinite";
     if (++since_look_ >= kStepsPerLook) {
       since_look_ = 0;
       const Bounds bounds = scenario_.bounds();

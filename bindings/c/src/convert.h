@@ -11,6 +11,7 @@
 #include "tandem/consensus/update.h"
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/joint.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::c {
 
@@ -58,9 +59,9 @@ inline constexpr tandem_pose kAtOrigin = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0}}
 /// A time of a session. Sums of two of them must fit: half of the range is given away.
 inline std::int64_t checked_time(const char* field, std::int64_t time, std::int64_t least) {
   if (time < least || time > consensus::kMaxStamp) {
-    throw std::invalid_argument(std::string(field) + " = " + std::to_string(time) + ": must be " +
-                                std::to_string(least) + " to " +
-                                std::to_string(consensus::kMaxStamp));
+    pbd::detail::refuse(
+        field, "from " + std::to_string(least) + " to " + std::to_string(consensus::kMaxStamp),
+        std::to_string(time));
   }
   return time;
 }

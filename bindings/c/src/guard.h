@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "tandem/c/tandem.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::c {
 
@@ -44,14 +45,13 @@ tandem_result guarded(tandem_error* error, Work&& work) noexcept {
 /// Throws std::invalid_argument where an argument that must be there is not.
 template <class T>
 T& required(T* pointer, const char* name) {
-  if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " = null: must be given");
+  if (pointer == nullptr) pbd::detail::refuse(name, "given", "null");
   return *pointer;
 }
 
 /// Throws std::invalid_argument: `type` lists no such value.
 [[noreturn]] inline void refuse_unlisted(const char* field, std::int32_t value, const char* type) {
-  throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) +
-                              ": must be one of " + type);
+  pbd::detail::refuse(field, std::string("one of ") + type, value);
 }
 
 }  // namespace tandem::c

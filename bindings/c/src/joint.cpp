@@ -112,7 +112,7 @@ tandem_result tandem_joint_set_motor(tandem_world* world, tandem_joint joint,
     tandem_world& w = required(world, "world");
     pbd::SixDofJointDef def = w.joints.def(from_c(joint));
     const int axis = free_axis(def);
-    if (axis < 0) throw std::invalid_argument("joint: must be a hinge or a slider");
+    if (axis < 0) pbd::detail::refuse("joint", "a hinge or a slider");
     const auto k = static_cast<std::size_t>(axis % 3);
     (axis < 3 ? def.linear[k] : def.angular[k]).motor = motor_of(mode, target, max_force);
     w.joints.set(w.world, from_c(joint), def);

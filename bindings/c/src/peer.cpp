@@ -43,7 +43,7 @@ tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport
     options.influence.baseline = d.influence;
     options.authority_ramp = d.authority_ramp;
     if (w.world.target_source() != nullptr) {
-      throw std::invalid_argument("world: has a peer already");
+      pbd::detail::refuse("world", "one that has no peer yet");
     }
     made = new tandem_peer{.peer = {w.world, *required(transport, "transport").transport, options}};
   });

@@ -16,8 +16,7 @@ namespace {
 size_t checked_count(size_t count, const char* field) {
   constexpr size_t kMost = size_t{1} << 28;
   if (count >= kMost) {
-    throw std::invalid_argument(std::string(field) + " = " + std::to_string(count) +
-                                ": must be below 2^28");
+    pbd::detail::refuse(field, "below 2^28", std::to_string(count));
   }
   return count;
 }

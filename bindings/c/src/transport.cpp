@@ -83,15 +83,16 @@ tandem_transport* tandem_transport_create(const tandem_transport_def* def, tande
   tandem_transport* made = nullptr;
   guarded(error, [&] {
     const tandem_transport_def& d = required(def, "def");
-    if (d.self == 0) throw std::invalid_argument("self = 0: must not be 0");
+    if (d.self == 0) pbd::detail::refuse("self", "not 0", "0");
     if (d.post == nullptr || d.drain == nullptr || d.peers == nullptr) {
-      throw std::invalid_argument("post, drain, peers: must be given");
+      pbd::detail::refuse("post, drain and peers", "given", "null");
     }
     if (d.max_packet != 0 &&
         (d.max_packet < kLeastMaxPacket || d.max_packet > consensus::kMaxPacketBytes)) {
-      throw std::invalid_argument("max_packet = " + std::to_string(d.max_packet) +
-                                  ": must be 0 or " + std::to_string(kLeastMaxPacket) + " to " +
-                                  std::to_string(consensus::kMaxPacketBytes));
+      pbd::detail::refuse("max_packet",
+                          "0 or from " + std::to_string(kLeastMaxPacket) + " to " +
+                              std::to_string(consensus::kMaxPacketBytes),
+                          std::to_string(d.max_packet));
     }
     auto result = std::make_unique<tandem_transport>();
     result->owned = std::make_unique<Callbacks>(d);

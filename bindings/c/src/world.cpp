@@ -9,7 +9,7 @@
 #include "convert.h"
 #include "guard.h"
 #include "tandem/pbd/bytes.h"
-#include "tandem/pbd/typed_block.h"
+#include "tandem/pbd/validate.h"
 #include "world_impl.h"
 
 using namespace tandem;
@@ -50,7 +50,8 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
                                 tandem_error* error) {
   return guarded(error, [&] {
     tandem_world& w = required(world, "world");
-    pbd::detail::require(dt > 0.0 && dt <= 1e6, "tandem_world_step", "dt", dt, "above 0 to 1e6 s");
+    pbd::detail::require(dt > 0.0 && dt <= 1e6, "tandem_world_step", "dt", dt,
+                         "above 0 and at most 1e6 s");
     const pbd::StepReport& done = w.solver.step(w.world, dt);
     if (w.events) w.events->update(w.world, w.scene);
     if (report != nullptr) {
@@ -97,7 +98,7 @@ void restore(tandem_world& w, std::span<const std::byte> bytes) {
   collision::ContactEvents events;
   events.load(in);
   if (in.failed() || in.remaining() > 0) {
-    throw std::invalid_argument("bytes: must be a snapshot of a world that collects events");
+    pbd::detail::refuse("bytes", "a snapshot of a world that collects events");
   }
   w.world.restore(bytes.first(begin));
   w.events = std::move(events);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "obj_parser.h"
+#include "tandem/pbd/validate.h"
 #include "triangulate.h"
 
 namespace tandem::obj {
@@ -28,7 +29,7 @@ std::ptrdiff_t number_after(const std::string& message, const std::string& marke
 
 Mesh build(const std::string& text, std::string_view name, const ObjOptions& options) {
   if (!(options.scale > 0.0) || !std::isfinite(options.scale)) {
-    refuse(name, 0, "ObjOptions.scale = " + std::to_string(options.scale), "finite and > 0");
+    refuse(name, 0, "ObjOptions.scale", "finite and > 0", pbd::detail::value_text(options.scale));
   }
   ObjText obj = parse(text, name);
   for (pbd::Vec3& vertex : obj.vertices) vertex *= options.scale;
@@ -36,7 +37,7 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
   std::vector<std::size_t> lines;  // of each triangle
   for (const Face& face : obj.faces) {
     if (!triangulate(obj.vertices, face.corners, triangles)) {
-      refuse(name, face.line, "face", "has an area and does not cross itself");
+      refuse(name, face.line, "face", "one that has an area and does not cross itself");
     }
     lines.resize(triangles.size(), face.line);
   }
@@ -56,14 +57,14 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
 Mesh load_obj(const std::filesystem::path& path, const ObjOptions& options) {
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) {
-    refuse(path.string(), 0, "file", "exists and can be read");
+    refuse(path.string(), 0, "file", "one that can be read");
   }
   return read_obj(in, path.string(), options);
 }
 
 Mesh read_obj(std::istream& in, std::string_view name, const ObjOptions& options) {
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad()) refuse(name, 0, "file", "can be read to its end");
+  if (in.bad()) refuse(name, 0, "file", "one that can be read to its end");
   return build(text, name, options);
 }
 

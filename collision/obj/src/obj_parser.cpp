@@ -11,7 +11,8 @@
 #include <cmath>
 #include <istream>
 #include <sstream>
-#include <stdexcept>
+
+#include "tandem/pbd/validate.h"
 
 namespace tandem::obj {
 namespace {
@@ -39,8 +40,7 @@ void check_vertex(std::string_view line, std::string_view name, std::size_t numb
     const std::string_view word = take_word(line);
     double value = 0.0;
     if (!read(word, value) || !std::isfinite(value)) {
-      refuse(name, number, std::string(axis) + " = \"" + std::string(word) + "\"",
-             "a finite number");
+      refuse(name, number, axis, "a finite number", '"' + std::string(word) + '"');
     }
   }
 }
@@ -50,13 +50,13 @@ void check_face(std::string_view line, std::string_view name, std::size_t number
   for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
     int index = 0;
     if (!read(word.substr(0, word.find('/')), index) || index == 0) {
-      refuse(name, number, "corner \"" + std::string(word) + "\"",
-             "begins with a vertex number, from 1 up or from -1 down");
+      refuse(name, number, "corner", "a vertex number, from 1 up or from -1 down",
+             '"' + std::string(word) + '"');
     }
     ++corners;
   }
   if (corners < 3) {
-    refuse(name, number, "face of " + std::to_string(corners) + " corners", "at least 3");
+    refuse(name, number, "number of corners", "at least 3", std::to_string(corners));
   }
 }
 
@@ -65,7 +65,8 @@ struct Builder {
   std::string_view name;
   std::vector<std::size_t> face_lines;
   ObjText out;
-  std::string error;  ///< a callback must not throw through the library
+  /// The number that names no vertex; a callback must not throw through the library.
+  std::string error;
   std::size_t error_line = 0;
 
   void vertex(double x, double y, double z) { out.vertices.emplace_back(x, y, z); }
@@ -78,7 +79,7 @@ struct Builder {
       const std::int64_t index = indices[i].vertex_index;
       const std::int64_t corner = index > 0 ? index - 1 : known + index;
       if (corner < 0 || corner >= known) {
-        error = "vertex number " + std::to_string(index);
+        error = std::to_string(index);
         error_line = face.line;
         return;
       }
@@ -105,11 +106,11 @@ std::vector<std::size_t> check_lines(const std::string& text, std::string_view n
 
 }  // namespace
 
-void refuse(std::string_view name, std::size_t line, const std::string& what,
-            const std::string& rule) {
+void refuse(std::string_view name, std::size_t line, std::string_view what, std::string_view rule,
+            std::string_view value) {
   std::string where(name);
   if (line > 0) where += ":" + std::to_string(line);
-  throw std::invalid_argument(where + ": " + what + " breaks the rule: " + rule);
+  pbd::detail::refuse(where.append(": ").append(what), rule, value);
 }
 
 ObjText parse(const std::string& text, std::string_view name) {
@@ -127,11 +128,12 @@ ObjText parse(const std::string& text, std::string_view name) {
   const bool read =
       tinyobj::LoadObjWithCallback(in, callbacks, &builder, nullptr, &warning, &error);
   if (!builder.error.empty()) {
-    refuse(name, builder.error_line, builder.error,
-           "names one of the " + std::to_string(builder.out.vertices.size()) + " vertices");
+    refuse(name, builder.error_line, "vertex number",
+           "one of the " + std::to_string(builder.out.vertices.size()) + " vertices",
+           builder.error);
   }
-  if (!read) refuse(name, 0, "text", "readable: " + error);
-  if (builder.out.faces.empty()) refuse(name, 0, "faces = none", "at least one");
+  if (!read) refuse(name, 0, "text", "one that can be read", error);
+  if (builder.out.faces.empty()) refuse(name, 0, "faces", "at least one", "none");
   return std::move(builder.out);
 }
 

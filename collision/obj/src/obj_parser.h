@@ -26,8 +26,8 @@ struct ObjText {
 /// @throws std::invalid_argument  see load_obj.h
 ObjText parse(const std::string& text, std::string_view name);
 
-/// Throws std::invalid_argument: "name:line: what breaks the rule: rule"; line 0 is left out.
-[[noreturn]] void refuse(std::string_view name, std::size_t line, const std::string& what,
-                         const std::string& rule);
+/// Throws std::invalid_argument: "name:line: what must be rule, is value"; line 0 is left out.
+[[noreturn]] void refuse(std::string_view name, std::size_t line, std::string_view what,
+                         std::string_view rule, std::string_view value = {});
 
 }  // namespace tandem::obj

@@ -90,7 +90,7 @@ struct TANDEM_API PhysicsClockOptions {
   /// defaults would not do.
   static PhysicsClockOptions at_rate(double hz);
 
-  /// Throws std::invalid_argument naming the field, its value and the rule it breaks.
+  /// Throws std::invalid_argument that says what the field must be and what it is.
   void validate() const;
 };
 

@@ -59,7 +59,7 @@ struct TANDEM_API TcpOptions {
   /// larger one refuse it. 0: system clock, ns.
   std::uint64_t incarnation = 0;
 
-  /// Throws std::invalid_argument naming the field, its value and the rule it breaks.
+  /// Throws std::invalid_argument that says what the field must be and what it is.
   void validate() const;
 };
 

@@ -54,7 +54,7 @@ struct TANDEM_API UdpOptions {
   std::chrono::milliseconds flush_timeout{250};  ///< destructor's patience, in [0, 10 s]
   std::uint64_t incarnation = 0;                 ///< as TcpOptions::incarnation
 
-  /// Throws std::invalid_argument naming the field, its value and the rule it breaks.
+  /// Throws std::invalid_argument that says what the field must be and what it is.
   void validate() const;
 };
 

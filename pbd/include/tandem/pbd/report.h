@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames{
 
 enum class StepStatus : std::uint8_t {
   Ok,
-  NonFinite,  ///< a body left the finite numbers; it was put back to where the step began, at rest
+  NonFinite,  ///< a body became NaN or infinite; it was put back to where the step began, at rest
 };
 
 /// What agreement did to the energy of the world in one step, J.

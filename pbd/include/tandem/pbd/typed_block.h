@@ -16,19 +16,12 @@
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
+#include "tandem/pbd/validate.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 
 namespace detail {
-/// Throws std::invalid_argument "<kind>: <field> = <value> breaks: <rule>" unless `ok`.
-TANDEM_API void require(bool ok, std::string_view kind, std::string_view field, double value,
-                        std::string_view rule);
-/// The same for a vector field: all components finite.
-TANDEM_API void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
-/// Throws unless the body exists.
-TANDEM_API void require_body(const World& world, BodyId id, std::string_view kind,
-                             std::string_view field);
 /// Whether `free` names each slot that is not alive, once.
 TANDEM_API bool are_free_slots(std::span<const std::uint32_t> free,
                                std::span<const std::uint8_t> alive);
@@ -330,8 +323,8 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   }
   static void refuse_other(BodyId given, BodyId kept) {
     if (given == kept) return;
-    throw std::invalid_argument(std::string(C::kName) + ": body " + std::to_string(given.index) +
-                                " breaks the rule: a row keeps the bodies that it was added with");
+    detail::refuse(std::string(C::kName) + ": body", "one that the row was added with",
+                   std::to_string(given.index));
   }
   std::uint32_t checked(ConstraintId id) const {
     if (!contains(id)) {

@@ -116,7 +116,7 @@ typedef struct tandem_world_def {
 } tandem_world_def;
 
 typedef struct tandem_step_report {
-  int32_t finite; /**< 0: a body left the finite numbers and was put back */
+  int32_t finite; /**< 0: a body became NaN or infinite and was put back */
   int32_t bodies;
   int32_t awake;
   int32_t targets; /**< bodies that remote states pulled */

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// How input is checked at the public edge of all libraries, and what an error says: what is wrong,
+// what it must be, and what it is.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "tandem/pbd/body.h"
+#include "tandem/pbd/export.h"
+
+namespace tandem::pbd {
+
+class World;
+
+namespace detail {
+
+/// A number as errors tell it: ten digits, so that small ones are not 0 and large ones are short.
+TANDEM_API std::string value_text(double value);
+
+/// "<field> must be <rule>, is <value>", and without the end where there is no value.
+TANDEM_API std::string must_be(std::string_view field, std::string_view rule,
+                               std::string_view value = {});
+TANDEM_API std::string must_be(std::string_view field, std::string_view rule, double value);
+
+/// @throws std::invalid_argument that says must_be()
+[[noreturn]] TANDEM_API void refuse(std::string_view field, std::string_view rule,
+                                    std::string_view value = {});
+[[noreturn]] TANDEM_API void refuse(std::string_view field, std::string_view rule, double value);
+
+/// @throws std::invalid_argument "<kind>: <field> must be <rule>, is <value>" unless `ok`
+TANDEM_API void require(bool ok, std::string_view kind, std::string_view field, double value,
+                        std::string_view rule);
+/// The same for a vector: all components finite.
+TANDEM_API void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
+/// The same for an orientation: a quaternion of unit norm, within 1e-3.
+TANDEM_API void require_unit(const Quat& value, std::string_view kind, std::string_view field);
+/// The same for a body of the world.
+TANDEM_API void require_body(const World& world, BodyId id, std::string_view kind,
+                             std::string_view field);
+
+/// Whether low <= value <= high. Where not, and there is an `error`, it is must_be().
+TANDEM_API bool in_range(double value, double low, double high, std::string_view field,
+                         std::string* error);
+
+}  // namespace detail
+}  // namespace tandem::pbd
