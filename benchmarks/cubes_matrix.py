@@ -19,9 +19,9 @@ from pathlib import Path
 VARIANTS = {
     "one-pass": [],
     "no agreement": ["--influence", "0"],
-    "two-step": ["--solver", "two-step"],
+    "two-step": ["--coupling", "two-step"],
     "euler": ["--predictor", "euler"],
-    "uneven": ["--uneven"],
+    "uneven": ["--rates", "60,72"],
 }
 CLASSES = ("divergence_m", "divergence_contested_m", "divergence_moving_m", "divergence_resting_m")
 

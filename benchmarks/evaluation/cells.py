@@ -42,7 +42,7 @@ class Cell:
             "mouse": ["--variant", "mouse"],
             "tug": ["--variant", "tug"],
             "live": [],
-            "uneven": ["--uneven"],
+            "uneven": ["--rates", "60,72"],
             "asymmetric": ["--mode", "asymmetric"],
             # The piano's default springs are asymmetric whatever the mode is.
             "hard": ["--mode", "hard"] + (["--variant", "soft"] if self.scenario == "piano" else []),

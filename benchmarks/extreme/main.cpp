@@ -3,22 +3,14 @@
 
 // Stiff and extreme scenes with two and more peers. Prints one line of CSV for each scene, scheme,
 // link and seed; see Result for what the columns are.
-//
-//   extreme [--group G] [--scene PART] [--scheme S] [--link L] [--share S] [--seeds N] [--series]
-//
-//   extreme --cost
-//
-// --link: frames of delay, or "profile 5"; several may be given. --share: what all announce; the
-// default where it is not given. With --series the difference between copies over time, ten times a
-// second, instead.
 
 #include <cstdio>
-#include <exception>
-#include <iostream>
-#include <stdexcept>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "arguments/arguments.h"
 #include "cost.h"
 #include "run.h"
 
@@ -35,36 +27,29 @@ struct Options {
   bool cost = false;
 };
 
-Options parse(int argc, char** argv) {
+constexpr std::string_view kUsage =
+    "usage: extreme [--group G] [--scene PART] [--scheme S] [--link L] [--share S] [--seeds N]\n"
+    "               [--series]\n"
+    "       extreme --cost\n"
+    "  --link: frames of delay, or \"profile 5\"; several may be given. --share: what all "
+    "announce\n"
+    "  --series: the difference between copies over time, ten times a second\n";
+
+Options parse(std::span<const std::string_view> words) {
+  using tandem::demos::Argument;
   Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string name = argv[i];
-    if (name == "--series") {
-      options.series = true;
-      continue;
-    }
-    if (name == "--cost") {
-      options.cost = true;
-      continue;
-    }
-    if (i + 1 == argc) throw std::invalid_argument(name + ": wants a value");
-    const std::string value = argv[++i];
-    if (name == "--group") {
-      options.group = value;
-    } else if (name == "--scene") {
-      options.scene = value;
-    } else if (name == "--scheme") {
-      options.scheme = value;
-    } else if (name == "--link") {
-      options.links.push_back(value);
-    } else if (name == "--share") {
-      options.share = std::stod(value);
-    } else if (name == "--seeds") {
-      options.seeds = std::stoi(value);
-    } else {
-      throw std::invalid_argument("unknown option " + name);
-    }
-  }
+  tandem::demos::read_arguments(
+      words, {{"--series", [&](Argument&) { options.series = true; }},
+              {"--cost", [&](Argument&) { options.cost = true; }},
+              {"--group", [&](Argument& in) { options.group = in.text(); }},
+              {"--scene", [&](Argument& in) { options.scene = in.text(); }},
+              {"--scheme", [&](Argument& in) { options.scheme = in.text(); }},
+              {"--link", [&](Argument& in) { options.links.push_back(in.text()); }},
+              {"--share",
+               [&](Argument& in) { options.share = in.number(0.0, 1.0, "a number from 0 to 1"); }},
+              {"--seeds", [&](Argument& in) {
+                 options.seeds = in.number(1, 1'000'000, "a whole number, 1 or more");
+               }}});
   return options;
 }
 
@@ -130,22 +115,21 @@ void run_all(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    const Options options = parse(argc, argv);
-    if (options.cost) {
-      print_costs();
-      return 0;
-    }
-    std::puts(options.series
-                  ? "group,scene,peers,scheme,link,share,seed,time_s,difference"
-                  : "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
-                    "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
-                    "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"
-                    "placed");
-    run_all(options);
-    return 0;
-  } catch (const std::exception& error) {
-    std::cerr << error.what() << "\n";
-    return 2;
-  }
+  return tandem::demos::program_main(
+      argc, argv, kUsage, [](std::span<const std::string_view> words) {
+        const Options options = parse(words);
+        if (options.cost) {
+          print_costs();
+          return 0;
+        }
+        std::puts(
+            options.series
+                ? "group,scene,peers,scheme,link,share,seed,time_s,difference"
+                : "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
+                  "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
+                  "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"
+                  "placed");
+        run_all(options);
+        return 0;
+      });
 }

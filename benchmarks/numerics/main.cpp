@@ -8,8 +8,12 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <span>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
+#include "arguments/arguments.h"
 #include "measure/clock.h"
 #include "numerics/case.h"
 #include "peers/engines.h"
@@ -22,25 +26,16 @@ struct Options {
   bool list = false;
 };
 
-Options parse(int argc, const char* const* argv) {
+constexpr std::string_view kUsage =
+    "usage: numerics [--csv FILE] [--only TEXT] [--engine tandem|bullet64|jolt|...] [--list]\n";
+
+Options parse(std::span<const std::string_view> words) {
   Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string name = argv[i];
-    if (name == "--list") {
-      options.list = true;
-      continue;
-    }
-    if (++i == argc) throw std::invalid_argument(name + ": unknown, or its value is missing");
-    if (name == "--csv") {
-      options.csv = argv[i];
-    } else if (name == "--only") {
-      options.only = argv[i];
-    } else if (name == "--engine") {
-      options.engine = argv[i];
-    } else {
-      throw std::invalid_argument(name + ": unknown");
-    }
-  }
+  demos::read_arguments(words,
+                        {{"--list", [&](demos::Argument&) { options.list = true; }},
+                         {"--csv", [&](demos::Argument& in) { options.csv = in.text(); }},
+                         {"--only", [&](demos::Argument& in) { options.only = in.text(); }},
+                         {"--engine", [&](demos::Argument& in) { options.engine = in.text(); }}});
   return options;
 }
 
@@ -133,10 +128,7 @@ int run(const Options& options) {
 }  // namespace tandem::bench
 
 int main(int argc, char** argv) {
-  try {
-    return tandem::bench::run(tandem::bench::parse(argc, argv));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
+  using namespace tandem;
+  return demos::program_main(argc, argv, bench::kUsage,
+                             [](auto words) { return bench::run(bench::parse(words)); });
 }

@@ -25,7 +25,7 @@ SCHEMES = {
     "none": (["--coupling", "none"], "no consensus; springs are shared all the same"),
     "bullet": (["--engines", "bullet", "--coupling", "two-step-paper"],
                "PhysX-style: as published, in front of Bullet"),
-    "bullet-50": (["--engines", "bullet", "--coupling", "two-step-paper", "--bullet-iterations", "50"],
+    "bullet-50": (["--engines", "bullet", "--coupling", "two-step-paper", "--iterations", "1,50"],
                   "the same with 50 iterations instead of 10"),
 }
 BULLET_SCENES = ("cubes", "cliff")

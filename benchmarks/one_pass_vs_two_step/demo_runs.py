@@ -80,7 +80,7 @@ def _run(binaries, folder, cell, keys):
     with tempfile.NamedTemporaryFile(suffix=".json") as out:
         done = subprocess.run(
             _command(binaries, cell) + cell["options"]
-            + ["--replay", str(_inputs(folder, cell)), "--json", out.name],
+            + ["--script", str(_inputs(folder, cell)), "--json", out.name],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False, text=True)
         text = Path(out.name).read_text()
     if not text:

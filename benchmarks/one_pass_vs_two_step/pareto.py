@@ -67,7 +67,7 @@ def _cells(binaries, seeds, quick):
                 for iterations in BULLET[1:4:2] if scenario == "cliff" else BULLET:
                     yield cell | {"scheme": "bullet", "setting": iterations,
                                   "options": ["--engines", "bullet", "--coupling",
-                                              "two-step-paper", "--bullet-iterations", iterations]}
+                                              "two-step-paper", "--iterations", f"1,{iterations}"]}
 
 
 def measure(binaries: Path, results: Path, seeds: int, jobs: int, quick: bool) -> None:

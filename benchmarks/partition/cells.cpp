@@ -62,7 +62,7 @@ std::vector<Cell> split_cells(std::span<const Vec3> points, std::size_t count,
   pbd::detail::require(count >= 1, "split_cells", "count", static_cast<double>(count),
                        "at least 1");
   if (count > 1 && !axes[0] && !axes[1] && !axes[2]) {
-    throw std::invalid_argument("split_cells: axes = none breaks the rule: one that may be cut");
+    pbd::detail::refuse("split_cells: axes", "at least one that may be cut", "none");
   }
   for (const Vec3& point : points) pbd::detail::require_finite(point, "split_cells", "points");
   std::vector<Vec3> sorted(points.begin(), points.end());

@@ -10,11 +10,11 @@
 #include <iostream>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "arguments/arguments.h"
 #include "demos/scenes/cliff_geometry.h"
 #include "measures/json.h"
 #include "session/geometry.h"
@@ -43,36 +43,34 @@ struct Options {
   bool balance = true;  ///< borders move so that each peer has as many bodies
 };
 
-Options parse(int argc, char** argv) {
+constexpr std::string_view kUsage =
+    "usage: partition [--scene cliff|cubes] [--size N] [--peers N] [--latency S] [--seconds S]\n"
+    "                 [--overlap M] [--reach M] [--balance on|off]\n";
+
+Options parse(std::span<const std::string_view> words) {
   Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view name = argv[i];
-    if (i + 1 == argc) throw std::invalid_argument(std::string(name) + ": wants a value");
-    const std::string value = argv[++i];
-    if (name == "--scene") {
-      if (value != "cliff" && value != "cubes") {
-        throw std::invalid_argument("--scene = " + value + ": cliff or cubes");
-      }
-      options.which = value == "cliff" ? Which::Cliff : Which::Cubes;
-    } else if (name == "--size") {
-      options.size = std::stoi(value);
-    } else if (name == "--peers") {
-      options.peers = std::stoul(value);
-    } else if (name == "--latency") {
-      options.latency = std::stod(value);
-    } else if (name == "--seconds") {
-      options.seconds = std::stod(value);
-    } else if (name == "--overlap") {
-      options.partition.overlap = std::stod(value);
-    } else if (name == "--reach") {
-      options.partition.reach = std::stod(value);
-    } else if (name == "--balance") {
-      options.balance = value == "on";
-    } else {
-      throw std::invalid_argument("unknown option " + std::string(name));
-    }
-  }
-  if (options.peers < 1 || options.peers > 64) throw std::invalid_argument("--peers: 1 to 64");
+  const auto real = [](double& into) {
+    return [&into](demos::Argument& in) { into = in.number(0.0, 1e6, "a number from 0 to 1e6"); };
+  };
+  demos::read_arguments(
+      words,
+      {{"--scene",
+        [&](demos::Argument& in) {
+          const std::string_view name = in.value();
+          if (name != "cliff" && name != "cubes") demos::refuse("--scene", name, "cliff or cubes");
+          options.which = name == "cliff" ? Which::Cliff : Which::Cubes;
+        }},
+       {"--size",
+        [&](demos::Argument& in) { options.size = in.number(0, 1'000'000, "an integer >= 0"); }},
+       {"--peers",
+        [&](demos::Argument& in) {
+          options.peers = in.number(std::size_t{1}, std::size_t{64}, "an integer from 1 to 64");
+        }},
+       {"--latency", real(options.latency)},
+       {"--seconds", real(options.seconds)},
+       {"--overlap", real(options.partition.overlap)},
+       {"--reach", real(options.partition.reach)},
+       {"--balance", [&](demos::Argument& in) { options.balance = in.value() == "on"; }}});
   if (options.size == 0) options.size = options.which == Which::Cliff ? 1000 : 100;
   return options;
 }
@@ -330,15 +328,12 @@ class Run {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    Run run(parse(argc, argv));
+  return demos::program_main(argc, argv, kUsage, [](std::span<const std::string_view> words) {
+    Run run(parse(words));
     run.run();
     demos::JsonWriter json;
     run.report(json);
     std::cout << json.text() << '\n';
-  } catch (const std::exception& error) {
-    std::cerr << "partition: " << error.what() << '\n';
-    return 2;
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -28,15 +28,13 @@ std::size_t cell_of(std::span<const PartitionCell> cells, consensus::PeerId peer
   std::size_t found = cells.size();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cells[i].peer == 0 || (cells[i].peer == peer && found != cells.size())) {
-      throw std::invalid_argument("Partition: cells[" + std::to_string(i) +
-                                  "].peer = " + std::to_string(cells[i].peer) +
-                                  " breaks the rule: above 0, one cell for each");
+      pbd::detail::refuse("Partition: cells[" + std::to_string(i) + "].peer",
+                          "above 0, one cell for each", std::to_string(cells[i].peer));
     }
     if (cells[i].peer == peer) found = i;
   }
   if (found == cells.size()) {
-    throw std::invalid_argument("Partition: self = " + std::to_string(peer) +
-                                " breaks the rule: a peer that has a cell");
+    pbd::detail::refuse("Partition: self", "a peer that has a cell", std::to_string(peer));
   }
   return found;
 }

@@ -71,7 +71,8 @@ class Partition final : public consensus::Interest {
  public:
   /// World, peer and bodies must outlive it.
   /// @param self   the peer's id     @param cells  of all peers; they fill space without overlap
-  /// @throws std::invalid_argument where an option breaks its rule or a peer has not one cell
+  /// @throws std::invalid_argument where an option is not what it must be or a peer has not one
+  /// cell
   Partition(pbd::World& world, consensus::Peer& peer, PartitionBodies& bodies,
             consensus::PeerId self, std::vector<PartitionCell> cells,
             const PartitionOptions& options = {});

@@ -5,8 +5,8 @@
 // Writes one line of CSV for each scene, profile, situation and predictor; without --scene all
 // scenes, without --profile all profiles.
 #include <cstdio>
-#include <exception>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,8 +35,7 @@ std::unique_ptr<demos::Scenario> scenario_of(std::string_view name) {
   }
   if (name == "cliff") return std::make_unique<demos::CliffScenario>();
   if (name == "tennis") return std::make_unique<demos::TennisScenario>();
-  throw demos::UsageError("--scene = " + std::string(name) +
-                          " breaks: cubes, room, piano, cliff or tennis");
+  demos::refuse("--scene", name, "cubes, room, piano, cliff or tennis");
 }
 
 void compare(std::string_view scene, const demos::DemoOptions& options) {
@@ -71,18 +70,16 @@ void compare(std::string_view scene, const demos::DemoOptions& options) {
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv) {
+int run(std::span<const std::string_view> words) {
   std::vector<std::string_view> scenes;
   std::vector<std::string_view> others = {"--quiet"};
   bool one_profile = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view argument = argv[i];
-    if (argument == "--scene") {
-      scenes.push_back(i + 1 < argc ? argv[i + 1] : "");
-      ++i;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--scene") {
+      scenes.push_back(++i < words.size() ? words[i] : "");
     } else {
-      one_profile = one_profile || argument.starts_with("--profile");
-      others.push_back(argument);
+      one_profile = one_profile || words[i].starts_with("--profile");
+      others.push_back(words[i]);
     }
   }
   if (scenes.empty()) scenes = {"cubes", "room", "piano", "cliff", "tennis"};
@@ -103,10 +100,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "predictors: %s\n", error.what());
-    return 2;
-  }
+  return demos::program_main(argc, argv, demos::usage("predictors [--scene NAME]..."), run);
 }

@@ -122,9 +122,7 @@ Scene peer_scene(std::string_view name) {
     kBuilds[i](scene);
     return scene;
   }
-  throw std::invalid_argument(
-      "scene = " + std::string(name) +
-      " breaks: one of cliff, stacks, katamari, chain, heap, ratio, pyramid");
+  pbd::detail::refuse("scene", "cliff, stacks, katamari, chain, heap, ratio or pyramid", name);
 }
 
 }  // namespace tandem::bench

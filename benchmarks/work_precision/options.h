@@ -2,7 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "demos/engine/engine.h"
 
@@ -18,7 +20,7 @@ struct RunOptions {
   bool per_frame = false;
 };
 
-/// @throws std::invalid_argument naming the argument
-RunOptions parse_arguments(int argc, const char* const* argv);
+/// @throws demos::UsageError
+RunOptions parse_arguments(std::span<const std::string_view> words);
 
 }  // namespace tandem::bench

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 
+#include "arguments/arguments.h"
 #include "measure/clock.h"
 #include "measure/quality.h"
 #include "work_precision/options.h"
@@ -133,14 +134,16 @@ void run(const RunOptions& options, const MakeEngine& make) {
 
 }  // namespace
 
-int work_precision_main(int argc, const char* const* argv, const MakeEngine& make) {
-  try {
-    run(parse_arguments(argc, argv), make);
+int work_precision_main(int argc, char** argv, const MakeEngine& make) {
+  constexpr std::string_view kUsage =
+      "usage: work_precision_<engine> --scene NAME [--substeps N] [--iterations N]\n"
+      "         [--velocity-iterations N] [--threads N] [--frames N | --seconds S] [--json]\n"
+      "         [--stages] [--per-frame] [--sleeping] [--reference FILE]\n"
+      "What is not given is the engine's default.\n";
+  return demos::program_main(argc, argv, kUsage, [&](std::span<const std::string_view> words) {
+    run(parse_arguments(words), make);
     return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
+  });
 }
 
 }  // namespace tandem::bench

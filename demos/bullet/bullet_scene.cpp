@@ -11,7 +11,7 @@ namespace tandem::demos {
 namespace {
 
 [[noreturn]] void refuse(const std::string& name, const char* rule) {
-  throw std::invalid_argument("plain scene: " + name + " breaks: " + rule);
+  pbd::detail::refuse("plain scene: " + name, rule);
 }
 
 /// m, half of the box that stands for a half-space.
@@ -32,7 +32,7 @@ bench::SceneShape plain_shape(const collision::Shape& shape, const std::string& 
     }
     return std::make_shared<const bench::MeshData>(std::move(mesh));
   }
-  refuse(name, "boxes, spheres, capsules, half-spaces and meshes only");
+  refuse(name, "of boxes, spheres, capsules, half-spaces and meshes only");
 }
 
 bench::SceneBody plain_body(const pbd::World& world, const collision::ColliderDef& collider,
@@ -57,7 +57,7 @@ bench::SceneBody plain_body(const pbd::World& world, const collision::ColliderDe
     return body;
   }
   if (props.type != pbd::BodyType::Dynamic) refuse(name, "not moved by hand");
-  if (!props.locks.any() && props.gravity_scale != 1.0) refuse(name, "feels gravity");
+  if (!props.locks.any() && props.gravity_scale != 1.0) refuse(name, "under gravity");
   if (props.linear_damping != 0.0 || props.angular_damping != 0.0) refuse(name, "not damped");
   if (!collider.local.position.isZero(1e-12) || collider.local.orientation.vec().norm() > 1e-12) {
     refuse(name, "one shape in its centre of mass");

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include <stdexcept>
-
 #include "session/physics.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 
@@ -10,7 +9,7 @@ bool has_bullet() { return false; }
 
 std::unique_ptr<Physics> make_bullet_physics(const Scene& /*scene*/,
                                              std::optional<int> /*iterations*/) {
-  throw std::invalid_argument("engine = bullet breaks: built with Bullet (TANDEM_BULLET_PEER)");
+  pbd::detail::refuse("engine", "tandem in a build without Bullet (TANDEM_BULLET_PEER)", "bullet");
 }
 
 }  // namespace tandem::demos

@@ -39,7 +39,7 @@ std::string report_json(const Report& report);
 /// which is made where it is missing. @throws std::runtime_error saying what cannot be written
 void write_csv(const Report& report, const std::string& folder);
 
-/// Writes what the users did, for --replay. @throws std::runtime_error saying what cannot be
+/// Writes what the users did, for --script. @throws std::runtime_error saying what cannot be
 /// written
 void write_inputs(const Report& report, const std::string& path);
 

@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   return demo_main(argc, argv, [](const std::string& variant) -> std::unique_ptr<Scenario> {
     PianoOptions options;
     if (!PianoOptions::parse(variant, options)) {
-      throw UsageError("--variant = " + variant + " breaks: soft, mouse, tug, with - between them");
+      refuse("--variant", variant, "soft, mouse, tug, or several of them with - between");
     }
     return std::make_unique<PianoScenario>(options);
   });

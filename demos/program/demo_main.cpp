@@ -2,9 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "program/demo_main.h"
 
-#include <cstdio>
-#include <exception>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,7 +28,7 @@ std::vector<std::string> body_names(const Scenario& scenario) {
 
 int run(const Scenario& scenario, const DemoOptions& options) {
   if (options.view && !view::has_view()) {
-    throw UsageError("--view = given breaks: built with it (TANDEM_DEMO_VIEW)");
+    throw UsageError("--view needs a build with it: " + view::missing());
   }
   RunResult result = options.over_network() ? run_process(scenario, options)
                      : options.view         ? view::run_live(scenario, options)
@@ -48,25 +47,12 @@ int run(const Scenario& scenario, const DemoOptions& options) {
 }  // namespace
 
 int demo_main(int argc, char** argv, const ScenarioFactory& factory) {
-  const std::vector<std::string_view> arguments(argv + 1, argv + argc);
-  std::string program = argv[0];
-  if (const std::size_t slash = program.rfind('/'); slash != std::string::npos) {
-    program.erase(0, slash + 1);
-  }
-  try {
-    const DemoOptions options = parse_options(arguments);
-    if (options.help) {
-      std::fputs(usage(program).c_str(), stdout);
-      return 0;
-    }
-    return run(*factory(options.variant), options);
-  } catch (const UsageError& error) {
-    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
-    return 1;
-  }
+  return program_main(argc, argv, usage(program_name(argv[0])),
+                      [&](std::span<const std::string_view> words) {
+                        const DemoOptions options = parse_options(words);
+                        check_results(options);
+                        return run(*factory(options.variant), options);
+                      });
 }
 
 }  // namespace tandem::demos

@@ -23,7 +23,7 @@ int demo_main(int argc, char** argv, const ScenarioFactory& factory);
 template <class Kind>
 int demo_main(int argc, char** argv) {
   return demo_main(argc, argv, [](const std::string& variant) -> std::unique_ptr<Scenario> {
-    if (!variant.empty()) throw UsageError("--variant = " + variant + " breaks: there is none");
+    if (!variant.empty()) throw UsageError("this scenario has no --variant");
     return std::make_unique<Kind>();
   });
 }

@@ -38,7 +38,7 @@ class Network {
 std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t scene_hash);
 
 /// The key in a file that the options name.
-/// @throws std::invalid_argument naming the file and the rule it breaks
+/// @throws std::invalid_argument that says what the file must be
 Key read_key(const std::string& path);
 
 // The kinds that there are.

@@ -53,7 +53,7 @@ Key read_key(const std::string& path) {
   try {
     return read_session_key(path);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("--key = " + path + " breaks: " + error.what());
+    refuse("--key", path, error.what());
   }
 }
 
@@ -66,8 +66,7 @@ std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint6
   for (const std::string& text : options.connect) {
     const net::HostPort address = net::parse_host_port(text);
     if (here_alone && !is_loopback(address.host)) {
-      throw std::invalid_argument("--connect = " + text +
-                                  " breaks: of this machine, without --key");
+      refuse("--connect", text, "an address of this machine, without --key");
     }
     result.connect.push_back(address);
   }

@@ -68,8 +68,7 @@ class CliffReferee final : public Referee {
 
 CliffScenario::CliffScenario(int balls) : Scenario("cliff", 1), balls_(balls) {
   if (balls < 1 || balls > 1000) {
-    throw std::invalid_argument("CliffScenario: balls = " + std::to_string(balls) +
-                                " breaks: 1 to 1000");
+    pbd::detail::refuse("CliffScenario: balls", "from 1 to 1000", balls);
   }
 }
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "scenes/cubes_users.h"
-#include "scenes/require_field.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 
@@ -56,20 +56,23 @@ bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 }  // namespace
 
 void CubesOptions::validate() const {
-  require_field("CubesOptions", stacks >= 2 && stacks <= 100, "stacks", stacks, "2 to 100");
-  require_field("CubesOptions", height >= 2 && height <= 100, "height", height, "2 to 100");
-  require_field("CubesOptions", positive(edge), "edge", edge, "finite and > 0 m");
-  require_field("CubesOptions", positive(cube_mass), "cube_mass", cube_mass, "finite and > 0 kg");
-  require_field("CubesOptions", positive(plate_mass), "plate_mass", plate_mass,
-                "finite and > 0 kg");
+  pbd::detail::require(stacks >= 2 && stacks <= 100, "CubesOptions", "stacks", stacks,
+                       "from 2 to 100");
+  pbd::detail::require(height >= 2 && height <= 100, "CubesOptions", "height", height,
+                       "from 2 to 100");
+  pbd::detail::require(positive(edge), "CubesOptions", "edge", edge, "finite and > 0 m");
+  pbd::detail::require(positive(cube_mass), "CubesOptions", "cube_mass", cube_mass,
+                       "finite and > 0 kg");
+  pbd::detail::require(positive(plate_mass), "CubesOptions", "plate_mass", plate_mass,
+                       "finite and > 0 kg");
   for (int axis = 0; axis < 3; ++axis) {
-    require_field("CubesOptions", positive(plate[axis]), "plate", plate[axis],
-                  "each edge finite and > 0 m");
+    pbd::detail::require(positive(plate[axis]), "CubesOptions", "plate", plate[axis],
+                         "each edge finite and > 0 m");
   }
-  require_field("CubesOptions", plate.x() >= 2.0 * edge * stacks, "plate", plate.x(),
-                "two edges of cubes for each stack");
-  require_field("CubesOptions", std::isfinite(friction) && friction >= 0.0, "friction", friction,
-                "finite and >= 0");
+  pbd::detail::require(plate.x() >= 2.0 * edge * stacks, "CubesOptions", "plate", plate.x(),
+                       "two edges of cubes for each stack");
+  pbd::detail::require(std::isfinite(friction) && friction >= 0.0, "CubesOptions", "friction",
+                       friction, "finite and >= 0");
 }
 
 CubesScenario::CubesScenario(const CubesOptions& options)

@@ -52,11 +52,11 @@ class Words {
     const std::string_view text = word();
     Number value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size()) refuse("must be a number");
+    if (error != std::errc{} || end != text.data() + text.size()) refuse("numbers");
     return value;
   }
   [[noreturn]] void refuse(const std::string& rule) const {
-    throw std::invalid_argument("inputs: line = " + std::to_string(line_) + " breaks: " + rule);
+    pbd::detail::refuse("inputs: values of line " + std::to_string(line_), rule);
   }
 
  private:
@@ -85,7 +85,7 @@ Input read_line(Words& in) {
     if (!rule.empty()) in.refuse(std::string(rule));
     return input;
   }
-  in.refuse("must name a kind of input");
+  in.refuse("those of a kind of input");
 }
 
 }  // namespace
@@ -97,14 +97,14 @@ std::size_t value_count(Input::Kind kind) {
 }
 
 std::string_view broken_rule(const Input& input) {
-  if (input.values.size() != value_count(input.kind)) return "as many values as the kind has";
+  if (input.values.size() != value_count(input.kind)) return "as many as the kind has";
   for (const double value : input.values) {
-    if (!std::isfinite(value)) return "numbers must be finite";
+    if (!std::isfinite(value)) return "finite";
   }
   const bool turns = input.kind == Input::Kind::Drive || input.kind == Input::Kind::Jump;
-  if (turns && !is_unit(&input.values[3])) return "orientations must be unit quaternions";
+  if (turns && !is_unit(&input.values[3])) return "a pose with a unit quaternion";
   const bool late = input.kind == Input::Kind::Signal && std::abs(input.values[0]) > kLongest;
-  if (late) return "signals must be within a day";
+  if (late) return "a time within a day";
   return {};
 }
 

@@ -34,7 +34,7 @@ struct Input {
 
 /// How many values an input of this kind has.
 std::size_t value_count(Input::Kind kind);
-/// The rule that the values break; empty where they keep all.
+/// What the values must be and are not; empty where they are good.
 std::string_view broken_rule(const Input& input);
 
 /// One line for each input, numbers with every bit.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scenes/random.h"
-#include "scenes/require_field.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 
@@ -73,14 +73,15 @@ HandTask roll(const PileOptions& pile, const Scene& scene, double side, double s
 
 void PileOptions::validate() const {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  require_field("PileOptions", rows >= 1 && rows <= 100, "rows", rows, "1 to 100");
-  require_field("PileOptions", positive(edge), "edge", edge, "finite and > 0 m");
-  require_field("PileOptions", std::isfinite(pitch) && pitch >= edge, "pitch", pitch,
-                "finite and at least an edge");
-  require_field("PileOptions", positive(big_edge), "big_edge", big_edge, "finite and > 0 m");
-  require_field("PileOptions", positive(density), "density", density, "finite and > 0 kg/m^3");
-  require_field("PileOptions", std::isfinite(friction) && friction >= 0.0, "friction", friction,
-                "finite and >= 0");
+  pbd::detail::require(rows >= 1 && rows <= 100, "PileOptions", "rows", rows, "from 1 to 100");
+  pbd::detail::require(positive(edge), "PileOptions", "edge", edge, "finite and > 0 m");
+  pbd::detail::require(std::isfinite(pitch) && pitch >= edge, "PileOptions", "pitch", pitch,
+                       "finite and at least an edge");
+  pbd::detail::require(positive(big_edge), "PileOptions", "big_edge", big_edge, "finite and > 0 m");
+  pbd::detail::require(positive(density), "PileOptions", "density", density,
+                       "finite and > 0 kg/m^3");
+  pbd::detail::require(std::isfinite(friction) && friction >= 0.0, "PileOptions", "friction",
+                       friction, "finite and >= 0");
 }
 
 PileScenario::PileScenario(const PileOptions& options) : Scenario("pile", 2), options_(options) {

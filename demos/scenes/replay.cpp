@@ -29,8 +29,7 @@ ReplayUser::ReplayUser(std::size_t user, std::span<const Input> inputs, Controls
     if (input.user != user) continue;
     const bool of_body = input.kind != Input::Kind::Signal;
     if (of_body && input.body >= controls.scene().bodies.size()) {
-      throw std::invalid_argument("inputs: body = " + std::to_string(input.body) +
-                                  " breaks: must be one of the scene's");
+      pbd::detail::refuse("inputs: body", "one of the scene's", input.body);
     }
     inputs_.push_back(input);
   }

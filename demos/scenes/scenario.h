@@ -61,8 +61,7 @@ class Scenario {
   /// @throws std::invalid_argument where user >= user_count()
   void require_user(std::size_t user) const {
     if (user < users_) return;
-    throw std::invalid_argument(name_ + ": user = " + std::to_string(user) + " breaks: below " +
-                                std::to_string(users_));
+    pbd::detail::refuse(name_ + ": user", "below " + std::to_string(users_), std::to_string(user));
   }
 
  private:

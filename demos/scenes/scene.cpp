@@ -2,9 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "scenes/scene.h"
 
-#include <stdexcept>
-
 #include "tandem/pbd/bytes.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 
@@ -12,8 +11,7 @@ std::size_t Scene::index_of(std::string_view name) const {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies[i].name == name) return i;
   }
-  throw std::invalid_argument("scene: name = " + std::string(name) +
-                              " breaks: must name a shared body");
+  pbd::detail::refuse("scene: name", "that of a shared body", name);
 }
 
 BodiesBySlot::BodiesBySlot(const Scene& scene)

@@ -2,29 +2,11 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/option_values.h"
 
+#include <charconv>
 #include <cstdint>
+#include <system_error>
 
 namespace tandem::demos {
-
-namespace {
-
-/// visit(item) of a list with commas between its items; an empty one has one item, which is empty.
-template <class Visit>
-void each_item(std::string_view list, Visit&& visit) {
-  while (true) {
-    const std::size_t comma = list.find(',');
-    visit(list.substr(0, comma));
-    if (comma == std::string_view::npos) return;
-    list.remove_prefix(comma + 1);
-  }
-}
-
-}  // namespace
-
-void refuse(std::string_view option, std::string_view value, std::string_view rule) {
-  throw UsageError(std::string(option) + " = " + std::string(value) +
-                   " breaks: " + std::string(rule));
-}
 
 double limit(std::string_view option, std::string_view text, double least, double most,
              std::string_view rule) {
@@ -39,12 +21,6 @@ consensus::PredictorKind predictor(std::string_view text) {
     if (text == to_string(kind)) return kind;
   }
   refuse("--predictor", text, "none, euler, second-order or replay");
-}
-
-consensus::ReplayInputs inputs(std::string_view text) {
-  if (text == "known") return consensus::ReplayInputs::Known;
-  if (text == "common") return consensus::ReplayInputs::Common;
-  refuse("--inputs", text, "known or common");
 }
 
 consensus::InputMode mode(std::string_view text) {
@@ -81,35 +57,39 @@ std::string address(std::string_view text) {
 
 std::vector<double> rates(std::string_view text) {
   std::vector<double> result;
-  each_item(text, [&result](std::string_view rate) {
+  for (const std::string_view rate : items_of(text)) {
     result.push_back(
         number("--rates", rate, 10.0, 1000.0, "numbers from 10 to 1000, with commas between them"));
-  });
+  }
   return result;
 }
 
 std::vector<Engine> engines(std::string_view text) {
   std::vector<Engine> result;
-  each_item(text, [&result](std::string_view name) {
+  for (const std::string_view name : items_of(text)) {
     if (name != "tandem" && name != "bullet") {
       refuse("--engines", name, "tandem and bullet, with commas between them");
     }
     if (name == "bullet" && !has_bullet()) {
-      refuse("--engines", name, "built with Bullet (TANDEM_BULLET_PEER)");
+      refuse("--engines", name, "tandem: this build has no Bullet (TANDEM_BULLET_PEER)");
     }
     result.push_back(name == "bullet" ? Engine::Bullet : Engine::Tandem);
-  });
+  }
   return result;
 }
 
 Ablation ablation(std::string_view text) {
   Ablation result;
-  each_item(text, [&result](std::string_view name) {
+  for (const std::string_view name : items_of(text)) {
     std::size_t part = 0;
     while (part < kParts && name != to_string(static_cast<Part>(part))) ++part;
-    if (part == kParts) refuse("--ablate", name, "parts that --help lists, with commas between");
+    if (part == kParts) {
+      std::vector<std::string_view> known;
+      for (std::size_t i = 0; i < kParts; ++i) known.push_back(to_string(static_cast<Part>(i)));
+      throw UsageError(unknown("part for --ablate", name, known));
+    }
     result.leave_out(static_cast<Part>(part));
-  });
+  }
   return result;
 }
 

@@ -2,10 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <charconv>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "session/ablation.h"
@@ -13,28 +11,13 @@
 #include "session/physics.h"
 #include "tandem/consensus/peer.h"
 
-// What the values of options are read with. All throw UsageError, naming option, value and rule.
+// What the values of options are read with. All throw UsageError.
 namespace tandem::demos {
-
-[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view rule);
-
-template <class Number>
-Number number(std::string_view option, std::string_view text, Number low, Number high,
-              std::string_view rule) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  // Written so that NaN is refused as well.
-  const bool good =
-      error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
-  if (!good) refuse(option, text, rule);
-  return value;
-}
 
 /// A limit: 0, which is none, or a number from `least` to `most`.
 double limit(std::string_view option, std::string_view text, double least, double most,
              std::string_view rule);
 consensus::PredictorKind predictor(std::string_view text);
-consensus::ReplayInputs inputs(std::string_view text);
 consensus::InputMode mode(std::string_view text);
 Scheme scheme(std::string_view option, std::string_view text);
 /// "HOST:PORT"

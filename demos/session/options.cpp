@@ -2,9 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/options.h"
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -14,251 +12,218 @@ namespace tandem::demos {
 
 namespace {
 
-/// Goes through the arguments; knows which of them were named.
-class Reader {
- public:
-  explicit Reader(std::span<const std::string_view> arguments) : arguments_(arguments) {}
-
-  /// The next option's name, empty at the end.
-  std::string_view next() {
-    if (at_ == arguments_.size()) return {};
-    std::string_view argument = arguments_[at_++];
-    inline_value_.reset();
-    if (!argument.starts_with("--")) refuse("argument", argument, "options begin with --");
-    if (const std::size_t equals = argument.find('='); equals != std::string_view::npos) {
-      inline_value_ = argument.substr(equals + 1);
-      argument = argument.substr(0, equals);
-    }
-    return argument;
-  }
-  std::string_view value(std::string_view option) {
-    if (inline_value_) return *std::exchange(inline_value_, std::nullopt);
-    if (at_ == arguments_.size()) refuse(option, "", "needs a value");
-    return arguments_[at_++];
-  }
-  /// A value that may be left out: what follows is one where it is no option.
-  std::string_view value_or(std::string_view option, std::string_view fallback) {
-    const bool follows =
-        at_ < arguments_.size() && !arguments_[at_].empty() && !arguments_[at_].starts_with("--");
-    return inline_value_ || follows ? value(option) : fallback;
-  }
-  /// After an option without a value.
-  void finish(std::string_view option) const {
-    if (inline_value_) refuse(option, *inline_value_, "takes no value");
-  }
-
- private:
-  std::span<const std::string_view> arguments_;
-  std::size_t at_ = 0;
-  std::optional<std::string_view> inline_value_;
-};
-
 /// Where an option has a meaning.
 enum class Where : std::uint8_t { Everywhere, Virtual, Network };
 
 /// An option of the command line, and what it does.
-struct Option {
+struct DemoOption {
   std::string_view name;
   Where where;
-  void (*read)(std::string_view name, Reader& in, DemoOptions& o);
+  void (*read)(Argument& in, DemoOptions& o);
 };
 
 constexpr double kEndless = 3600.0;  // s, of users' scripts
-constexpr std::string_view kSeconds = "s, a number from 0 to 10";
 constexpr std::string_view kChance = "a number from 0 to 0.99";
+constexpr std::string_view kPort = "a port from 0 (any) to 65535";
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
 
 template <bool DemoOptions::*Member>
-void read_flag(std::string_view name, Reader& in, DemoOptions& o) {
-  in.finish(name);
+void read_flag(Argument&, DemoOptions& o) {
   o.*Member = true;
 }
 
 template <std::string DemoOptions::*Member>
-void read_text(std::string_view name, Reader& in, DemoOptions& o) {
-  const std::string_view value = in.value(name);
-  if (value.empty()) refuse(name, value, "must not be empty");
-  o.*Member = std::string(value);
+void read_text(Argument& in, DemoOptions& o) {
+  o.*Member = in.text();
 }
 
-template <double DemoOptions::*Member>
-void read_chance(std::string_view name, Reader& in, DemoOptions& o) {
-  o.*Member = number(name, in.value(name), 0.0, 0.99, kChance);
+void read_link(Argument& in, DemoOptions& o) {
+  constexpr std::array<std::string_view, 5> kItems{"loss", "duplicate", "reorder", "bandwidth",
+                                                   "max-state"};
+  in.items(kItems, [&o](std::string_view key, std::string_view value) {
+    if (key == "loss") o.loss = number("--link loss", value, 0.0, 0.99, kChance);
+    if (key == "duplicate") o.duplicate = number("--link duplicate", value, 0.0, 0.99, kChance);
+    if (key == "reorder") o.reorder = number("--link reorder", value, 0.0, 0.99, kChance);
+    if (key == "bandwidth") {
+      o.bandwidth =
+          limit("--link bandwidth", value, 1.0, 1e12, "0 or a number from 1 to 1e12 bit/s");
+    }
+    if (key == "max-state") {
+      o.max_state_bytes = number("--link max-state", value, std::size_t{128}, std::size_t{65536},
+                                 "an integer from 128 to 65536 bytes");
+    }
+  });
 }
 
-template <double DemoOptions::*Member>
-void read_seconds(std::string_view name, Reader& in, DemoOptions& o) {
-  o.*Member = number(name, in.value(name), 0.0, 10.0, kSeconds);
+void read_send(Argument& in, DemoOptions& o) {
+  constexpr std::array<std::string_view, 4> kItems{"hz", "compact", "budget", "tolerance"};
+  in.items(kItems, [&o](std::string_view key, std::string_view value) {
+    if (key == "hz") {
+      o.update_hz = number("--send hz", value, 0.1, 1000.0, "a number from 0.1 to 1000");
+    }
+    if (key == "compact") {
+      if (!value.empty()) refuse("--send compact", value, "without a value");
+      o.compact = true;
+    }
+    if (key == "budget") {
+      o.budget = limit("--send budget", value, 8.0, 1e6, "0 or a number from 8 to 1e6 kbit/s");
+    }
+    if (key == "tolerance") {
+      o.tolerance = number("--send tolerance", value, 0.0, 10.0, "a number from 0 to 10 m");
+    }
+  });
 }
 
-void read_scheme(std::string_view name, Reader& in, DemoOptions& o) {
-  o.scheme = scheme(name, in.value(name));
+void read_clock(Argument& in, DemoOptions& o) {
+  constexpr std::array<std::string_view, 4> kItems{"session", "system", "none", "spread"};
+  in.items(kItems, [&o](std::string_view key, std::string_view value) {
+    if (key == "spread") {
+      o.clock_spread = number("--clock spread", value, 0.0, 1e6, "a number from 0 to 1e6 s");
+      return;
+    }
+    o.timeline = key == "none"     ? Timeline::None
+                 : key == "system" ? Timeline::System
+                                   : Timeline::Session;
+  });
 }
 
-constexpr Option kOptions[] = {
+/// "PORT" or "ADDRESS:PORT", or nothing.
+void read_view(Argument& in, DemoOptions& o) {
+  std::string_view port = in.value_or("0");
+  if (const std::size_t colon = port.rfind(':'); colon != std::string_view::npos) {
+    std::string_view address = port.substr(0, colon);
+    port.remove_prefix(colon + 1);
+    if (address.starts_with('[') && address.ends_with(']')) {
+      address = address.substr(1, address.size() - 2);
+    }
+    if (address.empty()) refuse("--view", in.name(), "PORT or ADDRESS:PORT");
+    o.view_address = address;
+  }
+  o.view = number("--view", port, std::uint16_t{0}, std::uint16_t{65535}, kPort);
+}
+
+/// Of Tandem's pass and, after a comma, of Bullet's solver.
+void read_iterations(Argument& in, DemoOptions& o) {
+  const std::string_view text = in.value();
+  const std::vector<std::string_view> items = items_of(text);
+  if (items.size() > 2) refuse("--iterations", text, "N, or N,M with M of Bullet's solver");
+  o.solver.position_iterations =
+      number("--iterations", items[0], 1, 1000, "an integer from 1 to 1000");
+  if (items.size() == 2) {
+    o.bullet_iterations =
+        number("--iterations of Bullet", items[1], 1, 10000, "an integer from 1 to 10000");
+  }
+}
+
+constexpr DemoOption kOptions[] = {
     {"--peers", Where::Virtual,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.peers = number(name, in.value(name), 1, 64, "an integer from 1 to 64");
-     }},
+     [](Argument& in, DemoOptions& o) { o.peers = in.number(1, 64, "an integer from 1 to 64"); }},
     {"--profile", Where::Virtual,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.profile = number(name, in.value(name), 0, 5, "an integer from 0 to 5");
-     }},
-    {"--loss", Where::Virtual, read_chance<&DemoOptions::loss>},
-    {"--duplicate", Where::Virtual, read_chance<&DemoOptions::duplicate>},
-    {"--reorder", Where::Virtual, read_chance<&DemoOptions::reorder>},
-    {"--bandwidth", Where::Virtual,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.bandwidth = limit(name, in.value(name), 1.0, 1e12, "bit/s, 0 or a number from 1 to 1e12");
-     }},
-    {"--max-state", Where::Virtual,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.max_state_bytes = number(name, in.value(name), std::size_t{128}, std::size_t{65536},
-                                  "bytes, an integer from 128 to 65536");
-     }},
-    {"--compact", Where::Everywhere, read_flag<&DemoOptions::compact>},
-    {"--budget", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.budget = limit(name, in.value(name), 8.0, 1e6, "kbit/s, 0 or a number from 8 to 1e6");
-     }},
-    {"--tolerance", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.tolerance = number(name, in.value(name), 0.0, 10.0, "m, a number from 0 to 10");
-     }},
+     [](Argument& in, DemoOptions& o) { o.profile = in.number(0, 5, "an integer from 0 to 5"); }},
+    {"--link", Where::Virtual, read_link},
+    {"--send", Where::Everywhere, read_send},
     {"--listen", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.listen = number(name, in.value(name), std::uint16_t{0}, std::uint16_t{65535},
-                         "a port from 0 (any) to 65535");
+     [](Argument& in, DemoOptions& o) {
+       o.listen = in.number(std::uint16_t{0}, std::uint16_t{65535}, kPort);
      }},
     {"--connect", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.connect.push_back(address(in.value(name)));
-     }},
+     [](Argument& in, DemoOptions& o) { o.connect.push_back(address(in.value())); }},
     {"--peer-id", Where::Network,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.peer_id = number(name, in.value(name), std::uint64_t{1}, std::uint64_t{1} << 62,
-                          "an integer >= 1, unique in the session");
+     [](Argument& in, DemoOptions& o) {
+       o.peer_id = in.number(std::uint64_t{1}, std::uint64_t{1} << 62,
+                             "an integer >= 1, unique in the session");
      }},
     {"--wait", Where::Network,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.wait = number(name, in.value(name), 0.0, 86400.0, "a number from 0 to 86400");
+     [](Argument& in, DemoOptions& o) {
+       o.wait = in.number(0.0, 86400.0, "a number from 0 to 86400 s");
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
     {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
     {"--transport", Where::Network,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       const std::string_view text = in.value(name);
-       if (text != "tcp" && text != "udp") refuse(name, text, "tcp or udp");
+     [](Argument& in, DemoOptions& o) {
+       const std::string_view text = in.value();
+       if (text != "tcp" && text != "udp") refuse("--transport", text, "tcp or udp");
        o.wire = text == "udp" ? Wire::Udp : Wire::Tcp;
      }},
-    {"--clock", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       const std::string_view text = in.value(name);
-       if (text != "session" && text != "system" && text != "none") {
-         refuse(name, text, "session, system or none");
-       }
-       o.timeline = text == "none"     ? Timeline::None
-                    : text == "system" ? Timeline::System
-                                       : Timeline::Session;
-     }},
-    {"--clock-spread", Where::Virtual,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.clock_spread = number(name, in.value(name), 0.0, 1e6, "s, a number from 0 to 1e6");
-     }},
+    {"--clock", Where::Everywhere, read_clock},
     {"--seconds", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.seconds = number(name, in.value(name), 0.1, 86400.0, "a number from 0.1 to 86400");
+     [](Argument& in, DemoOptions& o) {
+       o.seconds = in.number(0.1, 86400.0, "a number from 0.1 to 86400");
      }},
-    {"--view", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.view = number(name, in.value_or(name, "0"), std::uint16_t{0}, std::uint16_t{65535},
-                       "a port from 0 (any) to 65535");
-     }},
-    {"--view-address", Where::Everywhere, read_text<&DemoOptions::view_address>},
-    {"--no-script", Where::Everywhere, read_flag<&DemoOptions::no_script>},
+    {"--view", Where::Everywhere, read_view},
     {"--seed", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.seed =
-           number(name, in.value(name), std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
+     [](Argument& in, DemoOptions& o) {
+       o.seed = in.number(std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");
      }},
-    {"--influence", Where::Everywhere, read_chance<&DemoOptions::influence>},
-    {"--coupling", Where::Everywhere, read_scheme},
-    {"--solver", Where::Everywhere, read_scheme},  // the older name
-    {"--pd-frequency", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.pd_frequency = number(name, in.value(name), 0.01, 100.0, "a number from 0.01 to 100");
-     }},
-    {"--update-hz", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.update_hz = number(name, in.value(name), 0.1, 1000.0, "a number from 0.1 to 1000");
-     }},
-    {"--uneven", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       in.finish(name);
-       o.rates = {60.0, 72.0};
-     }},
+    {"--influence", Where::Everywhere,
+     [](Argument& in, DemoOptions& o) { o.influence = in.number(0.0, 0.99, kChance); }},
+    {"--coupling", Where::Everywhere,
+     [](Argument& in, DemoOptions& o) { o.scheme = scheme(in.name(), in.value()); }},
     {"--rates", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) { o.rates = rates(in.value(name)); }},
+     [](Argument& in, DemoOptions& o) { o.rates = rates(in.value()); }},
     {"--engines", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.engines = engines(in.value(name));
-     }},
-    {"--bullet-iterations", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.bullet_iterations = number(name, in.value(name), 1, 10000, "an integer from 1 to 10000");
-     }},
+     [](Argument& in, DemoOptions& o) { o.engines = engines(in.value()); }},
     {"--substeps", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.solver.substeps = number(name, in.value(name), 1, 1000, "an integer from 1 to 1000");
+     [](Argument& in, DemoOptions& o) {
+       o.solver.substeps = in.number(1, 1000, "an integer from 1 to 1000");
      }},
-    {"--iterations", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.solver.position_iterations =
-           number(name, in.value(name), 1, 1000, "an integer from 1 to 1000");
-     }},
+    {"--iterations", Where::Everywhere, read_iterations},
     {"--ablate", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.ablation = ablation(in.value(name));
-     }},
+     [](Argument& in, DemoOptions& o) { o.ablation = ablation(in.value()); }},
     {"--variant", Where::Everywhere, read_text<&DemoOptions::variant>},
-    {"--replay", Where::Everywhere, read_text<&DemoOptions::replay>},
+    {"--script", Where::Everywhere,
+     [](Argument& in, DemoOptions& o) {
+       const std::string file = in.text();
+       o.no_script = file == "none";
+       o.replay = o.no_script ? "" : file;
+     }},
     {"--predictor", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.predictor = predictor(in.value(name));
-     }},
+     [](Argument& in, DemoOptions& o) { o.predictor = predictor(in.value()); }},
     {"--closing-share", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.replayed.share = number(name, in.value(name), 1e-3, 1.0, "a number from 0.001 to 1");
+     [](Argument& in, DemoOptions& o) {
+       o.replayed.share = in.number(1e-3, 1.0, "a number from 0.001 to 1");
      }},
-    {"--inputs", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.replayed.inputs = inputs(in.value(name));
-     }},
-    {"--replay-budget", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.replayed.budget = number(name, in.value(name), 1.0, 1000.0, "a number from 1 to 1000");
-     }},
-    {"--replay-substeps", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       o.replayed.substeps = number(name, in.value(name), 0, 1000, "an integer from 0 to 1000");
-     }},
-    {"--mode", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) { o.mode = mode(in.value(name)); }},
-    {"--extrapolation", Where::Everywhere, read_seconds<&DemoOptions::extrapolation>},
-    {"--spring-extrapolation", Where::Everywhere, read_seconds<&DemoOptions::spring_extrapolation>},
+    {"--mode", Where::Everywhere, [](Argument& in, DemoOptions& o) { o.mode = mode(in.value()); }},
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
     {"--record", Where::Everywhere,
-     [](std::string_view name, Reader& in, DemoOptions& o) {
-       const std::string_view file = in.value(name);
+     [](Argument& in, DemoOptions& o) {
+       const std::string file = in.text();
        (file.ends_with(".glb") ? o.glb : o.record) = file;
      }},
     {"--trace", Where::Everywhere, read_text<&DemoOptions::trace>},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
-    {"--help", Where::Everywhere, read_flag<&DemoOptions::help>},
 };
+
+[[noreturn]] void refuse_pair(std::string_view option, std::string_view why) {
+  throw UsageError(std::string(option) + ' ' + std::string(why));
+}
+
+/// What has no meaning together.
+void check_together(const DemoOptions& o, std::string_view virtual_only,
+                    std::string_view network_only) {
+  if (o.over_network() && !virtual_only.empty()) {
+    refuse_pair(virtual_only, "has no meaning with --listen or --connect");
+  }
+  if (!o.over_network() && !network_only.empty()) {
+    refuse_pair(network_only, "needs --listen or --connect");
+  }
+  if (o.over_network() && !o.udp() && o.timeline == Timeline::None) {
+    refuse_pair("--clock none", "needs --key or --insecure over a network");
+  }
+  if (!o.key.empty() && o.insecure) refuse_pair("--insecure", "has no meaning with --key");
+  if (o.wire == Wire::Udp && o.key.empty() && !o.insecure) {
+    refuse_pair("--transport udp", "needs --key or --insecure");
+  }
+  for (const auto& [name, file] : {std::pair{"--json", &o.json},
+                                   {"--csv", &o.csv},
+                                   {"--record", &o.record},
+                                   {"--record", &o.glb}}) {
+    if (o.endless && !file->empty()) refuse_pair(name, "with --view needs --seconds");
+  }
+}
 
 /// What a scheme is made of.
 void apply(Scheme scheme, consensus::PeerOptions& options) {
@@ -312,8 +277,6 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   }
   result.replay = replayed;
   result.mode = mode;
-  result.prediction.max_extrapolation = extrapolation;
-  result.max_anchor_extrapolation = spring_extrapolation;
   ablation.apply(result);
   return result;
 }
@@ -344,44 +307,24 @@ consensus::LinkOptions DemoOptions::link_options() const {
 
 DemoOptions parse_options(std::span<const std::string_view> arguments) {
   DemoOptions options;
-  Reader in(arguments);
   std::string_view virtual_only;  // an option that has no meaning over a real network
   std::string_view network_only;
   bool timed = false;
-  for (std::string_view name = in.next(); !name.empty(); name = in.next()) {
-    const auto* const option = std::find_if(std::begin(kOptions), std::end(kOptions),
-                                            [name](const Option& o) { return o.name == name; });
-    if (option == std::end(kOptions)) {
-      refuse("option", name, "must be one of those that --help lists");
-    }
-    option->read(name, in, options);
-    timed = timed || name == "--seconds";
-    if (option->where == Where::Virtual) virtual_only = name;
-    const bool needs_network = name == "--clock" && options.timeline != Timeline::None;
-    if (option->where == Where::Network || needs_network) network_only = name;
+  std::vector<Option> known;
+  for (const DemoOption& option : kOptions) {
+    known.push_back({option.name, [&](Argument& in) {
+                       option.read(in, options);
+                       timed = timed || option.name == "--seconds";
+                       if (option.where == Where::Virtual) virtual_only = option.name;
+                       if (option.where == Where::Network) network_only = option.name;
+                     }});
   }
-  if (options.over_network() && !virtual_only.empty()) {
-    refuse(virtual_only, "given", "has no meaning with --listen or --connect");
-  }
-  if (!options.over_network() && !network_only.empty()) {
-    refuse(network_only, "given", "needs --listen or --connect");
-  }
-  if (options.over_network() && !options.udp() && options.timeline == Timeline::None) {
-    refuse("--clock", "none", "over a network needs --key or --insecure");
-  }
-  if (!options.key.empty() && options.insecure) {
-    refuse("--insecure", "given", "has no meaning with --key");
-  }
-  if (options.wire == Wire::Udp && options.key.empty() && !options.insecure) {
-    refuse("--transport", "udp", "needs --key or --insecure");
-  }
+  read_arguments(arguments, known);
+  // In virtual time all times are true ones, or nobody's.
+  if (options.timeline == Timeline::System) network_only = "--clock system";
+  if (options.clock_spread > 0.0) virtual_only = "--clock spread";
   options.endless = options.view.has_value() && !timed;
-  for (const auto& [name, file] : {std::pair{"--json", &options.json},
-                                   {"--csv", &options.csv},
-                                   {"--record", &options.record},
-                                   {"--record", &options.glb}}) {
-    if (options.endless && !file->empty()) refuse(name, *file, "with --view needs --seconds");
-  }
+  check_together(options, virtual_only, network_only);
   // Users' scripts are made for a length.
   if (options.endless) options.seconds = kEndless;
   // Who waits is user A, who calls is user B.
@@ -389,6 +332,13 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
     options.peer_id = options.connect.empty() ? 1 : 2;
   }
   return options;
+}
+
+void check_results(const DemoOptions& o) {
+  if (!o.json.empty() && o.json != "-") require_writable_file("--json", o.json);
+  if (!o.record.empty()) require_writable_file("--record", o.record);
+  if (!o.glb.empty()) require_writable_file("--record", o.glb);
+  if (!o.csv.empty()) require_writable_folder("--csv", o.csv);
 }
 
 }  // namespace tandem::demos

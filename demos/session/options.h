@@ -5,16 +5,15 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "arguments/arguments.h"
 #include "session/ablation.h"
 #include "session/physics.h"
 #include "session/session_key.h"
-#include "session/virtual_coupling.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_link.h"
 
@@ -56,10 +55,7 @@ struct DemoOptions {
   std::optional<consensus::PredictorKind> predictor;
   consensus::ReplayOptions replayed = {};
   consensus::InputMode mode = consensus::InputMode::Soft;
-  double extrapolation = 1.0;         ///< s, longest of states
-  double spring_extrapolation = 0.3;  ///< s, longest of users' springs
   Scheme scheme = Scheme::OnePass;
-  double pd_frequency = VirtualCouplingOptions{}.frequency;  ///< Hz, of Scheme::Pd
   double update_hz = 60.0;
   int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
   std::vector<double> rates = {60.0};              ///< steps each second of the peers, in turn
@@ -97,7 +93,6 @@ struct DemoOptions {
   std::string trace;       ///< file for what enters a peer, see docs/trace.md, "" = none
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;
-  bool help = false;
   std::optional<std::uint16_t> view;       ///< serve a page that shows the run; 0 = any port
   std::string view_address = "127.0.0.1";  ///< numeric
   bool no_script = false;                  ///< nobody acts but from a page
@@ -121,15 +116,11 @@ struct DemoOptions {
   consensus::LinkOptions link_options() const;
 };
 
-/// A command line that cannot be understood; what() names option, value and rule.
-class UsageError : public std::invalid_argument {
- public:
-  using std::invalid_argument::invalid_argument;
-};
-
-/// Reads the arguments after the program's name; "--name value" and "--name=value" are the same.
-/// @throws UsageError
+/// Reads the arguments after the program's name. @throws UsageError
 DemoOptions parse_options(std::span<const std::string_view> arguments);
+
+/// Before a long run, whether its results can be written. @throws UsageError
+void check_results(const DemoOptions& options);
 
 /// The text for --help.
 std::string usage(std::string_view program);
@@ -137,6 +128,5 @@ std::string usage(std::string_view program);
 std::string_view to_string(consensus::PredictorKind kind);
 std::string_view to_string(Scheme scheme);
 std::string_view to_string(consensus::InputMode mode);
-std::string_view to_string(consensus::ReplayInputs inputs);
 
 }  // namespace tandem::demos

@@ -11,14 +11,16 @@ namespace tandem::demos {
 
 std::string usage(std::string_view program) {
   return "usage: " + std::string(program) + R"( [options]
+for example: )" +
+         std::string(program) + R"( --view              see it and touch it in a browser
+             )" +
+         std::string(program) + R"( --profile 5         across an ocean
 All peers in one process, in virtual time (the default):
   --peers N          peers, 1 to 64 (2)
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
-  --loss P --duplicate P --reorder P   chances for each state on the link (0)
-  --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
-  --clock-spread S   from one peer's clock to the next one's; with --clock none it does not matter
-                     (0)
-  --max-state N      bytes of the longest packet of states; 502 is an MTU of 576 (65536)
+  --link KEY=VALUE,..  of each state a chance of loss, duplicate, reorder (0); bandwidth in bit/s in
+                     each direction (0 = unlimited); max-state, bytes of the longest packet: 502 is
+                     an MTU of 576 (65536)
 One peer for each process, in wall time; on this machine alone where there is no --key:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
@@ -26,46 +28,37 @@ One peer for each process, in wall time; on this machine alone where there is no
   --key FILE         encrypted; 64 hex digits, the same for all (tandem-key makes one)
   --insecure         UDP without a secret; loopback addresses only
   --transport tcp|udp  (udp with --key or --insecure, else tcp)
-  --clock session|system|none   over UDP: time agreed on in the session, the system clock, where
-                     PTP or NTP disciplines it, or each its own: what comes is dated on receipt
-                     (session); in virtual time none alone
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)
   --seed N           of everything that is drawn (1)
+  --clock session|system|none   over UDP: time agreed on in the session, the system clock, where
+                     PTP or NTP disciplines it, or each its own: what comes is dated on receipt
+                     (session); in virtual time none alone, and spread=S from one peer's clock to
+                     the next one's
   --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
   --coupling one-pass|one-pass-plain|two-step|two-step-plain|two-step-paper|single-owner|pd|none
                      (one-pass)
-  --pd-frequency F   Hz, natural frequency of pd's spring (0.5)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
   --predictor none|euler|second-order|replay
                      (replay; euler with plain, paper, single-owner and pd)
   --closing-share S  of the gap to the replayed mean, per 1/60 s, above 0 to 1 (0.2)
-  --inputs known|common            of users' springs, what a replay knows (known)
-  --replay-budget N  steps replayed for each step, 1 to 1000; 1000 = a new replay each step (3)
-  --replay-substeps N              of a replayed step; 0 = as the world's own (0)
-  --extrapolation S  longest extrapolation of states (1)
-  --spring-extrapolation S         of users' springs; 0 = off (0.3)
-  --compact          states rounded to few bits
-  --budget K         kbit/s that a peer sends to each other one, headers included (0 = unlimited;
-                     over UDP 2000)
-  --tolerance M      states that the others expect nearly right are not sent (0 = all are)
-  --update-hz F      states sent each second (60)
+  --send KEY=VALUE,..  hz, states each second (60); compact, states rounded to few bits; budget in
+                     kbit/s to each other peer, headers included (0 = unlimited; over UDP 2000);
+                     tolerance in m: states that the others expect nearly right are not sent (0)
   --rates F,F,..     steps each second of the peers, in turn (60)
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
-  --bullet-iterations N            of Bullet's solver (10)
   --substeps N       of Tandem's solver (4)
-  --iterations N     sweeps of its pass in each substep (1)
+  --iterations N[,M]  sweeps of Tandem's pass in each substep (1), and of Bullet's solver (10)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
                      masses, rotation, age, initiative, leading, arbitration,
                      ramp, refine
-  --uneven           the same as --rates 60,72
   --variant NAME     of the scenario, where it has any
-  --view [PORT]      serve a page that shows the run, until ctrl-c unless --seconds is given; its
-                     address is printed (docs/view.md)
-  --view-address A   serve it at this address, numeric (127.0.0.1: to this machine alone)
-  --no-script        nobody acts but who grabs something on the page
-  --replay FILE      users do what --record wrote, instead of following their script
+  --view [[ADDRESS:]PORT]  serve a page that shows the run, until ctrl-c unless --seconds is given;
+                     its address is printed (docs/view.md); to this machine alone unless a numeric
+                     address is given
+  --script FILE|none  users do what --record wrote instead of following their script; none: nobody
+                     acts but who grabs something on the page
 Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies
@@ -74,7 +67,8 @@ Output:
                      peers are in one process
   --reference        run what the users did at one peer as well, and compare
   --quiet            no table and no progress bar
-  --help             this text
+  --help, -h         this text
+  --version          of this program
 )";
 }
 
@@ -90,10 +84,6 @@ std::string_view to_string(consensus::PredictorKind kind) {
       break;
   }
   return "replay";
-}
-
-std::string_view to_string(consensus::ReplayInputs inputs) {
-  return inputs == consensus::ReplayInputs::Common ? "common" : "known";
 }
 
 std::string_view to_string(consensus::InputMode mode) {

@@ -110,7 +110,7 @@ void Participant::make_peer(const DemoOptions& options) {
   targets_ = options.ablation.around(*peer_);
   if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
   if (options.scheme_of(number_) == Scheme::Pd) {
-    pull_.emplace(*scene_.world, *peer_, VirtualCouplingOptions{.frequency = options.pd_frequency});
+    pull_.emplace(*scene_.world, *peer_);
   }
   for (const SceneBody& body : scene_.bodies) {
     peer_->share({.id = body.id, .body = body.body, .owner = owner_of(options, body)});

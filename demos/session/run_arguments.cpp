@@ -11,6 +11,31 @@ namespace tandem::demos {
 
 namespace {
 
+template <class Number>
+std::string digits(Number value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof(text), value).ptr;
+  return {text, end};
+}
+
+/// "key=value,key" of what is not as it is by default.
+class Items {
+ public:
+  template <class Number>
+  void number(const char* key, Number value, Number usual) {
+    if (value != usual) add(std::string(key) + '=' + digits(value));
+  }
+  void flag(const char* key, bool value) {
+    if (value) add(key);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  void add(const std::string& item) { text_ += (text_.empty() ? "" : ",") + item; }
+
+  std::string text_;
+};
+
 /// Words for what is not as it is by default.
 class Words {
  public:
@@ -19,7 +44,7 @@ class Words {
   template <class Number>
   requires std::integral<Number> || std::floating_point<Number>
   void number(const char* name, Number value, Number usual) {
-    if (value != usual) add(name, text(value));
+    if (value != usual) add(name, digits(value));
   }
   void word(const char* name, std::string_view value, std::string_view usual) {
     if (value != usual) add(name, std::string(value));
@@ -27,15 +52,12 @@ class Words {
   void flag(const char* name, bool value) {
     if (value) words_.emplace_back(name);
   }
+  void list(const char* name, const Items& items) {
+    if (!items.text().empty()) add(name, items.text());
+  }
   void add(const char* name, std::string value) {
     words_.emplace_back(name);
     words_.push_back(std::move(value));
-  }
-  template <class Number>
-  static std::string text(Number value) {
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
-    return {digits, end};
   }
 
  private:
@@ -56,18 +78,19 @@ std::string joined(const List& list, Text&& text) {
 void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   if (o.over_network()) {
     words.add("--listen", "0");
-    words.add("--peer-id", Words::text(o.peer_id));
+    words.add("--peer-id", digits(o.peer_id));
     words.flag("--insecure", o.udp());
     return;
   }
   words.number("--peers", o.peers, usual.peers);
   words.number("--profile", o.profile, usual.profile);
-  words.number("--loss", o.loss, usual.loss);
-  words.number("--duplicate", o.duplicate, usual.duplicate);
-  words.number("--reorder", o.reorder, usual.reorder);
-  words.number("--bandwidth", o.bandwidth, usual.bandwidth);
-  words.number("--max-state", o.max_state_bytes, usual.max_state_bytes);
-  words.number("--clock-spread", o.clock_spread, usual.clock_spread);
+  Items link;
+  link.number("loss", o.loss, usual.loss);
+  link.number("duplicate", o.duplicate, usual.duplicate);
+  link.number("reorder", o.reorder, usual.reorder);
+  link.number("bandwidth", o.bandwidth, usual.bandwidth);
+  link.number("max-state", o.max_state_bytes, usual.max_state_bytes);
+  words.list("--link", link);
 }
 
 }  // namespace
@@ -77,34 +100,37 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   Words words;
   write_place(o, usual, words);
   // Where else time comes from changes nothing but the times.
-  if (o.timeline == Timeline::None) words.add("--clock", "none");
+  Items clock;
+  clock.flag("none", o.timeline == Timeline::None);
+  if (!o.over_network()) clock.number("spread", o.clock_spread, usual.clock_spread);
+  words.list("--clock", clock);
   words.number("--seconds", o.seconds, usual.seconds);
   words.number("--seed", o.seed, usual.seed);
   words.word("--variant", o.variant, usual.variant);
   words.number("--influence", o.influence, usual.influence);
   words.word("--coupling", to_string(o.scheme), to_string(usual.scheme));
-  words.number("--pd-frequency", o.pd_frequency, usual.pd_frequency);
   words.number("--closing-share", o.replayed.share, usual.replayed.share);
-  words.word("--inputs", to_string(o.replayed.inputs), to_string(usual.replayed.inputs));
-  words.number("--replay-budget", o.replayed.budget, usual.replayed.budget);
-  words.number("--replay-substeps", o.replayed.substeps, usual.replayed.substeps);
   words.word("--mode", to_string(o.mode), to_string(usual.mode));
   if (o.predictor) words.add("--predictor", std::string(to_string(*o.predictor)));
-  words.number("--extrapolation", o.extrapolation, usual.extrapolation);
-  words.number("--spring-extrapolation", o.spring_extrapolation, usual.spring_extrapolation);
-  words.flag("--compact", o.compact);
-  words.number("--budget", o.budget, usual.budget);
-  words.number("--tolerance", o.tolerance, usual.tolerance);
-  words.number("--update-hz", o.update_hz, usual.update_hz);
+  Items send;
+  send.number("hz", o.update_hz, usual.update_hz);
+  send.flag("compact", o.compact);
+  send.number("budget", o.budget, usual.budget);
+  send.number("tolerance", o.tolerance, usual.tolerance);
+  words.list("--send", send);
   if (o.rates != usual.rates) {
-    words.add("--rates", joined(o.rates, [](double rate) { return Words::text(rate); }));
+    words.add("--rates", joined(o.rates, [](double rate) { return digits(rate); }));
   }
   if (o.engines != usual.engines) {
     words.add("--engines", joined(o.engines, [](Engine engine) { return to_string(engine); }));
   }
-  if (o.bullet_iterations) words.add("--bullet-iterations", Words::text(*o.bullet_iterations));
   words.number("--substeps", o.solver.substeps, usual.solver.substeps);
-  words.number("--iterations", o.solver.position_iterations, usual.solver.position_iterations);
+  const int iterations = o.solver.position_iterations;
+  if (o.bullet_iterations) {
+    words.add("--iterations", digits(iterations) + ',' + digits(*o.bullet_iterations));
+  } else {
+    words.number("--iterations", iterations, usual.solver.position_iterations);
+  }
   std::vector<Part> parts;
   for (std::size_t i = 0; i < kParts; ++i) {
     if (o.ablation.lacks(static_cast<Part>(i))) parts.push_back(static_cast<Part>(i));

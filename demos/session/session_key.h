@@ -17,7 +17,7 @@ std::optional<Key> key_from_hex(std::string_view digits);
 
 /// The key in a file: 64 hex digits, white space between them is passed over. Nobody but its owner
 /// may have access to it.
-/// @throws std::invalid_argument with the rule that the file breaks, without its name
+/// @throws std::invalid_argument with what the file must be, without its name
 Key read_session_key(const std::string& path);
 
 /// Whether a host's name can only be this machine.

@@ -80,12 +80,12 @@ constexpr bool begins_phase(TraceKind kind) {
          kind == TraceKind::End;
 }
 
-/// Bytes that are no trace; what() names offset and rule.
+/// Bytes that are no trace; what() names the offset and what must be there.
 class TraceError : public std::runtime_error {
  public:
   TraceError(std::size_t offset, std::string_view what, std::string_view rule)
-      : std::runtime_error("offset " + std::to_string(offset) + ": " + std::string(what) +
-                           " breaks: " + std::string(rule)) {}
+      : std::runtime_error("offset " + std::to_string(offset) + ": " +
+                           pbd::detail::must_be(what, rule)) {}
 };
 
 // Flags of a packet.

@@ -39,8 +39,8 @@ class Fields {
   [[noreturn]] void refuse(const char* name, const std::string& rule) const {
     const auto found = object_.find(name);
     const bool renamed = !setting_.empty() && std::string_view(name) == "value";
-    throw Refusal((renamed ? setting_ : name) + " = " +
-                  (found == object_.end() ? "nothing" : shortened(*found)) + " breaks: " + rule);
+    throw Refusal(pbd::detail::must_be(renamed ? setting_ : name, rule,
+                                       found == object_.end() ? "nothing" : shortened(*found)));
   }
 
   std::string text(const char* name, const char* rule) const {
@@ -108,7 +108,7 @@ Command read_set(const Fields& fields) {
     return SetProfile{static_cast<int>(in.integer("value", kMostProfile, "0 to 5"))};
   }
   if (name == "influence") {
-    return SetInfluence{in.number("value", 0.0, kMostInfluence, "0 to 0.5")};
+    return SetInfluence{in.number("value", 0.0, kMostInfluence, "from 0 to 0.5")};
   }
   if (name == "predictor") return SetPredictor{named(in, consensus::PredictorKind::Replay)};
   if (name == "scheme") return SetScheme{named(in, Scheme::Pd)};
@@ -118,9 +118,9 @@ Command read_set(const Fields& fields) {
 }  // namespace
 
 std::variant<Command, Refused> CommandReader::read(std::string_view text) try {
-  if (text.size() > kMostBytes) throw Refusal("command breaks: at most 1 KiB");
+  if (text.size() > kMostBytes) throw Refusal("command must be at most 1 KiB");
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) throw Refusal("command breaks: one JSON object");
+  if (!json.is_object()) throw Refusal("command must be one JSON object");
   const Fields in(json);
   const std::string type = in.text("type", "a text");
   const auto held = [this](std::uint32_t id) {
@@ -136,15 +136,17 @@ std::variant<Command, Refused> CommandReader::read(std::string_view text) try {
     return place;
   };
   const auto of_live = [&] {
-    if (!layout_.live) in.refuse("type", "over a network nobody can pause or switch");
+    if (!layout_.live)
+      in.refuse("type", "another one over a network, where nobody can pause or switch");
   };
 
   if (type == "grab") {
     Grab grab;
     grab.id = id();
     const auto place = held(grab.id);
-    if (place != held_.end() && *place == grab.id) in.refuse("id", "one that this page holds not");
-    if (held_.size() >= kMostGrabs) in.refuse("id", "at most 8 at once");
+    if (place != held_.end() && *place == grab.id)
+      in.refuse("id", "one that this page does not hold yet");
+    if (held_.size() >= kMostGrabs) in.refuse("id", "one of at most 8 at once");
     const auto below = [&in](const char* name, std::size_t count) {
       const std::string rule = "below " + std::to_string(count);
       const std::uint64_t value = in.integer(name, std::uint64_t{1} << 32, rule);

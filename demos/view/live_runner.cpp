@@ -97,6 +97,8 @@ class Runner {
 
 bool has_view() { return true; }
 
+std::string missing() { return {}; }
+
 RunResult run_live(const Scenario& scenario, const DemoOptions& options) {
   Runner runner(scenario, options);
   return runner.run();

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <string>
+
 #include "runner/virtual_runner.h"
 #include "scenes/scenario.h"
 #include "session/options.h"
@@ -10,6 +12,9 @@ namespace tandem::demos::view {
 
 /// Whether this build has the page and its server; where it has not, nothing below may be called.
 bool has_view();
+
+/// What it would need and where to read of it, for people.
+std::string missing();
 
 /// A run in virtual time at the pace of the clock, shown on a page and played with from there,
 /// until it has lasted as long as it should or is stopped.

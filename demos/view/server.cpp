@@ -63,7 +63,7 @@ class Server::Impl final : public PageHost {
     Error error;
     const asio::ip::address address = asio::ip::make_address(options.address, error);
     if (error) {
-      throw std::invalid_argument("view address = " + options.address + " breaks: numeric");
+      pbd::detail::refuse("view address", "numeric", options.address);
     }
     const Tcp::endpoint endpoint(address, options.port);
     acceptor_.open(endpoint.protocol(), error);

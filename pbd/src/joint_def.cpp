@@ -7,6 +7,7 @@
 
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/validate.h"
+#include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 namespace {

@@ -9,6 +9,7 @@
 #include "body_def.h"
 #include "groups.h"
 #include "tandem/pbd/bytes.h"
+#include "tandem/pbd/typed_block.h"
 #include "tandem/pbd/validate.h"
 #include "tandem/pbd/world.h"
 

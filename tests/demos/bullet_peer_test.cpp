@@ -123,7 +123,7 @@ TEST_CASE("bullet peer: scenes that it cannot hold are refused by name", "[demos
   builder.add(spec);
   const Scene scene = builder.build({});
   CHECK_THROWS_WITH(make_physics(Engine::Bullet, scene),
-                    Catch::Contains("table breaks: one shape"));
+                    Catch::Contains("table must be one shape"));
 }
 
 DemoOptions mixed(int profile, double seconds) {

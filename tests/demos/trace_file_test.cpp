@@ -61,19 +61,19 @@ TEST_CASE("trace: what is no trace is refused by offset and rule", "[demos][faul
     return {};
   };
   CHECK(refusal(trace).empty());
-  CHECK(refusal({}).find("offset 0: file breaks") == 0);
+  CHECK(refusal({}).find("offset 0: file must be") == 0);
   Bytes bad = trace;
   bad[3] ^= std::byte{1};
-  CHECK(refusal(bad).find("offset 0: magic breaks") == 0);
+  CHECK(refusal(bad).find("offset 0: magic must be") == 0);
   bad = trace;
   bad[8] = std::byte{77};
-  CHECK(refusal(bad).find("version = 77 breaks") != std::string::npos);
+  CHECK(refusal(bad).find("is 77") != std::string::npos);
   // A bit that no rule minds is found by the checksum.
   bad = altered(trace, [](auto& all) { all.pop_back(); });
   const std::size_t last = bad.size() - 1;
   bad = trace;
   bad[last] ^= std::byte{0x10};
-  CHECK(refusal(bad).find("checksum breaks") != std::string::npos);
+  CHECK(refusal(bad).find("checksum must be") != std::string::npos);
   // Order.
   const auto without_first = [&](TraceKind kind) {
     return altered(trace, [kind](auto& all) {
@@ -85,7 +85,7 @@ TEST_CASE("trace: what is no trace is refused by offset and rule", "[demos][faul
   };
   for (const TraceKind kind :
        {TraceKind::Begin, TraceKind::Step, TraceKind::Solved, TraceKind::Finish, TraceKind::Sent}) {
-    CHECK(refusal(without_first(kind)).find("record breaks: in its order") != std::string::npos);
+    CHECK(refusal(without_first(kind)).find("record must be in its order") != std::string::npos);
   }
   // Another scene.
   const CubesScenario other;

@@ -164,7 +164,7 @@ TEST_CASE(
   REQUIRE(refused);
   const auto words = nlohmann::json::parse(refused->bytes);
   CHECK(words["type"] == "refused");
-  CHECK(words["text"] == "influence = 7 breaks: 0 to 0.5");
+  CHECK(words["text"] == "influence must be from 0 to 0.5, is 7");
   const auto pong = page->hear();
   REQUIRE(pong);
   CHECK(nlohmann::json::parse(pong->bytes)["time"] == 42.0);

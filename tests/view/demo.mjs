@@ -26,7 +26,7 @@ export async function freePort() {
  */
 export async function startDemo(name, options = [], {folder = process.env.TANDEM_BIN,
                                                      seconds = 60} = {}) {
-  if (!folder) throw new Error('TANDEM_BIN breaks: the folder of the programs');
+  if (!folder) throw new Error('TANDEM_BIN must be the folder of the programs');
   const port = await freePort();
   const child = spawn(join(folder, name), ['--view', String(port), ...options],
                       {stdio: ['ignore', 'ignore', 'pipe']});

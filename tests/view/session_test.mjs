@@ -25,7 +25,7 @@ describe('a session', {timeout: 900000}, () => {
   let observer;
   let page;
   before(async () => {
-    demo = await startDemo('cubes', ['--profile', '3', '--no-script']);
+    demo = await startDemo('cubes', ['--profile', '3', '--script', 'none']);
     observer = await new Observer(demo.url).ready();
     browser = await startBrowser();
     page = await openPage(browser, demo.page);

@@ -7,30 +7,40 @@
 //   tandem-key --public identity.key          the public key of an identity, for the others
 #include <cstdint>
 #include <cstdio>
-#include <exception>
+#include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 
+#include "arguments/arguments.h"
 #include "session/session_key.h"
 #include "tandem/net/keys.h"
 
-int main(int argc, char** argv) {
-  using namespace tandem;
-  const bool of_identity = argc == 3 && std::string_view(argv[1]) == "--public";
-  if (argc != 1 && !of_identity) {
-    std::fputs(
-        "tandem-key                 prints a new key\n"
-        "tandem-key --public FILE   prints the public key of an identity\n",
-        stderr);
-    return 2;
-  }
+namespace {
+
+using namespace tandem;
+
+constexpr std::string_view kUsage =
+    "usage: tandem-key                 prints a new key: a session's, or a peer's identity\n"
+    "       tandem-key --public FILE   prints the public key of an identity, for the others\n";
+
+net::Key identity(const std::string& path) {
   try {
-    const net::Key key =
-        of_identity ? net::public_key(demos::read_session_key(argv[2])) : net::make_key();
-    for (const std::uint8_t byte : key) std::printf("%02x", byte);
-    std::printf("\n");
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "tandem-key: %s%s\n", of_identity ? "FILE breaks: " : "", error.what());
-    return 1;
+    return demos::read_session_key(path);
+  } catch (const std::invalid_argument& error) {
+    demos::refuse("--public", path, error.what());
   }
+}
+
+int run(std::span<const std::string_view> words) {
+  std::string file;
+  demos::read_arguments(words, {{"--public", [&](demos::Argument& in) { file = in.text(); }}});
+  const net::Key key = file.empty() ? net::make_key() : net::public_key(identity(file));
+  for (const std::uint8_t byte : key) std::printf("%02x", byte);
+  std::printf("\n");
   return std::fflush(stdout) == 0 ? 0 : 1;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return demos::program_main(argc, argv, kUsage, run); }

@@ -4,6 +4,7 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -29,8 +30,8 @@ class Section {
   [[noreturn]] void refuse(std::string_view key, const std::string& rule) const {
     const toml::node* const node = table_.get(key);
     const std::string line = node == nullptr ? "" : ':' + std::to_string(node->source().begin.line);
-    throw ConfigError(file_ + line + ": " + prefix_ + std::string(key) + " = " + text(node) +
-                      " breaks: " + rule);
+    throw ConfigError(file_ + line + ": " +
+                      pbd::detail::must_be(prefix_ + std::string(key), rule, text(node)));
   }
 
   /// The node of a key; null where it is absent.
@@ -106,13 +107,12 @@ class Section {
   void finish() const {
     for (const auto& entry : table_) {
       const std::string_view key = entry.first.str();
-      bool known = false;
-      std::string all;
-      for (const std::string& name : known_) {
-        known = known || name == key;
-        all += (all.empty() ? "" : ", ") + name;
-      }
-      if (!known) refuse(key, "keys here are " + all);
+      const std::vector<std::string_view> known(known_.begin(), known_.end());
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      std::string all = "keys here are ";
+      for (const std::string& name : known_) all += (&name == known_.data() ? "" : ", ") + name;
+      throw ConfigError(file_ + ':' + std::to_string(entry.second.source().begin.line) + ": " +
+                        unknown("key", prefix_ + std::string(key), known, prefix_, all));
     }
   }
 
@@ -163,7 +163,7 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
   in.read("listen", port, 0, 65535, "a port from 0 (any) to 65535");
   if (in.has("listen")) o.listen = port;
   in.read("connect", o.connect, "a list of \"HOST:PORT\", port 1 to 65535", is_host_port);
-  if (!o.over_network()) in.refuse("listen", "must be given where connect is not");
+  if (!o.over_network()) in.refuse("listen", "given where connect is not");
   in.read("key", o.key);
   in.read("identity", o.identity);
   in.read("insecure", o.insecure);
@@ -175,13 +175,13 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
   o.timeline = clock == "none"     ? Timeline::None
                : clock == "system" ? Timeline::System
                                    : Timeline::Session;
-  in.read("kbit_per_s", o.budget, 32.0, 1e6, "kbit/s, a number from 32 to 1e6");
+  in.read("kbit_per_s", o.budget, 32.0, 1e6, "a number from 32 to 1e6 kbit/s");
   in.read("compact", o.compact);
-  in.read("tolerance", o.tolerance, 0.0, 10.0, "m, a number from 0 to 10");
+  in.read("tolerance", o.tolerance, 0.0, 10.0, "a number from 0 to 10 m");
   o.wire = udp ? Wire::Udp : Wire::Tcp;
   if (!udp) {
     for (const char* key : {"clock", "kbit_per_s"}) {
-      if (in.has(key)) in.refuse(key, "has no meaning with transport = \"tcp\"");
+      if (in.has(key)) in.refuse(key, "absent with transport = \"tcp\"");
     }
   }
   if (o.key.empty() == !o.insecure) {
@@ -202,7 +202,7 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
     o.trusted.emplace_back(peer, *key);
   });
   if (o.insecure && (!o.identity.empty() || !o.trusted.empty())) {
-    in.refuse("insecure", "has no meaning with identity or trusted");
+    in.refuse("insecure", "absent with identity or trusted");
   }
   for (const std::string& address : o.connect) {
     if (o.insecure && !is_loopback(net::parse_host_port(address).host)) {
@@ -218,7 +218,7 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   DemoOptions& o = config.session;
   Section top(table, name, "");
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  if (!top.has("id")) top.refuse("id", "must be given, unique in the session");
+  if (!top.has("id")) top.refuse("id", "given, unique in the session");
   top.read("id", o.peer_id, 1, std::int64_t{1} << 62, "an integer >= 1, unique in the session");
   top.read("seed", o.seed, 0, kMost, "an integer >= 0");
   top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");

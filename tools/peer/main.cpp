@@ -8,16 +8,15 @@
 //   tandem-peer SCENE --config peers.toml --trace FILE   and write all that enters it
 //
 // docs/tandem-peer.md has the keys of the file and what is told.
-#include <charconv>
 #include <cstdint>
-#include <cstdio>
 #include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "arguments/arguments.h"
 #include "peer/node.h"
 #include "view/live_runner.h"
 
@@ -25,13 +24,17 @@ namespace {
 
 using namespace tandem::demos;
 
-constexpr const char* kUsage =
-    "tandem-peer SCENE --config FILE [--check] [--trace FILE] [--view [PORT]]\n"
-    "  SCENE     cliff, cubes, piano, room or tennis, the same for all peers\n"
-    "  --config  TOML, see docs/tandem-peer.md\n"
-    "  --check   read the file, say what is wrong with it, do nothing else\n"
-    "  --trace   write all that enters this peer, for tandem-replay, see docs/trace.md\n"
-    "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or PORT\n";
+std::string usage() {
+  return "usage: tandem-peer SCENE --config FILE [--check] [--trace FILE] [--view [PORT]]\n"
+         "  SCENE     " +
+         scenario_names() +
+         ", the same for all peers\n"
+         "  --config  TOML, see docs/tandem-peer.md\n"
+         "  --check   read the file, say what is wrong with it, do nothing else\n"
+         "  --trace   write all that enters this peer, for tandem-replay, see docs/trace.md\n"
+         "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or "
+         "PORT\n";
+}
 
 struct Arguments {
   std::string scene;
@@ -41,73 +44,43 @@ struct Arguments {
   std::optional<std::uint16_t> view;
 };
 
-/// @return whether the text is a port
-bool read_port(std::string_view text, std::optional<std::uint16_t>& port) {
-  std::uint16_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return false;
-  port = value;
-  return true;
+/// @throws UsageError
+Arguments read(std::span<const std::string_view> words) {
+  Arguments result;
+  read_arguments(
+      words,
+      {{"--config", [&](Argument& in) { result.config = in.text(); }},
+       {"--check", [&](Argument&) { result.check = true; }},
+       {"--trace", [&](Argument& in) { result.trace = in.text(); }},
+       {"--view",
+        [&](Argument& in) {
+          result.view = number("--view", in.value_or("0"), std::uint16_t{0}, std::uint16_t{65535},
+                               "a port from 0 (any) to 65535");
+        }}},
+      [&](std::string_view word) {
+        if (!result.scene.empty()) {
+          throw UsageError("one SCENE must be given, " + std::string(word) + " is a second one");
+        }
+        result.scene = word;
+      });
+  if (result.scene.empty()) throw UsageError("SCENE must be one of " + scenario_names());
+  if (result.config.empty()) throw UsageError("--config must be given");
+  return result;
 }
 
-/// @return what is wrong with them; empty where nothing is
-std::string read(const std::vector<std::string_view>& words, Arguments& result) {
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string word(words[i]);
-    if (word == "--check") {
-      result.check = true;
-    } else if (word == "--config") {
-      if (i + 1 == words.size()) return "--config = breaks: needs a file";
-      result.config = words[++i];
-    } else if (word.starts_with("--config=")) {
-      result.config = word.substr(9);
-    } else if (word == "--trace") {
-      if (i + 1 == words.size()) return "--trace = breaks: needs a file";
-      result.trace = words[++i];
-    } else if (word.starts_with("--trace=")) {
-      result.trace = word.substr(8);
-    } else if (word == "--view") {
-      result.view = result.view.value_or(0);
-      const bool follows = i + 1 < words.size() && read_port(words[i + 1], result.view);
-      if (follows) ++i;
-    } else if (word.starts_with("--view=")) {
-      if (!read_port(word.substr(7), result.view)) {
-        return word + " breaks: a port from 0 (any) to 65535";
-      }
-    } else if (word.starts_with("-") || !result.scene.empty()) {
-      return "argument = " + word + " breaks: one of those that --help lists";
-    } else {
-      result.scene = word;
-    }
-  }
-  if (result.scene.empty()) return "SCENE = breaks: one of " + scenario_names();
-  if (result.config.empty()) return "--config = breaks: must be given";
-  return {};
-}
-
-int run(const std::vector<std::string_view>& words) {
-  Arguments arguments;
-  if (const std::string wrong = read(words, arguments); !wrong.empty()) {
-    std::fprintf(stderr, "tandem-peer: %s\n", wrong.c_str());
-    return 2;
-  }
+int run(std::span<const std::string_view> words) {
+  const Arguments arguments = read(words);
   const std::unique_ptr<Scenario> scenario = scenario_named(arguments.scene);
-  if (scenario == nullptr) {
-    std::fprintf(stderr, "tandem-peer: SCENE = %s breaks: one of %s\n", arguments.scene.c_str(),
-                 scenario_names().c_str());
-    return 2;
-  }
+  if (scenario == nullptr) refuse("SCENE", arguments.scene, "one of " + scenario_names());
   PeerConfig config;
   try {
     config = read_config(arguments.config);
   } catch (const ConfigError& error) {
-    std::fprintf(stderr, "tandem-peer: %s\n", error.what());
-    return 2;
+    throw UsageError(error.what());
   }
   if (arguments.view) config.session.view = arguments.view;
   if (config.session.view && !view::has_view()) {
-    std::fprintf(stderr, "tandem-peer: view = given breaks: built with it (TANDEM_DEMO_VIEW)\n");
-    return 2;
+    throw UsageError("--view needs a build with it: " + view::missing());
   }
   if (arguments.check) return 0;
   config.session.trace = arguments.trace;
@@ -123,18 +96,4 @@ int run(const std::vector<std::string_view>& words) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  const std::vector<std::string_view> words(argv + 1, argv + argc);
-  for (const std::string_view word : words) {
-    if (word == "--help") {
-      std::fputs(kUsage, stdout);
-      return 0;
-    }
-  }
-  try {
-    return run(words);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "tandem-peer: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return program_main(argc, argv, usage(), run); }

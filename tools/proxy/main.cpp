@@ -3,27 +3,20 @@
 //
 // Real datagrams over a bad network: what arrives at a port goes on to another address, and back,
 // with the virtual link's seeded delay, jitter, loss, doubling, reordering and rate.
-//
-//   proxy [--profile N] [--latency MS] [--jitter MS] [--loss P] [--duplicate P] [--reorder P]
-//         [--bandwidth BIT_S] [--seed N] [--host ADDRESS] PORT=HOST:PORT...
-//
-// Options hold for the routes after them. A port of 0 takes a free one; the ports are printed. At
-// the end (SIGINT, SIGTERM) it says what became of the datagrams.
 #include <algorithm>
 #include <array>
 #include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/signal_set.hpp>
-#include <charconv>
 #include <cstdio>
-#include <exception>
 #include <memory>
-#include <stdexcept>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "arguments/arguments.h"
 #include "proxy/flow.h"
 
 namespace {
@@ -35,24 +28,25 @@ using tandem::consensus::LinkOptions;
 constexpr std::size_t kMostFlows = 64;            // clients of one route
 constexpr std::chrono::seconds kForgetAfter{60};  // a client that is silent
 
+constexpr std::string_view kUsage =
+    "usage: proxy [options] PORT=HOST:PORT...\n"
+    "What arrives at a port goes on to another address, and back. A port of 0 takes a free one; "
+    "the\n"
+    "ports are printed. Ctrl-c ends it, and says what became of the datagrams. Options hold for "
+    "the\n"
+    "routes after them:\n"
+    "  --profile 0..5    latency and jitter: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (0)\n"
+    "  --latency MS --jitter MS\n"
+    "  --loss P --duplicate P --reorder P   chances for each datagram (0)\n"
+    "  --bandwidth B     bit/s in each direction (0 = unlimited)\n"
+    "  --seed N          of everything that is drawn (1)\n"
+    "  --host ADDRESS    of the ports (127.0.0.1)\n";
+
 struct Settings {
   LinkOptions link;
   std::uint64_t seed = 1;
   std::string host = "127.0.0.1";  ///< address of the entrance
 };
-
-template <class Number>
-Number number(std::string_view name, std::string_view text, Number low, Number high) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= low) ||
-      !(value <= high)) {
-    throw std::invalid_argument(std::string(name) + " = " + std::string(text) +
-                                ": must be a number from " + std::to_string(low) + " to " +
-                                std::to_string(high));
-  }
-  return value;
-}
 
 /// One port, and where what comes there goes.
 class Route {
@@ -145,62 +139,63 @@ std::unique_ptr<Route> route(asio::io_context& io, const Settings& settings,
   const std::size_t equals = text.find('=');
   const std::size_t colon = text.rfind(':');
   if (equals == std::string_view::npos || colon == std::string_view::npos || colon < equals) {
-    throw std::invalid_argument("route = " + std::string(text) + ": must be PORT=HOST:PORT");
+    refuse("a route", text, "PORT=HOST:PORT");
   }
-  const auto port = number<std::uint16_t>("port", text.substr(0, equals), 0, 65535);
+  const auto port = number<std::uint16_t>("the port of a route", text.substr(0, equals), 0, 65535,
+                                          "from 0 (any) to 65535");
   const std::string host(text.substr(equals + 1, colon - equals - 1));
   const std::string service(text.substr(colon + 1));
-  number<std::uint16_t>("target's port", service, 1, 65535);
+  number<std::uint16_t>("the target's port", service, 1, 65535, "from 1 to 65535");
   const auto found = udp::resolver(io).resolve(udp::v4(), host, service);
   return std::make_unique<Route>(io, settings, port, *found.begin());
 }
 
-void set(Settings& settings, std::string_view name, std::string_view value) {
+/// What may be said of the routes after it.
+std::vector<Option> link_options(Settings& settings) {
   LinkOptions& link = settings.link;
-  if (name == "--profile") {
-    const int profile = number(name, value, 0, 5);
-    const LinkOptions known =
-        profile > 0 ? tandem::consensus::network_profile(profile) : LinkOptions{};
-    link.latency = known.latency;
-    link.jitter = known.jitter;
-  } else if (name == "--latency") {
-    link.latency = 1e-3 * number(name, value, 0.0, 1e4);
-  } else if (name == "--jitter") {
-    link.jitter = 1e-3 * number(name, value, 0.0, 1e4);
-  } else if (name == "--loss") {
-    link.loss = number(name, value, 0.0, 0.99);
-  } else if (name == "--duplicate") {
-    link.duplicate = number(name, value, 0.0, 1.0);
-  } else if (name == "--reorder") {
-    link.reorder = number(name, value, 0.0, 1.0);
-  } else if (name == "--bandwidth") {
-    link.bandwidth = number(name, value, 0.0, 1e12);
-  } else if (name == "--seed") {
-    settings.seed = number<std::uint64_t>(name, value, 0, ~std::uint64_t{0});
-  } else if (name == "--host") {
-    settings.host = value;
-  } else {
-    throw std::invalid_argument("option = " + std::string(name) + ": is not one of this program's");
-  }
+  const auto chance = [](std::string_view name, double most, double& into) {
+    return Option{name, [=, &into](Argument& in) {
+                    into = in.number(0.0, most, most < 1.0 ? "from 0 to 0.99" : "from 0 to 1");
+                  }};
+  };
+  const auto milliseconds = [](std::string_view name, double& into) {
+    return Option{name, [&into](Argument& in) {
+                    into = 1e-3 * in.number(0.0, 1e4, "a number from 0 to 10000 ms");
+                  }};
+  };
+  return {{"--profile",
+           [&link](Argument& in) {
+             const int profile = in.number(0, 5, "an integer from 0 to 5");
+             const LinkOptions known =
+                 profile > 0 ? tandem::consensus::network_profile(profile) : LinkOptions{};
+             link.latency = known.latency;
+             link.jitter = known.jitter;
+           }},
+          milliseconds("--latency", link.latency),
+          milliseconds("--jitter", link.jitter),
+          chance("--loss", 0.99, link.loss),
+          chance("--duplicate", 1.0, link.duplicate),
+          chance("--reorder", 1.0, link.reorder),
+          {"--bandwidth",
+           [&link](Argument& in) {
+             link.bandwidth = in.number(0.0, 1e12, "a number from 0 to 1e12 bit/s");
+           }},
+          {"--seed",
+           [&settings](Argument& in) {
+             settings.seed = in.number(std::uint64_t{0}, ~std::uint64_t{0}, "an integer >= 0");
+           }},
+          {"--host", [&settings](Argument& in) { settings.host = in.text(); }}};
 }
 
-int run(const std::vector<std::string_view>& arguments) {
+int run(std::span<const std::string_view> words) {
   asio::io_context io(1);
   Settings settings;
   std::vector<std::unique_ptr<Route>> routes;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    if (!arguments[i].starts_with("--")) {
-      routes.push_back(route(io, settings, arguments[i]));
-      std::printf("%u\n", routes.back()->port());
-      continue;
-    }
-    if (i + 1 == arguments.size()) {
-      throw std::invalid_argument(std::string(arguments[i]) + ": needs a value");
-    }
-    set(settings, arguments[i], arguments[i + 1]);
-    ++i;
-  }
-  if (routes.empty()) throw std::invalid_argument("routes: at least one PORT=HOST:PORT");
+  read_arguments(words, link_options(settings), [&](std::string_view word) {
+    routes.push_back(route(io, settings, word));
+    std::printf("%u\n", routes.back()->port());
+  });
+  if (routes.empty()) throw UsageError("at least one PORT=HOST:PORT must be given");
   std::fflush(stdout);
   asio::signal_set signals(io, SIGINT, SIGTERM);
   signals.async_wait([&](const std::error_code&, int) {
@@ -212,11 +207,4 @@ int run(const std::vector<std::string_view>& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run({argv + 1, argv + argc});
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "proxy: %s\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return program_main(argc, argv, kUsage, run); }

@@ -14,25 +14,26 @@
 #include <string_view>
 #include <vector>
 
+#include "arguments/arguments.h"
 #include "replay/diff.h"
 #include "replay/reader.h"
 #include "replay/replayer.h"
 #include "scenes/scenario_list.h"
-#include "session/option_values.h"
+#include "tandem/pbd/validate.h"
 #include "trace/build_facts.h"
 
 namespace {
 
 using namespace tandem::demos;
 
-constexpr const char* kUsage =
-    "tandem-replay TRACE          run the peer again and compare: 0 = bit-exact, 1 = not, 2 = not "
-    "a\n"
-    "                             trace that can be run here\n"
-    "tandem-replay --info TRACE   say what is in it\n"
-    "tandem-replay --diff A B     two runs of one peer: where they differ first; two peers of one\n"
-    "                             session: where their copies are further apart than\n"
-    "  --tolerance M              m (0.05)\n";
+constexpr std::string_view kUsage =
+    "usage: tandem-replay TRACE          run the peer again and compare: 0 = bit-exact, 1 = not,\n"
+    "                                    2 = not a trace that can be run here\n"
+    "       tandem-replay --info TRACE   say what is in it\n"
+    "       tandem-replay --diff A B     two runs of one peer: where they differ first; two peers "
+    "of\n"
+    "                                    one session: where their copies are further apart than\n"
+    "         --tolerance M              m (0.05)\n";
 
 /// A trace in memory, that was read to its end.
 struct Trace {
@@ -55,7 +56,7 @@ Trace read_trace(const std::string& path) {
   trace.path = path;
   std::ifstream file(path, std::ios::binary);
   trace.content.assign(std::istreambuf_iterator<char>(file), {});
-  if (!file) throw std::runtime_error("cannot be read");
+  if (!file) throw std::runtime_error("must be a file that can be read");
   TraceReader reader(trace.bytes());
   trace.header = reader.header();
   TraceRecord record;
@@ -76,7 +77,7 @@ Trace read_trace(const std::string& path) {
 std::unique_ptr<Scenario> scenario_of(const Trace& trace) {
   auto scenario = make_scenario(trace.header.scene, traced_options(trace.header.arguments).variant);
   if (scenario == nullptr) {
-    throw std::runtime_error("scene = " + trace.header.scene + " breaks: one that is known here");
+    tandem::pbd::detail::refuse("scene", "one that is known here", trace.header.scene);
   }
   return scenario;
 }
@@ -158,7 +159,7 @@ int diff_runs(const Trace& a, const Trace& b) {
 int diff_views(const Trace& a, const Trace& b, double tolerance) {
   const DemoOptions options = traced_options(a.header.arguments);
   if (options.over_network() && options.timeline == Timeline::None) {
-    throw std::runtime_error("--diff breaks: two peers of one time, not of --clock none");
+    throw std::runtime_error("must be of two peers with one time, is of --clock none");
   }
   const std::unique_ptr<Scenario> scenario = scenario_of(a);
   const TwoViews views = compare_views(*scenario, a.bytes(), b.bytes(), tolerance);
@@ -188,7 +189,7 @@ int diff(const Trace& a, const Trace& b, double tolerance) {
   const bool one_scene = a.header.scene == b.header.scene &&
                          a.header.scene_hash == b.header.scene_hash &&
                          a.header.bodies == b.header.bodies;
-  if (!one_scene) throw std::runtime_error("of another scene than " + a.path);
+  if (!one_scene) throw std::runtime_error("must be of the scene of " + a.path + ", is of another");
   if (a.header.self == b.header.self) return diff_runs(a, b);
   return diff_views(a, b, tolerance);
 }
@@ -203,45 +204,24 @@ struct Arguments {
 /// @throws UsageError
 Arguments read(std::span<const std::string_view> words) {
   Arguments result;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i] == "--info") {
-      result.info = true;
-    } else if (words[i] == "--diff") {
-      result.diff = true;
-    } else if (words[i] == "--tolerance") {
-      const std::string_view text = i + 1 < words.size() ? words[++i] : std::string_view();
-      result.tolerance = number("--tolerance", text, 0.0, 1e6, "m, a number from 0 to 1e6");
-    } else if (words[i].starts_with("-")) {
-      refuse("argument", words[i], "one of those that --help lists");
-    } else {
-      result.files.emplace_back(words[i]);
-    }
-  }
+  read_arguments(
+      words,
+      {{"--info", [&](Argument&) { result.info = true; }},
+       {"--diff", [&](Argument&) { result.diff = true; }},
+       {"--tolerance",
+        [&](Argument& in) { result.tolerance = in.number(0.0, 1e6, "a number from 0 to 1e6 m"); }}},
+      [&](std::string_view word) { result.files.emplace_back(word); });
+  if (result.info && result.diff) throw UsageError("--info has no meaning with --diff");
   const std::size_t files = result.diff ? 2 : 1;
-  if (result.info && result.diff) throw UsageError("--info breaks: without --diff");
   if (result.files.size() != files) {
-    refuse("files", std::to_string(result.files.size()), "two with --diff, else one");
+    throw UsageError(tandem::pbd::detail::must_be("number of traces", "two with --diff, else one",
+                                                  static_cast<double>(result.files.size())));
   }
   return result;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const std::vector<std::string_view> words(argv + 1, argv + argc);
-  for (const std::string_view word : words) {
-    if (word == "--help") {
-      std::fputs(kUsage, stdout);
-      return 0;
-    }
-  }
-  Arguments arguments;
-  try {
-    arguments = read(words);
-  } catch (const UsageError& error) {
-    std::fprintf(stderr, "tandem-replay: %s\n%s", error.what(), kUsage);
-    return 2;
-  }
+int run(std::span<const std::string_view> words) {
+  const Arguments arguments = read(words);
   std::string path;
   try {
     std::vector<Trace> traces;
@@ -252,7 +232,11 @@ int main(int argc, char** argv) {
     if (arguments.info) return info(traces[0]);
     return arguments.diff ? diff(traces[0], traces[1], arguments.tolerance) : replay(traces[0]);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "tandem-replay: %s: %s\n", path.c_str(), error.what());
-    return 2;
+    // No trace that can be run here: as for a command line that cannot be understood.
+    throw UsageError(path + ": " + error.what());
   }
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return program_main(argc, argv, kUsage, run); }

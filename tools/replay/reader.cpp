@@ -18,7 +18,7 @@ constexpr std::uint64_t kMaxRecord = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxText = 4096;
 constexpr std::uint64_t kMaxBodies = 1'000'000;
 constexpr std::uint64_t kMaxPackets = std::uint64_t{1} << 26;  // bytes, of one phase
-constexpr std::uint64_t kMinLimit = 128;                       // bytes, as --max-state has it
+constexpr std::uint64_t kMinLimit = 128;                       // bytes, as --link max-state has it
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 32;
 constexpr std::size_t kMaxUsers = 1024;
 constexpr SessionTime kMaxTime = SessionTime{1} << 62;
@@ -102,12 +102,12 @@ void TraceReader::read_header() {
   start.require(bytes_.size() >= kHeaderBytes, "file", "long enough for a trace's header");
   for (const char c : kTraceMagic) {
     if (static_cast<char>(start.bytes("magic", 1)[0]) != c) {
-      throw TraceError(0, "magic", "begins with " + std::string(kTraceMagic));
+      throw TraceError(0, "magic", kTraceMagic);
     }
   }
   const auto version = static_cast<std::uint8_t>(start.bytes("version", 1)[0]);
-  start.require(version == kTraceVersion, "version = " + std::to_string(version),
-                "this program reads version " + std::to_string(kTraceVersion));
+  start.require(version == kTraceVersion, "version",
+                std::to_string(kTraceVersion) + " for this program, is " + std::to_string(version));
   const std::uint32_t length = start.u32("header");
   start.require(length <= start.remaining(), "header", "no longer than the file");
   In in(bytes_.subspan(kHeaderBytes, length), kHeaderBytes);
@@ -120,7 +120,7 @@ void TraceReader::read_header() {
   header_.scene_hash = in.u64("scene hash");
   header_.bodies = static_cast<std::uint32_t>(in.varint("bodies", kMaxBodies, "at most 1000000"));
   header_.build = in.text("build");
-  in.require(in.remaining() == 0, "header", "nothing after its last field");
+  in.require(in.remaining() == 0, "header", "at its end after its last field");
   at_ = kHeaderBytes + length;
   checksum_ = pbd::hash_bytes(bytes_.first(at_), checksum_);
   targets_before_.assign(header_.bodies, 0);
@@ -130,11 +130,11 @@ void TraceReader::read_header() {
 bool TraceReader::next(TraceRecord& record) {
   offset_ = at_;
   if (at_ == bytes_.size()) return false;
-  if (complete()) throw TraceError(at_, "end", "nothing after it");
+  if (complete()) throw TraceError(at_, "end", "the last record");
   const auto kind = static_cast<std::uint8_t>(bytes_[at_]);
   const bool known = kind >= static_cast<std::uint8_t>(TraceKind::Packets) &&
                      kind <= static_cast<std::uint8_t>(TraceKind::End);
-  if (!known) throw TraceError(at_, "kind = " + std::to_string(kind), "one that there is");
+  if (!known) throw TraceError(at_, "kind", "one that there is, is " + std::to_string(kind));
   std::size_t from = at_ + 1;
   std::uint64_t length = 0;
   if (!read_varint(bytes_, from, length)) {
@@ -148,7 +148,7 @@ bool TraceReader::next(TraceRecord& record) {
   record.kind = static_cast<TraceKind>(kind);
   if (begins_phase(record.kind)) phase_bytes_ = 0;
   read(in, record);
-  in.require(in.remaining() == 0, "record", "nothing after its last field");
+  in.require(in.remaining() == 0, "record", "at its end after its last field");
   follow(in, record);
   at_ = from + static_cast<std::size_t>(length);
   checksum_ = pbd::hash_bytes(bytes_.subspan(offset_, at_ - offset_), checksum_);
@@ -242,7 +242,7 @@ void TraceReader::read_peers(In& in, TraceRecord& record) {
     before = peer.id;
     peer.connected = in.u8("connected", 1, "0 or 1") != 0;
     peer.kbit_per_s = in.f64("kbit_per_s");
-    in.require(peer.kbit_per_s >= 0.0 && peer.kbit_per_s <= 1e12, "kbit_per_s", "0 to 1e12");
+    in.require(peer.kbit_per_s >= 0.0 && peer.kbit_per_s <= 1e12, "kbit_per_s", "from 0 to 1e12");
     peer.round_trip = in.signed_varint("round trip");
     peer.dropped_queue_full = in.varint("dropped");
     peer.rejected = in.varint("rejected");
@@ -252,7 +252,7 @@ void TraceReader::read_peers(In& in, TraceRecord& record) {
 void TraceReader::read_inputs(In& in, TraceRecord& record) {
   record.user = static_cast<std::uint32_t>(in.varint("user", UINT32_MAX, "at most 32 bits"));
   const bool seated = std::find(users_.begin(), users_.end(), record.user) != users_.end();
-  in.require(seated, "user = " + std::to_string(record.user), "one who has sat down");
+  in.require(seated, "user", "one who has sat down, is " + std::to_string(record.user));
   record.inputs.resize(in.count("inputs", 3));
   for (Input& input : record.inputs) {
     input.user = record.user;
@@ -288,9 +288,10 @@ void TraceReader::read_stage(In& in, StageHash& stage, std::vector<std::uint32_t
 
 void TraceReader::read_end(In& in, TraceRecord& record) {
   record.steps = in.varint("steps");
-  in.require(record.steps == steps_, "steps = " + std::to_string(record.steps),
-             "as many as there are, " + std::to_string(steps_));
-  in.require(in.u64("checksum") == checksum_, "checksum", "that of all before it: damaged");
+  in.require(record.steps == steps_, "steps",
+             std::to_string(steps_) + ", as many as there are, is " + std::to_string(record.steps));
+  in.require(in.u64("checksum") == checksum_, "checksum",
+             "that of all before it, is another: the trace is damaged");
 }
 
 SessionTime TraceReader::read_time(In& in) {
@@ -312,8 +313,8 @@ void TraceReader::follow(In& in, const TraceRecord& record) {
       return;
     case TraceKind::User:
       need(waiting);
-      in.require(std::find(users_.begin(), users_.end(), record.user) == users_.end(),
-                 "user = " + std::to_string(record.user), "sits down once");
+      in.require(std::find(users_.begin(), users_.end(), record.user) == users_.end(), "user",
+                 "one who has not sat down, is " + std::to_string(record.user));
       in.require(users_.size() < kMaxUsers, "users", "at most 1024");
       users_.push_back(record.user);
       return;

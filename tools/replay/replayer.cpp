@@ -69,13 +69,11 @@ Replayer::Replayer(const Scenario& scenario, std::span<const std::byte> trace)
   const bool same = scenario.name() == header().scene && scene_hash(scene) == header().scene_hash &&
                     scene.bodies.size() == header().bodies;
   if (!same) {
-    throw std::invalid_argument("scene = " + header().scene +
-                                " breaks: the same bodies as when it was traced");
+    pbd::detail::refuse("scene", "of the same bodies as when it was traced", header().scene);
   }
   const auto peers = static_cast<std::uint64_t>(options_.peers);
   if (!options_.over_network() && header().number >= peers) {
-    throw std::invalid_argument("number = " + std::to_string(header().number) +
-                                " breaks: below --peers");
+    pbd::detail::refuse("number", "below --peers", std::to_string(header().number));
   }
   load_phase();
   transport_.begin_phase(answers());

@@ -20,10 +20,10 @@ const isPoint = (p) => Array.isArray(p) && p.length === 3 &&
 /** Says why a message is refused; undefined where it is good. */
 function fault(world, message) {
   if (message.type === 'grab' || message.type === 'move') {
-    if (!isPoint(message.point)) return 'point breaks: three numbers within 100 m';
+    if (!isPoint(message.point)) return 'point must be three numbers within 100 m';
   }
   if (message.type === 'grab' && !world.peers[message.pane]?.[message.body]) {
-    return `body = ${message.body} breaks: there is none of that number`;
+    return `body must be one of the scene, is ${message.body}`;
   }
   if (message.type !== 'set') return undefined;
   if (!world.live) return 'set: not in this run';
@@ -32,7 +32,7 @@ function fault(world, message) {
   const {value} = message;
   const good = ['speed', 'influence'].includes(message.name)
     ? value >= choices[0] && value <= choices[1] : choices.includes(value);
-  return good ? undefined : `${message.name} = ${value} breaks: ${choices.join(', ')}`;
+  return good ? undefined : `${message.name} must be ${choices.join(', ')}, is ${value}`;
 }
 
 /** One page. */
@@ -61,7 +61,7 @@ class Client {
     try {
       message = JSON.parse(data);
     } catch {
-      this.refuse('message breaks: JSON');
+      this.refuse('message must be JSON');
       return;
     }
     this.server.received.push(message);

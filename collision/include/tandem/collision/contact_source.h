@@ -95,7 +95,7 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   /// @throws std::invalid_argument where the id names no collider
   void remove(ColliderId id);
   /// From the next step on.
-  /// @throws std::invalid_argument where the id names no collider or a value breaks its rule
+  /// @throws std::invalid_argument where the id names no collider or a value is not what it must be
   void set_material(ColliderId id, const Material& material);
   void set_filter(ColliderId id, const Filter& filter);
   bool contains(ColliderId id) const;
