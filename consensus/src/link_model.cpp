@@ -19,9 +19,9 @@ namespace {
 
 /// A generator of its own for each direction.
 std::uint64_t seed_of(std::uint64_t seed, PeerId from, PeerId to) {
-  const std::uint64_t a = Random(seed).bits();
-  const std::uint64_t b = Random(a ^ from).bits();
-  return Random(b + to).bits();
+  const std::uint64_t a = pbd::SplitMix64(seed).next();
+  const std::uint64_t b = pbd::SplitMix64(a ^ from).next();
+  return pbd::SplitMix64(b + to).next();
 }
 
 bool later(const Flight& a, const Flight& b) {
@@ -176,13 +176,13 @@ SessionTime Link::burst_end(SessionTime departure) {
 /// does not change what the others do.
 void Link::launch(Waiting packet, SessionTime departure, Air& air) {
   const LinkOptions& o = options_;
-  const bool lost = random_.uniform() < o.loss;
-  const bool doubled = random_.uniform() < o.duplicate;
-  const bool held_back = random_.uniform() < o.reorder;
-  const double hold = random_.uniform() * o.reorder_delay;
-  const double first = std::max(o.latency + o.jitter * (2.0 * random_.uniform() - 1.0), 0.0);
-  const double second = std::max(o.latency + o.jitter * (2.0 * random_.uniform() - 1.0), 0.0);
-  Random resends(random_.bits());
+  const bool lost = random_.unit() < o.loss;
+  const bool doubled = random_.unit() < o.duplicate;
+  const bool held_back = random_.unit() < o.reorder;
+  const double hold = random_.unit() * o.reorder_delay;
+  const double first = std::max(o.latency + o.jitter * (2.0 * random_.unit() - 1.0), 0.0);
+  const double second = std::max(o.latency + o.jitter * (2.0 * random_.unit() - 1.0), 0.0);
+  pbd::SplitMix64 resends(random_.next());
   const SessionTime through = burst_end(departure);
 
   if (packet.delivery == Delivery::Reliable) {
@@ -192,7 +192,7 @@ void Link::launch(Waiting packet, SessionTime departure, Air& air) {
       due += timeout;
       ++counters_.resent;
     }
-    for (bool again = lost; again; again = resends.uniform() < o.loss) {
+    for (bool again = lost; again; again = resends.unit() < o.loss) {
       due += timeout;
       ++counters_.resent;
     }

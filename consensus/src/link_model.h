@@ -10,28 +10,9 @@
 #include <vector>
 
 #include "tandem/consensus/virtual_link.h"
+#include "tandem/pbd/random.h"
 
 namespace tandem::consensus {
-
-/// SplitMix64. The standard library's distributions differ between implementations; this is the
-/// same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-
-  std::uint64_t bits() {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  /// Uniform in [0, 1), 53 bits.
-  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-
- private:
-  std::uint64_t state_;
-};
 
 /// A packet on the way.
 struct Flight {
@@ -107,7 +88,7 @@ class Link {
   PeerId from_;
   PeerId to_;
   LinkOptions options_;
-  Random random_;
+  pbd::SplitMix64 random_;
   Random bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
   SessionTime burst_begin_;
   SessionTime burst_end_;

@@ -232,12 +232,7 @@ SteadyTime::duration TcpMesh::backoff(std::uint64_t attempts) {
   SteadyTime::duration wait = options_.backoff_min;
   for (std::uint64_t i = 1; i < attempts && wait < options_.backoff_max; ++i) wait *= 2;
   wait = std::min<SteadyTime::duration>(wait, options_.backoff_max);
-  // splitmix64
-  std::uint64_t z = (jitter_state_ += 0x9e3779b97f4a7c15ull);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  z ^= z >> 31;
-  return wait - wait * static_cast<std::int64_t>(z >> 54) / 2048;
+  return wait - wait * static_cast<std::int64_t>(jitter_.next() >> 54) / 2048;
 }
 
 TcpMesh::Dial* TcpMesh::find_dial(std::uint64_t serial) {

@@ -29,7 +29,7 @@ TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table, std::unique_ptr<Tc
     : options_(options),
       table_(table),
       security_(std::move(security)),
-      jitter_state_(options.jitter_seed ^ options.self) {
+      jitter_(options.jitter_seed ^ options.self) {
   if (options_.listen_port) listen();
   for (const HostPort& address : options_.connect) add_dial(address, 0, true, Clock::now());
   publish_dials();

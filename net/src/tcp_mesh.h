@@ -15,6 +15,7 @@
 
 #include "peer_table.h"
 #include "tandem/net/tcp.h"
+#include "tandem/pbd/random.h"
 #include "tcp_link.h"
 #include "tcp_security.h"
 #include "wire.h"
@@ -118,7 +119,7 @@ class TcpMesh final : private TcpLinkOwner {
   std::uint16_t local_port_ = 0;
   std::uint64_t next_serial_ = 1;
   std::uint64_t next_ticket_ = 1;
-  std::uint64_t jitter_state_ = 0;
+  pbd::SplitMix64 jitter_;
   SteadyTime last_sweep_{};
   SteadyTime accept_again_{};  // after an error; zero: accepting
   std::optional<SteadyTime> shutdown_deadline_;

@@ -11,6 +11,7 @@
 #include "address.h"
 #include "crypto.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/random.h"
 
 namespace protocol {
 
@@ -19,23 +20,7 @@ using Bytes = std::vector<std::byte>;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kSecond = 1000 * kMs;
 
-/// SplitMix64: the same numbers everywhere.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : state_(seed) {}
-
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t below(std::uint64_t bound) { return next() % bound; }
-  bool chance(double p) { return static_cast<double>(next() >> 11) * 0x1p-53 < p; }
-
- private:
-  std::uint64_t state_;
-};
+using Dice = tandem::pbd::SplitMix64;
 
 /// Random bytes that can be had again, for tests alone.
 inline tandem::net::crypto::Random seeded(std::uint64_t seed) {
