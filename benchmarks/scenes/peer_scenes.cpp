@@ -9,6 +9,7 @@
 #include "demos/engine/scene.h"
 #include "demos/scenes/cliff_geometry.h"
 #include "scenes/random.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::bench {
 namespace {

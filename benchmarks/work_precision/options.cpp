@@ -10,7 +10,7 @@ namespace tandem::bench {
 
 RunOptions parse_arguments(std::span<const std::string_view> words) {
   RunOptions options;
-  const auto count = [](int& into) {
+  const auto count = [](auto& into) {
     return [&into](demos::Argument& in) {
       into = in.number(1, 1'000'000'000, "a whole number, 1 or more");
     };

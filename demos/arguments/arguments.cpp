@@ -16,7 +16,7 @@ namespace tandem::demos {
 
 namespace {
 
-std::string quoted(std::string_view text) { return '\'' + std::string(text) + '\''; }
+std::string in_quotes(std::string_view text) { return '\'' + std::string(text) + '\''; }
 
 /// Letters to put in, take out or change.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -36,20 +36,20 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 void refuse(std::string_view option, std::string_view value, std::string_view rule) {
-  throw UsageError(pbd::detail::must_be(option, rule, quoted(value)));
+  throw UsageError(pbd::detail::must_be(option, rule, in_quotes(value)));
 }
 
 std::string unknown(std::string_view kind, std::string_view name,
                     std::span<const std::string_view> known, std::string_view prefix,
                     std::string_view else_hint) {
-  const std::string text = "unknown " + std::string(kind) + ' ' + quoted(name);
+  const std::string text = "unknown " + std::string(kind) + ' ' + in_quotes(name);
   name.remove_prefix(prefix.size());
   const auto distance = [name](std::string_view other) { return edit_distance(name, other); };
   const auto nearest = std::min_element(known.begin(), known.end(),
                                         [&](auto a, auto b) { return distance(a) < distance(b); });
   // A third of it mistyped is still meant; less is another word.
   if (nearest != known.end() && distance(*nearest) <= std::max<std::size_t>(1, name.size() / 3)) {
-    return text + "; did you mean " + quoted(std::string(prefix).append(*nearest)) + '?';
+    return text + "; did you mean " + in_quotes(std::string(prefix).append(*nearest)) + '?';
   }
   return text + "; " + std::string(else_hint);
 }
@@ -110,7 +110,7 @@ void read_arguments(std::span<const std::string_view> words, const std::vector<O
       continue;
     }
     if (!first.starts_with('-')) {
-      throw UsageError("unexpected word " + quoted(first) + "; options begin with --");
+      throw UsageError("unexpected word " + in_quotes(first) + "; options begin with --");
     }
     const std::size_t equals = first.find('=');
     const std::string_view name = first.substr(0, equals);

@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "tandem/pbd/validate.h"
+
 namespace tandem::demos {
 
 namespace {

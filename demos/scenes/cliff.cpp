@@ -8,6 +8,7 @@
 
 #include "demos/scenes/cliff_geometry.h"
 #include "scenes/random.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "tandem/pbd/validate.h"
+
 namespace tandem::demos {
 
 namespace {

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "tandem/pbd/validate.h"
+
 namespace tandem::demos {
 
 namespace {

@@ -12,6 +12,7 @@
 #include "scenes/controls.h"
 #include "scenes/scene.h"
 #include "scenes/user.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 

@@ -11,6 +11,7 @@
 
 #include "scenes/inputs.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "tandem/pbd/validate.h"
 #include "view/protocol.h"
 
 namespace tandem::demos::view {

@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "tandem/pbd/validate.h"
 #include "view/access.h"
 #include "view/frame_encoder.h"
 #include "view/page_socket.h"

@@ -15,6 +15,7 @@
 
 #include "session/session_key.h"
 #include "tandem/net/session.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 

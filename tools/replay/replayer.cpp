@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "scenes/replay.h"
+#include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
 
