@@ -155,7 +155,7 @@ void BodyBuffer::refuse(World& world, std::uint32_t i, StepReport& report) {
   world.states_[i].twist = {};
   if (report.status != StepStatus::Ok && i >= report.first_bad_body.index) return;
   report.status = StepStatus::NonFinite;
-  report.first_bad_body = {i, world.generations_[i]};
+  report.first_bad_body = {i, world.slots_.generation(i)};
 }
 
 void BodyBuffer::store_kinematic(World& world, double dt, StepReport& report) {

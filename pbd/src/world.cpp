@@ -65,23 +65,15 @@ BodyId World::add_body(const BodyDef& def) {
     detail::refuse("BodyDef: stable_id", "that of no other body of this world",
                    std::to_string(*def.stable_id));
   }
-  std::uint32_t index = 0;
-  if (free_.empty()) {
-    index = static_cast<std::uint32_t>(states_.size());
+  const std::uint32_t index = slots_.take();
+  if (index == states_.size()) {
     states_.emplace_back();
     props_.emplace_back();
-    generations_.push_back(0);
-    alive_.push_back(0);
     in_contact_.push_back(0);
     activity_.emplace_back();
     if (!wrenches_.empty()) wrenches_.emplace_back();
     if (!corrections_.empty()) corrections_.emplace_back();
-    free_.reserve(states_.size());
-  } else {
-    index = free_.back();
-    free_.pop_back();
   }
-  alive_[index] = 1;
   in_contact_[index] = 0;
   activity_[index] = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
@@ -92,7 +84,7 @@ BodyId World::add_body(const BodyDef& def) {
   states_[index].pose = def.pose;
   states_[index].pose.orientation.normalize();
   states_[index].twist = def.type == BodyType::Static ? Twist{} : def.twist;
-  return {index, generations_[index]};
+  return {index, slots_.generation(index)};
 }
 
 void World::remove_body(BodyId id) {
@@ -100,8 +92,6 @@ void World::remove_body(BodyId id) {
   wake_joined(index);
   if (contact_source_ != nullptr) contact_source_->remove_body(id);
   for (const auto& block : blocks_) block->remove_body(id);
-  alive_[index] = 0;
-  ++generations_[index];
   activity_[index] = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
   std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
@@ -109,17 +99,14 @@ void World::remove_body(BodyId id) {
   order_is_old_ = true;
   props_[index] = {};
   states_[index] = {};
-  free_.push_back(index);
+  slots_.release(index);
 }
 
-bool World::contains(BodyId id) const {
-  return id.index < states_.size() && alive_[id.index] != 0 &&
-         generations_[id.index] == id.generation;
-}
+bool World::contains(BodyId id) const { return slots_.contains(id.index, id.generation); }
 
 BodyId World::body_at(std::uint32_t index) const {
-  if (index >= states_.size() || alive_[index] == 0) return {};
-  return {index, generations_[index]};
+  if (index >= states_.size() || !slots_.alive(index)) return {};
+  return {index, slots_.generation(index)};
 }
 
 BodyId World::find(std::uint64_t stable_id) const {
@@ -147,7 +134,7 @@ BodyOrder World::order() const {
 }
 
 std::uint32_t World::slot_count() const { return static_cast<std::uint32_t>(states_.size()); }
-std::size_t World::body_count() const { return states_.size() - free_.size(); }
+std::size_t World::body_count() const { return slots_.count(); }
 
 const BodyState& World::state(BodyId id) const { return states_[checked_index(id, "state")]; }
 const BodyProps& World::props(BodyId id) const { return props_[checked_index(id, "props")]; }
@@ -216,7 +203,7 @@ void World::add_wrench(std::uint32_t index, const Wrench& wrench, const char* wh
   sum.torque += wrench.torque;
   detail::require_finite(sum.force, what, "sum of forces");
   detail::require_finite(sum.torque, what, "sum of torques");
-  wake({index, generations_[index]});
+  wake({index, slots_.generation(index)});
   if (wrenches_.empty()) wrenches_.resize(states_.size());
   wrenches_[index] = sum;
 }
@@ -264,7 +251,7 @@ void World::add_impulse(std::uint32_t index, const Wrench& impulse, const char* 
   twist.linear += change;
   twist.angular += inverse_inertia_w(states_[index].pose.orientation, props) * impulse.torque;
   check_twist(twist, what);
-  wake({index, generations_[index]});
+  wake({index, slots_.generation(index)});
   states_[index].twist = twist;
 }
 

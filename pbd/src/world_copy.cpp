@@ -71,10 +71,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.time_ = from.time_;
   to.states_ = from.states_;
   to.props_ = from.props_;
-  to.generations_ = from.generations_;
-  to.alive_ = from.alive_;
-  to.free_ = from.free_;
-  to.free_.reserve(to.states_.size());  // as add_body() does: removal needs no memory
+  to.slots_.assign(from.slots_);
   // Assignment may make each node of a map anew.
   if (to.by_stable_id_ != from.by_stable_id_) to.by_stable_id_ = from.by_stable_id_;
   to.ranks_ = from.ranks_;
@@ -147,7 +144,7 @@ void WorldCopy::restore(World& target) const {
 }
 
 void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake) {
-  assert(slot < world_.slot_count() && world_.alive_[slot] != 0);
+  assert(slot < world_.slot_count() && world_.slots_.alive(slot));
   assert(is_sound(state));
   BodyActivity& activity = world_.activity_[slot];
   const bool stays_asleep = !activity.awake && !awake && equal(world_.states_[slot], state);

@@ -9,7 +9,6 @@
 #include "body_def.h"
 #include "groups.h"
 #include "tandem/pbd/bytes.h"
-#include "tandem/pbd/typed_block.h"
 #include "tandem/pbd/validate.h"
 #include "tandem/pbd/world.h"
 
@@ -136,15 +135,13 @@ std::vector<std::byte> World::snapshot() const {
   out.f64(time_);
   out.u32(slot_count());
   for (std::uint32_t i = 0; i < slot_count(); ++i) {
-    out.u8(alive_[i]);
-    out.u32(generations_[i]);
+    slots_.save_slot(out, i);
     out.u8(in_contact_[i]);
     save_props(out, props_[i]);
     save_activity(out, activity_[i]);
     save_state(out, states_[i]);
   }
-  out.u32(static_cast<std::uint32_t>(free_.size()));
-  for (const std::uint32_t index : free_) out.u32(index);
+  slots_.save_free(out);
   out.u32(static_cast<std::uint32_t>(wrenches_.size()));
   for (const Wrench& wrench : wrenches_) {
     out.vec3(wrench.force);
@@ -201,29 +198,22 @@ bool World::read(ByteReader& in) {
   }
   states_.assign(slots, {});
   props_.assign(slots, {});
-  generations_.assign(slots, 0);
-  alive_.assign(slots, 0);
+  slots_.clear();
   in_contact_.assign(slots, 0);
   activity_.assign(slots, {});
   by_stable_id_.clear();
   order_is_old_ = true;
   for (std::uint32_t i = 0; i < slots; ++i) {
-    alive_[i] = in.u8() != 0 ? 1 : 0;
-    generations_[i] = in.u32();
+    slots_.load_slot(in);
     in_contact_[i] = in.u8();
     load_props(in, props_[i]);
     load_activity(in, activity_[i]);
     load_state(in, states_[i]);
     if (!body_is_sound(props_[i], activity_[i], states_[i])) return false;
     if (!props_[i].stable_id) continue;
-    if (alive_[i] == 0 || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
+    if (!slots_.alive(i) || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
   }
-  const std::uint32_t free_count = in.u32();
-  if (in.failed() || free_count > slots) return false;
-  free_.clear();
-  free_.reserve(slots);
-  for (std::uint32_t i = 0; i < free_count; ++i) free_.push_back(in.u32());
-  if (!detail::are_free_slots(free_, alive_)) return false;
+  slots_.load_free(in);
   const std::uint32_t wrench_count = in.u32();
   if (in.failed() || (wrench_count != 0 && wrench_count != slots)) return false;
   wrenches_.assign(wrench_count, {});
@@ -267,7 +257,7 @@ std::uint64_t World::hash() const {
   std::vector<std::byte> bytes;
   ByteWriter out(bytes);
   for (std::uint32_t i = 0; i < slot_count(); ++i) {
-    if (alive_[i] == 0) continue;
+    if (!slots_.alive(i)) continue;
     out.u32(i);
     save_state(out, states_[i]);
   }

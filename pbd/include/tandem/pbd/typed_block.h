@@ -16,6 +16,7 @@
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
+#include "tandem/pbd/slots.h"
 #include "tandem/pbd/validate.h"
 #include "tandem/pbd/world.h"
 
@@ -59,26 +60,16 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     C::check(world, def);
     changed(def);
     sequence_is_old_ = true;
-    if (!free_.empty()) {
-      const std::uint32_t index = free_.back();
-      free_.pop_back();
+    const std::uint32_t index = slots_.take();
+    if (index == rows_.size()) {
+      rows_.emplace_back(def);
+    } else {
       rows_[index] = C(def);
-      alive_[index] = 1;
-      ++count_;
-      return {index, generations_[index]};
     }
-    rows_.emplace_back(def);
-    alive_.push_back(1);
-    generations_.push_back(0);
-    free_.reserve(rows_.size());
-    ++count_;
-    return {static_cast<std::uint32_t>(rows_.size() - 1), 0};
+    return {index, slots_.generation(index)};
   }
 
-  bool contains(ConstraintId id) const {
-    return id.index < rows_.size() && alive_[id.index] != 0 &&
-           generations_[id.index] == id.generation;
-  }
+  bool contains(ConstraintId id) const { return slots_.contains(id.index, id.generation); }
   void remove(ConstraintId id) { erase(checked(id)); }
   const C& at(ConstraintId id) const { return rows_[checked(id)]; }
   const Def& def(ConstraintId id) const { return rows_[checked(id)].def(); }
@@ -93,11 +84,11 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     rows_[index].def() = def;
     changed(def);
   }
-  int size() const { return count_; }
+  int size() const { return static_cast<int>(slots_.count()); }
 
   std::string_view name() const override { return C::kName; }
   int order() const override { return C::kOrder; }
-  bool empty() const override { return count_ == 0; }
+  bool empty() const override { return slots_.count() == 0; }
 
   void begin_step(const SubstepContext& ctx) override {
     put_in_sequence(ctx.order);
@@ -178,20 +169,20 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   }
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override {
     if constexpr (requires(const C& c) { c.want_substeps(ctx, wanted); }) {
-      for (std::size_t i = 0; i < rows_.size(); ++i) {
-        if (alive_[i] != 0) rows_[i].want_substeps(ctx, wanted);
+      for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+        if (slots_.alive(i)) rows_[i].want_substeps(ctx, wanted);
       }
     }
   }
   void remove_body(BodyId body) override {
     for (std::uint32_t i = 0; i < rows_.size(); ++i) {
-      if (alive_[i] != 0 && (rows_[i].body_a() == body || rows_[i].body_b() == body)) erase(i);
+      if (slots_.alive(i) && (rows_[i].body_a() == body || rows_[i].body_b() == body)) erase(i);
     }
   }
   BlockReport report() const override {
-    BlockReport report{.name = C::kName, .rows = count_};
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (alive_[i] == 0) continue;
+    BlockReport report{.name = C::kName, .rows = size()};
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      if (!slots_.alive(i)) continue;
       report.residual = std::max(report.residual, rows_[i].residual());
       report.displacement_residual =
           std::max(report.displacement_residual, rows_[i].displacement_residual());
@@ -200,20 +191,18 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   }
   void save(ByteWriter& out) const override {
     out.u32(static_cast<std::uint32_t>(rows_.size()));
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      out.u8(alive_[i]);
-      out.u32(generations_[i]);
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      slots_.save_slot(out, i);
       rows_[i].save(out);
     }
-    out.u32(static_cast<std::uint32_t>(free_.size()));
-    for (const std::uint32_t index : free_) out.u32(index);
+    slots_.save_free(out);
     out.u32(static_cast<std::uint32_t>(changed_.size()));
     for (const std::uint32_t body : changed_) out.u32(body);
   }
   bool fits(const World& world) const override {
     try {
-      for (std::size_t i = 0; i < rows_.size(); ++i) {
-        if (alive_[i] != 0) C::check(world, rows_[i].def());
+      for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+        if (slots_.alive(i)) C::check(world, rows_[i].def());
       }
     } catch (const std::invalid_argument&) {
       return false;
@@ -223,22 +212,14 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   void load(ByteReader& in) override {
     const std::uint32_t size = in.u32();
     rows_.clear();
-    alive_.clear();
-    generations_.clear();
-    free_.clear();
-    count_ = 0;
+    slots_.clear();
     sequence_is_old_ = true;
     for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
-      alive_.push_back(in.u8() != 0 ? 1 : 0);
-      generations_.push_back(in.u32());
+      slots_.load_slot(in);
       rows_.emplace_back(Def{});
       rows_.back().load(in);
-      count_ += alive_.back();
     }
-    const std::uint32_t free_count = in.u32();
-    free_.reserve(rows_.size());
-    for (std::uint32_t i = 0; i < free_count && !in.failed(); ++i) free_.push_back(in.u32());
-    if (!detail::are_free_slots(free_, alive_)) in.fail();
+    slots_.load_free(in);
     changed_.clear();
     const std::uint32_t changed_count = in.u32();
     for (std::uint32_t i = 0; i < changed_count && !in.failed(); ++i) changed_.push_back(in.u32());
@@ -256,7 +237,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       const auto* other = dynamic_cast<const TypedBlock*>(&source);
       if (other == nullptr) return false;
       *this = *other;
-      free_.reserve(rows_.size());  // as add() does: removal needs no memory
+      slots_.assign(other->slots_);
       return true;
     } else {
       return false;
@@ -269,8 +250,8 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     const std::size_t n = sequence_.empty() ? rows_.size() : sequence_.size();
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t at = reverse ? n - 1 - k : k;
-      const std::size_t i = sequence_.empty() ? at : sequence_[at];
-      if (alive_[i] != 0) visit(rows_[i]);
+      const auto i = sequence_.empty() ? static_cast<std::uint32_t>(at) : sequence_[at];
+      if (slots_.alive(i)) visit(rows_[i]);
     }
   }
   void put_in_sequence(const BodyOrder& order) {
@@ -295,8 +276,8 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   /// Of the rows that are active and `wanted`.
   template <class Wanted>
   void name_bodies(LinkVisitor& visitor, Wanted&& wanted) const {
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (alive_[i] == 0 || !is_active(rows_[i]) || !wanted(rows_[i])) continue;
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      if (!slots_.alive(i) || !is_active(rows_[i]) || !wanted(rows_[i])) continue;
       visitor.link(rows_[i].body_a().index, rows_[i].body_b().index);
     }
   }
@@ -343,21 +324,15 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   void erase(std::uint32_t index) {
     changed(rows_[index].def());
     sequence_is_old_ = true;
-    alive_[index] = 0;
-    ++generations_[index];
-    free_.push_back(index);
-    --count_;
+    slots_.release(index);
   }
 
   std::vector<C> rows_;
-  std::vector<std::uint8_t> alive_;
-  std::vector<std::uint32_t> generations_;
-  std::vector<std::uint32_t> free_;
+  Slots slots_;
   std::vector<std::uint32_t> changed_;   ///< bodies, until the next step
   std::vector<std::uint32_t> sequence_;  ///< slots in the order of sweeps; empty = as they are
   bool sequence_is_old_ = true;
   bool natural_ = true;  ///< the order of bodies that the sequence was made for
-  int count_ = 0;
 };
 
 }  // namespace tandem::pbd

@@ -15,6 +15,7 @@
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/manifold.h"
 #include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/slots.h"
 
 namespace tandem::pbd {
 
@@ -173,9 +174,7 @@ class TANDEM_API World {
   double time_ = 0.0;
   std::vector<BodyState> states_;
   std::vector<BodyProps> props_;
-  std::vector<std::uint32_t> generations_;
-  std::vector<std::uint8_t> alive_;
-  std::vector<std::uint32_t> free_;
+  Slots slots_;
   std::map<std::uint64_t, std::uint32_t> by_stable_id_;  ///< slots
   /// What order() shows, made when it is asked for; empty where no body has a stable id.
   mutable std::vector<std::uint32_t> ranks_;
