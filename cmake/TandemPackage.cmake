@@ -3,6 +3,10 @@
 #
 # The package files: find_package(tandem COMPONENTS pbd consensus ...).
 
+# A component of its own, which Debian's packages leave out: they have theirs in a place of theirs.
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE"
+        DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/tandem" COMPONENT license)
+
 include(CMakePackageConfigHelpers)
 configure_package_config_file(
   "${CMAKE_CURRENT_LIST_DIR}/tandemConfig.cmake.in" "${PROJECT_BINARY_DIR}/tandemConfig.cmake"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# The programs, for packages: `cmake --install BUILD --component demos`. Not with the libraries. The
+# The programs and tools, for packages: `cmake --install BUILD --component demos`. Not with the libraries. The
 # demos' names are those of everyday things, so they lie in a folder of their own, and tandem-demo
 # runs them.
 if(NOT TARGET cubes)
@@ -21,6 +21,11 @@ function(_install_programs destination)
   endforeach()
   install(TARGETS ${programs} RUNTIME DESTINATION "${destination}" COMPONENT demos EXCLUDE_FROM_ALL)
 endfunction()
+
+# What of other projects is in the programs.
+install(FILES "${CMAKE_CURRENT_LIST_DIR}/NOTICES.txt"
+        DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/tandem-demos"
+        COMPONENT demos EXCLUDE_FROM_ALL)
 
 set(folder "${CMAKE_INSTALL_LIBEXECDIR}/tandem/demos")
 _install_programs("${folder}" cliff cubes piano pile room tennis)

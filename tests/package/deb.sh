@@ -49,6 +49,7 @@ has libtandem-dev 'tandem-c\.pc$'
 hasnt libtandem-dev '/bin/|\.so\.[0-9.]+$'
 has tandem-demos 'bin/tandem-demo$'
 has tandem-demos 'bin/tandem-key$'
+has tandem-demos 'doc/tandem-demos/NOTICES\.txt(\.gz)?$'
 hasnt tandem-demos '\.(h|so[0-9.]*)$'
 dpkg-deb -f "$scratch"/packages/"$libraries"_*.deb Depends | grep -q libfcl ||
   fail "what the libraries need is not told"

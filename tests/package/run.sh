@@ -11,6 +11,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh" package release "$@"
 cmake --build "$build"
 prefix=$scratch/prefix
 cmake --install "$build" --prefix "$prefix" >/dev/null
+[[ -n $(find "$prefix" -path "*/doc/tandem/LICENSE") ]] || fail "the license is not installed"
 
 # Names that a dependency leaves in an executable, defined or wanted.
 fcl='(^|[^A-Za-z_])(fcl::|octomap::|ccd[A-Z]|_ccd)'
