@@ -133,6 +133,12 @@ TEST_CASE("peer config: a misspelt key is refused, not ignored", "[demos][fault]
             .find("peers.toml:2: unknown key 'fidget'; keys here are id, ") == 0);
   CHECK(refusal("id = 1\n" + kNetwork + "[user]\nfiget = true\n")
             .find("peers.toml:6: unknown key 'user.figet'; did you mean 'user.fidget'?") == 0);
+  // What is misspelt is told, not that what was meant is missing.
+  CHECK(refusal("id = 1\n[netwrk]\nlisten = 1\n")
+            .find("peers.toml:2: unknown key 'netwrk'; did you mean 'network'?") == 0);
+  CHECK(refusal("id = 1\n[network]\nlisen = 1\ninsecure = true\n")
+            .find("peers.toml:3: unknown key 'network.lisen'; did you mean 'network.listen'?") ==
+        0);
   CHECK(refusal("id = 1\nuser = 3\n" + kNetwork).find("user must be a table, is 3") !=
         std::string::npos);
 }

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <sstream>
 #include <vector>
@@ -36,10 +37,7 @@ class Section {
   }
 
   /// The node of a key; null where it is absent.
-  const toml::node* take(std::string_view key) {
-    known_.emplace_back(key);
-    return table_.get(key);
-  }
+  const toml::node* take(std::string_view key) const { return table_.get(key); }
   bool has(std::string_view key) const { return table_.get(key) != nullptr; }
 
   void read(std::string_view key, bool& into) {
@@ -90,7 +88,6 @@ class Section {
   void read_each(const std::function<void(const std::string&, const std::string&)>& take_one) {
     for (const auto& entry : table_) {
       const std::string key(entry.first.str());
-      known_.push_back(key);
       if (!entry.second.is_string()) refuse(key, "a text in quotation marks");
       take_one(key, entry.second.value_or(std::string()));
     }
@@ -104,16 +101,19 @@ class Section {
     return {node == nullptr ? kEmpty : *node->as_table(), file_, prefix_ + std::string(key) + '.'};
   }
 
-  /// Nothing may be left over: a key that is misspelt would have no effect, silently.
-  void finish() const {
+  /// A key that is misspelt would have no effect, silently. Before any is read, since what is
+  /// misspelt is what is missing.
+  void expect(std::initializer_list<std::string_view> known) const {
     for (const auto& entry : table_) {
       const std::string_view key = entry.first.str();
-      const std::vector<std::string_view> known(known_.begin(), known_.end());
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       std::string all = "keys here are ";
-      for (const std::string& name : known_) all += (&name == known_.data() ? "" : ", ") + name;
-      throw ConfigError(file_ + ':' + std::to_string(entry.second.source().begin.line) + ": " +
-                        unknown("key", prefix_ + std::string(key), known, prefix_, all));
+      for (const std::string_view name : known) {
+        all += (name.data() == known.begin()->data() ? "" : ", ") + std::string(name);
+      }
+      throw ConfigError(
+          file_ + ':' + std::to_string(entry.second.source().begin.line) + ": " +
+          unknown("key", prefix_ + std::string(key), {known.begin(), known.end()}, prefix_, all));
     }
   }
 
@@ -131,7 +131,6 @@ class Section {
   const toml::table& table_;
   std::string file_;
   std::string prefix_;
-  std::vector<std::string> known_;
 };
 
 bool is_host_port(const std::string& text) {
@@ -156,6 +155,8 @@ void read_key_file(const Section& in, const char* key, const std::filesystem::pa
 }
 
 void read_network(Section in, const std::filesystem::path& folder, DemoOptions& o) {
+  in.expect({"transport", "listen", "connect", "key", "identity", "insecure", "clock", "kbit_per_s",
+             "compact", "tolerance", "trusted"});
   std::string transport = "udp";
   in.read("transport", transport);
   if (transport != "udp" && transport != "tcp") in.refuse("transport", "\"udp\" or \"tcp\"");
@@ -210,7 +211,6 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
       in.refuse("connect", "addresses of this machine, with insecure = true");
     }
   }
-  in.finish();
 }
 
 PeerConfig read(const toml::table& table, const std::string& name) {
@@ -218,6 +218,8 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   PeerConfig config;
   DemoOptions& o = config.session;
   Section top(table, name, "");
+  top.expect({"id", "seed", "step_hz", "update_hz", "network", "user", "log", "status", "metrics",
+              "view"});
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   if (!top.has("id")) top.refuse("id", "given, unique in the session");
   top.read("id", o.peer_id, 1, std::int64_t{1} << 62, "an integer >= 1, unique in the session");
@@ -227,11 +229,12 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   read_network(top.section("network"), folder, o);
 
   Section user = top.section("user");
+  user.expect({"fidget", "seed"});
   user.read("fidget", config.fidget);
   user.read("seed", config.user_seed, 0, kMost, "an integer >= 0");
-  user.finish();
 
   Section log = top.section("log");
+  log.expect({"file", "level"});
   log.read("file", config.log_file);
   if (!config.log_file.empty()) config.log_file = (folder / config.log_file).string();
   std::string level(to_string(config.log_level));
@@ -239,26 +242,24 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   if (!parse_level(level, config.log_level)) {
     log.refuse("level", "\"debug\", \"info\", \"warn\" or \"error\"");
   }
-  log.finish();
 
   Section status = top.section("status");
+  status.expect({"line"});
   status.read("line", config.status_line);
-  status.finish();
 
   Section metrics = top.section("metrics");
+  metrics.expect({"port", "address"});
   std::uint16_t port = 0;
   metrics.read("port", port, 0, 65535, "a port from 0 (any) to 65535");
   if (metrics.has("port")) config.metrics_port = port;
   metrics.read("address", config.metrics_address);
-  metrics.finish();
 
   Section view = top.section("view");
+  view.expect({"port", "address"});
   std::uint16_t page = 0;
   view.read("port", page, 0, 65535, "a port from 0 (any) to 65535");
   if (view.has("port")) o.view = page;
   view.read("address", o.view_address);
-  view.finish();
-  top.finish();
   return config;
 }
 
