@@ -54,8 +54,9 @@ void require_unit(const Quat& value, std::string_view kind, std::string_view fie
 
 void require_body(const World& world, BodyId id, std::string_view kind, std::string_view field) {
   if (world.contains(id)) return;
-  refuse(std::string(kind).append(": ").append(field), "a body of this world",
-         "body " + std::to_string(id.index) + " (generation " + std::to_string(id.generation) + ")");
+  refuse(
+      std::string(kind).append(": ").append(field), "a body of this world",
+      "body " + std::to_string(id.index) + " (generation " + std::to_string(id.generation) + ")");
 }
 
 bool in_range(double value, double low, double high, std::string_view field, std::string* error) {

@@ -488,8 +488,9 @@ TEST_CASE("protected tcp: frames in the clear stay on this machine unless that i
   options.connect = {{"localhost", 5}};
   CHECK(error(options).empty());
   options.connect = {{"example.org", 5}};
-  CHECK(error(options) == "TcpOptions: connect must be of this machine where there is neither session_key nor "
-                          "insecure, is example.org:5");
+  CHECK(error(options) ==
+        "TcpOptions: connect must be of this machine where there is neither session_key nor "
+        "insecure, is example.org:5");
   options.insecure = true;
   CHECK(error(options).empty());
   options.identity = key(2);
