@@ -21,9 +21,11 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
-sys.path[:0] = [str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
+sys.path[:0] = [str(HERE), str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
 SECTIONS = ["couplings", "pareto", "stability", "extreme", "influence", "predictors", "ablation",
             "partition"]
+
+import pages
 
 try:
     import matplotlib  # noqa: F401
@@ -64,7 +66,7 @@ def main():
             texts.append(section.report(args.out, args.docs).rstrip() + "\n")
         except FileNotFoundError as missing:
             print(f"{name}: not measured yet ({missing.filename})", file=sys.stderr)
-    (args.docs / "one-pass-vs-two-step.md").write_text("\n".join(texts))
+    pages.write(args.docs / "one-pass-vs-two-step.md", "\n".join(texts))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm, TwoSlopeNorm
 
 import demo_runs
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 INFLUENCES = ("0.02", "0.05", "0.1", "0.2", "0.5", "0.98")
 PROFILES = (1, 2, 3, 4, 5)
@@ -102,7 +102,7 @@ def _draw(rows, path):
     for axes in grid[-1]:
         axes.set_xlabel("influence", fontsize=8)
     figure.tight_layout()
-    save(figure, path)
+    save_svg(figure, path)
 
 
 def _range(rows, column):

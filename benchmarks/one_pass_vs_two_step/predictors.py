@@ -8,7 +8,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import demo_runs
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 PREDICTORS = ("none", "euler", "second-order", "replay")
 COLOURS = ("#8e8e8e", "#1f5fa8", "#7fb2e5", "#c0392b")
@@ -104,7 +104,7 @@ def _draw(table, path):
     figure.legend(handles, labels, loc="upper center", ncol=len(PREDICTORS), frameon=False,
                   fontsize=8)
     figure.tight_layout(rect=(0, 0, 1, 0.94))
-    save(figure, path)
+    save_svg(figure, path)
 
 
 def _needed(table, scenario, profile, scheme, predictor, best):
