@@ -46,6 +46,7 @@ def main():
     parser.add_argument("out", type=Path, help="folder for the results")
     parser.add_argument("--quick", action="store_true", help="two seeds, fewer cells")
     parser.add_argument("--seeds", type=int, help="how many (5, quick 2)")
+    parser.add_argument("--first-seed", type=int, default=1, help="the others follow (1)")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--sections", nargs="*", default=SECTIONS, choices=SECTIONS,
                         help="what to measure; all are reported")
@@ -53,6 +54,7 @@ def main():
     parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
     args = parser.parse_args()
 
+    importlib.import_module("demo_runs").first_seed = args.first_seed
     args.out.mkdir(parents=True, exist_ok=True)
     texts = [HEAD]
     for name in SECTIONS:

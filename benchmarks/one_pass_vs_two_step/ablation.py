@@ -79,7 +79,8 @@ def _cells(seeds, quick):
         if quick and scenario in ("cliff", "room"):
             continue
         for profile in PROFILES[-1:] if quick else PROFILES:
-            for seed in range(1, min(1 if quick else seeds, SEEDS, MOST_SEEDS.get(scenario, seeds)) + 1):
+            for seed in demo_runs.seeds(min(1 if quick else seeds, SEEDS,
+                                            MOST_SEEDS.get(scenario, seeds))):
                 for part in (WHOLE, *PARTS):
                     yield {"scenario": scenario, "profile": profile, "seed": seed,
                            "seconds": seconds, "part": part,

@@ -27,7 +27,7 @@ def _cells(seeds, quick):
             continue
         cliff = scenario == "cliff"
         for profile in (1, 5) if quick else (1, 3, 5) if cliff else PROFILES:
-            for seed in range(1, (1 if quick or cliff else min(seeds, MOST_SEEDS)) + 1):
+            for seed in demo_runs.seeds(1 if quick or cliff else min(seeds, MOST_SEEDS)):
                 for influence in INFLUENCES[::2] if quick or cliff else INFLUENCES:
                     for scheme in SCHEMES:
                         yield {"scenario": scenario, "profile": profile, "seed": seed,

@@ -52,7 +52,7 @@ def _cells(binaries, seeds, quick):
         if quick and scenario == "cliff":
             continue
         for profile in PROFILES[-1:] if quick else PROFILES:
-            for seed in range(1, min(seeds, MOST_SEEDS.get(scenario, seeds)) + 1):
+            for seed in demo_runs.seeds(min(seeds, MOST_SEEDS.get(scenario, seeds))):
                 cell = {"scenario": scenario, "profile": profile, "seed": seed, "seconds": seconds}
                 for scheme in SCHEMES:
                     if scenario == "cliff" and scheme == "two-step-paper":

@@ -38,7 +38,7 @@ def _cells(seeds, quick):
         if quick and scenario == "room":
             continue
         for profile in PROFILES[-1:] if quick else PROFILES:
-            for seed in range(1, (1 if quick else min(seeds, MOST_SEEDS)) + 1):
+            for seed in demo_runs.seeds(1 if quick else min(seeds, MOST_SEEDS)):
                 for predictor in PREDICTORS:
                     for share in SHARES[1:3] if quick else SHARES:
                         for scheme in SCHEMES:
