@@ -17,7 +17,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(HERE / "evaluation"))
+sys.path[:0] = [str(HERE), str(HERE / "evaluation")]
 
 try:
     import matplotlib  # noqa: F401

@@ -14,9 +14,10 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE / "work_precision"), str(HERE / "peers")]
+sys.path[:0] = [str(HERE), str(HERE / "work_precision"), str(HERE / "peers")]
 
 import must_hold
+import pages
 import results as runs
 import table as peer_table
 
@@ -208,7 +209,7 @@ def main():
            "", *numerics_lines(rows), ""]
     if (args.results / "kernels.json").exists():
         out += ["## Kernels", "", *kernel_lines(args.results / "kernels.json"), ""]
-    (args.docs / "numerics.md").write_text("\n".join(out))
+    pages.write(args.docs / "numerics.md", "\n".join(out))
     figure = args.results / "work_precision.svg"
     if figure.exists():
         shutil.copyfile(figure, args.docs / "work_precision.svg")

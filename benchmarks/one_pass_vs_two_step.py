@@ -21,9 +21,11 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
-sys.path[:0] = [str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
+sys.path[:0] = [str(HERE), str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
 SECTIONS = ["couplings", "pareto", "stability", "extreme", "influence", "predictors", "ablation",
             "partition"]
+
+import pages
 
 try:
     import matplotlib  # noqa: F401
@@ -44,6 +46,7 @@ def main():
     parser.add_argument("out", type=Path, help="folder for the results")
     parser.add_argument("--quick", action="store_true", help="two seeds, fewer cells")
     parser.add_argument("--seeds", type=int, help="how many (5, quick 2)")
+    parser.add_argument("--first-seed", type=int, default=1, help="the others follow (1)")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--sections", nargs="*", default=SECTIONS, choices=SECTIONS,
                         help="what to measure; all are reported")
@@ -51,6 +54,7 @@ def main():
     parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
     args = parser.parse_args()
 
+    importlib.import_module("demo_runs").first_seed = args.first_seed
     args.out.mkdir(parents=True, exist_ok=True)
     texts = [HEAD]
     for name in SECTIONS:
@@ -64,7 +68,7 @@ def main():
             texts.append(section.report(args.out, args.docs).rstrip() + "\n")
         except FileNotFoundError as missing:
             print(f"{name}: not measured yet ({missing.filename})", file=sys.stderr)
-    (args.docs / "one-pass-vs-two-step.md").write_text("\n".join(texts))
+    pages.write(args.docs / "one-pass-vs-two-step.md", "\n".join(texts))
 
 
 if __name__ == "__main__":

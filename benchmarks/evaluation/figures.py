@@ -3,12 +3,7 @@
 """The paper's figures 8 to 13 with our numbers, and one of jitter."""
 import statistics
 
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.hashsalt"] = "tandem"
-import matplotlib.pyplot as plt
-
+from svg_figure import plt, save_svg
 from stats import get, mean, values
 
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
@@ -19,8 +14,7 @@ CLASSES = ("resting", "touching", "free", "held", "owned")
 def _save(figure, out, name):
     figure.tight_layout()
     figure.savefig(out / f"{name}.png", dpi=110)
-    figure.savefig(out / f"{name}.svg", metadata={"Date": None})
-    plt.close(figure)
+    save_svg(figure, out / f"{name}.svg")
 
 
 def _box(cells, path, factor=1e3, floor=1e-5):

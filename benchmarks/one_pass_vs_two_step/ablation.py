@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 
 import demo_runs
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -79,7 +79,8 @@ def _cells(seeds, quick):
         if quick and scenario in ("cliff", "room"):
             continue
         for profile in PROFILES[-1:] if quick else PROFILES:
-            for seed in range(1, min(1 if quick else seeds, SEEDS, MOST_SEEDS.get(scenario, seeds)) + 1):
+            for seed in demo_runs.seeds(min(1 if quick else seeds, SEEDS,
+                                            MOST_SEEDS.get(scenario, seeds))):
                 for part in (WHOLE, *PARTS):
                     yield {"scenario": scenario, "profile": profile, "seed": seed,
                            "seconds": seconds, "part": part,
@@ -217,7 +218,7 @@ def _draw(rows, effects, path):
         axes.set_yticks(range(len(parts)), parts if axes is grid[0][0] else [], fontsize=7)
         axes.set_title(f"{MEASURES[measure]}, without / with", fontsize=8)
     figure.tight_layout()
-    save(figure, path)
+    save_svg(figure, path)
 
 
 def _summary(effects, part, measure):

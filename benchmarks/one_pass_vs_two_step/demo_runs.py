@@ -11,6 +11,7 @@ from pathlib import Path
 
 import stats
 
+first_seed = 1  # of all sections; the others follow
 VARIANT = {"piano": ["--variant", "soft"]}
 # Column, place in a result, factor.
 MEASURES = {
@@ -47,6 +48,10 @@ def success(scenario, outcome):
         elif scenario == "cliff":
             scores.append(1.0 - peer["lost"] / 1000.0)
     return min(max(s, 0.0) for s in scores) if scores else None
+
+
+def seeds(count):
+    return range(first_seed, first_seed + count)
 
 
 def has_bullet(binaries):

@@ -6,7 +6,7 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 NAME = "extreme.csv"
 SERIES = "extreme_series.csv"
@@ -96,7 +96,7 @@ def _draw(rows, docs):
     handles, labels = axes[0][0].get_legend_handles_labels()
     spare[0].legend(handles[::-1], labels[::-1], loc="center", frameon=False, fontsize=8,
                     title="mm over s", title_fontsize=8)
-    save(figure, docs / "extreme.svg")
+    save_svg(figure, docs / "extreme.svg")
 
 
 def _numbers(rows, column, **which):

@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm, TwoSlopeNorm
 
 import demo_runs
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 INFLUENCES = ("0.02", "0.05", "0.1", "0.2", "0.5", "0.98")
 PROFILES = (1, 2, 3, 4, 5)
@@ -27,7 +27,7 @@ def _cells(seeds, quick):
             continue
         cliff = scenario == "cliff"
         for profile in (1, 5) if quick else (1, 3, 5) if cliff else PROFILES:
-            for seed in range(1, (1 if quick or cliff else min(seeds, MOST_SEEDS)) + 1):
+            for seed in demo_runs.seeds(1 if quick or cliff else min(seeds, MOST_SEEDS)):
                 for influence in INFLUENCES[::2] if quick or cliff else INFLUENCES:
                     for scheme in SCHEMES:
                         yield {"scenario": scenario, "profile": profile, "seed": seed,
@@ -102,7 +102,7 @@ def _draw(rows, path):
     for axes in grid[-1]:
         axes.set_xlabel("influence", fontsize=8)
     figure.tight_layout()
-    save(figure, path)
+    save_svg(figure, path)
 
 
 def _range(rows, column):

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import demo_runs
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -52,7 +52,7 @@ def _cells(binaries, seeds, quick):
         if quick and scenario == "cliff":
             continue
         for profile in PROFILES[-1:] if quick else PROFILES:
-            for seed in range(1, min(seeds, MOST_SEEDS.get(scenario, seeds)) + 1):
+            for seed in demo_runs.seeds(min(seeds, MOST_SEEDS.get(scenario, seeds))):
                 cell = {"scenario": scenario, "profile": profile, "seed": seed, "seconds": seconds}
                 for scheme in SCHEMES:
                     if scenario == "cliff" and scheme == "two-step-paper":
@@ -274,7 +274,7 @@ def _figure(rows, scenarios, columns, path):
     figure.legend(handles.values(), handles.keys(), loc="upper center", ncol=6, frameon=False,
                   fontsize=8)
     figure.tight_layout(rect=(0, 0, 1, 0.97))
-    save(figure, path)
+    save_svg(figure, path)
 
 
 def _ratio_of_times(rows, pair, setting="4"):

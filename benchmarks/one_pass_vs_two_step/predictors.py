@@ -8,7 +8,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import demo_runs
 import stats
-from plots import plt, save
+from svg_figure import plt, save_svg
 
 PREDICTORS = ("none", "euler", "second-order", "replay")
 COLOURS = ("#8e8e8e", "#1f5fa8", "#7fb2e5", "#c0392b")
@@ -38,7 +38,7 @@ def _cells(seeds, quick):
         if quick and scenario == "room":
             continue
         for profile in PROFILES[-1:] if quick else PROFILES:
-            for seed in range(1, (1 if quick else min(seeds, MOST_SEEDS)) + 1):
+            for seed in demo_runs.seeds(1 if quick else min(seeds, MOST_SEEDS)):
                 for predictor in PREDICTORS:
                     for share in SHARES[1:3] if quick else SHARES:
                         for scheme in SCHEMES:
@@ -104,7 +104,7 @@ def _draw(table, path):
     figure.legend(handles, labels, loc="upper center", ncol=len(PREDICTORS), frameon=False,
                   fontsize=8)
     figure.tight_layout(rect=(0, 0, 1, 0.94))
-    save(figure, path)
+    save_svg(figure, path)
 
 
 def _needed(table, scenario, profile, scheme, predictor, best):

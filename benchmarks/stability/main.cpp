@@ -4,8 +4,8 @@
 // Which shares are stable at which delay: two peers that disagree by 5 cm at first, with nobody
 // about. Prints one line of CSV for each case:
 //
-//   scheme, scene, share of peer 1, share of peer 2, delay (frames), stable, end / start, peak /
-//   start, half-life (frames; -1 = never), speed kept
+//   scheme, scene, share of peer 1, share of peer 2, delay from peer 1 to 2 and back (frames),
+//   loss, stable, end / start, peak / start, half-life (frames; -1 = never), speed kept
 //
 // The difference is the rms over bodies at the same session time. Stable: in the last 4.5 of 15 s
 // it is below what it was at the start, and below 0.1 mm or not above what it was in the 4.5 s
@@ -51,6 +51,15 @@ constexpr Scheme kSchemes[] = {
 constexpr double kShares[] = {0.02, 0.05, 0.1, 0.2, 0.3, 0.5};
 constexpr int kDelays[] = {0, 1, 2, 3, 5, 8, 11, 15, 20, 30};
 
+/// Both ways between the peers.
+struct Ways {
+  int there = 0, back = 0;  ///< frames, from peer 1 to 2 and from 2 to 1
+  double loss = 0.0;
+  double jitter = 0.0;  ///< frames
+};
+/// Links that are not alike both ways, and one that loses and reorders.
+constexpr Ways kUneven[] = {{2, 14}, {14, 2}, {2, 30}, {30, 2}, {8, 8, 0.2, 3.0}};
+
 /// @param share  of the gap closed per 1/60 s by this peer where states are replayed; announced by
 ///   it, as published, where they are not
 consensus::PeerOptions options_of(const Scheme& scheme, double share) {
@@ -82,15 +91,21 @@ double speed_square_alone(std::size_t kind, double apart) {
   return sum;
 }
 
-void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2, int delay) {
+void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2, const Ways& ways) {
   // A state of the end of a step is heard at the beginning of the next one where nothing is late.
-  peers_bench::Session session({.latency = peers_bench::latency_of(delay)});
+  const auto link = [&ways](int delay) {
+    return consensus::LinkOptions{.latency = peers_bench::latency_of(delay),
+                                  .jitter = ways.jitter / kRate,
+                                  .loss = ways.loss};
+  };
+  peers_bench::Session session(link(ways.there));
   const auto add = [&](consensus::PeerId id, double off, double share) {
     session.sites.push_back(std::make_unique<Site>(
         build(kKinds[kind], off), session.network.transport(id), options_of(scheme, share)));
   };
   add(1, 0.0, share_1);
   add(2, kApart, share_2);
+  session.network.set_link(2, 1, link(ways.back));
   const auto difference_now = [&] {
     return peers_bench::apart(session.sites[0]->copy, session.sites[1]->copy);
   };
@@ -117,25 +132,29 @@ void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2,
   }
   const double alone = speed_square_alone(kind, 0.0) + speed_square_alone(kind, kApart);
   const double kept = alone > 1e-9 ? std::sqrt(squares / alone) : 1.0;
-  std::printf("%.*s,%.*s,%g,%g,%d,%d,%.3g,%.3g,%d,%.3g\n", static_cast<int>(scheme.name.size()),
-              scheme.name.data(), static_cast<int>(kKindNames[kind].size()),
-              kKindNames[kind].data(), share_1, share_2, delay, stable ? 1 : 0, end,
-              worst(0, kSteps), half, kept);
+  std::printf("%.*s,%.*s,%g,%g,%d,%d,%g,%d,%.3g,%.3g,%d,%.3g\n",
+              static_cast<int>(scheme.name.size()), scheme.name.data(),
+              static_cast<int>(kKindNames[kind].size()), kKindNames[kind].data(), share_1, share_2,
+              ways.there, ways.back, ways.loss, stable ? 1 : 0, end, worst(0, kSteps), half, kept);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::puts(
-      "scheme,scene,share_1,share_2,delay_frames,stable,end,peak,half_life_frames,speed_kept");
+      "scheme,scene,share_1,share_2,delay_frames,delay_back_frames,loss,stable,end,peak,"
+      "half_life_frames,speed_kept");
   for (const Scheme& scheme : kSchemes) {
     if (argc > 1 && scheme.name != argv[1]) continue;
     for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
       if (argc > 2 && kKindNames[kind] != argv[2]) continue;
       for (const int delay : kDelays) {
-        for (const double share : kShares) run(scheme, kind, share, share, delay);
-        run(scheme, kind, 0.02, 0.5, delay);
-        run(scheme, kind, 0.5, 0.02, delay);
+        for (const double share : kShares) run(scheme, kind, share, share, {delay, delay});
+        run(scheme, kind, 0.02, 0.5, {delay, delay});
+        run(scheme, kind, 0.5, 0.02, {delay, delay});
+      }
+      for (const Ways& ways : kUneven) {
+        for (const double share : kShares) run(scheme, kind, share, share, ways);
       }
     }
   }

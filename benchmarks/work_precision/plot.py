@@ -9,13 +9,10 @@ import math
 import sys
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.hashsalt"] = "tandem"  # the same input, the same file
-import matplotlib.pyplot as plt
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import results
+from svg_figure import plt, save_svg
 
 STYLE = {"tandem": ("#c0392b", "o"), "bullet64": ("#1f5fa8", "s"), "bullet32": ("#7fb2e5", "^")}
 FLOOR = 1e-6  # smaller errors (mm, m) are drawn here: a log axis has no zero
@@ -60,8 +57,7 @@ def draw(points, out):
     figure.tight_layout(rect=(0, 0.02, 1, 0.97))
     paths = [Path(out) / f"work_precision.{kind}" for kind in ("png", "svg")]
     figure.savefig(paths[0], dpi=110)
-    figure.savefig(paths[1], metadata={"Date": None})
-    plt.close(figure)
+    save_svg(figure, paths[1])
     return paths
 
 

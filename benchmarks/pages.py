@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""How pages of measurements are written: long tables lie beside the page as CSV."""
+import csv
+import re
+from pathlib import Path
+
+MOST_ROWS = 24  # of a table within a page
+
+
+def _slug(heading):
+    return re.sub(r"[^a-z0-9]+", "_", heading.lower()).strip("_")
+
+
+def _cells(line):
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
+def write(path, text):
+    """Write a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name,
+    called after the heading that they stand under; the page links to them."""
+    path = Path(path)
+    folder = path.with_suffix("")
+    for old in folder.glob("*.csv") if folder.is_dir() else ():
+        old.unlink()
+    out, table, names, heading = [], [], {}, "table"
+
+    def end_table():
+        rows = table[2:]
+        if len(rows) <= MOST_ROWS:
+            out.extend(table)
+        else:
+            names[heading] = names.get(heading, 0) + 1
+            number = f"_{names[heading]}" if names[heading] > 1 else ""
+            file = folder / f"{heading}{number}.csv"
+            folder.mkdir(parents=True, exist_ok=True)
+            with file.open("w", newline="") as stream:
+                writer = csv.writer(stream, lineterminator="\n")
+                writer.writerows(_cells(line) for line in [table[0], *rows])
+            out.append(f"[Table of {len(rows)} rows]({folder.name}/{file.name}): "
+                       + ", ".join(_cells(table[0])) + ".")
+        table.clear()
+
+    for line in text.split("\n"):
+        if line.startswith("|"):
+            table.append(line)
+            continue
+        if table:
+            end_table()
+        if line.startswith("#"):
+            heading = _slug(line.lstrip("#"))
+        out.append(line)
+    if table:
+        end_table()
+    path.write_text("\n".join(out).rstrip("\n") + "\n")
