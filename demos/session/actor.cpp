@@ -4,16 +4,14 @@
 
 #include <cmath>
 
-#include "scenes/random.h"
-
 namespace tandem::demos {
 
 using consensus::SessionTime;
 
 Actor::Actor(const Scenario& scenario, const DemoOptions& options, std::size_t number,
              consensus::Transport& transport)
-    : participant_(std::make_unique<Participant>(scenario, options, number + 1, number, transport)),
-      first_(kVirtualStart + phase(options, number)) {}
+    : participant_(
+          std::make_unique<Participant>(scenario, options, number + 1, number, transport)) {}
 
 void Actor::act() {
   const SessionTime from = step_time(step_);
@@ -28,14 +26,8 @@ void Actor::act() {
   inside_ = !inside_;
 }
 
-SessionTime Actor::phase(const DemoOptions& options, std::size_t number) const {
-  if (number == 0) return 0;
-  Random random(derived_seed(options.seed, 4000 + number));
-  return std::llround(random.uniform(0.0, 1e9 / participant_->step_hz()));
-}
-
 SessionTime Actor::step_time(std::int64_t step) const {
-  return first_ + std::llround(static_cast<double>(step) * 1e9 / participant_->step_hz());
+  return kVirtualStart + std::llround(static_cast<double>(step) * 1e9 / participant_->step_hz());
 }
 
 std::size_t next_actor(std::span<const Actor> actors) {

@@ -25,6 +25,12 @@ std::int64_t system_offset() {
   return reading_of<std::chrono::system_clock>() - reading_of<std::chrono::steady_clock>();
 }
 
+/// How far `time` is after the last multiple of `step` that is not later.
+std::int64_t after_multiple(std::int64_t time, std::int64_t step) {
+  const std::int64_t rest = time % step;
+  return rest < 0 ? rest + step : rest;
+}
+
 }  // namespace
 
 SessionClock::SessionClock() : offset_(system_offset()), steady_(true) {
@@ -49,7 +55,6 @@ std::int64_t SessionClock::stepped() const { return steady_ ? system_offset() - 
 PhysicsClockOptions PhysicsClockOptions::at_rate(double hz) {
   PhysicsClockOptions result;
   result.nominal_step = std::llround(1e9 / hz);
-  result.min_step = std::min(result.min_step, result.nominal_step / 2);
   result.max_step = std::max(result.max_step, 2 * result.nominal_step);
   result.stall_limit = std::max(result.stall_limit, result.max_steps_per_call * result.max_step);
   return result;
@@ -60,11 +65,9 @@ void PhysicsClockOptions::validate() const {
     require(ok, "PhysicsClockOptions", field, value, rule);
   };
   constexpr std::int64_t kDay = 86'400'000'000'000;  // keeps every sum below far from overflow
-  check(min_step > 0, "min_step", min_step, "> 0 ns");
+  check(nominal_step > 0, "nominal_step", nominal_step, "> 0 ns");
+  check(max_step >= nominal_step, "max_step", max_step, ">= nominal_step");
   check(max_step <= kDay, "max_step", max_step, "at most a day");
-  check(max_step >= min_step, "max_step", max_step, ">= min_step");
-  check(nominal_step >= min_step && nominal_step <= max_step, "nominal_step", nominal_step,
-        "in [min_step, max_step]");
   check(max_steps_per_call >= 1 && max_steps_per_call <= PhysicsClock::kMaxSteps,
         "max_steps_per_call", max_steps_per_call, "in [1, PhysicsClock::kMaxSteps]");
   check(stall_limit >= max_steps_per_call * max_step && stall_limit <= 365 * kDay, "stall_limit",
@@ -72,26 +75,28 @@ void PhysicsClockOptions::validate() const {
 }
 
 PhysicsClock::PhysicsClock(const PhysicsClockOptions& options, SessionTime start)
-    : options_(options), time_(start) {
+    : options_(options) {
   options_.validate();
+  time_ = start - after_multiple(start, options_.nominal_step);
 }
 
 ClockTick PhysicsClock::advance(SessionTime now) {
   ClockTick tick;
   std::int64_t lag = now - time_;
+  const std::int64_t nominal = options_.nominal_step;
   if (lag > options_.stall_limit || lag < -options_.stall_limit) {
-    tick.skipped = lag - options_.nominal_step;
+    tick.skipped = lag - after_multiple(lag, nominal) - nominal;
     time_ += tick.skipped;
     total_skipped_ += tick.skipped;
-    lag = options_.nominal_step;
+    lag -= tick.skipped;
   }
   // Longer steps only where nominal ones, as many as allowed, would not catch up.
+  const std::int64_t due = lag / nominal, most = options_.max_steps_per_call;
   const std::int64_t usual =
-      std::clamp(lag / options_.max_steps_per_call, options_.nominal_step, options_.max_step);
+      std::clamp((due + most - 1) / most, std::int64_t{1}, options_.max_step / nominal) * nominal;
   std::size_t count = 0;
-  while (lag >= options_.min_step &&
-         count < static_cast<std::size_t>(options_.max_steps_per_call)) {
-    const std::int64_t step = std::min(lag, usual);
+  while (lag >= nominal && count < static_cast<std::size_t>(options_.max_steps_per_call)) {
+    const std::int64_t step = std::min(lag - lag % nominal, usual);
     steps_[count++] = step;
     time_ += step;
     lag -= step;

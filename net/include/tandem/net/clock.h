@@ -79,15 +79,14 @@ struct TANDEM_API ClockStatus {
 
 /// All times in ns.
 struct TANDEM_API PhysicsClockOptions {
-  std::int64_t min_step = 8'000'000;       ///< shortest step, > 0
-  std::int64_t max_step = 32'000'000;      ///< longest step, >= min_step
-  std::int64_t nominal_step = 16'666'666;  ///< step when on time, in [min_step, max_step]
+  std::int64_t nominal_step = 16'666'667;  ///< step when on time, > 0, at most a day
+  std::int64_t max_step = 33'333'334;      ///< longest step, >= nominal_step, at most a day
   int max_steps_per_call = 8;              ///< in [1, PhysicsClock::kMaxSteps]
   /// A lag (either way) above this is skipped, not simulated; >= max_steps_per_call * max_step.
   std::int64_t stall_limit = 1'000'000'000;
 
-  /// For so many steps a second, > 0: nominal_step, and limits on either side of it where the
-  /// defaults would not do.
+  /// For so many steps a second, > 0: nominal_step, and limits above it where the defaults would
+  /// not do.
   static PhysicsClockOptions at_rate(double hz);
 
   /// Throws std::invalid_argument that says what the field must be and what it is.
@@ -101,35 +100,38 @@ struct TANDEM_API ClockTick {
   std::int64_t lag = 0;                 ///< shared time minus physics time after the steps, ns
 };
 
-/// Paces the physics so that physics time, the sum of all steps, stays just behind the shared time
-/// and never drifts from it. Source: [friston] Sec. 4.5 (steps between 8 and 32 ms, as many as fit
-/// before physics time would pass the shared time). Pure: it reads no clock and never waits.
+/// Paces the physics so that physics time stays just behind the shared time and never drifts from
+/// it ([friston] Sec. 4.5). Pure: it reads no clock and never waits.
+///
+/// **Physics time is always a multiple of nominal_step.** So peers of one rate have states of the
+/// same times, however their clocks' calls fall: what they average at a stamp is the same at all of
+/// them (docs/method.md Sec. 4), where states of times in between have to be interpolated.
 ///
 /// Policy, with lag = shared time - physics time at the call:
-/// - lag < min_step: no step. On time: one step of nominal_step; what is left below nominal_step
-///   but not below min_step is stepped at its own length. So after a call 0 <= lag < min_step.
-/// - late: several steps, longer than nominal where max_steps_per_call of those would not do, up
-///   to max_step. What is still missing then is left to the next calls.
-/// - lag > stall_limit (debugger, sleeping laptop): the excess over one nominal step is jumped
-///   over and reported in `skipped`; bodies do not move meanwhile, but their time is right again.
+/// - lag < nominal_step: no step. On time: one step. After a call on time 0 <= lag < nominal_step.
+/// - late: several steps, of several times nominal_step where max_steps_per_call would not do else,
+///   up to max_step. What is still missing then is left to the next calls.
+/// - lag > stall_limit (debugger, sleeping laptop): whole steps but the last one are jumped over
+///   and reported in `skipped`; bodies do not move meanwhile, but their time is right again.
 /// - shared time behind physics time: no step until it has caught up; by more than stall_limit:
-///   physics time is set back and `skipped` is negative.
+///   physics time is set back by whole steps and `skipped` is negative.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API PhysicsClock {
  public:
   static constexpr int kMaxSteps = 32;
 
-  /// Physics time starts at `start`. Throws std::invalid_argument (PhysicsClockOptions::validate).
+  /// Physics time starts at the last multiple of nominal_step that is not after `start`. Throws
+  /// std::invalid_argument (PhysicsClockOptions::validate).
   PhysicsClock(const PhysicsClockOptions& options, SessionTime start);
 
   /// The steps to do now, at shared time `now`. Physics time has advanced by them on return.
   ClockTick advance(SessionTime now);
 
-  /// Start plus all steps plus all skips so far: the time to stamp a state with.
+  /// Where it started plus all steps plus all skips so far: the time to stamp a state with.
   SessionTime physics_time() const { return time_; }
   /// Sum of all skips so far, ns.
   std::int64_t total_skipped() const { return total_skipped_; }
-  /// Earliest shared time at which advance() returns a step on time: for a loop that sleeps.
+  /// Earliest shared time at which advance() returns a step: for a loop that sleeps.
   SessionTime next_due() const { return time_ + options_.nominal_step; }
 
  private:
