@@ -193,6 +193,8 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
   part.link = static_cast<std::uint32_t>(links_.size());
   part.value = value_count_;
   part.regular = edges.size() + (fixed_ends == 0 ? 1 : 0) == bodies.size();
+  part.points = count == edges.size() &&
+                std::all_of(edges.begin(), edges.end(), [](const Edge& e) { return e.point; });
   bodies_.insert(bodies_.end(), bodies.begin(), bodies.end());
   std::vector<std::uint32_t> place(count);
   for (std::uint32_t k = 0; k < count; ++k) place[order[k]] = k;
@@ -226,7 +228,7 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
     for (const std::uint32_t i : later_of[order[k]]) places.push_back(place[i]);
     std::sort(places.begin(), places.end());
     for (const std::uint32_t p : places) {
-      later_.push_back({part.node + p, value_count_});
+      later_.push_back({part.node + p, value_count_, nodes_[part.node + p].right});
       value_count_ += static_cast<std::uint32_t>(node.rows * nodes_[part.node + p].rows);
     }
     node.later_count = static_cast<std::uint32_t>(places.size());

@@ -45,10 +45,7 @@ void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRec
     const JointGraph::Node& plan = graph_.nodes()[k];
     NodeState& node = nodes_[k];
     if (plan.joint == kNone || node.off) continue;
-    Vec3 lambda = Vec3::Zero();
-    for_bits(records[plan.joint].used & 7u,
-             [&](int i) { lambda += node.lambda[i] * node.dir.col(i); });
-    if (learn) add_pull(plan, node, lambda);
+    if (learn) add_pull(plan, node, impulse(part, k, records[plan.joint].used));
     node.lambda.fill(0.0);
   }
 }
@@ -152,7 +149,8 @@ bool JointSystem::is_ideal(const JointGraph::Part& part) const {
     const NodeState& node = nodes_[k];
     if (plan.joint == kNone || node.off) continue;
     held = held || plan.slot_a == kNone || plan.slot_b == kNone;
-    for (const Segment::Kind kind : node.last_kind) {
+    if (part.points) continue;
+    for (const Segment::Kind kind : rows_[k].last_kind) {
       if (kind == Segment::Kind::Lower || kind == Segment::Kind::Upper) return false;
     }
   }
