@@ -233,9 +233,9 @@ void JointBlock::end_step(const SubstepContext& ctx) {
       state.load.fill(0.0);
     }
     if (!record.active()) continue;
-    for (int i = 0; i < kCoordinates; ++i) {
+    for_bits(record.used, [&](int i) {
       state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
-    }
+    });
     // What a spoiled step leaves behind must not spoil the next one.
     if (!std::isfinite(record.surplus)) record.surplus = 0.0;
     for (double& gap : record.gap) {

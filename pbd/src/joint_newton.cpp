@@ -21,6 +21,12 @@ constexpr int kFlips = 6;
 /// rad: smaller turns do not matter.
 constexpr double kNoTurn = 1e-13;
 
+/// Moves that shrink as those of a matrix that stays go on to do so: what they have left to go.
+double rest_of(double move, double before) {
+  const double rate = move / before;
+  return rate < kSlow ? move * rate / (1.0 - rate) : move;
+}
+
 }  // namespace
 
 double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> records,
@@ -59,7 +65,7 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     if (!part.points) weigh(part, records);
     state.factored = false;
   }
-  return state.last_move;
+  return state.iteration > 1 && !state.changed ? rest_of(state.last_move, before) : state.last_move;
 }
 
 double JointSystem::newton(const JointGraph::Part& part, PartState& state,
@@ -73,8 +79,8 @@ double JointSystem::newton(const JointGraph::Part& part, PartState& state,
     solve(part);
     gather_points(part);
   } else {
-    const bool changed = evaluate(part, state, records, ctx);
-    if (changed || !state.factored) {
+    state.changed = evaluate(part, state, records, ctx);
+    if (state.changed || !state.factored) {
       assemble(part);
       factor(part);
     }

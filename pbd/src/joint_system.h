@@ -100,6 +100,7 @@ class JointSystem {
   struct PartState {
     bool prepared = false;
     bool factored = false;
+    bool changed = false;  ///< the last iteration had other rows than the one before
     int iteration = 0;
     bool restarted = false;
     int softened = 0;  ///< how often; see adds_energy()
