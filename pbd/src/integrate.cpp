@@ -134,15 +134,16 @@ Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h) {
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {
   const double inverse_h = 1.0 / h;
   const Vec3 dv = inverse_h * body.dx;
-  const Vec3 before = body.w;
+  const Vec3 open = body.w - body.w_applied;  // 0 where the prediction has all of it
   body.v += dv;
   body.v_applied += dv;
   body.w += inverse_h * body.dtheta;
   if (!body.dtheta.isZero(0.0) && !props.locks.any() && has_axes(body.inv_inertia_w)) {
-    const Vec3 momentum = body.inv_inertia_w.inverse() * body.w;
-    body.w = tensor_to_world(body.q, props.inverse_inertia_l) * momentum;
+    const Mat3 axes = body.q.toRotationMatrix();
+    const Vec3 momentum_l = axes.transpose() * (body.inv_inertia_w.inverse() * body.w);
+    body.w = axes * (props.inverse_inertia_l * momentum_l);
   }
-  body.w_applied += body.w - before;
+  body.w_applied = body.w - open;
   body.dx.setZero();
   body.dtheta.setZero();
 }

@@ -81,12 +81,14 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
   const std::uint32_t used = record.used;
   const bool passive = record.passive();
+  const bool point = record.is_point();
   const bool enabled = record.def.enabled;
   record.def = def;
   record.def.frame_a.basis.normalize();
   record.def.frame_b.basis.normalize();
   record.refresh();
-  if (passive != record.passive() || used != record.used || enabled != def.enabled) {
+  if (passive != record.passive() || point != record.is_point() || used != record.used ||
+      enabled != def.enabled) {
     impl_->dirty = true;
   }
   impl_->note_change(record);
@@ -231,9 +233,9 @@ void JointBlock::end_step(const SubstepContext& ctx) {
       state.load.fill(0.0);
     }
     if (!record.active()) continue;
-    for (int i = 0; i < kCoordinates; ++i) {
+    for_bits(record.used, [&](int i) {
       state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
-    }
+    });
     // What a spoiled step leaves behind must not spoil the next one.
     if (!std::isfinite(record.surplus)) record.surplus = 0.0;
     for (double& gap : record.gap) {

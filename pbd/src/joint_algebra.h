@@ -82,6 +82,16 @@ inline void invert3(double* a) {
   a[5] = a[7] = s * c12;
 }
 
+/// The inertia of an inverse inertia, on the axes that are free.
+inline Eigen::Matrix3d inverse(Eigen::Matrix3d symmetric) {
+  invert3(symmetric.data());
+  return symmetric;
+}
+
+inline void negate(double* a, int count) {
+  for (int e = 0; e < count; ++e) a[e] = -a[e];
+}
+
 /// out = a b, a: n x k, b: k x m.
 inline void multiply(const double* a, const double* b, int n, int k, int m, double* out) {
   if (n == 3 && k == 3 && m == 3) {

@@ -31,22 +31,14 @@ void JointSystem::assemble(const JointGraph::Part& part) {
     double inv_mass = 0.0;
     if (with_a) inv_mass += slots_[plan.slot_a].inv_mass;
     if (with_b) inv_mass += slots_[plan.slot_b].inv_mass;
-    if (node.simple) {
-      block::Map3 a(diagonal);
-      if (with_a)
-        a.noalias() += node.arm_a.leftCols<3>().transpose().lazyProduct(node.b_a.leftCols<3>());
-      if (with_b)
-        a.noalias() += node.arm_b.leftCols<3>().transpose().lazyProduct(node.b_b.leftCols<3>());
-      for (int i = 0; i < 3; ++i) a(i, i) += inv_mass + node.at[i];
-      continue;
-    }
+    const NodeRows& rows = rows_[k];
     for (int r = 0; r < node.n; ++r) {
-      const int i = node.coordinate[r];
+      const int i = rows.coordinate[r];
       for (int s = 0; s <= r; ++s) {
-        const int j = node.coordinate[s];
-        double sum = inv_mass * node.dir.col(i).dot(node.dir.col(j));
-        if (with_a) sum += node.arm_a.col(i).dot(node.b_a.col(j));
-        if (with_b) sum += node.arm_b.col(i).dot(node.b_b.col(j));
+        const int j = rows.coordinate[s];
+        double sum = inv_mass * rows.dir.col(i).dot(rows.dir.col(j));
+        if (with_a) sum += rows.arm_a.col(i).dot(rows.b_a.col(j));
+        if (with_b) sum += rows.arm_b.col(i).dot(rows.b_b.col(j));
         if (r == s) sum += node.at[r];
         diagonal[r * node.n + s] = sum;
         diagonal[s * node.n + r] = sum;
@@ -64,17 +56,18 @@ void JointSystem::assemble(const JointGraph::Part& part) {
     if (plan_x.joint == kNone || plan_y.joint == kNone) {
       if (slot.inv_mass == 0.0) continue;
       const bool hub_later = plan_x.joint == kNone;
-      const NodeState& joint = hub_later ? y : x;
+      const NodeRows& joint = rows_[hub_later ? link.earlier : link.later];
+      const int n = hub_later ? y.n : x.n;
       const bool is_b = (hub_later ? plan_y : plan_x).slot_b == link.slot;
       const double sign = is_b ? 1.0 : -1.0;
       const Rows& arm = is_b ? joint.arm_b : joint.arm_a;
-      for (int r = 0; r < joint.n; ++r) {
+      for (int r = 0; r < n; ++r) {
         for (int i = 0; i < 3; ++i) {
           const double linear = sign * joint.dir(i, joint.coordinate[r]);
           const bool turns = slot.inv_inertia(i, i) > 0.0;
           const double angular = turns ? sign * arm(i, joint.coordinate[r]) : 0.0;
-          out[hub_later ? i * joint.n + r : r * 6 + i] += linear;
-          out[hub_later ? (i + 3) * joint.n + r : r * 6 + i + 3] += angular;
+          out[hub_later ? i * n + r : r * 6 + i] += linear;
+          out[hub_later ? (i + 3) * n + r : r * 6 + i + 3] += angular;
         }
       }
       continue;
@@ -82,31 +75,29 @@ void JointSystem::assemble(const JointGraph::Part& part) {
     const bool x_is_b = plan_x.slot_b == link.slot;
     const bool y_is_b = plan_y.slot_b == link.slot;
     const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
-    const Rows& arm = x_is_b ? x.arm_b : x.arm_a;
-    const Rows& b = y_is_b ? y.b_b : y.b_a;
-    if (x.simple && y.simple) {
-      block::Map3 a(out);
-      a.noalias() += sign * arm.leftCols<3>().transpose().lazyProduct(b.leftCols<3>());
-      a.diagonal().array() += sign * slot.inv_mass;
-      continue;
-    }
+    const NodeRows& rows_x = rows_[link.later];
+    const NodeRows& rows_y = rows_[link.earlier];
+    const Rows& arm = x_is_b ? rows_x.arm_b : rows_x.arm_a;
+    const Rows& b = y_is_b ? rows_y.b_b : rows_y.b_a;
     for (int r = 0; r < x.n; ++r) {
-      const int i = x.coordinate[r];
+      const int i = rows_x.coordinate[r];
       for (int s = 0; s < y.n; ++s) {
-        const int j = y.coordinate[s];
-        out[r * y.n + s] +=
-            sign * (slot.inv_mass * x.dir.col(i).dot(y.dir.col(j)) + arm.col(i).dot(b.col(j)));
+        const int j = rows_y.coordinate[s];
+        out[r * y.n + s] += sign * (slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j)) +
+                                    arm.col(i).dot(b.col(j)));
       }
     }
   }
 }
 
-/// Block LDL^T, right-looking; the diagonal blocks end as inverses. Joints have positive pivots,
-/// hubs negative ones, stored with their sign turned.
-void JointSystem::factor(const JointGraph::Part& part) {
+/// Block LDL^T, right-looking; the diagonal blocks end as inverses, the others as blocks of L.
+/// Joints have positive pivots, hubs negative ones, stored with their sign turned.
+/// @param size  of a node: its rows
+template <class Size>
+void JointSystem::factor(const JointGraph::Part& part, Size&& size) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
-    const int n = nodes_[k].n;
+    const int n = size(k);
     if (n == 0) continue;
     double* inverse = &values_[plan.diagonal];
     if (n == 3) {
@@ -114,62 +105,64 @@ void JointSystem::factor(const JointGraph::Part& part) {
     } else {
       block::invert(inverse, n);
     }
-    const double sign = plan.joint == kNone ? -1.0 : 1.0;
     std::uint32_t update = plan.update;
     for (std::uint32_t i = 0; i < plan.later_count; ++i) {
       const JointGraph::Later& to = graph_.later()[plan.later + i];
-      const int rows = nodes_[to.node].n;
+      const int rows = size(to.node);
+      double* const own = &values_[to.block];
       double product[block::kMaxRows * block::kMaxRows];
-      block::multiply(&values_[to.block], inverse, rows, n, n, product);
-      if (sign < 0.0) {
-        for (int e = 0; e < rows * n; ++e) product[e] = -product[e];
-      }
-      for (std::uint32_t j = 0; j <= i; ++j) {
+      block::multiply(own, inverse, rows, n, n, product);
+      if (plan.joint == kNone) block::negate(product, rows * n);
+      // Those before it are blocks of L by now.
+      for (std::uint32_t j = 0; j < i; ++j) {
         const JointGraph::Later& other = graph_.later()[plan.later + j];
-        const std::uint32_t target = graph_.updates()[update++];
-        if (i == j && graph_.nodes()[to.node].joint == kNone) {
-          // A hub's diagonal is stored with its sign turned.
-          for (int e = 0; e < rows * n; ++e) product[e] = -product[e];
-        }
-        block::subtract_product(product, &values_[other.block], rows, n, nodes_[other.node].n,
-                                &values_[target]);
+        block::subtract_product(own, &values_[other.block], rows, n, size(other.node),
+                                &values_[graph_.updates()[update++]]);
       }
+      if (graph_.nodes()[to.node].joint == kNone) block::negate(own, rows * n);
+      block::subtract_product(product, own, rows, n, rows, &values_[graph_.updates()[update++]]);
+      std::copy_n(product, rows * n, own);
     }
   }
 }
 
-void JointSystem::solve(const JointGraph::Part& part) {
-  const auto times_inverse = [&](const JointGraph::Node& plan, int n, const double* x, double* y) {
-    block::times(&values_[plan.diagonal], x, n, plan.joint == kNone ? -1.0 : 1.0, y);
-  };
+template <class Size>
+void JointSystem::solve(const JointGraph::Part& part, Size&& size) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
-    const int n = nodes_[k].n;
-    if (n == 0) continue;
-    double* right = &right_[plan.right];
-    double x[block::kMaxRows];
-    times_inverse(plan, n, right, x);
-    std::copy_n(x, n, right);
     for (std::uint32_t l = plan.later; l < plan.later + plan.later_count; ++l) {
       const JointGraph::Later& to = graph_.later()[l];
-      block::subtract(&values_[to.block], x, nodes_[to.node].n, n,
-                      &right_[graph_.nodes()[to.node].right]);
+      block::subtract(&values_[to.block], &right_[plan.right], size(to.node), size(k),
+                      &right_[to.right]);
     }
   }
   for (std::uint32_t k = part.node + part.node_count; k-- > part.node;) {
     const JointGraph::Node& plan = graph_.nodes()[k];
-    const int n = nodes_[k].n;
-    if (n == 0 || plan.later_count == 0) continue;
-    double sum[block::kMaxRows] = {};
+    const int n = size(k);
+    double x[block::kMaxRows];
+    block::times(&values_[plan.diagonal], &right_[plan.right], n, plan.joint == kNone ? -1.0 : 1.0,
+                 x);
     for (std::uint32_t l = plan.later; l < plan.later + plan.later_count; ++l) {
       const JointGraph::Later& to = graph_.later()[l];
-      block::subtract_transposed(&values_[to.block], &right_[graph_.nodes()[to.node].right],
-                                 nodes_[to.node].n, n, sum);
+      block::subtract_transposed(&values_[to.block], &right_[to.right], size(to.node), n, x);
     }
-    double x[block::kMaxRows];
-    times_inverse(plan, n, sum, x);
-    double* right = &right_[plan.right];
-    for (int i = 0; i < n; ++i) right[i] += x[i];
+    std::copy_n(x, n, &right_[plan.right]);
+  }
+}
+
+void JointSystem::factor(const JointGraph::Part& part) {
+  if (part.points) {
+    factor(part, [](std::uint32_t) { return 3; });
+  } else {
+    factor(part, [this](std::uint32_t k) { return nodes_[k].n; });
+  }
+}
+
+void JointSystem::solve(const JointGraph::Part& part) {
+  if (part.points) {
+    solve(part, [](std::uint32_t) { return 3; });
+  } else {
+    solve(part, [this](std::uint32_t k) { return nodes_[k].n; });
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <tuple>
 #include <utility>
 
 namespace tandem::pbd {
@@ -153,25 +154,34 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
     }
   }
 
-  // Minimum degree, ties by the lowest number.
-  std::set<std::pair<std::size_t, std::uint32_t>> queue;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (is_ready(i)) queue.insert({neighbours[i].size(), i});
-  }
+  // Minimum degree; of those with the same that which has had it for longest, then the lowest
+  // number: a chain is eliminated from its ends at once, so that a processor finds work that does
+  // not wait for what it does already.
+  std::vector<std::size_t> degree(count, 0);
+  std::vector<std::size_t> since(count, 0);
+  std::size_t now = 0;
+  std::set<std::tuple<std::size_t, std::size_t, std::uint32_t>> queue;
+  const auto enqueue = [&](std::uint32_t i) {
+    if (neighbours[i].size() != degree[i]) since[i] = now;
+    degree[i] = neighbours[i].size();
+    if (is_ready(i)) queue.insert({degree[i], since[i], i});
+  };
+  for (std::uint32_t i = 0; i < count; ++i) enqueue(i);
   std::vector<std::uint32_t> order;
   std::vector<std::vector<std::uint32_t>> later_of(count);
   std::vector<std::uint8_t> done(count, 0);
   std::size_t update_count = 0;
   while (!queue.empty()) {
-    const std::uint32_t node = queue.begin()->second;
+    const std::uint32_t node = std::get<2>(*queue.begin());
     queue.erase(queue.begin());
+    ++now;
     done[node] = 1;
     order.push_back(node);
     later_of[node].assign(neighbours[node].begin(), neighbours[node].end());
     const std::vector<std::uint32_t>& rest = later_of[node];
     update_count += rest.size() * (rest.size() + 1) / 2;
     if (may_refuse && update_count > kUpdatesPerNode * count) return false;
-    for (const std::uint32_t i : rest) queue.erase({neighbours[i].size(), i});
+    for (const std::uint32_t i : rest) queue.erase({degree[i], since[i], i});
     for (const std::uint32_t i : rest) {
       neighbours[i].erase(node);
       for (const std::uint32_t j : rest) connect(i, j);
@@ -179,9 +189,7 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
     if (node >= edges.size()) {
       for (const std::uint32_t i : joints_of[body_of_hub[node - edges.size()]]) --hubs_left[i];
     }
-    for (const std::uint32_t i : rest) {
-      if (is_ready(i)) queue.insert({neighbours[i].size(), i});
-    }
+    for (const std::uint32_t i : rest) enqueue(i);
   }
 
   // Where everything lies.
@@ -193,6 +201,8 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
   part.link = static_cast<std::uint32_t>(links_.size());
   part.value = value_count_;
   part.regular = edges.size() + (fixed_ends == 0 ? 1 : 0) == bodies.size();
+  part.points = count == edges.size() &&
+                std::all_of(edges.begin(), edges.end(), [](const Edge& e) { return e.point; });
   bodies_.insert(bodies_.end(), bodies.begin(), bodies.end());
   std::vector<std::uint32_t> place(count);
   for (std::uint32_t k = 0; k < count; ++k) place[order[k]] = k;
@@ -226,7 +236,7 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
     for (const std::uint32_t i : later_of[order[k]]) places.push_back(place[i]);
     std::sort(places.begin(), places.end());
     for (const std::uint32_t p : places) {
-      later_.push_back({part.node + p, value_count_});
+      later_.push_back({part.node + p, value_count_, nodes_[part.node + p].right});
       value_count_ += static_cast<std::uint32_t>(node.rows * nodes_[part.node + p].rows);
     }
     node.later_count = static_cast<std::uint32_t>(places.size());

@@ -23,7 +23,8 @@ class JointGraph {
   /// What the plan is made from. Bodies that cannot move are kNone.
   struct Edge {
     std::uint32_t joint, a, b;
-    int rows;  ///< at most
+    int rows;            ///< at most
+    bool point = false;  ///< three rows of a point, always all of them
     /// No axis of the body's rotation is locked: it answers to all rows.
     bool turns_a = true, turns_b = true;
   };
@@ -38,7 +39,7 @@ class JointGraph {
   };
   /// A neighbour that is eliminated later, and the block (its rows x the node's) between the two.
   struct Later {
-    std::uint32_t node, block;
+    std::uint32_t node, block, right;
   };
   /// Two nodes coupled by a body: `later` is eliminated after `earlier`.
   struct Link {
@@ -50,6 +51,7 @@ class JointGraph {
     std::uint32_t link, link_count;
     std::uint32_t value, value_count;
     bool regular;  ///< neither a loop nor two ways to what cannot move: rows are independent
+    bool points;   ///< all nodes are joints of three rows that are always there
   };
 
   void build(std::span<const Edge> edges);

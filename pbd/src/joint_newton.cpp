@@ -21,6 +21,12 @@ constexpr int kFlips = 6;
 /// rad: smaller turns do not matter.
 constexpr double kNoTurn = 1e-13;
 
+/// Moves that shrink as those of a matrix that stays go on to do so: what they have left to go.
+double rest_of(double move, double before) {
+  const double rate = move / before;
+  return rate < kSlow ? move * rate / (1.0 - rate) : move;
+}
+
 }  // namespace
 
 double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> records,
@@ -30,8 +36,8 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
   if (state.channel == Channel::Displacement) {
     // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
     // the clean-up, which comes last, has the bodies' own masses again.
+    turn_gradients(part, records, ctx);
     prepare(part, state, records, ctx);
-    turn_gradients(part, state, records, ctx);
     return newton(part, state, records, ctx);
   }
   if (!state.prepared) prepare(part, state, records, ctx);
@@ -42,7 +48,6 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
   };
   const auto start_anew = [&](bool learn) {
     restart(part, records, ctx, learn);
-    state.factored = false;
     state.iteration = 0;
     prepare(part, state, records, ctx);
     state.last_move = newton(part, state, records, ctx);
@@ -56,27 +61,42 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     state.restarted = true;
     start_anew(true);
   } else if (is_slow()) {
-    turn_gradients(part, state, records, ctx);
+    turn_gradients(part, records, ctx);
+    if (!part.points) weigh(part, records);
+    state.factored = false;
   }
-  return state.last_move;
+  return state.iteration > 1 && !state.changed ? rest_of(state.last_move, before) : state.last_move;
 }
 
 double JointSystem::newton(const JointGraph::Part& part, PartState& state,
                            std::span<const JointRecord> records, const SubstepContext& ctx) {
-  const bool changed = evaluate(part, state, records, ctx);
-  if (changed || !state.factored) {
-    assemble(part);
-    factor(part);
-    state.factored = true;
+  if (part.points) {
+    if (!state.factored) {
+      assemble_points(part, state);
+      factor(part);
+    }
+    evaluate_points(part, records, ctx);
+    solve(part);
+    gather_points(part);
+  } else {
+    state.changed = evaluate(part, state, records, ctx);
+    if (state.changed || !state.factored) {
+      assemble(part);
+      factor(part);
+    }
+    solve(part);
+    gather(part);
   }
-  solve(part);
+  state.factored = true;
   ++state.iteration;
-  return apply(part, ctx);
+  limit_turns(part);
+  return move(part, ctx);
 }
 
 void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
                           std::span<const JointRecord> records, const SubstepContext& ctx) {
   state.prepared = true;
+  state.factored = false;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     slots_[s].inv_mass = body.inv_mass;
@@ -92,89 +112,79 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].carried = false;
   }
   if (state.channel == Channel::Real) stiffen(part, ctx);
-  weigh(part, records);
+  if (!part.points) weigh(part, records);
 }
 
-void JointSystem::take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
-                                 const SolverBody& b) {
+void JointSystem::take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,
+                                 const SolverBody& a, const SolverBody& b) {
   const SixDofJointDef& def = record.def;
   const JointPlace place = JointPlace::of(def, a, b);
   node.r_a = place.r_a;
   node.r_b = place.r_b;
   if (record.point) {
-    node.dir.leftCols<3>().setIdentity();
-    node.arm_a.leftCols<3>() = skew(place.r_a);
-    node.arm_b.leftCols<3>() = skew(place.r_b);
+    rows.dir.leftCols<3>().setIdentity();
+    rows.arm_a.leftCols<3>() = skew(place.r_a);
+    rows.arm_b.leftCols<3>() = skew(place.r_b);
+    if (record.is_point()) return;
   }
-  if (!node.simple) {
-    const Quat basis_a = a.q * def.frame_a.basis;
-    const Mat3 axes = basis_a.toRotationMatrix();
-    if (!record.point) {
-      for (int i = 0; i < 3; ++i) {
-        node.dir.col(i) = axes.col(i);
-        node.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
-        node.arm_b.col(i) = place.r_b.cross(axes.col(i));
-      }
+  const Quat basis_a = a.q * def.frame_a.basis;
+  const Mat3 axes = basis_a.toRotationMatrix();
+  if (!record.point) {
+    for (int i = 0; i < 3; ++i) {
+      rows.dir.col(i) = axes.col(i);
+      rows.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
+      rows.arm_b.col(i) = place.r_b.cross(axes.col(i));
     }
-    if ((record.used >> 3) != 0) {
-      const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
-      node.dir.rightCols<4>().setZero();
-      node.arm_b.col(kTwist) = axes * turn.twist_gradient();
-      node.arm_b.col(4) = axes * turn.swing_gradient(1);
-      node.arm_b.col(5) = axes * turn.swing_gradient(2);
-      node.arm_b.col(kCone) = axes * turn.u;
-      node.arm_a.rightCols<4>() = node.arm_b.rightCols<4>();
-    }
+  }
+  if ((record.used >> 3) != 0) {
+    const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+    rows.dir.rightCols<4>().setZero();
+    rows.arm_b.col(kTwist) = axes * turn.twist_gradient();
+    rows.arm_b.col(4) = axes * turn.swing_gradient(1);
+    rows.arm_b.col(5) = axes * turn.swing_gradient(2);
+    rows.arm_b.col(kCone) = axes * turn.u;
+    rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
   }
 }
 
 /// Take the gradients anew, from the poses as they are.
-void JointSystem::turn_gradients(const JointGraph::Part& part, PartState& state,
-                                 std::span<const JointRecord> records, const SubstepContext& ctx) {
+void JointSystem::turn_gradients(const JointGraph::Part& part, std::span<const JointRecord> records,
+                                 const SubstepContext& ctx) {
   const SolverBody ground;
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const std::uint32_t joint = graph_.nodes()[k].joint;
     if (joint == kNone || nodes_[k].off) continue;
     const SixDofJointDef& def = records[joint].def;
-    take_gradients(nodes_[k], records[joint], body_of(def.a, ctx.bodies, ground),
-                   body_of(def.b, ctx.bodies, ground));
+    const SolverBody& a = body_of(def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(def.b, ctx.bodies, ground);
+    if (part.points) {
+      nodes_[k].r_a = a.q * def.frame_a.anchor;
+      nodes_[k].r_b = b.q * def.frame_b.anchor;
+    } else {
+      take_gradients(nodes_[k], rows_[k], records[joint], a, b);
+    }
   }
-  weigh(part, records);
-  state.factored = false;
 }
 
 void JointSystem::weigh(const JointGraph::Part& part, std::span<const JointRecord> records) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
-    NodeState& node = nodes_[k];
-    if (plan.joint == kNone || node.off) continue;
+    if (plan.joint == kNone || nodes_[k].off) continue;
+    NodeRows& rows = rows_[k];
     double inv_mass = 0.0;
     if (plan.slot_a != kNone) inv_mass += slots_[plan.slot_a].inv_mass;
     if (plan.slot_b != kNone) inv_mass += slots_[plan.slot_b].inv_mass;
-    if (node.simple) {
+    for_bits(records[plan.joint].used, [&](int i) {
+      double w = inv_mass * rows.dir.col(i).squaredNorm();
       if (plan.slot_a != kNone) {
-        node.b_a.leftCols<3>().noalias() =
-            slots_[plan.slot_a].inv_inertia.lazyProduct(node.arm_a.leftCols<3>());
+        rows.b_a.col(i) = slots_[plan.slot_a].inv_inertia * rows.arm_a.col(i);
+        w += rows.arm_a.col(i).dot(rows.b_a.col(i));
       }
       if (plan.slot_b != kNone) {
-        node.b_b.leftCols<3>().noalias() =
-            slots_[plan.slot_b].inv_inertia.lazyProduct(node.arm_b.leftCols<3>());
+        rows.b_b.col(i) = slots_[plan.slot_b].inv_inertia * rows.arm_b.col(i);
+        w += rows.arm_b.col(i).dot(rows.b_b.col(i));
       }
-    } else {
-      for_bits(records[plan.joint].used, [&](int i) {
-        if (plan.slot_a != kNone) {
-          node.b_a.col(i) = slots_[plan.slot_a].inv_inertia * node.arm_a.col(i);
-        }
-        if (plan.slot_b != kNone) {
-          node.b_b.col(i) = slots_[plan.slot_b].inv_inertia * node.arm_b.col(i);
-        }
-      });
-    }
-    for_bits(records[plan.joint].used, [&](int i) {
-      double w = inv_mass * node.dir.col(i).squaredNorm();
-      if (plan.slot_a != kNone) w += node.arm_a.col(i).dot(node.b_a.col(i));
-      if (plan.slot_b != kNone) w += node.arm_b.col(i).dot(node.b_b.col(i));
-      node.w[i] = w;
+      rows.w[i] = w;
     });
   }
 }
@@ -192,39 +202,28 @@ bool JointSystem::evaluate(const JointGraph::Part& part, const PartState& state,
       continue;
     }
     if (node.off) continue;
+    NodeRows& rows = rows_[k];
     const JointRecord& record = records[plan.joint];
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
-    if (node.simple) {
-      const JointPlace place = JointPlace::of(record.def, a, b);
-      changed = changed || node.n != 3;
-      node.n = 3;
-      for (int i = 0; i < 3; ++i) {
-        node.coordinate[i] = static_cast<std::uint8_t>(i);
-        const ForceLaw& law = node.law[i];
-        node.at[i] = part.regular ? law.at : std::max(law.at, state.redundancy * node.w[i]);
-        right[i] = -(place.d[i] - law.target) - node.at[i] * node.lambda[i];
-      }
-      continue;
-    }
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
     int n = 0;
     for_bits(record.used, [&](int i) {
-      Segment segment = node.law[i].segment(c[i], node.lambda[i], node.w[i]);
-      if (segment.kind != node.last_kind[i]) ++node.flips[i];
+      Segment segment = rows.law[i].segment(c[i], node.lambda[i], rows.w[i]);
+      if (segment.kind != rows.last_kind[i]) ++rows.flips[i];
       const bool stop =
           segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
-      if (stop && node.flips[i] > kFlips) {
+      if (stop && rows.flips[i] > kFlips) {
         // It cannot settle with its neighbours: let go, the next substep sees where it stands.
-        segment = {Segment::Kind::Force, c[i], 1e9 * node.w[i], 0.0};
+        segment = {Segment::Kind::Force, c[i], 1e9 * rows.w[i], 0.0};
       }
-      node.last_kind[i] = segment.kind;
+      rows.last_kind[i] = segment.kind;
       if (segment.kind == Segment::Kind::None) return;
-      changed = changed || n >= node.n || node.coordinate[n] != i || node.kind[n] != segment.kind;
-      node.coordinate[n] = static_cast<std::uint8_t>(i);
-      node.kind[n] = segment.kind;
-      node.at[n] = part.regular ? segment.at : std::max(segment.at, state.redundancy * node.w[i]);
+      changed = changed || n >= node.n || rows.coordinate[n] != i || rows.kind[n] != segment.kind;
+      rows.coordinate[n] = static_cast<std::uint8_t>(i);
+      rows.kind[n] = segment.kind;
+      node.at[n] = part.regular ? segment.at : std::max(segment.at, state.redundancy * rows.w[i]);
       right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
       ++n;
     });
@@ -253,28 +252,22 @@ void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
   body.q = free_rotation(slot.q_start, inertia_l, w_l, h);
 }
 
-double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ctx) {
+void JointSystem::gather(const JointGraph::Part& part) {
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
     NodeState& node = nodes_[k];
     if (plan.joint == kNone || node.n == 0) continue;
+    const NodeRows& rows = rows_[k];
     const double* dlambda = &right_[plan.right];
     Vec3 p = Vec3::Zero();
     Vec3 turn_a = Vec3::Zero();
     Vec3 turn_b = Vec3::Zero();
-    if (node.simple) {
-      p = Eigen::Map<const Vec3>(dlambda);
-      for (int i = 0; i < 3; ++i) node.lambda[i] += dlambda[i];
-      if (plan.slot_a != kNone) turn_a = node.b_a.leftCols<3>().lazyProduct(p);
-      if (plan.slot_b != kNone) turn_b = node.b_b.leftCols<3>().lazyProduct(p);
-    } else {
-      for (int r = 0; r < node.n; ++r) {
-        const int i = node.coordinate[r];
-        node.lambda[i] += dlambda[r];
-        p += dlambda[r] * node.dir.col(i);
-        if (plan.slot_a != kNone) turn_a += dlambda[r] * node.b_a.col(i);
-        if (plan.slot_b != kNone) turn_b += dlambda[r] * node.b_b.col(i);
-      }
+    for (int r = 0; r < node.n; ++r) {
+      const int i = rows.coordinate[r];
+      node.lambda[i] += dlambda[r];
+      p += dlambda[r] * rows.dir.col(i);
+      if (plan.slot_a != kNone) turn_a += dlambda[r] * rows.b_a.col(i);
+      if (plan.slot_b != kNone) turn_b += dlambda[r] * rows.b_b.col(i);
     }
     if (plan.slot_a != kNone) {
       Slot& slot = slots_[plan.slot_a];
@@ -287,25 +280,31 @@ double JointSystem::apply(const JointGraph::Part& part, const SubstepContext& ct
       slot.dtheta += turn_b;
     }
   }
-  // A turn that no gradient reaches is taken in parts.
+}
+
+/// A turn that no gradient reaches is taken in parts.
+void JointSystem::limit_turns(const JointGraph::Part& part) {
   double turn2 = 0.0;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     turn2 = std::max(turn2, slots_[s].dtheta.squaredNorm());
   }
-  if (turn2 > kTrust * kTrust) {
-    const double share = kTrust / std::sqrt(turn2);
-    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-      slots_[s].dx *= share;
-      slots_[s].dtheta *= share;
-    }
-    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-      NodeState& node = nodes_[k];
-      if (graph_.nodes()[k].joint == kNone) continue;
-      const double* dlambda = &right_[graph_.nodes()[k].right];
-      for (int r = 0; r < node.n; ++r)
-        node.lambda[node.coordinate[r]] -= (1.0 - share) * dlambda[r];
+  if (!(turn2 > kTrust * kTrust)) return;
+  const double share = kTrust / std::sqrt(turn2);
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    slots_[s].dx *= share;
+    slots_[s].dtheta *= share;
+  }
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    NodeState& node = nodes_[k];
+    if (graph_.nodes()[k].joint == kNone) continue;
+    const double* dlambda = &right_[graph_.nodes()[k].right];
+    for (int r = 0; r < node.n; ++r) {
+      node.lambda[part.points ? r : rows_[k].coordinate[r]] -= (1.0 - share) * dlambda[r];
     }
   }
+}
+
+double JointSystem::move(const JointGraph::Part& part, const SubstepContext& ctx) {
   double largest = 0.0;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     Slot& slot = slots_[s];

@@ -37,6 +37,8 @@ struct JointRecord {
   /// Whether nothing in it stores or supplies energy.
   bool passive() const;
   int rows() const { return std::popcount(used); }
+  /// Three rows of a point and no others.
+  bool is_point() const { return point && used == 7u; }
   void save(ByteWriter& out) const;
   void load(ByteReader& in);
 };

@@ -45,10 +45,7 @@ void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRec
     const JointGraph::Node& plan = graph_.nodes()[k];
     NodeState& node = nodes_[k];
     if (plan.joint == kNone || node.off) continue;
-    Vec3 lambda = Vec3::Zero();
-    for_bits(records[plan.joint].used & 7u,
-             [&](int i) { lambda += node.lambda[i] * node.dir.col(i); });
-    if (learn) add_pull(plan, node, lambda);
+    if (learn) add_pull(plan, node, impulse(part, k, records[plan.joint].used));
     node.lambda.fill(0.0);
   }
 }
@@ -62,7 +59,7 @@ bool JointSystem::adds_energy(const JointGraph::Part& part, const SubstepContext
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     const Slot& slot = slots_[s];
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    const Mat3 inertia = inverse_where_free(body.inv_inertia_w);
+    const Mat3 inertia = block::inverse(body.inv_inertia_w);
     const Vec3 v = slot.v + rate * slot.sum_dx;
     const Vec3 w = slot.w + rate * slot.sum_dtheta;
     before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(inertia * slot.w);
@@ -104,8 +101,13 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
     };
     const auto add = [&](std::uint32_t s, const Vec3& r, double pull) {
       if (pull <= 0.0) return;
-      slots_[s].stiffness +=
-          share(s) * pull * (Mat3::Identity() - r * r.transpose() / r.squaredNorm());
+      const double k = share(s) * pull;
+      const Vec3 kr = (k / r.squaredNorm()) * r;
+      Mat3& stiffness = slots_[s].stiffness;
+      for (int i = 0; i < 3; ++i) {
+        stiffness(i, i) += k;
+        stiffness.col(i) -= r[i] * kr;
+      }
     };
     for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
       add(plan.slot_a, node.r_a, a);
@@ -129,11 +131,13 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
     Slot& slot = slots_[s];
     if (slot.dx.x() > kStiffFrom) {
       SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-      const Mat3 inv =
-          (Mat3::Identity() + (kStiffShare + kStiffDamping) * slot.inv_inertia * slot.stiffness)
-              .inverse() *
-          slot.inv_inertia;
-      slot.inv_inertia = 0.5 * (inv + inv.transpose());
+      for (int i = 0; i < 3; ++i) {
+        if (slot.inv_inertia(i, i) > 0.0) continue;  // a locked axis
+        slot.stiffness.row(i).setZero();
+        slot.stiffness.col(i).setZero();
+      }
+      slot.inv_inertia = block::inverse(block::inverse(slot.inv_inertia) +
+                                        (kStiffShare + kStiffDamping) * slot.stiffness);
       const Vec3 dtheta = slot.inv_inertia * slot.dtheta;
       body.q = rotated(body.q, dtheta);
       body.dtheta += dtheta;
@@ -152,7 +156,8 @@ bool JointSystem::is_ideal(const JointGraph::Part& part) const {
     const NodeState& node = nodes_[k];
     if (plan.joint == kNone || node.off) continue;
     held = held || plan.slot_a == kNone || plan.slot_b == kNone;
-    for (const Segment::Kind kind : node.last_kind) {
+    if (part.points) continue;
+    for (const Segment::Kind kind : rows_[k].last_kind) {
       if (kind == Segment::Kind::Lower || kind == Segment::Kind::Upper) return false;
     }
   }
@@ -186,7 +191,7 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     const Vec3 dv = rate * slot.sum_dx;
     const Vec3 dw = rate * slot.sum_dtheta;
-    const Mat3 inertia = inverse_where_free(body.inv_inertia_w);
+    const Mat3 inertia = block::inverse(body.inv_inertia_w);
     // The inertia turns with the body, the angular momentum does not.
     const Vec3 momentum = inertia * (slot.w + dw);
     const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;

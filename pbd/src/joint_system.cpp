@@ -24,6 +24,7 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
                      .a = order.rank(movable(r.def.a, bodies)),
                      .b = order.rank(movable(r.def.b, bodies)),
                      .rows = r.rows(),
+                     .point = r.is_point(),
                      .turns_a = !r.def.a.valid() || bodies[r.def.a.index].turns_freely,
                      .turns_b = bodies[r.def.b.index].turns_freely});
   }
@@ -36,6 +37,9 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
   graph_.build(edges);
   graph_.rename_bodies([&](std::uint32_t rank) { return order.slot(rank); });
   nodes_.assign(graph_.nodes().size(), {});
+  const bool only_points = std::all_of(graph_.parts().begin(), graph_.parts().end(),
+                                       [](const JointGraph::Part& part) { return part.points; });
+  rows_.assign(only_points ? 0 : nodes_.size(), {});
   slots_.assign(graph_.bodies().size(), {});
   state_.assign(graph_.parts().size(), {});
   order_.assign(graph_.parts().size(), {});
@@ -109,6 +113,15 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
       slots_[s].momentum_start = inverse_where_free(body.inv_inertia_w) * body.w;
     }
   }
+  if (part.points) {
+    begin_points(part, records, ctx, channel);
+  } else {
+    begin_rows(part, records, ctx, channel);
+  }
+}
+
+void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord> records,
+                             const SubstepContext& ctx, Channel channel) {
   const SolverBody ground;
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
@@ -127,20 +140,20 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
     if (channel == Channel::Real && !a.shared && !b.shared) {
       for (double& gap : record.gap) gap *= kGapDecay;
     }
+    NodeRows& rows = rows_[k];
     node.lambda.fill(0.0);
-    node.last_kind.fill(Segment::Kind::None);
-    node.flips.fill(0);
-    node.simple = record.point && record.used == 7u;
+    rows.last_kind.fill(Segment::Kind::None);
+    rows.flips.fill(0);
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
     if ((record.used >> kTwist & 1u) != 0 && channel == Channel::Real) record.twist = c[kTwist];
-    take_gradients(node, record, a, b);
+    take_gradients(node, rows, record, a, b);
     node.pull_a = node.pull_b = 0.0;
     add_pull(plan, node, ctx.h * ctx.h * record.state.force);
     // Force laws.
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
-      node.law[i] = channel == Channel::Real
+      rows.law[i] = channel == Channel::Real
                         ? ForceLaw::of(axis, c[i], record.gap[i], ctx.h)
                         : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
     });
@@ -167,6 +180,14 @@ void JointSystem::keep_time(const JointGraph::Part& part, std::span<JointRecord>
   }
 }
 
+Vec3 JointSystem::impulse(const JointGraph::Part& part, std::uint32_t k, std::uint32_t used) const {
+  const NodeState& node = nodes_[k];
+  if (part.points) return Vec3(node.lambda[0], node.lambda[1], node.lambda[2]);
+  Vec3 sum = Vec3::Zero();
+  for_bits(used & 7u, [&](int i) { sum += node.lambda[i] * rows_[k].dir.col(i); });
+  return sum;
+}
+
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
@@ -178,17 +199,13 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
     if (plan.joint == kNone || node.off) continue;
     JointRecord& record = records[plan.joint];
     JointState& state = record.state;
-    state.force.setZero();
     state.torque.setZero();
     state.load.fill(0.0);
+    state.force = inverse_h2 * impulse(part, k, record.used);
     for_bits(record.used, [&](int i) {
       const double load = inverse_h2 * node.lambda[i];
       if (i < 6) state.load[i] = load;
-      if (i < 3) {
-        state.force += load * node.dir.col(i);
-      } else {
-        state.torque += load * node.arm_b.col(i);
-      }
+      if (i >= 3) state.torque += load * rows_[k].arm_b.col(i);
     });
     const SixDofJointDef& def = record.def;
     state.broken = (def.break_force > 0.0 && state.force.norm() > def.break_force) ||

@@ -55,19 +55,26 @@ class JointSystem {
   /// own: at 1e-9 a lattice of 4 x 4 bodies flies apart.
   static constexpr double kRedundancy = 1e-6;
   using Rows = Eigen::Matrix<double, 3, kCoordinates>;
-  /// Column k belongs to coordinate k: dC/dt = dir (v_b - v_a) + arm_b w_b - arm_a w_a.
+  /// What every node has.
   struct NodeState {
     int n = 0;
-    bool simple = false;  ///< three rows of a point and no others
-    bool off = false;     ///< broken in this step
+    bool off = false;                             ///< broken in this step
+    Vec3 r_a = Vec3::Zero(), r_b = Vec3::Zero();  ///< m, world
+    double pull_a = 0.0,
+           pull_b = 0.0;  ///< N m s^2, how much the ends are pulled away from the centres
+    std::array<double, kCoordinates> lambda{}, at{};
+    Mat3 b_a = Mat3::Zero(), b_b = Mat3::Zero();  ///< parts of points: inverse inertia times arm
+    Vec3 target = Vec3::Zero();                   ///< m, likewise
+    double softness = 0.0;                        ///< likewise; compliance / h^2
+  };
+  /// What a node has as well where not all of its part are points.
+  /// Column k belongs to coordinate k: dC/dt = dir (v_b - v_a) + arm_b w_b - arm_a w_a.
+  struct NodeRows {
     std::array<std::uint8_t, kCoordinates> coordinate{};
     std::array<Segment::Kind, kCoordinates> kind{};
     std::array<Segment::Kind, kCoordinates> last_kind{};  ///< by coordinate
     std::array<std::uint8_t, kCoordinates> flips{};       ///< by coordinate, within this substep
-    std::array<double, kCoordinates> lambda{}, w{}, at{};
-    double pull_a = 0.0,
-           pull_b = 0.0;  ///< N m s^2, how much the ends are pulled away from the centres
-    Vec3 r_a = Vec3::Zero(), r_b = Vec3::Zero();      ///< m, world
+    std::array<double, kCoordinates> w{};
     Rows arm_a = Rows::Zero(), arm_b = Rows::Zero();  ///< m, and 1 for angles
     Rows b_a = Rows::Zero(), b_b = Rows::Zero();      ///< inverse inertia times arm
     Rows dir = Rows::Zero();
@@ -93,6 +100,7 @@ class JointSystem {
   struct PartState {
     bool prepared = false;
     bool factored = false;
+    bool changed = false;  ///< the last iteration had other rows than the one before
     int iteration = 0;
     bool restarted = false;
     int softened = 0;  ///< how often; see adds_energy()
@@ -104,26 +112,43 @@ class JointSystem {
     std::uint32_t group, part;
   };
 
+  void begin_points(const JointGraph::Part& part, std::span<JointRecord> records,
+                    const SubstepContext& ctx, Channel channel);
+  void begin_rows(const JointGraph::Part& part, std::span<JointRecord> records,
+                  const SubstepContext& ctx, Channel channel);
   void keep_time(const JointGraph::Part& part, std::span<JointRecord> records,
                  const SubstepContext& ctx);
   static void turn(SolverBody& body, Slot& slot, double h);
   void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
                const SubstepContext& ctx);
-  void turn_gradients(const JointGraph::Part& part, PartState& state,
-                      std::span<const JointRecord> records, const SubstepContext& ctx);
+  void turn_gradients(const JointGraph::Part& part, std::span<const JointRecord> records,
+                      const SubstepContext& ctx);
   double newton(const JointGraph::Part& part, PartState& state,
                 std::span<const JointRecord> records, const SubstepContext& ctx);
+  void evaluate_points(const JointGraph::Part& part, std::span<const JointRecord> records,
+                       const SubstepContext& ctx);
+  /// @return whether other rows than before have a part in it
   bool evaluate(const JointGraph::Part& part, const PartState& state,
                 std::span<const JointRecord> records, const SubstepContext& ctx);
+  void assemble_points(const JointGraph::Part& part, const PartState& state);
   void assemble(const JointGraph::Part& part);
   void factor(const JointGraph::Part& part);
   void solve(const JointGraph::Part& part);
+  template <class Size>
+  void factor(const JointGraph::Part& part, Size&& size);
+  template <class Size>
+  void solve(const JointGraph::Part& part, Size&& size);
+  /// Multipliers grow by the solution, and bodies are to move by it.
+  void gather_points(const JointGraph::Part& part);
+  void gather(const JointGraph::Part& part);
+  /// Scale what gather() left to what one iteration may turn a body by.
+  void limit_turns(const JointGraph::Part& part);
   /// @return the largest move of a body, m or rad
-  double apply(const JointGraph::Part& part, const SubstepContext& ctx);
+  double move(const JointGraph::Part& part, const SubstepContext& ctx);
   void guard(const JointGraph::Part& part, std::span<JointRecord> records,
              const SubstepContext& ctx);
-  static void take_gradients(NodeState& node, const JointRecord& record, const SolverBody& a,
-                             const SolverBody& b);
+  static void take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,
+                             const SolverBody& a, const SolverBody& b);
   /// Inverse inertia times gradients, and the mobility of each row by itself.
   void weigh(const JointGraph::Part& part, std::span<const JointRecord> records);
   void stiffen(const JointGraph::Part& part, const SubstepContext& ctx);
@@ -133,10 +158,13 @@ class JointSystem {
   bool adds_energy(const JointGraph::Part& part, const SubstepContext& ctx) const;
   /// Whether what a part loses may be given back: nothing stops inelastically in it.
   bool is_ideal(const JointGraph::Part& part) const;
+  /// N s^2, on body b of a node, since the substep began.
+  Vec3 impulse(const JointGraph::Part& part, std::uint32_t k, std::uint32_t used) const;
   static void add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda);
 
   JointGraph graph_;
   std::vector<NodeState> nodes_;
+  std::vector<NodeRows> rows_;  ///< empty where all parts are points
   std::vector<Slot> slots_;
   std::vector<std::uint8_t> turns_freely_;  ///< by slot: as the plan was made
   std::vector<std::uint8_t> primary_;       ///< by slot: the first one of its body
