@@ -175,7 +175,7 @@ template <class V, bool faces>
 }
 
 template <class A, bool faces>
-void prepare(ContactRows& rows, std::size_t at, double evenness, BodyNumbers bodies) {
+[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, double evenness, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const Pair<A> pair(rows, at, bodies);
   Responses<V> m{};
@@ -211,7 +211,7 @@ struct Begun {
 };
 
 template <class A, bool faces>
-Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumbers bodies) {
+[[gnu::flatten]] Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   constexpr std::size_t points = faces ? 4 : 1;
   const V zero(0.0), one(1.0), h(rule.h);
@@ -291,7 +291,7 @@ Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumb
 }
 
 template <class A, bool faces>
-void warm_start(const ContactRows& rows, std::size_t at, BodyNumbers bodies) {
+[[gnu::flatten]] void warm_start(const ContactRows& rows, std::size_t at, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   Pair<A> pair(rows, at, bodies);
   V press = load<V>(rows.impulse[0], at);
@@ -333,7 +333,7 @@ V solve_point(const V& m, const V& z, const V& e) {
 }
 
 template <class A>
-void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
+[[gnu::flatten]] void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
                   BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
@@ -395,7 +395,7 @@ void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns
 }
 
 template <class A>
-void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
+[[gnu::flatten]] void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
                  BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
@@ -499,7 +499,7 @@ void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
 
 /// @tparam holds  against targets; else overlaps are opened
 template <class A, bool faces, bool holds>
-LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbers bodies) {
+[[gnu::flatten]] LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0), one(1.0);
   Pair<A, Velocities::Push> pair(rows, at, bodies);

@@ -97,7 +97,7 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
                           ((z[2] + d[2] < zero) | (z[3] + d[3] < zero));
     if (xsimd::none(pulls)) return d;
   }
-  Four<V> out;
+  Four<V> out{{zero, zero, zero, zero}};
   Mask<V> wrong = zero == zero;
   for (int iteration = 0; iteration < kMost; ++iteration) {
     // Points without a load drop theirs; the others answer for that.
