@@ -29,7 +29,8 @@ void Actor::act() {
 }
 
 SessionTime Actor::phase(const DemoOptions& options, std::size_t number) const {
-  if (number == 0) return 0;
+  // Who shares a clock steps on one grid of it.
+  if (number == 0 || !options.steps_at_random()) return 0;
   Random random(derived_seed(options.seed, 4000 + number));
   return std::llround(random.uniform(0.0, 1e9 / participant_->step_hz()));
 }

@@ -198,6 +198,12 @@ constexpr Option kOptions[] = {
        in.finish(name);
        o.rates = {60.0, 72.0};
      }},
+    {"--phases", Where::Virtual,
+     [](std::string_view name, Reader& in, DemoOptions& o) {
+       const std::string_view text = in.value(name);
+       if (text != "session" && text != "random") refuse(name, text, "session or random");
+       o.random_phases = text == "random";
+     }},
     {"--rates", Where::Everywhere,
      [](std::string_view name, Reader& in, DemoOptions& o) { o.rates = rates(in.value(name)); }},
     {"--engines", Where::Everywhere,

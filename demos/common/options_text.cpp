@@ -18,6 +18,8 @@ All peers in one process, in virtual time (the default):
   --bandwidth B      of the link, bit/s in each direction (0 = unlimited)
   --clock-spread S   from one peer's clock to the next one's; with --clock none it does not matter
                      (0)
+  --phases session|random          when peers step: at multiples of the step of the session's time, or
+                     each in between at a time of its own, as it is with --clock none (session)
   --max-state N      bytes of the longest packet of states; 502 is an MTU of 576 (65536)
 One peer for each process, in wall time; on this machine alone where there is no --key:
   --listen PORT      accept peers here; 0 takes a free port
@@ -42,7 +44,7 @@ Session:
                      (replay; euler with plain, paper, single-owner and pd)
   --closing-share S  of the gap to the replayed mean, per 1/60 s, above 0 to 1 (0.2)
   --inputs known|common            of users' springs, what a replay knows (known)
-  --replay-budget N  steps replayed for each step, 1 to 1000; 1000 = a new replay each step (3)
+  --replay-budget N  steps replayed for each step, 1 to 1000; 1000 = a new replay each step (4)
   --replay-substeps N              of a replayed step; 0 = as the world's own (0)
   --extrapolation S  longest extrapolation of states (1)
   --spring-extrapolation S         of users' springs; 0 = off (0.3)

@@ -33,6 +33,13 @@ std::size_t number_of(const DemoOptions& options) {
   return static_cast<std::size_t>(options.peer_id - 1);
 }
 
+/// Steps of one length that begin at multiples of it of the session's time, as at all other peers.
+net::PhysicsClock grid_clock(double hz, SessionTime now) {
+  net::PhysicsClockOptions options = net::PhysicsClockOptions::at_rate(hz);
+  options.min_step = options.nominal_step;
+  return {options, now - now % options.nominal_step};
+}
+
 /// A run over a network, from joining to leaving.
 class Session {
  public:
@@ -47,7 +54,7 @@ class Session {
         participant_(scenario, options, options.peer_id, number_of(options),
                      trace_ ? trace_->transport() : rendezvous_),
         start_(network_->now()),
-        physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),
+        physics_(grid_clock(participant_.step_hz(), start_)),
         progress_(options.quiet) {
     participant_.record_from_exchange();
     participant_.watch_steps_with(trace_.get());

@@ -67,6 +67,7 @@ void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   words.number("--reorder", o.reorder, usual.reorder);
   words.number("--bandwidth", o.bandwidth, usual.bandwidth);
   words.number("--max-state", o.max_state_bytes, usual.max_state_bytes);
+  if (o.random_phases) words.add("--phases", "random");
   words.number("--clock-spread", o.clock_spread, usual.clock_spread);
 }
 
