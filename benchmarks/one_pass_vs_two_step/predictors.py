@@ -24,9 +24,9 @@ NEAR = 1.1     # times the best is as good
 EQUAL = 0.1    # mm
 
 
-def _option(predictor):
+def _closing(predictor, share):
     """What says how much of a gap is closed: of a replay the influence is a weight in the mean."""
-    return "--closing-share" if predictor == OURS else "--influence"
+    return ["--agreement", f"share={share}"] if predictor == OURS else ["--influence", share]
 
 
 def _default(predictor):
@@ -46,7 +46,7 @@ def _cells(seeds, quick):
                                    "seconds": seconds, "scheme": scheme, "share": share,
                                    "predictor": predictor,
                                    "options": ["--coupling", scheme, "--predictor", predictor,
-                                               _option(predictor), share]}
+                                               *_closing(predictor, share)]}
 
 
 def measure(binaries: Path, results: Path, seeds: int, jobs: int, quick: bool) -> None:

@@ -160,7 +160,8 @@ void Peer::Impl::send_selected(SessionTime now) {
     state.gravity = world_.all_props()[shared.def.body.index].gravity_scale * world_.gravity();
     state.update = state_of(shared, now);
     UpdateFlags& flags = state.update.flags;
-    const bool own_spring = springs_.holds_own(shared.def.body);
+    const bool own_spring =
+        (acting_[shared.def.body.index] & (Springs::kShared | Springs::kAlone)) != 0;
     state.first = flags.leads || flags.owner_driven || own_spring;
     flags.resting = lies_still(shared, world_.state(shared.def.body), now);
     if (flags.resting) state.update.twist = {};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "body_state.h"
 #include "cpu_clock.h"
@@ -22,10 +23,14 @@ constexpr double kAll = std::numeric_limits<double>::infinity();
 /// each step. Tennis at profile 5 goes on for 24 strokes in 20 s so, and for 11 without.
 constexpr double kLeast = 32.0;
 
-/// Steps in which the last replay may be stepped along. What touches much is soon nowhere near
-/// where it was: 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, 105 with 1 and
-/// 87 without a limit.
-constexpr int kOldest = 3;
+/// Which period of `length` s a time is in: all peers count the same ones.
+SessionTime period_of(SessionTime time, double length) {
+  constexpr SessionTime kSecond = 1'000'000'000;
+  constexpr SessionTime kPerSecond = 960;
+  const SessionTime rest = time % kSecond * kPerSecond + kSecond / 2;
+  const SessionTime units = std::max(1LL, std::llround(length * kPerSecond));
+  return (time / kSecond * kPerSecond + rest / kSecond) / units;
+}
 
 /// Frames: states of one peer that are no further apart are taken in together. They came in several
 /// packets, and bodies that touch must not be moved one after the other: a pile of 900 cubes had
@@ -38,7 +43,7 @@ pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;
   const double dt = seconds(time - news.stamp);
-  const pbd::BodyState then = history.state_beside(news.slot, news.stamp, news.state.twist);
+  const pbd::BodyState then = history.state_at(news.slot, news.stamp);
   const pbd::BodyState own = history.state_at(news.slot, time);
   pbd::Correction apart = gap(then, news.state);
   apart.translation += dt * apart.twist.linear;
@@ -77,6 +82,19 @@ void Replay::set_solver(const pbd::SolverOptions& options) {
   solver_.emplace(own);
 }
 
+bool Replay::is_due() {
+  const std::size_t now = history_.last();
+  const auto bodies = static_cast<double>(std::max<std::size_t>(awake(), 1));
+  const double budget = std::max(options_.budget, kLeast / bodies);
+  const auto age = static_cast<double>(now - start_);
+  if (age <= budget) return true;
+  // One in `every` steps, stepped along in between, costs age + every - 1.
+  const double every = std::ceil((age - 1.0) / std::max(budget - 1.0, 0.1));
+  const double step = seconds(history_.frame(now).time - history_.frame(now - 1).time);
+  const SessionTime period = period_of(history_.frame(start_).time, every * step);
+  return std::exchange(period_, period) != period;
+}
+
 void Replay::update(ReplayStats& stats) {
   if (news_.empty() || history_.empty() || !possible()) {
     drop();
@@ -84,29 +102,23 @@ void Replay::update(ReplayStats& stats) {
   }
   const CpuTimer timer(stats.seconds);
   bring_together();
-  const auto bodies = static_cast<double>(awake());
-  const double cost = static_cast<double>(history_.last() - start_) * bodies;
-  const double income =
-      std::isinf(options_.budget) ? kAll : std::max(kLeast, options_.budget * bodies);
-  credit_ = std::min(credit_ + income, std::max(cost, income));
-  if (cost <= credit_) {
+  if (is_due()) {
     if (!start()) {
       ++stats.without;
       return drop();
     }
     ++stats.fresh;
-    old_ = 0;
-  } else if (!covered_.empty() && ++old_ <= kOldest && reached_ + 1 == history_.last()) {
+  } else if (!covered_.empty() && reached_ + 1 == history_.last()) {
     ++stats.postponed;
   } else {
     ++stats.without;
     return drop();
   }
+  const bool fresh = reached_ == start_;
   for (; reached_ < history_.last(); ++reached_) {
-    if (!std::isinf(credit_)) credit_ -= bodies;
     if (!step_from(reached_, stats)) return drop();
   }
-  if (old_ == 0) blend(reached_);
+  if (fresh) blend(reached_);
   gaps_.resize(covered_.size());
   for (std::uint32_t slot = 0; slot < covered_.size(); ++slot) {
     if (covered_[slot] == 0) continue;

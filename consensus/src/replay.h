@@ -55,7 +55,7 @@ class Replay {
   /// Replay anew, step the last replay along, or leave both out, as the budget allows.
   void update(ReplayStats& stats);
   /// The old one is of other times.
-  void drop() { covered_.clear(), old_ = 0; }
+  void drop() { covered_.clear(); }
 
   /// What this body misses of where the mean of all peers is now; null where nobody knows.
   const pbd::Correction* find(std::uint32_t slot) const {
@@ -76,6 +76,9 @@ class Replay {
 
   /// Set the frames at which news are taken in: at one all that a peer said at about one time.
   void bring_together();
+  /// Whether the budget allows for a new replay. All peers begin theirs at the same stamps, so that
+  /// they go for the same target.
+  bool is_due();
   bool start();
   const Snapshot* snapshot_of(std::size_t frame);
   bool step_from(std::size_t frame, ReplayStats& stats);
@@ -93,11 +96,9 @@ class Replay {
   pbd::WorldCopy copy_;
   ReplayHook* hook_ = nullptr;
   bool copies_ = true;
-  /// Steps of one body that may be made; the first replay is free.
-  double credit_ = std::numeric_limits<double>::infinity();
   std::size_t start_ = 0;        ///< frame
   std::size_t reached_ = 0;      ///< frame
-  int old_ = 0;                  ///< steps since the last replay was begun anew
+  SessionTime period_ = -1;      ///< in which the last replay starts
   SessionTime known_until_ = 0;  ///< ns, own inputs with ReplayInputs::Common
   std::vector<News> news_;
   std::size_t next_ = 0;  ///< of news_, not blended yet

@@ -312,10 +312,6 @@ bool Springs::holds(pbd::BodyId body) const {
   return std::ranges::any_of(own_, mine) || std::ranges::any_of(remote_, theirs);
 }
 
-bool Springs::holds_own(pbd::BodyId body) const {
-  return std::ranges::find(own_, body, &Own::body) != own_.end();
-}
-
 void Springs::mark(std::vector<std::uint8_t>& grips) const {
   const auto set = [&](pbd::BodyId body, Grip grip) {
     if (world_.contains(body)) grips[body.index] |= grip;

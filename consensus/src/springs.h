@@ -64,8 +64,6 @@ class Springs {
   /// All rows of block(); appended.
   void rows(std::vector<pbd::ConstraintId>& out) const;
   bool holds(pbd::BodyId body) const;
-  /// Whether this peer's user holds the body.
-  bool holds_own(pbd::BodyId body) const;
   /// How users hold a body, as bits.
   enum Grip : std::uint8_t {
     kShared = 1,  ///< by an own spring that all peers simulate

@@ -11,9 +11,6 @@
 namespace tandem::consensus {
 namespace {
 
-/// m/s: what changes by more from frame to frame was hit.
-constexpr double kHit = 0.5;
-
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
@@ -159,25 +156,6 @@ pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) cons
   state.twist.linear = a.twist.linear + f * (b.twist.linear - a.twist.linear);
   state.twist.angular = a.twist.angular + f * (b.twist.angular - a.twist.angular);
   return state;
-}
-
-pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
-                                          const pbd::Twist& other) const {
-  const std::size_t n = at_or_before(time);
-  if (time <= since(slot) || n == last()) return state_at(slot, time);
-  const Frame& before = frame(n);
-  const Frame& after = frame(n + 1);
-  const pbd::BodyState& a = before.states[slot];
-  const pbd::BodyState& b = after.states[slot];
-  const double hit = speed(difference(b.twist, a.twist));
-  const double off_a = speed(difference(a.twist, other));
-  const double off_b = speed(difference(b.twist, other));
-  // Who moves like neither was not hit alike. (Room at profile 5: what was let go slowed down here
-  // and not there, and was sent 13 cm astray.)
-  if (!(hit > kHit && std::min(off_a, off_b) < 0.5 * hit)) return state_at(slot, time);
-  const bool first = off_a < off_b;
-  const double dt = seconds(time - (first ? before : after).time);
-  return carried(first ? a : b, dt);
 }
 
 MotionSample OwnMotion::newest() const {

@@ -167,12 +167,14 @@ Scene SceneBuilder::build(const SceneOptions& options) const {
     }
   }
 
-  // What does not move takes the slots after the bodies and is shuffled with them.
+  // What does not move takes the slots after the bodies and is shuffled with them. Whatever the
+  // order, all is solved alike at all peers.
   for (const std::size_t i : shuffled(bodies_.size() + fixed_.size(), options.order_seed)) {
     collision::ColliderDef collider;
     if (i >= bodies_.size()) {
       const Fixed& fixed = fixed_[i - bodies_.size()];
       pbd::BodyDef def;
+      def.stable_id = i;
       def.type = pbd::BodyType::Static;
       def.pose = fixed.part.pose;
       collider.body = scene.world->add_body(def);
@@ -186,6 +188,7 @@ Scene SceneBuilder::build(const SceneOptions& options) const {
     SceneBody& body = scene.bodies[i];
     body = body_of(spec, mass);
     pbd::BodyDef def = def_of(spec, body, mass, options.users);
+    def.stable_id = i;
     if (!spec.owner) def.pose.position += noise[i];
     body.body = scene.world->add_body(def);
     if (!spec.collides) continue;

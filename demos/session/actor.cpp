@@ -4,14 +4,16 @@
 
 #include <cmath>
 
+#include "scenes/random.h"
+
 namespace tandem::demos {
 
 using consensus::SessionTime;
 
 Actor::Actor(const Scenario& scenario, const DemoOptions& options, std::size_t number,
              consensus::Transport& transport)
-    : participant_(
-          std::make_unique<Participant>(scenario, options, number + 1, number, transport)) {}
+    : participant_(std::make_unique<Participant>(scenario, options, number + 1, number, transport)),
+      first_(kVirtualStart + phase(options, number)) {}
 
 void Actor::act() {
   const SessionTime from = step_time(step_);
@@ -26,8 +28,14 @@ void Actor::act() {
   inside_ = !inside_;
 }
 
+SessionTime Actor::phase(const DemoOptions& options, std::size_t number) const {
+  if (number == 0 || !options.steps_off_grid()) return 0;
+  Random random(derived_seed(options.seed, 4000 + number));
+  return std::llround(random.uniform(0.0, 1e9 / participant_->step_hz()));
+}
+
 SessionTime Actor::step_time(std::int64_t step) const {
-  return kVirtualStart + std::llround(static_cast<double>(step) * 1e9 / participant_->step_hz());
+  return first_ + std::llround(static_cast<double>(step) * 1e9 / participant_->step_hz());
 }
 
 std::size_t next_actor(std::span<const Actor> actors) {

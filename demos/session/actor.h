@@ -14,8 +14,8 @@ namespace tandem::demos {
 /// Session time at which runs in virtual time begin, ns: no stamp is 0 or negative.
 inline constexpr consensus::SessionTime kVirtualStart = 1'000'000'000;
 
-/// One peer of a run in virtual time. Its steps end at multiples of their length since the start,
-/// as net::PhysicsClock has them: peers of one rate step at the same session times.
+/// One peer of a run in virtual time. Who shares a clock steps at multiples of the step of the
+/// session's time, as net::PhysicsClock does: peers of one rate step at the same times.
 class Actor {
  public:
   /// @param number  from 0: its id is one more
@@ -33,9 +33,12 @@ class Actor {
   const Participant& participant() const { return *participant_; }
 
  private:
+  /// ns: where steps are off that grid, the first peer's begin at 0, the others' somewhere later.
+  consensus::SessionTime phase(const DemoOptions& options, std::size_t number) const;
   consensus::SessionTime step_time(std::int64_t step) const;
 
   std::unique_ptr<Participant> participant_;
+  consensus::SessionTime first_;
   std::int64_t step_ = 0;
   bool inside_ = false;  ///< the step is computed and waits for its end to come
 };

@@ -75,9 +75,35 @@ void read_send(Argument& in, DemoOptions& o) {
   });
 }
 
-void read_clock(Argument& in, DemoOptions& o) {
-  constexpr std::array<std::string_view, 4> kItems{"session", "system", "none", "spread"};
+void read_agreement(Argument& in, DemoOptions& o) {
+  constexpr std::array<std::string_view, 3> kItems{"share", "budget", "inputs"};
   in.items(kItems, [&o](std::string_view key, std::string_view value) {
+    if (key == "share") {
+      o.replayed.share = number("--agreement share", value, 1e-3, 1.0, "a number from 0.001 to 1");
+    }
+    if (key == "budget") {
+      o.replayed.budget =
+          number("--agreement budget", value, 1.0, 1000.0, "a number from 1 to 1000");
+    }
+    if (key == "inputs") {
+      if (value != "known" && value != "common") {
+        refuse("--agreement inputs", value, "known or common");
+      }
+      o.replayed.inputs = value == "common" ? consensus::ReplayInputs::Common
+                                            : consensus::ReplayInputs::Known;
+    }
+  });
+}
+
+void read_clock(Argument& in, DemoOptions& o) {
+  constexpr std::array<std::string_view, 5> kItems{"session", "system", "none", "spread",
+                                                   "off-grid"};
+  in.items(kItems, [&o](std::string_view key, std::string_view value) {
+    if (key == "off-grid") {
+      if (!value.empty()) refuse("--clock off-grid", value, "without a value");
+      o.off_grid = true;
+      return;
+    }
     if (key == "spread") {
       o.clock_spread = number("--clock spread", value, 0.0, 1e6, "a number from 0 to 1e6 s");
       return;
@@ -180,10 +206,7 @@ constexpr DemoOption kOptions[] = {
      }},
     {"--predictor", Where::Everywhere,
      [](Argument& in, DemoOptions& o) { o.predictor = predictor(in.value()); }},
-    {"--closing-share", Where::Everywhere,
-     [](Argument& in, DemoOptions& o) {
-       o.replayed.share = in.number(1e-3, 1.0, "a number from 0.001 to 1");
-     }},
+    {"--agreement", Where::Everywhere, read_agreement},
     {"--mode", Where::Everywhere, [](Argument& in, DemoOptions& o) { o.mode = mode(in.value()); }},
     {"--json", Where::Everywhere, read_text<&DemoOptions::json>},
     {"--csv", Where::Everywhere, read_text<&DemoOptions::csv>},
@@ -323,6 +346,7 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   // In virtual time all times are true ones, or nobody's.
   if (options.timeline == Timeline::System) network_only = "--clock system";
   if (options.clock_spread > 0.0) virtual_only = "--clock spread";
+  if (options.off_grid) virtual_only = "--clock off-grid";
   options.endless = options.view.has_value() && !timed;
   check_together(options, virtual_only, network_only);
   // Users' scripts are made for a length.

@@ -57,7 +57,8 @@ struct DemoOptions {
   consensus::InputMode mode = consensus::InputMode::Soft;
   Scheme scheme = Scheme::OnePass;
   double update_hz = 60.0;
-  int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
+  int profile = 3;        ///< of the virtual link, [friston] Table 3; 0 = nothing is late
+  bool off_grid = false;  ///< virtual peers step at times of their own, though they share a clock
   std::vector<double> rates = {60.0};              ///< steps each second of the peers, in turn
   std::vector<Engine> engines = {Engine::Tandem};  ///< of the peers, in turn
   std::optional<int> bullet_iterations;            ///< nullopt = Bullet's default, 10
@@ -100,6 +101,8 @@ struct DemoOptions {
 
   bool over_network() const { return listen.has_value() || !connect.empty(); }
   bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
+  /// Whether virtual peers step at times that no common clock gives them.
+  bool steps_off_grid() const { return off_grid || timeline == Timeline::None; }
   /// Steps each second of the peer of that number, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }

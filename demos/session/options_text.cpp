@@ -34,15 +34,19 @@ Session:
   --seed N           of everything that is drawn (1)
   --clock session|system|none   over UDP: time agreed on in the session, the system clock, where
                      PTP or NTP disciplines it, or each its own: what comes is dated on receipt
-                     (session); in virtual time none alone, and spread=S from one peer's clock to
-                     the next one's
+                     (session); in virtual time none alone, spread=S from one peer's clock to the
+                     next one's, and off-grid: peers step at times of their own, and not at
+                     multiples of the step of the session's time
   --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
   --coupling one-pass|one-pass-plain|two-step|two-step-plain|two-step-paper|single-owner|pd|none
                      (one-pass)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
   --predictor none|euler|second-order|replay
                      (replay; euler with plain, paper, single-owner and pd)
-  --closing-share S  of the gap to the replayed mean, per 1/60 s, above 0 to 1 (0.2)
+  --agreement KEY=VALUE,..  share of the gap to the replayed mean that is closed per 1/60 s, above 0
+                     to 1 (0.2); budget, steps replayed for each step, 1 to 1000 (4; 1000 = a new
+                     replay in each); inputs=known|common, of users' springs, what a replay knows
+                     (known)
   --send KEY=VALUE,..  hz, states each second (60); compact, states rounded to few bits; budget in
                      kbit/s to each other peer, headers included (0 = unlimited; over UDP 2000);
                      tolerance in m: states that the others expect nearly right are not sent (0)
@@ -50,9 +54,8 @@ Session:
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
   --substeps N       of Tandem's solver (4)
   --iterations N[,M]  sweeps of Tandem's pass in each substep (1), and of Bullet's solver (10)
-  --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, total,
-                     masses, rotation, age, initiative, leading, arbitration,
-                     ramp, refine
+  --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, rotation,
+                     age, initiative, leading, arbitration, ramp, refine
   --variant NAME     of the scenario, where it has any
   --view [[ADDRESS:]PORT]  serve a page that shows the run, until ctrl-c unless --seconds is given;
                      its address is printed (docs/view.md); to this machine alone unless a numeric

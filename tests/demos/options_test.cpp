@@ -124,17 +124,21 @@ TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]"
   }
 }
 
-TEST_CASE("options: the share that a replay closes reaches the peer, and none else is taken",
+TEST_CASE("options: what a replay is asked for reaches the peer, and nothing else is taken",
           "[demos][unit]") {
   CHECK(parse({}).peer_options().replay.share == consensus::ReplayOptions{}.share);
-  CHECK(parse({"--closing-share", "0.3"}).peer_options().replay.share == 0.3);
+  const auto asked =
+      parse({"--agreement", "share=0.3,budget=7,inputs=common"}).peer_options().replay;
+  CHECK(asked.share == 0.3);
+  CHECK(asked.budget == 7.0);
+  CHECK(asked.inputs == consensus::ReplayInputs::Common);
   // Whatever is accepted here is accepted by the peer.
-  for (const char* good : {"1", "0.001"}) {
-    CHECK_NOTHROW(parse({"--closing-share", good}).peer_options().validate());
+  for (const char* good : {"share=1", "share=0.001", "budget=1", "budget=1000"}) {
+    CHECK_NOTHROW(parse({"--agreement", good}).peer_options().validate());
   }
-  for (const char* bad : {"0", "1.1", "nan"}) {
+  for (const char* bad : {"share=0", "share=1.1", "share=nan", "budget=0.9", "inputs=mine"}) {
     CAPTURE(bad);
-    CHECK_FALSE(refusal({"--closing-share", bad}).empty());
+    CHECK_FALSE(refusal({"--agreement", bad}).empty());
   }
 }
 

@@ -24,14 +24,14 @@ constexpr Sample kVirtual[] = {{"--peers", "3"},
                                {"--link",
                                 "loss=0.1,duplicate=0.2,reorder=0.30000000000000004,"
                                 "bandwidth=1500,max-state=502"},
-                               {"--clock", "none,spread=0.25"}};
+                               {"--clock", "none,spread=0.25,off-grid"}};
 constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--seed", "77"},
                                   {"--influence", "0.123456789012345"},
                                   {"--coupling", "two-step-paper"},
                                   {"--mode", "asymmetric"},
                                   {"--predictor", "second-order"},
-                                  {"--closing-share", "0.3"},
+                                  {"--agreement", "share=0.3,budget=7,inputs=common"},
                                   {"--send", "hz=30,compact,budget=64,tolerance=0.001"},
                                   {"--rates", "60,72.5"},
                                   {"--engines", "tandem,tandem"},
