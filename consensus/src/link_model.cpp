@@ -166,8 +166,8 @@ SessionTime Link::burst_end(SessionTime departure) {
   if (options_.bursts <= 0.0) return departure;
   while (burst_end_ <= departure) {
     // Uniform, from 0 to twice the mean: a logarithm is not the same everywhere.
-    burst_begin_ = burst_end_ + to_ns(2.0 * bursts_.uniform() / options_.bursts);
-    burst_end_ = burst_begin_ + to_ns(2.0 * bursts_.uniform() * options_.burst_length) + 1;
+    burst_begin_ = burst_end_ + to_ns(2.0 * bursts_.unit() / options_.bursts);
+    burst_end_ = burst_begin_ + to_ns(2.0 * bursts_.unit() * options_.burst_length) + 1;
   }
   return departure >= burst_begin_ ? burst_end_ : departure;
 }

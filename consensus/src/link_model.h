@@ -89,7 +89,7 @@ class Link {
   PeerId to_;
   LinkOptions options_;
   pbd::SplitMix64 random_;
-  Random bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
+  pbd::SplitMix64 bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
   SessionTime burst_begin_;
   SessionTime burst_end_;
   bool cut_ = false;
