@@ -36,6 +36,12 @@ class Channels {
   /// False where it does not fit into a packet of `room` plain bytes.
   bool post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now);
   bool post_reliable(std::span<const std::byte> message) { return reliable_.sender.post(message); }
+  /// Reliably, and whatever else waits.
+  void post_group_change(std::span<const std::byte> change) {
+    (void)reliable_.sender.post(change, MessageKind::GroupChange);
+  }
+  /// What the other end has sent of these; empty where nothing has come.
+  std::vector<std::byte> take_group_change() { return std::exchange(group_change_, {}); }
   /// Tell the other end where a third peer is; may be lost.
   void tell(const KnownPeer& known);
   /// What it has told of third peers since the last call.
@@ -116,6 +122,8 @@ class Channels {
   void settle();
   bool write_state(std::size_t end, std::vector<std::byte>& out);
   bool write_piece(std::size_t end, std::vector<std::byte>& out);
+  /// A whole message of the reliable channel. False where no honest sender sends it.
+  bool take_message(std::vector<std::byte> message, std::int64_t now);
   void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
   void note_clock(const ChannelSection& section, std::int64_t now);
 
@@ -126,6 +134,7 @@ class Channels {
   Reliable reliable_;
   std::deque<KnownPeer> to_tell_;
   std::vector<KnownPeer> told_;
+  std::vector<std::byte> group_change_;
   SentPackets sent_;
   SentPackets::Outcome outcome_;
   Feedback feedback_;

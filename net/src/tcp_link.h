@@ -86,6 +86,8 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   std::uint64_t dial = 0;                 // 0: inbound
   std::unique_ptr<KeyExchange> exchange;  // of the dialler, until it has ended
   Key remote_key{};                       // after it
+  std::vector<std::byte> badge;           // likewise
+  LinkMember member;                      // once its Hello was good
   Hello hello;                            // the other's; peer 0 until it has come
   std::uint64_t ticket = 0;
   std::string failure;  // why it is leaving, for whoever dialled it
