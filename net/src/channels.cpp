@@ -191,15 +191,19 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
   if (!sent_.on_ack(packet_.header, now, outcome_)) return Read::Malformed;
   settle();
   const auto is_piece = [](const ChannelSection& s) { return s.kind == Kind::Piece; };
-  if (inbox_reliable_ >= options_.inbox_bytes && std::ranges::any_of(packet_.sections, is_piece)) {
+  if (std::ranges::any_of(packet_.sections, is_piece) &&
+      (inbox_reliable_ >= options_.inbox_bytes || !budget_.admits(now))) {
     return Read::Full;
   }
   for (const ChannelSection& section : packet_.sections) {
     switch (section.kind) {
       case Kind::State:
+        if (!budget_.admits(now)) break;
+        budget_.spend(section.bytes.size());
         keep(Delivery::Newest, {section.bytes.begin(), section.bytes.end()}, now);
         break;
       case Kind::Piece:
+        budget_.spend(section.bytes.size());
         complete_.clear();
         if (!reliable_.receiver.on_piece(section, complete_)) return Read::Malformed;
         for (auto& message : complete_) {
@@ -207,9 +211,11 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
         }
         break;
       case Kind::Known:
+        budget_.spend(0);
         if (told_.size() < kMaxToTell) told_.push_back(section.known);
         break;
       case Kind::Clock:
+        budget_.spend(0);
         note_clock(section, now);
         break;
       case Kind::Goodbye: {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "channel_wire.h"
+#include "member_budget.h"
 #include "reliable_channel.h"
 #include "replay_window.h"
 #include "sent_packets.h"
@@ -74,7 +75,7 @@ class Channels {
   enum class Read {
     Ok,
     Malformed,  // or no honest sender's: the connection is over
-    Full,       // the inbox is; not acknowledged, so it comes again
+    Full,       // the inbox or the budget is; not acknowledged, so it comes again
     Goodbye,    // goodbye() says why
   };
   Read read(std::uint64_t sequence, std::span<const std::byte> plain, std::int64_t now);
@@ -109,6 +110,8 @@ class Channels {
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_.sender; }
   std::uint64_t dropped_states() const { return dropped_states_; }
+  /// What was not taken, or is to come again: the other end sends too much.
+  const MemberBudget& budget() const { return budget_; }
   std::size_t waiting_states() const { return states_.size(); }
   const std::vector<std::byte>& goodbye() const { return goodbye_; }
 
@@ -151,6 +154,7 @@ class Channels {
   std::size_t inbox_states_ = 0;    // cost
   std::size_t inbox_reliable_ = 0;  // cost
   std::uint64_t dropped_states_ = 0;
+  MemberBudget budget_;
   std::vector<std::byte> goodbye_;
   std::optional<Exchange> exchange_;
 };

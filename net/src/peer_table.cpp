@@ -153,6 +153,7 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
   record->ticket = ticket;
   record->max_payload = std::min(hello.max_frame_bytes, options_.max_frame_bytes);
   record->wake_posted = false;
+  record->budget = {};
   record->dropped = false;
   record->status.connected = true;
   record->status.reason.clear();
@@ -193,7 +194,8 @@ void PeerTable::reject(std::uint64_t link, PeerId peer, const std::string& reaso
 }
 
 PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Delivery delivery,
-                                        std::uint64_t sequence, std::span<const std::byte> bytes) {
+                                        std::uint64_t sequence, std::span<const std::byte> bytes,
+                                        SteadyTime now) {
   const std::lock_guard lock(mutex_);
   Record* record = find_attached(link, peer);
   if (record == nullptr) return Delivered::Stale;
@@ -201,6 +203,13 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
     if (sequence <= record->last_received) return Delivered::Ok;  // had before a reconnection
     if (sequence != record->last_received + 1) return Delivered::Gap;
   }
+  if (!record->budget.admits(nanoseconds(now))) {
+    ++record->status.over_budget;
+    if (record->budget.abused()) return Delivered::Abused;
+    // What is reliable was under way when the reading stopped.
+    if (delivery == Delivery::Newest) return Delivered::Ok;
+  }
+  record->budget.spend(bytes.size());
   const std::size_t room = options_.receive_queue_bytes - queue_cost(bytes.size());
   record->status.dropped_queue_full += record->inbox.shed_states(room);
   if (record->inbox.cost() > room) {
@@ -215,6 +224,17 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
   ++record->status.packets_in;
   record->status.bytes_in += bytes.size();
   return Delivered::Ok;
+}
+
+void PeerTable::charge(std::uint64_t link, PeerId peer) {
+  const std::lock_guard lock(mutex_);
+  if (Record* record = find_attached(link, peer)) record->budget.spend(0);
+}
+
+bool PeerTable::may_read(std::uint64_t link, PeerId peer, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  return record == nullptr || record->budget.has(nanoseconds(now));
 }
 
 bool PeerTable::acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "frame_queue.h"
+#include "member_budget.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/tcp.h"
 #include "tcp_security.h"
@@ -73,9 +74,13 @@ class PeerTable {
   /// A protocol error: the peer is treated as after drop().
   void reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now);
 
-  enum class Delivered { Ok, Stale, Gap, Full };
+  enum class Delivered { Ok, Stale, Gap, Full, Abused };
   Delivered deliver(std::uint64_t link, PeerId peer, consensus::Delivery delivery,
-                    std::uint64_t sequence, std::span<const std::byte> bytes);
+                    std::uint64_t sequence, std::span<const std::byte> bytes, SteadyTime now);
+  /// Count a frame that is not the application's.
+  void charge(std::uint64_t link, PeerId peer);
+  /// Whether more of it may be read now: it has not sent more than a member may.
+  bool may_read(std::uint64_t link, PeerId peer, SteadyTime now);
   /// False where that number was never sent.
   bool acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence);
   /// Appends queued frames to `out`, oldest first, until it holds about `limit` bytes.
@@ -105,6 +110,7 @@ class PeerTable {
     std::uint64_t last_written = 0;
     std::uint64_t last_received = 0;
     FrameQueue inbox;
+    MemberBudget budget;  // of the attached link
     bool wake_posted = false;
     bool dropped = false;         // until it makes a new handshake
     std::uint64_t departure = 0;  // in the order of disconnections; 0 = never connected

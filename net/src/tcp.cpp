@@ -35,7 +35,7 @@ void TcpOptions::validate() const {
     check(trusted.empty(), "trusted", given, "empty without a session_key");
     check(!organiser, "organiser", given, "none without a session_key");
   }
-  if (has_protection()) require_credentials(*this, "TcpOptions");
+  if (session_key && has_protection()) require_credentials(*this, "TcpOptions");
   for (const TrustedPeer& each : trusted) {
     check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
   }

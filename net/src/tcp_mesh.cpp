@@ -193,6 +193,7 @@ void TcpMesh::sweep() {
   last_sweep_ = now;
 
   for (const auto& link : snapshot()) {
+    link->resume();
     switch (link->phase) {
       case TcpLink::Phase::Attached:
         if (slept) link->last_heard = now;

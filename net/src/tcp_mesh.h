@@ -96,6 +96,7 @@ class TcpMesh final : private TcpLinkOwner {
   void on_frame(TcpLink& link, const FrameBuffer::Frame& frame) override;
   void on_malformed(TcpLink& link, const std::string& reason) override;
   void on_forged(TcpLink& link, const std::string& reason) override;
+  bool may_read(TcpLink& link) override;
   void on_writable(TcpLink& link, std::vector<std::byte>& out) override;
   void on_closed(TcpLink& link, const std::string& reason) override;
   void on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame);

@@ -227,6 +227,9 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   Delivery delivery = Delivery::Newest;
   std::uint64_t sequence = 0;
   std::span<const std::byte> bytes = frame.payload;
+  if (frame.type != FrameType::Newest && frame.type != FrameType::Reliable) {
+    table_.charge(link.serial(), peer);
+  }
   switch (frame.type) {
     case FrameType::Ping:
       return;
@@ -264,12 +267,14 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
     return on_malformed(link, "payload of " + std::to_string(bytes.size()) + " bytes, at most " +
                                   std::to_string(options_.max_frame_bytes));
   }
-  switch (table_.deliver(link.serial(), peer, delivery, sequence, bytes)) {
+  switch (table_.deliver(link.serial(), peer, delivery, sequence, bytes, Clock::now())) {
     case PeerTable::Delivered::Ok:
       link.ack_due |= delivery == Delivery::Reliable;
       return;
     case PeerTable::Delivered::Stale:
       return;  // dropped meanwhile, its link is about to be cut
+    case PeerTable::Delivered::Abused:
+      return on_malformed(link, MemberBudget::kReason);
     case PeerTable::Delivered::Gap:
       return on_malformed(link, "reliable frame out of order");
     case PeerTable::Delivered::Full: {
@@ -279,6 +284,11 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
       return link.leave(reason, Clock::now() + kLinger);
     }
   }
+}
+
+bool TcpMesh::may_read(TcpLink& link) {
+  return link.phase != TcpLink::Phase::Attached ||
+         table_.may_read(link.serial(), link.hello.peer, Clock::now());
 }
 
 void TcpMesh::on_writable(TcpLink& link, std::vector<std::byte>& out) {

@@ -193,6 +193,7 @@ void UdpNode::detach(Connection& connection) {
   connection.link->drain(record.inbox);
   record.status.dropped_queue_full += connection.link->channels().dropped_states();
   record.status.rejected += connection.link->rejected();
+  record.status.over_budget += connection.link->channels().budget().refused();
   record.reliable = connection.link->take_reliable();
   record.departure = ++departures_;
   acquaintances_.restart(record.status.id, now_);
@@ -299,6 +300,7 @@ void UdpNode::finish(Dial& dial, std::int64_t now) {
     }
     return;
   }
+  dial.attempts = 0;
   dial.peer = attempt->session().remote.peer;
   const Session& session = attempt->session();
   const Verdict verdict = decide(session.remote, session.member, dial.address, now);
@@ -445,6 +447,7 @@ std::vector<consensus::PeerStatus> UdpNode::peers() const {
     const UdpConnection& link = *connections_.at(record.receiver).link;
     out.back().dropped_queue_full += link.channels().dropped_states();
     out.back().rejected += link.rejected();
+    out.back().over_budget += link.channels().budget().refused();
     out.back().round_trip = link.channels().rtt().any()
                                 ? link.channels().rtt().smoothed()
                                 : connections_.at(record.receiver).round_trip;
