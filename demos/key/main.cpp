@@ -40,6 +40,8 @@ void print(std::span<const std::byte> bytes) {
   std::printf("\n");
 }
 
+void print(const net::Key& key) { print(std::as_bytes(std::span(key))); }
+
 net::Key key(const std::string& digits) {
   const auto read = demos::key_from_hex(digits);
   if (!read) throw std::invalid_argument("PUBLIC = " + digits + " breaks: 64 hex digits");
@@ -96,13 +98,13 @@ bool run(const Words& words) {
     return !words.empty() && words[0] == name && words.size() == count;
   };
   if (words.empty()) {
-    print(std::as_bytes(std::span(net::make_key())));
+    print(net::make_key());
   } else if (is("--public", 2)) {
-    print(std::as_bytes(std::span(net::public_key(file(words[1])))));
+    print(net::public_key(file(words[1])));
   } else if (is("--fingerprint", 2)) {
     std::printf("%s\n", net::fingerprint(net::public_key(file(words[1]))).c_str());
   } else if (is("--organiser", 2)) {
-    print(std::as_bytes(std::span(net::organiser_public_key(file(words[1])))));
+    print(net::organiser_public_key(file(words[1])));
   } else if (is("--certify", 6)) {
     print(certificate(words));
   } else if (words[0] == "--change" && words.size() >= 3) {

@@ -172,15 +172,14 @@ TEST_CASE("conditions: over UDP a carried body is no further away than the news 
       ++steps;
     };
     world->run(10 * kSecond + 100 * kMs);
-    // The hand is heard of late by the lag, the jitter, two updates and those that are lost in a row
-    // once in a hundred times, what is held back, and what waits for a short rate.
+    // The hand is heard of late by the lag, the jitter, two updates and those that are lost in a
+    // row once in a hundred times, what is held back, and what waits for a short rate.
     const double in_a_row =
         condition.loss > 0.0 ? std::ceil(std::log(0.01) / std::log(condition.loss)) : 0.0;
     const double late = condition.lag + condition.jitter + (2.0 + in_a_row) / 60.0 +
-                        (condition.reorder > 0.0 ? 0.05 : 0.0) +
-                        (condition.kbit > 0.0 ? 0.5 : 0.0);
-    // Meanwhile it goes on at one peer, and is guessed to go on at the other: from one place, neither
-    // faster than the hand.
+                        (condition.reorder > 0.0 ? 0.05 : 0.0) + (condition.kbit > 0.0 ? 0.5 : 0.0);
+    // Meanwhile it goes on at one peer, and is guessed to go on at the other: from one place,
+    // neither faster than the hand.
     CHECK(moving < 2.0 * kSpeed * late);
     CHECK(moving > 0.0);
     CHECK(resting < 2e-3);
