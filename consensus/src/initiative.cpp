@@ -13,6 +13,8 @@ namespace {
 constexpr double kSettling = 0.15;
 /// s: over which the leader begins to listen again.
 constexpr double kFading = 0.15;
+/// Who leads one body, as others say; a transport connects no more peers than that.
+constexpr std::size_t kMostOthers = 1024;
 
 }  // namespace
 
@@ -46,7 +48,11 @@ void Initiative::hear(PeerId peer, bool leads, SessionTime stamp) {
     return;
   }
   const SessionTime since = it != others_.end() ? it->second : stamp;
-  if (it == others_.end()) others_.emplace_back(peer, stamp);
+  if (it == others_.end()) {
+    // Who is gone says no more that it does not lead.
+    if (others_.size() >= kMostOthers) others_.erase(others_.begin());
+    others_.emplace_back(peer, stamp);
+  }
   // The later one knows of the earlier. Two of the same moment may both give way, never neither:
   // each is heard a little after it acted.
   if (acted_ != 0 && since > acted_) end();

@@ -18,26 +18,33 @@ auto* table_of(Tables& tables, PeerId from) {
 
 }  // namespace
 
-void NameTables::learn(PeerId from, const NameUpdate& name) {
+void NameTables::learn(PeerId from, const NameUpdate& name, std::size_t most) {
   Table* table = table_of(tables_, from);
   if (table == nullptr) {
-    tables_.push_back({.peer = from, .number = name.table, .ids = {}});
+    tables_.push_back({.peer = from, .number = name.table, .names = {}});
     table = &tables_.back();
   } else if (table->number != name.table) {
     table->number = name.table;
-    table->ids.clear();
+    table->names.clear();
   }
-  if (table->ids.size() <= name.index) table->ids.resize(name.index + std::size_t{1});
-  table->ids[name.index] = name.id;
+  const auto at = std::ranges::lower_bound(table->names, name.index, {}, &Name::index);
+  if (at != table->names.end() && at->index == name.index) {
+    at->id = name.id;
+  } else if (table->names.size() < most) {
+    table->names.insert(at, {name.index, name.id});
+  }
 }
 
 const SharedId* NameTables::find(PeerId from, const CompactState& state) const {
   const Table* const table = table_of(tables_, from);
-  if (table == nullptr || table->number != state.table || state.index >= table->ids.size()) {
-    return nullptr;
+  if (table == nullptr || table->number != state.table) return nullptr;
+  // Where all have been told, a name is at the place of its index.
+  const auto& names = table->names;
+  if (state.index < names.size() && names[state.index].index == state.index) {
+    return &names[state.index].id;
   }
-  const SharedId& id = table->ids[state.index];
-  return id.valid() ? &id : nullptr;
+  const auto at = std::ranges::lower_bound(names, state.index, {}, &Name::index);
+  return at != names.end() && at->index == state.index ? &at->id : nullptr;
 }
 
 void NameTables::forget(PeerId from) {
@@ -48,7 +55,7 @@ bool NameTables::should_ask(PeerId from, bool missed, SessionTime now) {
   Table* table = table_of(tables_, from);
   if (table == nullptr) {
     if (!missed) return false;
-    tables_.push_back({.peer = from, .ids = {}});
+    tables_.push_back({.peer = from, .names = {}});
     table = &tables_.back();
   }
   if (!missed) {

@@ -13,10 +13,12 @@
 namespace tandem::consensus {
 
 /// What the other peers call their bodies. A state whose index or table is not known here belongs
-/// to no body: it is never guessed whose it is. Bounded by 65536 ids for each peer.
+/// to no body: it is never guessed whose it is. It takes what is said, up to a limit for each peer,
+/// and is kept for those that are connected.
 class NameTables {
  public:
-  void learn(PeerId from, const NameUpdate& name);
+  /// @param most  names of one peer; further ones are not learnt
+  void learn(PeerId from, const NameUpdate& name, std::size_t most);
   /// The body of a state; null where its name has not come. Valid until the next learn().
   const SharedId* find(PeerId from, const CompactState& state) const;
   void forget(PeerId from);
@@ -25,10 +27,14 @@ class NameTables {
   bool should_ask(PeerId from, bool missed, SessionTime now);
 
  private:
+  struct Name {
+    std::uint16_t index = 0;
+    SharedId id;
+  };
   struct Table {
     PeerId peer = 0;
     std::uint32_t number = 0;
-    std::vector<SharedId> ids;  ///< by index; zeros = not known
+    std::vector<Name> names;  ///< by index
     SessionTime missing_since = 0;
   };
 

@@ -92,6 +92,15 @@ void Outbox::tell_again(PeerId peer, SessionTime now) {
   }
 }
 
+void Outbox::forget_strangers(std::span<const PeerStatus> company, PeerStats& stats) {
+  const auto gone = [company](const auto& link) {
+    const auto at = std::ranges::lower_bound(company, link.to, {}, &PeerStatus::id);
+    return at == company.end() || at->id != link.to;
+  };
+  std::erase_if(links_, gone);
+  std::erase_if(stats.links, gone);
+}
+
 Outbox::Link& Outbox::link_to(PeerId peer, PeerStats& stats) {
   auto it = std::lower_bound(links_.begin(), links_.end(), peer,
                              [](const Link& link, PeerId id) { return link.to < id; });
@@ -107,11 +116,13 @@ void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingS
                   PeerStats& stats) {
   // Times of the session never come again: no table of a predecessor has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
+  forget_strangers(company, stats);
   for (const PeerStatus& status : company) {
     Link& link = link_to(status.id, stats);
     LinkStats& counters = stats.links[static_cast<std::size_t>(&link - links_.data())];
     if (!status.connected) {
       link.up = false;
+      link.sent = {};
       continue;
     }
     if (!link.up)

@@ -108,6 +108,8 @@ class Outbox {
     bool reliable = false;
   };
 
+  /// Forget whom the transport has forgotten.
+  void forget_strangers(std::span<const PeerStatus> company, PeerStats& stats);
   Link& link_to(PeerId peer, PeerStats& stats);
   /// bytes
   double most_saved(const Link& link) const;

@@ -29,6 +29,10 @@ constexpr double kSpringsEvery = 2.0;
 /// length of all four: 2 sqrt(3 + 9) half quanta.
 constexpr double kRoundedAngle = 3.4641016151377544 * kOrientationQuantum;
 
+/// So many times as many bodies as are shared here, and so many more, others may have.
+constexpr std::size_t kTimesNames = 4;
+constexpr std::size_t kMoreNames = 4096;
+
 /// Nearer to zero by at most `limit`.
 double shrunk(double value, double limit) {
   return std::copysign(std::max(0.0, std::abs(value) - limit), value);
@@ -46,7 +50,8 @@ double angle_between(const pbd::Quat& a, const pbd::Quat& b) {
 }  // namespace
 
 void Peer::Impl::take_in_compact(PeerId from, SessionTime farewell, SessionTime now) {
-  for (const NameUpdate& name : incoming_.names) names_.learn(from, name);
+  const std::size_t most = kTimesNames * shared_.size() + kMoreNames;
+  for (const NameUpdate& name : incoming_.names) names_.learn(from, name, most);
   bool missed = false;
   SessionTime alive = 0;
   for (CompactState& state : incoming_.compact) {

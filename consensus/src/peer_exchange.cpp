@@ -19,6 +19,22 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 /// silent for the longest is forgotten for a new one. Who acts is heard in each step.
 constexpr std::size_t kMostPeers = 1024;
 
+/// Of updates as often as our own, or as 60 a second, all bodies twice and some more; a quarter of
+/// a second's worth at once. A member who says more is read no further, and after a while dropped.
+constexpr double kLeastRate = 60.0;
+constexpr double kTimes = 2.0;
+constexpr double kMoreBodies = 32.0;
+constexpr double kBurst = 0.25;  // s
+
+/// What a packet costs to take in, in states. A spring is searched among those of its sender.
+double work_of(const DecodedPacket& packet) {
+  const std::size_t light = packet.names.size() + packet.names_wanted.size() + packet.alive.size() +
+                            packet.leaves.size() + packet.ownership.size();
+  const std::size_t springs = packet.springs.size() + packet.anchors.size();
+  return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + 4 * springs) +
+         0.25 * static_cast<double>(light);
+}
+
 /// Marks bodies that a joint or a spring (not a contact) holds to another or to the world, and
 /// collects pairs of bodies that move.
 class JointMarker final : public pbd::LinkVisitor {
@@ -57,6 +73,15 @@ void Peer::Impl::receive(SessionTime now) {
   for (const Packet& packet : packets_) {
     if (packet.from == 0) continue;  // no peer has this id
     ++stats_.packets_received;
+    Budget& budget = meet(packet.from, now).budget;
+    if (!budget.admits(now)) {
+      ++report_of(packet.from).over_budget;
+      if (budget.abused()) {
+        budget.forgive();
+        transport_.drop(packet.from, "says more than a member may, see docs/network.md");
+      }
+      continue;
+    }
     const CodecResult result = parse(packet);
     if (!result.ok()) {
       ++stats_.packets_rejected;
@@ -64,8 +89,9 @@ void Peer::Impl::receive(SessionTime now) {
       continue;
     }
     stats_.updates_received += incoming_.states.size();
+    budget.spend(work_of(incoming_));
     const CpuTimer process(stats_.process_s);
-    meet(packet.from, now);
+    keep_allowed(packet.from, packet.role);
     if (options_.dating == Dating::Receipt) date(packet, now);
     take_in(packet.from, now);
   }
@@ -87,19 +113,45 @@ void Peer::Impl::date(const Packet& packet, SessionTime now) {
                                                       round_trip));
 }
 
-void Peer::Impl::meet(PeerId from, SessionTime now) {
-  auto at = std::ranges::lower_bound(met_, from, {}, &std::pair<PeerId, SessionTime>::first);
-  if (at == met_.end() || at->first != from) {
-    if (met_.size() >= kMostPeers) {
-      const auto silent =
-          std::ranges::min_element(met_, {}, &std::pair<PeerId, SessionTime>::second);
-      forget(silent->first, now);
-      met_.erase(silent);
-      at = std::ranges::lower_bound(met_, from, {}, &std::pair<PeerId, SessionTime>::first);
-    }
-    at = met_.insert(at, {from, now});
+void Peer::Impl::set_budget(Budget& budget) const {
+  const double rate = kTimes * std::max(kLeastRate, options_.update_hz) *
+                      (static_cast<double>(shared_.size()) + kMoreBodies);
+  budget.set(rate, kBurst * rate);
+}
+
+void Peer::Impl::keep_allowed(PeerId from, Role role) {
+  if (role == Role::Share) return;
+  std::size_t denied = 0;
+  const auto deny = [&denied](auto& records) {
+    denied += records.size();
+    records.clear();
+  };
+  deny(incoming_.states);
+  deny(incoming_.compact);
+  deny(incoming_.ownership);
+  incoming_.names.clear();
+  if (role == Role::Watch) {
+    deny(incoming_.springs);
+    deny(incoming_.anchors);
   }
-  at->second = now;
+  if (denied > 0) report_of(from).not_allowed += denied;
+}
+
+Peer::Impl::Met& Peer::Impl::meet(PeerId from, SessionTime now) {
+  auto at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
+  if (at == met_.end() || at->peer != from) {
+    if (met_.size() >= kMostPeers) {
+      const auto silent = std::ranges::min_element(met_, {}, &Met::last);
+      forget(silent->peer, now);
+      met_.erase(silent);
+      at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
+    }
+    at = met_.insert(at, {.peer = from, .last = now, .budget = {}});
+    at->budget = Budget(0.0, std::numeric_limits<double>::max());  // filled by set_budget()
+  }
+  set_budget(at->budget);
+  at->last = now;
+  return *at;
 }
 
 void Peer::Impl::part_from(PeerId peer, SessionTime now) {

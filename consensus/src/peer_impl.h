@@ -21,6 +21,7 @@
 #include "session_time.h"
 #include "springs.h"
 #include "tandem/consensus/aggregate.h"
+#include "tandem/consensus/budget.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
@@ -143,11 +144,21 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
 
   // Receive.
   void receive(SessionTime now);
+  /// What one member may have this peer do: budget of what Work counts.
+  void set_budget(Budget& budget) const;
+  /// Take out of incoming_ what that role may not say.
+  void keep_allowed(PeerId from, Role role);
   CodecResult parse(const Packet& packet);
   /// Shift the stamps of incoming_ to the own clock.
   void date(const Packet& packet, SessionTime now);
-  /// Note that a peer was heard; make room for it.
-  void meet(PeerId from, SessionTime now);
+  /// Another peer since it was first heard.
+  struct Met {
+    PeerId peer = 0;
+    SessionTime last = 0;  ///< ns, when it was heard last
+    Budget budget;
+  };
+  /// Note that a peer was heard; make room for it. Valid until the next call.
+  Met& meet(PeerId from, SessionTime now);
   /// What a peer has said counts no more.
   void part_from(PeerId peer, SessionTime now);
   void forget(PeerId peer, SessionTime now);
@@ -312,7 +323,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   SessionTime springs_told_ = 0;          ///< ns, when springs were last sent in full
   std::unique_ptr<Ownership> ownership_;  ///< of shared_; null: bodies change no hands
   std::vector<std::pair<PeerId, SessionTime>> farewells_;
-  std::vector<std::pair<PeerId, SessionTime>> met_;  ///< by id, with when they were last heard
+  std::vector<Met> met_;             ///< by id
   std::vector<PeerStatus> company_;  ///< all that the transport knows, by id, at the last look
   std::vector<PeerId> connected_;    ///< of these, ascending
   std::vector<PeerId> newcomers_;    ///< of these, who have not been greeted

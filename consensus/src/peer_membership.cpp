@@ -27,6 +27,13 @@ void Peer::Impl::look_around() {
     return std::ranges::none_of(
         company_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });
   });
+  // Whoever comes back says its names again.
+  std::erase_if(connected_, [this](PeerId id) {
+    const auto at = std::ranges::lower_bound(company_, id, {}, &PeerStatus::id);
+    if (at != company_.end() && at->id == id && at->connected) return false;
+    names_.forget(id);
+    return true;
+  });
   for (const PeerStatus& peer : company_) {
     const auto at = std::lower_bound(connected_.begin(), connected_.end(), peer.id);
     const bool known = at != connected_.end() && *at == peer.id;
@@ -34,8 +41,6 @@ void Peer::Impl::look_around() {
       // Who was there before the first states were sent hears those.
       if (has_sent_) newcomers_.push_back(peer.id);
       connected_.insert(at, peer.id);
-    } else if (!peer.connected && known) {
-      connected_.erase(at);
     }
   }
 }

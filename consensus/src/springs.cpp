@@ -50,6 +50,7 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   }
   const InputMode mode = def.mode.value_or(options_.mode);
   pbd::ConstraintId tether;
+  pbd::Tether::Def limited;
   if (mode == InputMode::Hard) {
     pbd::detail::require_finite(def.attachment_l, "GrabDef", "attachment_l");
     pbd::detail::require_finite(def.anchor_w, "GrabDef", "anchor_w");
@@ -62,10 +63,15 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
                             .max_force = def.max_force};
     limit(wanted);  // as the others do
     tether = tethers_.add(world_, wanted);
+    limited = wanted;
   }
-  own_.insert(
-      place,
-      {.spring = next_, .revision = 1, .def = def, .body = body, .mode = mode, .tether = tether});
+  own_.insert(place, {.spring = next_,
+                      .revision = 1,
+                      .def = def,
+                      .body = body,
+                      .mode = mode,
+                      .tether = tether,
+                      .limited = limited});
   return {next_++};
 }
 
@@ -117,7 +123,71 @@ SpringUpdate Springs::message_of(const Own& own, SpringEvent event, SessionTime 
 void Springs::let_go(Remote& remote, SessionTime when) {
   if (remote.live) remote.ended = when;
   if (pulls(remote)) tethers_.remove(remote.tether);
-  remote.live = false;
+  if (std::exchange(remote.live, false)) share_out(remote.peer, remote.def.body);
+}
+
+bool Springs::make_room(PeerId from) {
+  // Sorted by peer: the longest run. Of that peer what is let go already, then the oldest number.
+  std::size_t longest = 0;
+  std::size_t at = 0;
+  std::size_t own = 0;
+  for (std::size_t i = 0; i < remote_.size();) {
+    std::size_t end = i;
+    while (end < remote_.size() && remote_[end].peer == remote_[i].peer) ++end;
+    if (remote_[i].peer == from) own = end - i;
+    if (end - i > longest) {
+      longest = end - i;
+      at = i;
+    }
+    i = end;
+  }
+  if (longest <= own + 1) return false;
+  const auto begin = remote_.begin() + static_cast<std::ptrdiff_t>(at);
+  const auto end = begin + static_cast<std::ptrdiff_t>(longest);
+  auto victim = std::find_if(begin, end, [](const Remote& r) { return !r.live; });
+  if (victim == end) victim = begin;
+  let_go(*victim, victim->heard);
+  remote_.erase(victim);
+  return true;
+}
+
+template <class Each>
+Springs::Share Springs::share_of(pbd::BodyId body, Each&& each) const {
+  const RobustOptions& most = options_.robust;
+  const double mass = std::max(world_.props(body).mass, 1.0);
+  Share sum{.force = 0.0, .stiffness = 0.0, .damping = 0.0};
+  each([&sum](const pbd::Tether::Def& def) {
+    sum.force += def.max_force;
+    sum.stiffness += def.stiffness;
+    sum.damping += def.damping;
+  });
+  const auto part = [mass](double limit, double asked) {
+    return asked > limit * mass ? limit * mass / asked : 1.0;
+  };
+  return {.force = part(most.max_pull, sum.force),
+          .stiffness = part(most.max_stiffness, sum.stiffness),
+          .damping = part(most.max_damping, sum.damping)};
+}
+
+void Springs::apply(const Share& share, pbd::Tether::Def& def) {
+  def.max_force *= share.force;
+  def.stiffness *= share.stiffness;
+  def.damping *= share.damping;
+}
+
+void Springs::share_out(PeerId from, pbd::BodyId body) {
+  if (!world_.contains(body)) return;
+  const auto on_body = [&](const Remote& r) {
+    return r.peer == from && r.live && r.def.body == body;
+  };
+  const Share share = share_of(body, [&](auto&& add) {
+    for (const Remote& r : remote_) {
+      if (on_body(r)) add(r.def);
+    }
+  });
+  for (Remote& r : remote_) {
+    if (on_body(r)) r.share = share;
+  }
 }
 
 std::vector<Springs::Remote>::iterator Springs::place_of(PeerId peer, std::uint32_t spring) {
@@ -149,7 +219,8 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
                                     [&](const Remote& r) { return r.peer == from; });
     if (static_cast<std::size_t>(mine) >= kMaxPerPeer) return Verdict::Refused;
     if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return Verdict::Taken;
-    it = remote_.insert(it, {.peer = from});
+    if (remote_.size() >= kMaxOfAll && !make_room(from)) return Verdict::Refused;
+    it = remote_.insert(place_of(from, update.spring), {.peer = from});
   }
   const bool moved_body = known && it->live && it->last.body != update.body;
   if (moved_body || update.event == SpringEvent::Remove) let_go(*it, update.stamp);
@@ -178,6 +249,7 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     it->tether = tethers_.add(world_, def);
     it->live = true;
   }
+  share_out(from, body);
   return limited ? Verdict::Limited : Verdict::Taken;
 }
 
@@ -229,6 +301,18 @@ void Springs::prepare(SessionTime now) {
       since = 0.0;
     }
     pbd::Tether::Def def = tethers_.def(own.tether);
+    def.stiffness = own.limited.stiffness;
+    def.damping = own.limited.damping;
+    def.max_force = own.limited.max_force;
+    apply(share_of(own.body,
+                   [&](auto&& add) {
+                     for (const Own& other : own_) {
+                       if (other.body == own.body && tethers_.contains(other.tether)) {
+                         add(other.limited);
+                       }
+                     }
+                   }),
+          def);
     // Between two moves it goes on here as it does at the others.
     def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity;
     def.anchor_velocity = own.velocity;
@@ -238,6 +322,7 @@ void Springs::prepare(SessionTime now) {
 
 pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const {
   pbd::Tether::Def def = remote.def;
+  apply(remote.share, def);
   const HandTrack& hand = remote.hand;
   if (time <= hand.newest()) {
     const HandTrack::Motion then = hand.at(time);

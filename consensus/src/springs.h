@@ -20,6 +20,8 @@ class Springs {
  public:
   /// One peer can keep no more than this alive here; further ones are refused.
   static constexpr std::size_t kMaxPerPeer = 256;
+  /// And all of them; who has most gives one up for who has fewer.
+  static constexpr std::size_t kMaxOfAll = 1024;
 
   Springs(pbd::World& world, const PeerOptions& options);
   /// Nothing pulls any more, and the world has the blocks again that it had before: snapshots from
@@ -85,6 +87,11 @@ class Springs {
   void hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) const;
 
  private:
+  struct Share {
+    double force = 1.0;
+    double stiffness = 1.0;
+    double damping = 1.0;
+  };
   struct Own {
     std::uint32_t spring = 0;
     std::uint32_t revision = 0;
@@ -92,6 +99,7 @@ class Springs {
     pbd::BodyId body = {};
     InputMode mode = InputMode::Soft;
     pbd::ConstraintId tether = {};  ///< none in hard mode
+    pbd::Tether::Def limited = {};  ///< its strength by itself
     SessionTime moved = 0;          ///< ns, of the anchor; 0 = never
     pbd::Vec3 velocity = pbd::Vec3::Zero();
     HandTrack told = {};
@@ -106,6 +114,9 @@ class Springs {
     pbd::ConstraintId tether = {};
     HandTrack hand = {};
     pbd::Tether::Def def = {};  ///< of the last message, as it was limited
+    /// What is left of def's force, stiffness and damping, where its user has more springs on the
+    /// body than the limits bear together.
+    Share share = {};
     bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
   };
 
@@ -116,9 +127,17 @@ class Springs {
   /// Whether it has a row: none where it was let go, or its body is gone.
   bool pulls(const Remote& remote) const { return remote.live && tethers_.contains(remote.tether); }
   void let_go(Remote& remote, SessionTime when);
+  /// A place in remote_ for one more of that peer's; the end where there is none.
+  bool make_room(PeerId from);
   pbd::Tether::Def pull_at(const Remote& remote, SessionTime time) const;
   /// Cut to what RobustOptions allow. @return whether anything was
   bool limit(pbd::Tether::Def& def) const;
+  /// Of all springs of one user on one body, as they are limited each by itself.
+  template <class Each>
+  Share share_of(pbd::BodyId body, Each&& each) const;
+  static void apply(const Share& share, pbd::Tether::Def& def);
+  /// After one of that peer's springs on the body has come, changed or gone.
+  void share_out(PeerId from, pbd::BodyId body);
   bool too_far(const pbd::Tether::Def& def) const;
   static SpringUpdate message_of(const Own& own, SpringEvent event, SessionTime now);
 

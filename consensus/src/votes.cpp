@@ -78,6 +78,7 @@ bool LeadClaims::founded(PeerId peer, bool holds, SessionTime now) {
                                [peer](const auto& entry) { return entry.first == peer; });
   if (holds) {
     if (it == held_.end()) {
+      std::erase_if(held_, [now](const auto& entry) { return now - entry.second > kLongest; });
       held_.emplace_back(peer, now);
     } else {
       it->second = now;

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -29,8 +31,17 @@ class Network {
   /// How often what came from nobody that is known was refused, by reason.
   using Counts = std::vector<std::pair<const char*, std::uint64_t>>;
   virtual Counts refused() const = 0;
+  /// Of this peer's public key; "" without keys.
+  std::string fingerprint() const { return fingerprint_; }
+  /// What an organiser has signed, for all members, see net::GroupChange.
+  virtual void change_group(std::span<const std::byte> signed_change) = 0;
+  /// Number of the change that holds; 0: none.
+  virtual std::uint64_t group() const = 0;
   /// ns: by how much the system clock was set since the start, where session time began with it.
   virtual std::int64_t clock_stepped() const { return 0; }
+
+ protected:
+  std::string fingerprint_;
 };
 
 /// As the options say.
@@ -40,6 +51,21 @@ std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t 
 /// The key in a file that the options name.
 /// @throws std::invalid_argument that says what the file must be
 Key read_key(const std::string& path);
+
+/// Fill in who this peer is and whom it lets in, the same for both transports.
+/// @throws as make_network
+template <class Options>
+void set_members(const DemoOptions& from, Options& to) {
+  to.session_key = read_key(from.key);
+  try {
+    if (!from.identity.empty()) to.identity = keep_identity(from.identity);
+  } catch (const std::system_error&) {
+    to.identity.reset();  // nothing can be kept there: a new one at each start
+  }
+  for (const auto& [peer, key] : from.trusted) to.trusted.push_back({peer, key});
+  to.organiser = from.organiser;
+  if (!from.certificate.empty()) to.certificate = read_hex_file(from.certificate);
+}
 
 // The kinds that there are.
 std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint64_t scene_hash);

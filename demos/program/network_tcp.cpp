@@ -14,12 +14,18 @@ namespace {
 
 class TcpNetwork final : public Network {
  public:
-  explicit TcpNetwork(const net::TcpOptions& options) : transport_(options) {}
+  explicit TcpNetwork(const net::TcpOptions& options) : transport_(options) {
+    if (options.identity) fingerprint_ = net::fingerprint(net::public_key(*options.identity));
+  }
 
   consensus::Transport& transport() override { return transport_; }
   consensus::SessionTime now() override { return clock_.now(); }
   std::int64_t clock_error() const override { return -1; }
   std::uint16_t local_port() const override { return transport_.local_port(); }
+  void change_group(std::span<const std::byte> signed_change) override {
+    transport_.change_group(signed_change);
+  }
+  std::uint64_t group() const override { return transport_.group(); }
   std::string trouble() const override {
     std::string text;
     for (const net::DialStatus& dial : transport_.dials()) {
@@ -73,9 +79,7 @@ std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint6
   if (here_alone) {
     result.listen_address = "127.0.0.1";
   } else {
-    result.session_key = read_key(options.key);
-    if (!options.identity.empty()) result.identity = read_key(options.identity);
-    for (const auto& [peer, key] : options.trusted) result.trusted.push_back({peer, key});
+    set_members(options, result);
   }
   return std::make_unique<TcpNetwork>(result);
 }

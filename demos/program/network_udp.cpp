@@ -43,21 +43,25 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
     result.address = "127.0.0.1";
     result.session_key = known_key();
   } else {
-    result.session_key = read_key(options.key);
-    if (!options.identity.empty()) result.identity = read_key(options.identity);
-    for (const auto& [peer, key] : options.trusted) result.trusted.push_back({peer, key});
+    set_members(options, result);
   }
   return result;
 }
 
 class UdpNetwork final : public Network {
  public:
-  explicit UdpNetwork(const net::UdpOptions& options) : transport_(options) {}
+  explicit UdpNetwork(const net::UdpOptions& options) : transport_(options) {
+    if (options.identity) fingerprint_ = net::fingerprint(net::public_key(*options.identity));
+  }
 
   consensus::Transport& transport() override { return transport_; }
   consensus::SessionTime now() override { return transport_.session_now(); }
   std::int64_t clock_error() const override { return transport_.clock().error_bound; }
   std::uint16_t local_port() const override { return transport_.local_port(); }
+  void change_group(std::span<const std::byte> signed_change) override {
+    (void)transport_.change_group(signed_change);
+  }
+  std::uint64_t group() const override { return transport_.group(); }
   std::string trouble() const override {
     std::string text;
     for (const net::UdpLookup& lookup : transport_.lookups()) {

@@ -82,7 +82,9 @@ struct DemoOptions {
   std::string key;       ///< file with the session's key, 64 hex digits; "" = this machine alone
   std::string identity;  ///< file with this peer's secret key, beside `key`; "" = a new one
   std::vector<std::pair<std::uint64_t, Key>> trusted;  ///< public keys of all others; none = any
-  bool insecure = false;  ///< on this machine alone; UDP with a key that everybody knows
+  std::optional<Key> organiser;  ///< public key; his certificates let others in
+  std::string certificate;       ///< file with this peer's, hex
+  bool insecure = false;         ///< on this machine alone; UDP with a key that everybody knows
   Wire wire = Wire::Auto;
   Timeline timeline = Timeline::Session;
 

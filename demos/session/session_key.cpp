@@ -2,12 +2,18 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/session_key.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
+
+#include "tandem/net/keys.h"
 
 namespace tandem::demos {
 
@@ -41,6 +47,49 @@ Key read_session_key(const std::string& path) {
   const std::optional<Key> key = key_from_hex(digits);
   if (!key) throw std::invalid_argument("a file with 64 hex digits, not all 0, see tandem-key");
   return *key;
+}
+
+Key keep_identity(const std::string& path) {
+  if (std::filesystem::exists(path)) return read_session_key(path);
+  const Key made = net::make_key();
+  // Never there with more rights, and never over another one that has just been made.
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) throw std::system_error(errno, std::system_category(), path);
+  std::string digits;
+  for (const std::uint8_t byte : made) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    digits += kDigits[byte >> 4];
+    digits += kDigits[byte & 15];
+  }
+  digits += '\n';
+  const ssize_t written = ::write(file, digits.data(), digits.size());
+  const int error = errno;
+  const bool whole = written == static_cast<ssize_t>(digits.size());
+  if (::close(file) != 0 || !whole) {
+    ::unlink(path.c_str());
+    throw std::system_error(whole ? errno : error, std::system_category(), path);
+  }
+  return made;
+}
+
+std::vector<std::byte> read_hex_file(const std::string& path) {
+  constexpr std::size_t kLongest = 16384;
+  std::ifstream in(path);
+  if (!in) throw std::invalid_argument("a file that can be read");
+  std::string digits;
+  for (char c = 0; digits.size() < kLongest && in.get(c);) {
+    if (std::isspace(static_cast<unsigned char>(c)) == 0) digits += c;
+  }
+  std::vector<std::byte> out(digits.size() / 2);
+  bool good = !digits.empty() && digits.size() % 2 == 0 && digits.size() < kLongest;
+  for (std::size_t i = 0; good && i < out.size(); ++i) {
+    std::uint8_t value = 0;
+    const char* const from = digits.data() + 2 * i;
+    good = std::from_chars(from, from + 2, value, 16).ptr == from + 2;
+    out[i] = static_cast<std::byte>(value);
+  }
+  if (!good) throw std::invalid_argument("a file with hex digits, two for each byte");
+  return out;
 }
 
 bool is_loopback(const std::string& host) {

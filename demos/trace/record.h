@@ -92,6 +92,7 @@ class TraceError : public std::runtime_error {
 // Flags of a packet.
 inline constexpr std::uint8_t kDated = 1;  ///< the transport says when it came
 inline constexpr std::uint8_t kCoded = 2;  ///< as it differs from the sender's last one as long
+inline constexpr int kDeniedShift = 2;     ///< two bits: how far its role is below Share
 
 inline constexpr std::string_view kTraceMagic = "TDMTRACE";
 inline constexpr std::uint8_t kTraceVersion = 1;

@@ -88,7 +88,9 @@ void TraceWriter::packet(const consensus::Packet& packet) {
   const bool coded = !coded_.empty() && coded_.size() < packet.bytes.size();
   const bool dated = packet.received != INT64_MIN;
   varint(packet.from);
-  u8(static_cast<std::uint8_t>((dated ? kDated : 0) | (coded ? kCoded : 0)));
+  const int denied = static_cast<int>(consensus::Role::Share) - static_cast<int>(packet.role);
+  u8(static_cast<std::uint8_t>((dated ? kDated : 0) | (coded ? kCoded : 0) |
+                               denied << kDeniedShift));
   if (dated) {
     // Wraps, whatever a transport says.
     signed_varint(static_cast<std::int64_t>(static_cast<std::uint64_t>(packet.received) -

@@ -156,6 +156,22 @@ void Channels::keep(Delivery delivery, std::vector<std::byte> bytes, std::int64_
   }
 }
 
+bool Channels::take_message(std::vector<std::byte> message, std::int64_t now) {
+  if (message.empty() || message.front() > static_cast<std::byte>(MessageKind::GroupChange)) {
+    return false;
+  }
+  const auto kind = static_cast<MessageKind>(message.front());
+  message.erase(message.begin());
+  if (kind == MessageKind::GroupChange) {
+    if (message.size() > kMaxGroupChange) return false;
+    group_change_ = std::move(message);  // a later one says all that an earlier one did
+    return true;
+  }
+  if (message.size() > options_.max_message_bytes) return false;
+  keep(Delivery::Reliable, std::move(message), now);
+  return true;
+}
+
 void Channels::note_clock(const ChannelSection& section, std::int64_t now) {
   const auto sent = sent_.sent_at(packet_.header);
   if (!sent || section.clock_delay == kNoClockDelay) return;
@@ -175,23 +191,31 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
   if (!sent_.on_ack(packet_.header, now, outcome_)) return Read::Malformed;
   settle();
   const auto is_piece = [](const ChannelSection& s) { return s.kind == Kind::Piece; };
-  if (inbox_reliable_ >= options_.inbox_bytes && std::ranges::any_of(packet_.sections, is_piece)) {
+  if (std::ranges::any_of(packet_.sections, is_piece) &&
+      (inbox_reliable_ >= options_.inbox_bytes || !budget_.admits(now))) {
     return Read::Full;
   }
   for (const ChannelSection& section : packet_.sections) {
     switch (section.kind) {
       case Kind::State:
+        if (!budget_.admits(now)) break;
+        budget_.spend(section.bytes.size());
         keep(Delivery::Newest, {section.bytes.begin(), section.bytes.end()}, now);
         break;
       case Kind::Piece:
+        budget_.spend(section.bytes.size());
         complete_.clear();
         if (!reliable_.receiver.on_piece(section, complete_)) return Read::Malformed;
-        for (auto& message : complete_) keep(Delivery::Reliable, std::move(message), now);
+        for (auto& message : complete_) {
+          if (!take_message(std::move(message), now)) return Read::Malformed;
+        }
         break;
       case Kind::Known:
+        budget_.spend(0);
         if (told_.size() < kMaxToTell) told_.push_back(section.known);
         break;
       case Kind::Clock:
+        budget_.spend(0);
         note_clock(section, now);
         break;
       case Kind::Goodbye: {

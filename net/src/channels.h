@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "channel_wire.h"
+#include "member_budget.h"
 #include "reliable_channel.h"
 #include "replay_window.h"
 #include "sent_packets.h"
@@ -36,6 +37,12 @@ class Channels {
   /// False where it does not fit into a packet of `room` plain bytes.
   bool post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now);
   bool post_reliable(std::span<const std::byte> message) { return reliable_.sender.post(message); }
+  /// Reliably, and whatever else waits.
+  void post_group_change(std::span<const std::byte> change) {
+    (void)reliable_.sender.post(change, MessageKind::GroupChange);
+  }
+  /// What the other end has sent of these; empty where nothing has come.
+  std::vector<std::byte> take_group_change() { return std::exchange(group_change_, {}); }
   /// Tell the other end where a third peer is; may be lost.
   void tell(const KnownPeer& known);
   /// What it has told of third peers since the last call.
@@ -68,7 +75,7 @@ class Channels {
   enum class Read {
     Ok,
     Malformed,  // or no honest sender's: the connection is over
-    Full,       // the inbox is; not acknowledged, so it comes again
+    Full,       // the inbox or the budget is; not acknowledged, so it comes again
     Goodbye,    // goodbye() says why
   };
   Read read(std::uint64_t sequence, std::span<const std::byte> plain, std::int64_t now);
@@ -103,6 +110,8 @@ class Channels {
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_.sender; }
   std::uint64_t dropped_states() const { return dropped_states_; }
+  /// What was not taken, or is to come again: the other end sends too much.
+  const MemberBudget& budget() const { return budget_; }
   std::size_t waiting_states() const { return states_.size(); }
   const std::vector<std::byte>& goodbye() const { return goodbye_; }
 
@@ -116,6 +125,8 @@ class Channels {
   void settle();
   bool write_state(std::size_t end, std::vector<std::byte>& out);
   bool write_piece(std::size_t end, std::vector<std::byte>& out);
+  /// A whole message of the reliable channel. False where no honest sender sends it.
+  bool take_message(std::vector<std::byte> message, std::int64_t now);
   void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
   void note_clock(const ChannelSection& section, std::int64_t now);
 
@@ -126,6 +137,7 @@ class Channels {
   Reliable reliable_;
   std::deque<KnownPeer> to_tell_;
   std::vector<KnownPeer> told_;
+  std::vector<std::byte> group_change_;
   SentPackets sent_;
   SentPackets::Outcome outcome_;
   Feedback feedback_;
@@ -142,6 +154,7 @@ class Channels {
   std::size_t inbox_states_ = 0;    // cost
   std::size_t inbox_reliable_ = 0;  // cost
   std::uint64_t dropped_states_ = 0;
+  MemberBudget budget_;
   std::vector<std::byte> goodbye_;
   std::optional<Exchange> exchange_;
 };

@@ -103,6 +103,7 @@ ClockTick PhysicsClock::advance(SessionTime now) {
   }
   tick.steps = std::span(steps_.data(), count);
   tick.lag = lag;
+  tick.held = std::max<std::int64_t>(0, -lag);
   return tick;
 }
 

@@ -23,6 +23,7 @@ static_assert(crypto_aead_chacha20poly1305_ietf_KEYBYTES == kKeyBytes);
 static_assert(crypto_aead_chacha20poly1305_ietf_ABYTES == kTagBytes);
 static_assert(crypto_generichash_BYTES_MAX == kHashBytes);
 static_assert(crypto_scalarmult_BYTES == kKeyBytes);
+static_assert(crypto_sign_BYTES == kSignatureBytes && crypto_sign_SEEDBYTES == kKeyBytes);
 
 }  // namespace
 
@@ -59,6 +60,42 @@ PublicKey public_key_of(const Secret& secret) {
 
 bool agree(const Secret& own, const PublicKey& other, Secret& out) {
   return crypto_scalarmult(out.bytes().data(), own.bytes().data(), other.data()) == 0;
+}
+
+namespace {
+
+struct SigningKeys {
+  std::array<std::uint8_t, crypto_sign_SECRETKEYBYTES> secret{};
+  PublicKey public_key{};
+  ~SigningKeys() { wipe(secret); }
+};
+
+void expand(const Secret& seed, SigningKeys& out) {
+  crypto_sign_seed_keypair(out.public_key.data(), out.secret.data(), seed.bytes().data());
+}
+
+}  // namespace
+
+PublicKey signing_public_key(const Secret& secret) {
+  SigningKeys keys;
+  expand(secret, keys);
+  return keys.public_key;
+}
+
+std::array<std::uint8_t, kSignatureBytes> sign(const Secret& secret,
+                                               std::span<const std::uint8_t> message) {
+  SigningKeys keys;
+  expand(secret, keys);
+  std::array<std::uint8_t, kSignatureBytes> out{};
+  crypto_sign_detached(out.data(), nullptr, message.data(), message.size(), keys.secret.data());
+  return out;
+}
+
+bool verify(const PublicKey& key, std::span<const std::uint8_t> message,
+            std::span<const std::uint8_t> signature) {
+  return signature.size() == kSignatureBytes &&
+         crypto_sign_verify_detached(signature.data(), message.data(), message.size(),
+                                     key.data()) == 0;
 }
 
 Hash hash(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second) {

@@ -15,6 +15,7 @@ namespace tandem::net::crypto {
 constexpr std::size_t kKeyBytes = 32;
 constexpr std::size_t kTagBytes = 16;
 constexpr std::size_t kHashBytes = 64;
+constexpr std::size_t kSignatureBytes = 64;
 
 using PublicKey = std::array<std::uint8_t, kKeyBytes>;  // X25519
 using Hash = std::array<std::uint8_t, kHashBytes>;      // BLAKE2b-512
@@ -58,6 +59,13 @@ PublicKey public_key_of(const Secret& secret);
 
 /// X25519. False where the other's key is one of the few that make the result known to everybody.
 [[nodiscard]] bool agree(const Secret& own, const PublicKey& other, Secret& out);
+
+/// Ed25519, of a secret as Secret has it.
+PublicKey signing_public_key(const Secret& secret);
+std::array<std::uint8_t, kSignatureBytes> sign(const Secret& secret,
+                                               std::span<const std::uint8_t> message);
+[[nodiscard]] bool verify(const PublicKey& key, std::span<const std::uint8_t> message,
+                          std::span<const std::uint8_t> signature);
 
 Hash hash(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second = {});
 /// HMAC over BLAKE2b-512.

@@ -41,19 +41,18 @@ Introduction introduce(const HandshakeConfig& config, std::uint32_t receiver) {
           .incarnation = config.incarnation,
           .scene_hash = config.scene_hash,
           .receiver = receiver,
-          .idle_timeout_ms = config.idle_timeout_ms};
+          .idle_timeout_ms = config.idle_timeout_ms,
+          .badge = config.badge()};
 }
 
 /// What each end checks of the other.
-Verdict judge(const HandshakeConfig& config, const Introduction& other,
-              const crypto::PublicKey& key) {
-  if (!config.trusted.empty()) {
-    const auto known = config.trusted.find(other.peer);
-    if (known == config.trusted.end() || known->second != key) return Verdict::NotTrusted;
-  }
-  if (other.peer == config.self) return Verdict::SameId;
-  if (other.scene_hash != config.scene_hash) return Verdict::SceneDiffers;
-  return Verdict::Welcome;
+Credentials::Answer judge(const HandshakeConfig& config, const Introduction& other,
+                          const crypto::PublicKey& key) {
+  auto out = config.judge(other.peer, key, other.badge, config.scene_hash);
+  if (out.verdict != Verdict::Welcome) return out;
+  if (other.peer == config.self) out.verdict = Verdict::SameId;
+  if (other.scene_hash != config.scene_hash) out.verdict = Verdict::SceneDiffers;
+  return out;
 }
 
 std::uint64_t random_number(const crypto::Random& random) {
@@ -73,9 +72,11 @@ crypto::Secret random_secret(const crypto::Random& random) {
 }  // namespace
 
 HandshakeInitiator::HandshakeInitiator(const HandshakeConfig& config, const crypto::Random& random,
-                                       std::uint32_t local_receiver, std::int64_t now)
+                                       std::uint32_t local_receiver, std::int64_t now,
+                                       std::size_t key)
     : config_(config),
       random_(random),
+      key_(config.key(key)),
       nonce_(random_number(random)),
       local_receiver_(local_receiver),
       deadline_(now + kTimeout),
@@ -124,7 +125,7 @@ void HandshakeInitiator::on_challenge(const HandshakePacket& packet, std::int64_
   if (state_ != State::Asking) return;
   state_ = State::Proving;
   cookie_ = packet.cookie;
-  noise_.emplace(config_.session_key, config_.identity, udp_prologue(nonce_, cookie_), random_);
+  noise_.emplace(key_, config_.identity, udp_prologue(nonce_, cookie_), random_);
   first_message_ = noise_->first_message(encode(introduce(config_, local_receiver_)));
   unanswered_ = 0;
   interval_ = kFirstResend;
@@ -137,8 +138,8 @@ void HandshakeInitiator::on_accept(const HandshakePacket& packet) {
   if (!result) return;
   const auto remote = decode_introduction(result->payload);
   if (!remote) return;
-  const Verdict own = judge(config_, *remote, result->remote);
-  const Verdict verdict = own != Verdict::Welcome ? own : remote->verdict;
+  const auto own = judge(config_, *remote, result->remote);
+  const Verdict verdict = own.verdict != Verdict::Welcome ? own.verdict : remote->verdict;
   if (verdict != Verdict::Welcome) {
     state_ = State::Refused;
     verdict_ = verdict;
@@ -146,7 +147,7 @@ void HandshakeInitiator::on_accept(const HandshakePacket& packet) {
     return;
   }
   session_ = Session{.remote = *remote,
-                     .remote_key = result->remote,
+                     .member = own.member,
                      .send = result->keys.initiator,
                      .receive = result->keys.responder,
                      .local_receiver = local_receiver_};
@@ -220,6 +221,21 @@ HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::
   return {};
 }
 
+std::optional<HandshakeResponder::Proof> HandshakeResponder::open(
+    const HandshakePacket& packet) const {
+  for (std::size_t key = 0; key < config_.key_count(); ++key) {
+    Proof out{.noise = {config_.key(key), udp_prologue(packet.nonce, packet.cookie)}};
+    auto first = out.noise.first_message(packet.noise);
+    if (!first) continue;
+    const auto remote = decode_introduction(first->payload);
+    if (!remote || remote->receiver == 0) return {};
+    out.first = std::move(*first);
+    out.remote = *remote;
+    return out;
+  }
+  return {};
+}
+
 HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket& packet,
                                                            const Address& from, std::int64_t now) {
   std::erase_if(half_open_, [now](const HalfOpen& entry) { return now >= entry.until; });
@@ -231,18 +247,18 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
     }
   }
 
-  NoiseResponder noise(config_.session_key, udp_prologue(packet.nonce, packet.cookie));
-  const auto first = noise.first_message(packet.noise);
-  const auto remote = first ? decode_introduction(first->payload) : std::nullopt;
-  if (!remote || remote->receiver == 0) {
+  auto proof = open(packet);
+  if (!proof) {
     ++counters_.bad_proof;
     return {};
   }
-  Verdict verdict = judge(config_, *remote, first->remote);
-  if (verdict == Verdict::Welcome) verdict = decide_(*remote, from);
+  const Introduction& remote = proof->remote;
+  const auto answer = judge(config_, remote, proof->first.remote);
+  Verdict verdict = answer.verdict;
+  if (verdict == Verdict::Welcome) verdict = decide_(remote, answer.member, from);
   Introduction own = introduce(config_, verdict == Verdict::Welcome ? next_receiver_() : 0);
   own.verdict = verdict;
-  auto second = noise.second_message(config_.identity, random_, encode(own));
+  auto second = proof->noise.second_message(config_.identity, random_, encode(own));
   if (!second) {
     ++counters_.bad_proof;
     return {};
@@ -260,8 +276,8 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
                         .reply = reply_,
                         .until = now + kHalfOpenLife});
   return {.reply = reply_,
-          .session = Session{.remote = *remote,
-                             .remote_key = first->remote,
+          .session = Session{.remote = remote,
+                             .member = answer.member,
                              .send = second->keys.responder,
                              .receive = second->keys.initiator,
                              .local_receiver = own.receiver}};

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +12,7 @@
 
 #include "address.h"
 #include "address_limiter.h"
+#include "credentials.h"
 #include "crypto.h"
 #include "handshake_wire.h"
 #include "noise.h"
@@ -20,21 +20,17 @@
 namespace tandem::net {
 
 /// Who this process is, and whom it trusts. Times are ns of any clock that does not go back.
-struct HandshakeConfig {
+struct HandshakeConfig : Credentials {
   consensus::PeerId self = 0;
   std::uint64_t incarnation = 0;
   std::uint64_t scene_hash = 0;
   std::uint32_t idle_timeout_ms = 5000;
-  crypto::Secret session_key;  // all members have it
-  crypto::KeyPair identity;
-  /// Public keys of all peers; empty: whoever has the session key may call himself what he likes.
-  std::map<consensus::PeerId, crypto::PublicKey> trusted;
 };
 
 /// What a handshake leaves: keys of this connection alone, and who is at the other end.
 struct Session {
   Introduction remote;
-  crypto::PublicKey remote_key{};
+  Member member;
   crypto::Secret send;
   crypto::Secret receive;
   std::uint32_t local_receiver = 0;  // on packets that come
@@ -48,8 +44,9 @@ class HandshakeInitiator {
   static constexpr std::int64_t kTimeout = 5'000'000'000;  // ns
   enum class State { Asking, Proving, Done, Refused, TimedOut };
 
+  /// @param key  which of the config's session keys, see Credentials::key
   HandshakeInitiator(const HandshakeConfig& config, const crypto::Random& random,
-                     std::uint32_t local_receiver, std::int64_t now);
+                     std::uint32_t local_receiver, std::int64_t now, std::size_t key = 0);
 
   /// The datagram that is due, empty where none is. Valid until the next call.
   std::span<const std::byte> poll(std::int64_t now);
@@ -72,6 +69,7 @@ class HandshakeInitiator {
 
   const HandshakeConfig& config_;
   crypto::Random random_;
+  crypto::Secret key_;
   State state_ = State::Asking;
   std::uint64_t nonce_ = 0;
   std::uint32_t local_receiver_;
@@ -98,7 +96,7 @@ class HandshakeResponder {
   static constexpr std::size_t kMaxHalfOpen = 64;
 
   /// What else is to be said about a member; asked last.
-  using Decide = std::function<Verdict(const Introduction&, const Address&)>;
+  using Decide = std::function<Verdict(const Introduction&, const Member&, const Address&)>;
   /// A number for packets of a new session, not in use, never 0.
   using NextReceiver = std::function<std::uint32_t()>;
 
@@ -136,6 +134,13 @@ class HandshakeResponder {
 
   Cookie make_cookie(std::int64_t time, std::uint64_t nonce, const Address& from) const;
   bool good_cookie(const HandshakePacket& packet, const Address& from, std::int64_t now) const;
+  struct Proof {
+    NoiseResponder noise;
+    NoiseResponder::First first;
+    Introduction remote;
+  };
+  /// By the session key, or by one before it, of whoever has missed a change.
+  std::optional<Proof> open(const HandshakePacket& packet) const;
   Result on_initiate(const HandshakePacket& packet, const Address& from, std::int64_t now);
 
   const HandshakeConfig& config_;

@@ -66,8 +66,35 @@ const char* describe(Verdict verdict) {
       return "dropped a moment ago";
     case Verdict::Outdated:
       return "a later process of this peer is there";
+    case Verdict::NotSigned:
+      return "no certificate of the organiser for this id and key";
+    case Verdict::Expired:
+      return "certificate has expired";
+    case Verdict::Revoked:
+      return "revoked by the organiser";
+    case Verdict::NoWork:
+      return "work for the peer id is missing";
+    case Verdict::Taken:
+      return "another key goes by this peer id";
+    case Verdict::Unbound:
+      return "relayed, and nothing shows whose id it is";
   }
   return "unknown";
+}
+
+void encode(const Badge& badge, std::vector<std::byte>& out) {
+  pbd::ByteWriter writer(out);
+  writer.u64(badge.stamp);
+  writer.bytes(badge.certificate);
+}
+
+std::optional<Badge> decode_badge(std::span<const std::byte> bytes) {
+  if (bytes.size() != kBadgeBytes) return {};
+  pbd::ByteReader reader(bytes);
+  Badge out;
+  out.stamp = reader.u64();
+  std::ranges::copy(reader.bytes(kCertificateBytes), out.certificate.begin());
+  return out;
 }
 
 std::vector<std::uint8_t> encode(const Introduction& introduction) {
@@ -79,6 +106,7 @@ std::vector<std::uint8_t> encode(const Introduction& introduction) {
   writer.u32(introduction.receiver);
   writer.u32(introduction.idle_timeout_ms);
   writer.u8(static_cast<std::uint8_t>(introduction.verdict));
+  encode(introduction.badge, bytes);
   const auto view = octets(std::span<const std::byte>(bytes));
   return {view.begin(), view.end()};
 }
@@ -92,9 +120,12 @@ std::optional<Introduction> decode_introduction(std::span<const std::uint8_t> by
   out.receiver = reader.u32();
   out.idle_timeout_ms = reader.u32();
   const std::uint8_t verdict = reader.u8();
-  if (reader.failed() || reader.remaining() != 0) return {};
+  if (reader.failed()) return {};
+  const auto badge = decode_badge(as_bytes(bytes).last(reader.remaining()));
+  if (!badge) return {};
+  out.badge = *badge;
   if (out.peer == 0 || out.incarnation == 0) return {};
-  if (verdict > static_cast<std::uint8_t>(Verdict::Outdated)) return {};
+  if (verdict > static_cast<std::uint8_t>(Verdict::Unbound)) return {};
   out.verdict = static_cast<Verdict>(verdict);
   if ((out.receiver == 0) != (out.verdict != Verdict::Welcome)) return {};
   return out;

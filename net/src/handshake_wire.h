@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tandem/consensus/transport.h"
+#include "tandem/net/membership.h"
 
 namespace tandem::net {
 
@@ -18,11 +19,11 @@ namespace tandem::net {
 // and keep that in every version, so that a disagreement can be explained.
 
 constexpr std::uint32_t kUdpMagic = 0x55444e54;  // "TNDU"
-constexpr std::uint16_t kUdpVersion = 2;
+constexpr std::uint16_t kUdpVersion = 3;
 constexpr std::size_t kHandshakeHeader = 1 + 4 + 2 + 8;
 constexpr std::size_t kCookieBytes = 8 + 16;
 constexpr std::size_t kHelloBytes = 64;  // padded: no answer is longer
-constexpr std::size_t kMaxNoiseMessage = 256;
+constexpr std::size_t kMaxNoiseMessage = 512;
 
 enum class HandshakeType : std::uint8_t { Hello = 1, Challenge = 2, Initiate = 3, Accept = 4 };
 
@@ -47,10 +48,30 @@ enum class Verdict : std::uint8_t {
   SameId = 2,      // both ends have the same peer id
   NotTrusted = 3,  // that peer has another public key, or none
   Full = 4,
-  OnHold = 5,    // dropped a moment ago
-  Outdated = 6,  // a later process of the same peer is there
+  OnHold = 5,     // dropped a moment ago
+  Outdated = 6,   // a later process of the same peer is there
+  NotSigned = 7,  // no certificate of the organiser for that id and key
+  Expired = 8,    // it was signed for a time that is over
+  Revoked = 9,    // the organiser has taken it back
+  NoWork = 10,    // the work for the id is missing
+  Taken = 11,     // somebody with another key goes by that id
+  Unbound = 12,   // nothing but the relay's word says whose id it is
 };
 const char* describe(Verdict verdict);
+
+/// What shows that an id may be gone by, see Credentials. Always as long.
+struct Badge {
+  std::uint64_t stamp = 0;
+  std::array<std::byte, kCertificateBytes> certificate{};  // zeros: none
+
+  bool has_certificate() const { return certificate != std::array<std::byte, kCertificateBytes>{}; }
+};
+
+constexpr std::size_t kBadgeBytes = 8 + kCertificateBytes;
+
+void encode(const Badge& badge, std::vector<std::byte>& out);
+/// None where it is of another length.
+std::optional<Badge> decode_badge(std::span<const std::byte> bytes);
 
 /// What each end says about itself, sealed.
 struct Introduction {
@@ -60,9 +81,10 @@ struct Introduction {
   std::uint32_t receiver = 0;  // to be written on packets to it; 0 where it refuses
   std::uint32_t idle_timeout_ms = 0;
   Verdict verdict = Verdict::Welcome;  // of the responder
+  Badge badge;
 };
 
-constexpr std::size_t kIntroductionBytes = 8 + 8 + 8 + 4 + 4 + 1;
+constexpr std::size_t kIntroductionBytes = 8 + 8 + 8 + 4 + 4 + 1 + kBadgeBytes;
 
 std::vector<std::uint8_t> encode(const Introduction& introduction);
 std::optional<Introduction> decode_introduction(std::span<const std::uint8_t> bytes);

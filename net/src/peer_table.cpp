@@ -40,7 +40,10 @@ void PeerTable::drain(std::vector<consensus::Packet>& out) {
   for (auto& [id, record] : records_) {
     while (!record.inbox.empty()) {
       QueuedFrame frame = record.inbox.pop();
-      out.push_back({.from = id, .bytes = std::move(frame.bytes), .received = frame.received});
+      out.push_back({.from = id,
+                     .bytes = std::move(frame.bytes),
+                     .received = frame.received,
+                     .role = record.status.role});
     }
   }
 }
@@ -85,15 +88,20 @@ std::uint64_t PeerTable::incarnation(PeerId peer) const {
 
 // ---- network thread ----
 
-std::optional<std::string> PeerTable::refusal(const Hello& hello, SteadyTime now) const {
+std::optional<std::string> PeerTable::refusal(const Hello& hello, const LinkMember& member,
+                                              SteadyTime now) const {
   const std::lock_guard lock(mutex_);
-  return refusal_locked(hello, now);
+  return refusal_locked(hello, member, now);
 }
 
-std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, SteadyTime now) const {
+std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const LinkMember& member,
+                                                     SteadyTime now) const {
   const Record* record = find(hello.peer);
   if (record != nullptr && now < record->hold_until) {
     return record->status.reason + " (on hold)";
+  }
+  if (record != nullptr && record->link != 0 && !member.bound && record->key != member.key) {
+    return "another key goes by peer id " + std::to_string(hello.peer);
   }
   // Of two processes that are there the newer one. What is gone says nothing: it may have had a
   // clock that was ahead.
@@ -106,21 +114,22 @@ std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, SteadyT
   return {};
 }
 
-std::uint64_t PeerTable::received(PeerId peer, std::uint64_t incarnation) const {
+std::uint64_t PeerTable::received(PeerId peer, std::uint64_t incarnation, const Key& key) const {
   const std::lock_guard lock(mutex_);
   const Record* record = find(peer);
-  return record != nullptr && record->incarnation == incarnation ? record->last_received : 0;
+  const bool same = record != nullptr && record->incarnation == incarnation && record->key == key;
+  return same ? record->last_received : 0;
 }
 
 PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello,
-                                          const Welcome& theirs, std::uint64_t ticket,
-                                          SteadyTime now) {
+                                          const LinkMember& member, const Welcome& theirs,
+                                          std::uint64_t ticket, SteadyTime now) {
   const std::lock_guard lock(mutex_);
-  if (auto reason = refusal_locked(hello, now)) return {.reason = std::move(*reason)};
+  if (auto reason = refusal_locked(hello, member, now)) return {.reason = std::move(*reason)};
   Record* record = find_or_add(hello.peer);
   if (record == nullptr) return {.reason = "too many peer ids"};
 
-  const bool same_process = record->incarnation == hello.incarnation;
+  const bool same_process = record->incarnation == hello.incarnation && record->key == member.key;
   if (same_process && record->link != 0 && ticket < record->ticket) {
     return {.reason = "replaced by a newer connection"};
   }
@@ -138,10 +147,13 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
     record->last_sequence = record->last_written = record->last_received = 0;
   }
   record->incarnation = hello.incarnation;
+  record->key = member.key;
+  record->status.role = member.role;
   record->link = link;
   record->ticket = ticket;
   record->max_payload = std::min(hello.max_frame_bytes, options_.max_frame_bytes);
   record->wake_posted = false;
+  record->budget = {};
   record->dropped = false;
   record->status.connected = true;
   record->status.reason.clear();
@@ -163,6 +175,16 @@ void PeerTable::note_failure(PeerId peer, const std::string& reason, bool reject
   if (record->link == 0 && !record->dropped) record->status.reason = reason;
 }
 
+void PeerTable::expel(std::uint64_t link, PeerId peer, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  if (record == nullptr) return;
+  disconnect(*record, reason);
+  record->inbox.clear();
+  record->send.clear();
+  record->unacked.clear();
+}
+
 void PeerTable::reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   Record* record = find_attached(link, peer);
@@ -172,7 +194,8 @@ void PeerTable::reject(std::uint64_t link, PeerId peer, const std::string& reaso
 }
 
 PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Delivery delivery,
-                                        std::uint64_t sequence, std::span<const std::byte> bytes) {
+                                        std::uint64_t sequence, std::span<const std::byte> bytes,
+                                        SteadyTime now) {
   const std::lock_guard lock(mutex_);
   Record* record = find_attached(link, peer);
   if (record == nullptr) return Delivered::Stale;
@@ -180,6 +203,13 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
     if (sequence <= record->last_received) return Delivered::Ok;  // had before a reconnection
     if (sequence != record->last_received + 1) return Delivered::Gap;
   }
+  if (!record->budget.admits(nanoseconds(now))) {
+    ++record->status.over_budget;
+    if (record->budget.abused()) return Delivered::Abused;
+    // What is reliable was under way when the reading stopped.
+    if (delivery == Delivery::Newest) return Delivered::Ok;
+  }
+  record->budget.spend(bytes.size());
   const std::size_t room = options_.receive_queue_bytes - queue_cost(bytes.size());
   record->status.dropped_queue_full += record->inbox.shed_states(room);
   if (record->inbox.cost() > room) {
@@ -194,6 +224,17 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
   ++record->status.packets_in;
   record->status.bytes_in += bytes.size();
   return Delivered::Ok;
+}
+
+void PeerTable::charge(std::uint64_t link, PeerId peer) {
+  const std::lock_guard lock(mutex_);
+  if (Record* record = find_attached(link, peer)) record->budget.spend(0);
+}
+
+bool PeerTable::may_read(std::uint64_t link, PeerId peer, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  Record* record = find_attached(link, peer);
+  return record == nullptr || record->budget.has(nanoseconds(now));
 }
 
 bool PeerTable::acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence) {

@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "frame_queue.h"
+#include "member_budget.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/tcp.h"
+#include "tcp_security.h"
 #include "wire.h"
 
 namespace tandem::net {
@@ -51,27 +53,34 @@ class PeerTable {
   // ---- network thread ----
 
   /// Why this peer may not come in now; none where it may.
-  std::optional<std::string> refusal(const Hello& hello, SteadyTime now) const;
+  std::optional<std::string> refusal(const Hello& hello, const LinkMember& member,
+                                     SteadyTime now) const;
   /// Sequence number of the last Reliable frame had from that process of that peer.
-  std::uint64_t received(PeerId peer, std::uint64_t incarnation) const;
+  std::uint64_t received(PeerId peer, std::uint64_t incarnation, const Key& key) const;
 
   struct AttachResult {
     bool attached = false;
     std::uint64_t replaced_link = 0;  // close it
     std::string reason;               // why not attached
   };
-  AttachResult attach(std::uint64_t link, const Hello& hello, const Welcome& theirs,
-                      std::uint64_t ticket, SteadyTime now);
+  AttachResult attach(std::uint64_t link, const Hello& hello, const LinkMember& member,
+                      const Welcome& theirs, std::uint64_t ticket, SteadyTime now);
   /// The link is gone. Its peer is disconnected if the link is still the attached one.
   void detach(std::uint64_t link, PeerId peer, const std::string& reason);
   /// A peer that is not connected could not be reached or was refused.
   void note_failure(PeerId peer, const std::string& reason, bool rejected);
+  /// No member any more: nothing of it is kept, and nothing for it.
+  void expel(std::uint64_t link, PeerId peer, const std::string& reason);
   /// A protocol error: the peer is treated as after drop().
   void reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now);
 
-  enum class Delivered { Ok, Stale, Gap, Full };
+  enum class Delivered { Ok, Stale, Gap, Full, Abused };
   Delivered deliver(std::uint64_t link, PeerId peer, consensus::Delivery delivery,
-                    std::uint64_t sequence, std::span<const std::byte> bytes);
+                    std::uint64_t sequence, std::span<const std::byte> bytes, SteadyTime now);
+  /// Count a frame that is not the application's.
+  void charge(std::uint64_t link, PeerId peer);
+  /// Whether more of it may be read now: it has not sent more than a member may.
+  bool may_read(std::uint64_t link, PeerId peer, SteadyTime now);
   /// False where that number was never sent.
   bool acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence);
   /// Appends queued frames to `out`, oldest first, until it holds about `limit` bytes.
@@ -91,6 +100,7 @@ class PeerTable {
   struct Record {
     consensus::PeerStatus status;
     std::uint64_t incarnation = 0;
+    Key key{};  ///< of who goes by this id, or did last
     std::uint64_t link = 0;
     std::uint64_t ticket = 0;
     std::size_t max_payload = 0;      // the smaller of both ends' limits
@@ -100,6 +110,7 @@ class PeerTable {
     std::uint64_t last_written = 0;
     std::uint64_t last_received = 0;
     FrameQueue inbox;
+    MemberBudget budget;  // of the attached link
     bool wake_posted = false;
     bool dropped = false;         // until it makes a new handshake
     std::uint64_t departure = 0;  // in the order of disconnections; 0 = never connected
@@ -111,7 +122,8 @@ class PeerTable {
   Record* find_attached(std::uint64_t link, PeerId peer);
   Record* find_or_add(PeerId peer);
   bool make_room();
-  std::optional<std::string> refusal_locked(const Hello& hello, SteadyTime now) const;
+  std::optional<std::string> refusal_locked(const Hello& hello, const LinkMember& member,
+                                            SteadyTime now) const;
   void disconnect(Record& record, const std::string& reason);
   void ban(Record& record, const std::string& reason, SteadyTime now);
   static bool forget_acked(Record& record, std::uint64_t sequence);

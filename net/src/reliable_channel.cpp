@@ -13,17 +13,21 @@ constexpr std::size_t kPieceCost = 64;  // of keeping one, about
 
 }  // namespace
 
-bool ReliableSender::post(std::span<const std::byte> message) {
-  if (message.size() > max_message_) return false;
-  const std::size_t count =
-      std::max<std::size_t>(1, (message.size() + kMaxPieceBytes - 1) / kMaxPieceBytes);
+bool ReliableSender::post(std::span<const std::byte> bytes, MessageKind kind) {
+  // What the mesh itself has to say is short, and is said whatever the application has queued.
+  const bool own = kind != MessageKind::Application;
+  if (bytes.size() > max_message_ && !own) return false;
+  kinded_.assign(1, static_cast<std::byte>(kind));
+  kinded_.insert(kinded_.end(), bytes.begin(), bytes.end());
+  const std::span<const std::byte> message = kinded_;
+  const std::size_t count = (message.size() + kMaxPieceBytes - 1) / kMaxPieceBytes;
   const std::size_t cost = message.size() + count * kPieceCost;
-  if (cost_ + cost > limit_) return false;
+  if (cost_ + cost > limit_ && !own) return false;
   cost_ += cost;
   for (std::size_t i = 0; i < count; ++i) {
     const auto rest = message.subspan(i * kMaxPieceBytes);
-    const auto bytes = rest.first(std::min(rest.size(), kMaxPieceBytes));
-    pieces_.push_back({.last = i + 1 == count, .bytes = {bytes.begin(), bytes.end()}});
+    const auto piece = rest.first(std::min(rest.size(), kMaxPieceBytes));
+    pieces_.push_back({.last = i + 1 == count, .bytes = {piece.begin(), piece.end()}});
   }
   return true;
 }
@@ -105,7 +109,9 @@ bool ReliableReceiver::on_piece(const ChannelSection& piece,
   for (auto next = early_.begin(); next != early_.end() && next->first == expected_;
        next = early_.begin()) {
     Entry& entry = next->second;
-    if (message_.size() + entry.bytes.size() > max_message_) return false;
+    if (message_.size() + entry.bytes.size() > 1 + std::max(max_message_, kMaxGroupChange)) {
+      return false;
+    }
     message_.insert(message_.end(), entry.bytes.begin(), entry.bytes.end());
     if (entry.last) messages.push_back(std::exchange(message_, {}));
     early_.erase(next);

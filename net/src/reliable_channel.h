@@ -14,8 +14,14 @@
 
 namespace tandem::net {
 
+/// Longest message of the mesh itself.
+constexpr std::size_t kMaxGroupChange = 4096;
+
 /// Pieces that may be on their way at once; the receiver keeps no more of them.
 constexpr std::uint64_t kPieceWindow = 256;
+
+/// The first byte of each message.
+enum class MessageKind : std::uint8_t { Application = 0, GroupChange = 1 };
 
 /// Cuts messages into pieces and sends each until it has come. Knows no time: what is lost is said
 /// by SentPackets. It may outlive the connection: the next one to the same process goes on with it.
@@ -26,7 +32,8 @@ class ReliableSender {
       : limit_(limit), max_message_(max_message) {}
 
   /// False where it is too long or does not fit any more.
-  [[nodiscard]] bool post(std::span<const std::byte> message);
+  [[nodiscard]] bool post(std::span<const std::byte> message,
+                          MessageKind kind = MessageKind::Application);
   bool due() const { return next_due().has_value(); }
   /// The next piece where it fits into `room` with its header; it counts as sent then. The view is
   /// valid until the piece is acknowledged.
@@ -60,7 +67,8 @@ class ReliableSender {
 
   std::size_t limit_;
   std::size_t max_message_;
-  std::deque<Entry> pieces_;  // the first has number first_
+  std::vector<std::byte> kinded_;  // scratch
+  std::deque<Entry> pieces_;       // the first has number first_
   std::uint64_t first_ = 1;
   std::uint8_t stream_ = 0;
   std::size_t cost_ = 0;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string>
 
+#include "tandem/net/membership.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::net {
@@ -19,6 +20,21 @@ inline void require(bool ok, const char* owner, const char* field, const std::st
 template <class Integer>
 void require(bool ok, const char* owner, const char* field, Integer value, const char* rule) {
   if (!ok) require(false, owner, field, std::to_string(value), rule);
+}
+
+/// What both transports need to know of who is who.
+template <class Options>
+void require_credentials(const Options& options, const char* owner) {
+  const std::string given = "given";
+  require(options.certificate.empty() || options.certificate.size() == kCertificateBytes, owner,
+          "certificate", options.certificate.size(), "121 bytes long");
+  require(options.certificate.empty() || options.organiser, owner, "certificate", given,
+          "none without an organiser");
+  require(!options.organiser || options.identity, owner, "organiser", given,
+          "none without an identity");
+  if (!is_derived(options.self)) return;
+  require(options.identity && derived_id(public_key(*options.identity)) == options.self, owner,
+          "self", options.self, "below 2^63, or derived from identity");
 }
 
 /// The times that the options of both transports have.

@@ -33,7 +33,9 @@ void TcpOptions::validate() const {
   } else {
     check(!identity, "identity", given, "none without a session_key");
     check(trusted.empty(), "trusted", given, "empty without a session_key");
+    check(!organiser, "organiser", given, "none without a session_key");
   }
+  if (session_key && has_protection()) require_credentials(*this, "TcpOptions");
   for (const TrustedPeer& each : trusted) {
     check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
   }
@@ -121,6 +123,10 @@ void TcpTransport::drop(PeerId peer, const std::string& reason) {
 }
 
 std::vector<consensus::PeerStatus> TcpTransport::peers() const { return impl_->table.peers(); }
+void TcpTransport::change_group(std::span<const std::byte> signed_change) {
+  impl_->mesh.change_group({signed_change.begin(), signed_change.end()});
+}
+std::uint64_t TcpTransport::group() const { return impl_->mesh.group(); }
 std::vector<DialStatus> TcpTransport::dials() const { return impl_->table.dials(); }
 StrangerStatus TcpTransport::strangers() const { return impl_->table.strangers(); }
 std::uint16_t TcpTransport::local_port() const { return impl_->mesh.local_port(); }

@@ -45,6 +45,15 @@ void TcpLink::on_read(const std::error_code& error, std::size_t count) {
   // Bytes left unread would reset the connection, and the other end would lose the Goodbye.
   if (phase == Phase::Leaving) input_.discard();
   kick();  // an acknowledgement may be due
+  if (phase == Phase::Closed) return;
+  paused_ = !owner_.may_read(*this);
+  if (!paused_) read();
+}
+
+void TcpLink::resume() {
+  if (!paused_ || phase == Phase::Closed || !owner_.may_read(*this)) return;
+  paused_ = false;
+  last_heard = std::chrono::steady_clock::now();  // it may have spoken all the time
   read();
 }
 

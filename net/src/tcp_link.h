@@ -27,6 +27,8 @@ class TcpLinkOwner {
   virtual void on_malformed(TcpLink& link, const std::string& reason) = 0;
   /// A frame that the other end has not sealed.
   virtual void on_forged(TcpLink& link, const std::string& reason) = 0;
+  /// Whether more may be read. Where not, resume() is called when it may.
+  virtual bool may_read(TcpLink& link) = 0;
   /// Append what is to be sent next to `out`, which may stay empty.
   virtual void on_writable(TcpLink& link, std::vector<std::byte>& out) = 0;
   /// Last call for this link.
@@ -75,6 +77,8 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
     kick();
   }
 
+  /// Reads on where may_read() has stopped it.
+  void resume();
   /// Something may be there to write.
   void kick();
   /// Send what is queued, a Goodbye with `reason`, and close once the other end has.
@@ -86,6 +90,8 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   std::uint64_t dial = 0;                 // 0: inbound
   std::unique_ptr<KeyExchange> exchange;  // of the dialler, until it has ended
   Key remote_key{};                       // after it
+  std::vector<std::byte> badge;           // likewise
+  LinkMember member;                      // once its Hello was good
   Hello hello;                            // the other's; peer 0 until it has come
   std::uint64_t ticket = 0;
   std::string failure;  // why it is leaving, for whoever dialled it
@@ -111,6 +117,7 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   std::vector<std::byte> sealed_;   // output_ is swapped with it
   std::unique_ptr<LinkCipher> cipher_;
   bool writing_ = false;
+  bool paused_ = false;
   std::optional<std::string> goodbye_;
 };
 

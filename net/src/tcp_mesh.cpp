@@ -19,6 +19,7 @@ using std::chrono::milliseconds;
 namespace {
 
 constexpr milliseconds kSweepInterval{10};
+constexpr milliseconds kExpelInterval{250};
 constexpr milliseconds kAcceptPause{100};   // after accept() has failed, as for want of descriptors
 constexpr std::size_t kMaxGreeting = 32;    // inbound connections that are not peers yet
 constexpr std::size_t kMaxExtraLinks = 64;  // above max_peers, in any phase
@@ -192,6 +193,7 @@ void TcpMesh::sweep() {
   last_sweep_ = now;
 
   for (const auto& link : snapshot()) {
+    link->resume();
     switch (link->phase) {
       case TcpLink::Phase::Attached:
         if (slept) link->last_heard = now;
@@ -213,6 +215,10 @@ void TcpMesh::sweep() {
         link->close(link->phase == TcpLink::Phase::Connecting ? "connecting timed out"
                                                               : "handshake timed out");
     }
+  }
+  if (security_ && now >= next_expel_) {
+    next_expel_ = now + kExpelInterval;
+    expel();
   }
   if (shutdown_deadline_) {
     if (links_.empty() || now >= *shutdown_deadline_) {

@@ -5,6 +5,7 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/steady_timer.hpp>
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -38,6 +39,8 @@ class TcpMesh final : private TcpLinkOwner {
   // From the application's thread; they only post.
   void wake(PeerId peer);
   void cut(std::uint64_t link, const std::string& reason);
+  void change_group(std::vector<std::byte> signed_change);
+  std::uint64_t group() const { return group_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -94,12 +97,17 @@ class TcpMesh final : private TcpLinkOwner {
   void on_frame(TcpLink& link, const FrameBuffer::Frame& frame) override;
   void on_malformed(TcpLink& link, const std::string& reason) override;
   void on_forged(TcpLink& link, const std::string& reason) override;
+  bool may_read(TcpLink& link) override;
   void on_writable(TcpLink& link, std::vector<std::byte>& out) override;
   void on_closed(TcpLink& link, const std::string& reason) override;
   void on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame);
   void on_hello(TcpLink& link, const Hello& hello);
   void on_welcome(TcpLink& link, const Welcome& welcome);
   void on_goodbye(TcpLink& link, const std::string& text);
+  void on_group_change(TcpLink& link, std::span<const std::byte> change);
+  TcpSecurity::Changed take_group_change(std::span<const std::byte> change);
+  void send_group_change(TcpLink& link);
+  void expel();
   void on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame);
   void ask_for_keys(TcpLink& link);
   void greet(TcpLink& link);
@@ -121,6 +129,8 @@ class TcpMesh final : private TcpLinkOwner {
   std::uint64_t next_ticket_ = 1;
   pbd::SplitMix64 jitter_;
   SteadyTime last_sweep_{};
+  SteadyTime next_expel_{};
+  std::atomic<std::uint64_t> group_{0};
   SteadyTime accept_again_{};  // after an error; zero: accepting
   std::optional<SteadyTime> shutdown_deadline_;
   std::thread thread_;

@@ -53,7 +53,8 @@ void TcpMesh::on_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
 }
 
 void TcpMesh::ask_for_keys(TcpLink& link) {
-  link.exchange = security_->ask();
+  const Dial* const dial = find_dial(link.dial);
+  link.exchange = security_->ask(dial != nullptr && dial->attempts > 0 ? dial->attempts - 1 : 0);
   link.send(FrameType::KeyRequest, [&](pbd::ByteWriter& writer) {
     encode(writer, KeyFrame{.message = link.exchange->message()});
   });
@@ -90,6 +91,7 @@ void TcpMesh::on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   }
   link.exchange.reset();
   link.remote_key = keys->remote;
+  link.badge = std::move(keys->badge);
   link.phase = TcpLink::Phase::Greeting;
   link.protect(std::move(keys->cipher));
   // Sealed, so that it is the dialler's proof that it is no recording.
@@ -125,8 +127,9 @@ std::optional<std::string> TcpMesh::mismatch(const Hello& hello) const {
 
 void TcpMesh::on_hello(TcpLink& link, const Hello& hello) {
   // Before anything is noted under an id that may be another's.
-  if (security_ && !security_->trusts(hello.peer, link.remote_key)) {
-    const std::string reason = "public key is not that of peer " + std::to_string(hello.peer);
+  if (security_) link.member = security_->judge(hello.peer, link.remote_key, link.badge);
+  if (!link.member.refusal.empty()) {
+    const std::string reason = link.member.refusal + " (" + std::to_string(hello.peer) + ')';
     if (link.dial == 0) table_.count(PeerTable::Stranger::Refused, reason);
     return link.leave(reason, Clock::now() + kLinger);
   }
@@ -138,7 +141,8 @@ void TcpMesh::on_hello(TcpLink& link, const Hello& hello) {
     if (Dial* dial = find_dial(link.dial)) dial->is_self = true;
   }
   if (const auto why = mismatch(hello)) return refuse(link, *why, true);
-  if (const auto why = table_.refusal(hello, Clock::now())) return refuse(link, *why, false);
+  if (const auto why = table_.refusal(hello, link.member, Clock::now()))
+    return refuse(link, *why, false);
   link.phase = TcpLink::Phase::Welcoming;
   if (options_.self < hello.peer) {
     link.ticket = next_ticket_++;
@@ -153,8 +157,9 @@ void TcpMesh::refuse(TcpLink& link, const std::string& reason, bool rejected) {
 }
 
 void TcpMesh::send_welcome(TcpLink& link) {
-  const Welcome welcome{.ticket = link.ticket,
-                        .received = table_.received(link.hello.peer, link.hello.incarnation)};
+  const Welcome welcome{
+      .ticket = link.ticket,
+      .received = table_.received(link.hello.peer, link.hello.incarnation, link.member.key)};
   link.send(FrameType::Welcome, [&](pbd::ByteWriter& writer) { encode(writer, welcome); });
 }
 
@@ -164,7 +169,8 @@ void TcpMesh::on_welcome(TcpLink& link, const Welcome& welcome) {
   link.ticket = welcome.ticket;
 
   const SteadyTime now = Clock::now();
-  const auto result = table_.attach(link.serial(), link.hello, welcome, link.ticket, now);
+  const auto result =
+      table_.attach(link.serial(), link.hello, link.member, welcome, link.ticket, now);
   if (!result.attached) return link.leave(result.reason, now + kLinger);
   // After attach: nothing more is taken from an older connection, the number sent is final.
   if (!deciding) send_welcome(link);
@@ -180,6 +186,7 @@ void TcpMesh::on_welcome(TcpLink& link, const Welcome& welcome) {
   }
   learn_address(link);
   introduce(link);
+  send_group_change(link);
   publish_dials();
   link.kick();
 }
@@ -220,6 +227,9 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   Delivery delivery = Delivery::Newest;
   std::uint64_t sequence = 0;
   std::span<const std::byte> bytes = frame.payload;
+  if (frame.type != FrameType::Newest && frame.type != FrameType::Reliable) {
+    table_.charge(link.serial(), peer);
+  }
   switch (frame.type) {
     case FrameType::Ping:
       return;
@@ -232,6 +242,8 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
       }
       return;
     }
+    case FrameType::GroupChange:
+      return on_group_change(link, frame.payload);
     case FrameType::Addresses:
       if (const auto addresses = decode_addresses(frame.payload)) {
         return on_addresses(link, *addresses);
@@ -255,12 +267,14 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
     return on_malformed(link, "payload of " + std::to_string(bytes.size()) + " bytes, at most " +
                                   std::to_string(options_.max_frame_bytes));
   }
-  switch (table_.deliver(link.serial(), peer, delivery, sequence, bytes)) {
+  switch (table_.deliver(link.serial(), peer, delivery, sequence, bytes, Clock::now())) {
     case PeerTable::Delivered::Ok:
       link.ack_due |= delivery == Delivery::Reliable;
       return;
     case PeerTable::Delivered::Stale:
       return;  // dropped meanwhile, its link is about to be cut
+    case PeerTable::Delivered::Abused:
+      return on_malformed(link, MemberBudget::kReason);
     case PeerTable::Delivered::Gap:
       return on_malformed(link, "reliable frame out of order");
     case PeerTable::Delivered::Full: {
@@ -272,10 +286,15 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   }
 }
 
+bool TcpMesh::may_read(TcpLink& link) {
+  return link.phase != TcpLink::Phase::Attached ||
+         table_.may_read(link.serial(), link.hello.peer, Clock::now());
+}
+
 void TcpMesh::on_writable(TcpLink& link, std::vector<std::byte>& out) {
   const PeerId peer = link.hello.peer;
   if (std::exchange(link.ack_due, false)) {
-    const std::uint64_t received = table_.received(peer, link.hello.incarnation);
+    const std::uint64_t received = table_.received(peer, link.hello.incarnation, link.member.key);
     append_frame(out, FrameType::Ack, [&](pbd::ByteWriter& writer) { writer.u64(received); });
   }
   table_.take(link.serial(), peer, kWriteBatch, out);

@@ -2,12 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tcp_security.h"
 
-#include <map>
 #include <string_view>
 #include <utility>
 
 #include "address.h"
 #include "address_limiter.h"
+#include "credentials.h"
 #include "noise.h"
 #include "octets.h"
 #include "stream_protection.h"
@@ -50,19 +50,32 @@ class Cipher final : public LinkCipher {
   StreamOpener opener_;
 };
 
+std::vector<std::uint8_t> own_badge(const Credentials& own) {
+  std::vector<std::byte> bytes;
+  encode(own.badge(), bytes);
+  const auto view = octets(std::span<const std::byte>(bytes));
+  return {view.begin(), view.end()};
+}
+
+std::vector<std::byte> copy(std::span<const std::uint8_t> from) {
+  const auto bytes = as_bytes(from);
+  return {bytes.begin(), bytes.end()};
+}
+
 class Exchange final : public KeyExchange {
  public:
-  Exchange(const crypto::Secret& session_key, const crypto::KeyPair& identity,
-           const crypto::Random& random)
-      : noise_(session_key, identity, tcp_prologue(), random), message_(noise_.first_message({})) {}
+  Exchange(const crypto::Secret& session_key, const Credentials& own, const crypto::Random& random)
+      : noise_(session_key, own.identity, tcp_prologue(), random),
+        message_(noise_.first_message(own_badge(own))) {}
 
   std::span<const std::byte> message() const override { return as_bytes(message_); }
   std::optional<LinkKeys> finish(std::span<const std::byte> answer, std::int64_t now) override {
     const auto result = noise_.second_message(octets(answer));
-    if (!result || !result->payload.empty()) return {};
+    if (!result) return {};
     return LinkKeys{
         .cipher = std::make_unique<Cipher>(result->keys.initiator, result->keys.responder, now),
         .remote = result->remote,
+        .badge = copy(result->payload),
         .message = {}};
   }
 
@@ -75,48 +88,79 @@ class Security final : public TcpSecurity {
  public:
   explicit Security(const TcpOptions& options)
       : random_(crypto::system_random()),
-        session_key_(*options.session_key),
-        identity_(crypto::make_key_pair(random_)),
+        session_(options.scene_hash),
         limiter_(crypto::make_key_pair(random_).secret, kRate, kBurst, kTotal) {
+    own_.session_key = crypto::Secret(*options.session_key);
+    own_.identity = crypto::make_key_pair(random_);
     if (options.identity) {
-      identity_.secret = crypto::Secret(*options.identity);
-      identity_.public_key = crypto::public_key_of(identity_.secret);
+      own_.identity.secret = crypto::Secret(*options.identity);
+      own_.identity.public_key = crypto::public_key_of(own_.identity.secret);
     }
-    for (const TrustedPeer& each : options.trusted) trusted_[each.peer] = each.public_key;
+    for (const TrustedPeer& each : options.trusted) own_.trusted[each.peer] = each.public_key;
+    own_.organiser = options.organiser;
+    own_.certificate = options.certificate;
+    own_.complete(options.self);
   }
 
   bool allow(const std::array<std::uint8_t, 16>& ip, std::int64_t now) override {
     return limiter_.allow({.ip = ip, .port = 1}, now);  // ports do not count, but 0 has a meaning
   }
 
-  std::unique_ptr<KeyExchange> ask() override {
-    return std::make_unique<Exchange>(session_key_, identity_, random_);
+  std::unique_ptr<KeyExchange> ask(std::uint64_t attempt) override {
+    return std::make_unique<Exchange>(own_.key(attempt % own_.key_count()), own_, random_);
   }
 
   std::optional<LinkKeys> answer(std::span<const std::byte> question, std::int64_t now) override {
-    NoiseResponder noise(session_key_, tcp_prologue());
-    const auto first = noise.first_message(octets(question));
-    if (!first || !first->payload.empty()) return {};
-    const auto second = noise.second_message(identity_, random_, {});
-    if (!second) return {};
-    const auto message = as_bytes(second->message);
-    return LinkKeys{
-        .cipher = std::make_unique<Cipher>(second->keys.responder, second->keys.initiator, now),
-        .remote = first->remote,
-        .message = {message.begin(), message.end()}};
+    for (std::size_t key = 0; key < own_.key_count(); ++key) {
+      NoiseResponder noise(own_.key(key), tcp_prologue());
+      const auto first = noise.first_message(octets(question));
+      if (!first) continue;
+      const auto second = noise.second_message(own_.identity, random_, own_badge(own_));
+      if (!second) return {};
+      return LinkKeys{
+          .cipher = std::make_unique<Cipher>(second->keys.responder, second->keys.initiator, now),
+          .remote = first->remote,
+          .badge = copy(first->payload),
+          .message = copy(second->message)};
+    }
+    return {};
   }
 
-  bool trusts(PeerId peer, const Key& remote) const override {
-    if (trusted_.empty()) return true;
-    const auto known = trusted_.find(peer);
-    return known != trusted_.end() && known->second == remote;
+  LinkMember judge(PeerId peer, const Key& remote,
+                   std::span<const std::byte> badge) const override {
+    const auto read = decode_badge(badge);
+    if (!read) return {.key = remote, .refusal = "not a key exchange of this protocol"};
+    const auto answer = own_.judge(peer, remote, *read, session_);
+    return {.key = remote,
+            .role = answer.member.role,
+            .bound = answer.member.bound,
+            .expires = answer.member.expires,
+            .refusal = answer.verdict == Verdict::Welcome ? "" : describe(answer.verdict)};
   }
+
+  std::string expelled(const LinkMember& member) const override {
+    if (own_.stands({.key = member.key, .expires = member.expires})) return {};
+    return describe(own_.is_revoked(member.key) ? Verdict::Revoked : Verdict::Expired);
+  }
+
+  Changed change_group(std::span<const std::byte> signed_change) override {
+    switch (own_.change(signed_change, session_)) {
+      case Credentials::Changed::Yes:
+        return Changed::Yes;
+      case Credentials::Changed::Known:
+        return Changed::Known;
+      case Credentials::Changed::Forged:
+        break;
+    }
+    return own_.organiser ? Changed::Forged : Changed::Known;
+  }
+  std::span<const std::byte> group_change() const override { return own_.group_change; }
+  std::uint64_t group() const override { return own_.group; }
 
  private:
   crypto::Random random_;
-  crypto::Secret session_key_;
-  crypto::KeyPair identity_;
-  std::map<PeerId, crypto::PublicKey> trusted_;
+  const std::uint64_t session_;
+  Credentials own_;
   AddressLimiter limiter_;
 };
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tandem/net/tcp.h"
@@ -29,6 +30,7 @@ class LinkCipher {
 struct LinkKeys {
   std::unique_ptr<LinkCipher> cipher;
   Key remote{};                    // public key of the other end
+  std::vector<std::byte> badge;    // why it may go by its id, see Credentials
   std::vector<std::byte> message;  // the listener's answer
 };
 
@@ -41,17 +43,36 @@ class KeyExchange {
   virtual std::optional<LinkKeys> finish(std::span<const std::byte> answer, std::int64_t now) = 0;
 };
 
-/// Who this process is, and whom it trusts.
+/// How somebody stands to this process, see Credentials.
+struct LinkMember {
+  Key key{};
+  Role role = Role::Share;
+  bool bound = true;
+  std::int64_t expires = INT64_MAX;
+  std::string refusal;  // why he may not come in; empty where he may
+};
+
+/// Who this process is, and whom it lets in.
 class TcpSecurity {
  public:
   virtual ~TcpSecurity() = default;
   /// Whether to listen to somebody at that address (IPv6, or IPv4 mapped into it) once more.
   virtual bool allow(const std::array<std::uint8_t, 16>& ip, std::int64_t now) = 0;
-  virtual std::unique_ptr<KeyExchange> ask() = 0;
+  /// @param attempt  how often that address has been dialled: keys take turns
+  virtual std::unique_ptr<KeyExchange> ask(std::uint64_t attempt) = 0;
   /// The listener's half. None where the question is not of one that has the session key.
   virtual std::optional<LinkKeys> answer(std::span<const std::byte> question, std::int64_t now) = 0;
-  /// Whether that may be the peer's public key.
-  virtual bool trusts(PeerId peer, const Key& remote) const = 0;
+  /// Whether whoever has that key may be that peer, and as what.
+  virtual LinkMember judge(PeerId peer, const Key& remote,
+                           std::span<const std::byte> badge) const = 0;
+  /// Why what was a member is none any more; empty where it is.
+  virtual std::string expelled(const LinkMember& member) const = 0;
+
+  enum class Changed { Yes, Known, Forged };
+  virtual Changed change_group(std::span<const std::byte> signed_change) = 0;
+  /// The one that holds; empty: none.
+  virtual std::span<const std::byte> group_change() const = 0;
+  virtual std::uint64_t group() const = 0;
 };
 
 /// Whether this build can protect anything.

@@ -37,6 +37,8 @@ UdpNodeOptions node_options(const UdpOptions& options) {
     own.identity.public_key = crypto::public_key_of(own.identity.secret);
   }
   for (const UdpTrusted& trusted : options.trusted) own.trusted[trusted.peer] = trusted.public_key;
+  own.organiser = options.organiser;
+  own.certificate = options.certificate;
 
   UdpConnectionOptions& link = out.connection;
   link.channels.state_queue_bytes = options.state_queue_bytes;
@@ -72,6 +74,7 @@ void UdpOptions::validate() const {
   for (const UdpTrusted& each : trusted) {
     check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
   }
+  require_credentials(*this, "UdpOptions");
   check(kbit_per_s >= 8.0 && kbit_per_s <= 1e6, "kbit_per_s", kbit_per_s, "in [8, 1e6]");
   check(min_kbit_per_s > 0.0 && min_kbit_per_s <= kbit_per_s, "min_kbit_per_s", min_kbit_per_s,
         "in (0, kbit_per_s]");
@@ -128,6 +131,16 @@ void UdpTransport::drop(consensus::PeerId peer, const std::string& reason) {
 
 std::vector<consensus::PeerStatus> UdpTransport::peers() const {
   return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.peers(); });
+}
+
+bool UdpTransport::change_group(std::span<const std::byte> signed_change) {
+  return impl_->socket.with(true, [&](UdpNode& node, std::int64_t now) {
+    return node.change_group(signed_change, now) == Credentials::Changed::Yes;
+  });
+}
+
+std::uint64_t UdpTransport::group() const {
+  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.group(); });
 }
 
 SessionTime UdpTransport::session_now() const {

@@ -175,6 +175,8 @@ void UdpConnection::read(std::int64_t now) {
   switch (channels_.read(opened->sequence, opened->plain, now)) {
     case Channels::Read::Ok:
     case Channels::Read::Full:
+      // Whoever has been told comes back after a while, and with a new budget.
+      if (channels_.budget().abused()) leave(std::string("dropped: ") + MemberBudget::kReason, now);
       break;
     case Channels::Read::Malformed:
       ++rejected_;

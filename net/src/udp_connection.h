@@ -69,6 +69,8 @@ class UdpConnection {
   /// What the last read() has found. Valid until the next open().
   std::optional<Relayed> take_relayed() { return std::exchange(relayed_, {}); }
 
+  void post_group_change(std::span<const std::byte> change) { channels_.post_group_change(change); }
+  std::vector<std::byte> take_group_change() { return channels_.take_group_change(); }
   void tell(const KnownPeer& known) { channels_.tell(known); }
   std::vector<KnownPeer> take_told() { return channels_.take_told(); }
   Channels::Reliable take_reliable() { return channels_.take_reliable(); }

@@ -27,8 +27,11 @@ UdpNode::UdpNode(const UdpNodeOptions& options, const crypto::Random& random, Se
              options.correction),
       responder_(
           options_.handshake, random,
-          [this](const Introduction& other, const Address&) { return decide(other, now_); },
+          [this](const Introduction& other, const Member& member, const Address& from) {
+            return decide(other, member, from, now_);
+          },
           [this] { return free_receiver(); }) {
+  options_.handshake.complete(options_.handshake.self);
   std::array<std::uint8_t, 2> bytes{};
   random_(bytes);
   receiver_prefix_ = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
@@ -43,11 +46,20 @@ std::size_t UdpNode::attached_count() const {
       records_, [](const auto& entry) { return entry.second.receiver != 0; }));
 }
 
-Verdict UdpNode::decide(const Introduction& other, std::int64_t now) const {
+bool UdpNode::is_taken(const Record& record, const Member& member, std::int64_t now) const {
+  return !member.bound && record.receiver != 0 && record.member.key != member.key &&
+         !connections_.at(record.receiver).link->silent(now);
+}
+
+Verdict UdpNode::decide(const Introduction& other, const Member& member, const Address& from,
+                        std::int64_t now) const {
   if (leaving_) return Verdict::Full;
+  // Whoever passes the handshake on could be its other end.
+  if (is_relayed(from) && !member.bound) return Verdict::Unbound;
   const auto found = records_.find(other.peer);
   const bool is_here = found != records_.end() && found->second.receiver != 0;
   if (found != records_.end() && now < found->second.hold_until) return Verdict::OnHold;
+  if (is_here && is_taken(found->second, member, now)) return Verdict::Taken;
   // An incarnation says which of two processes is meant. It comes from a clock that may be wrong,
   // so that of one that is gone says nothing.
   if (is_here && other.incarnation < found->second.incarnation &&
@@ -128,6 +140,13 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
   const auto began_by_lower = [&](const Connection& c) {
     return c.began_here == (options_.handshake.self < remote.peer);
   };
+  const Member& member = connection.link->session().member;
+  if (is_taken(record, member, now)) {
+    connection.link->leave(describe(Verdict::Taken), now);
+    return;
+  }
+  const bool same_process =
+      record.incarnation == remote.incarnation && record.member.key == member.key;
   if (Connection* existing = attached(remote.peer)) {
     const bool newer = remote.incarnation > record.incarnation;
     const bool older = remote.incarnation < record.incarnation;
@@ -142,9 +161,11 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
     existing->link->leave("replaced by a newer connection", now);
     detach(*existing);
   }
-  if (record.incarnation != remote.incarnation) record.reliable.reset();
+  if (!same_process) record.reliable.reset();
   if (record.reliable) connection.link->resume(*std::exchange(record.reliable, {}));
   record.incarnation = remote.incarnation;
+  record.member = member;
+  record.status.role = member.role;
   record.receiver = receiver;
   record.dropped = false;
   record.status.connected = true;
@@ -155,6 +176,8 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
     if (dial.peer == remote.peer) dial.backoff = options_.backoff_min;
   }
   acquaintances_.restart(remote.peer, now);
+  const auto& change = options_.handshake.group_change;
+  if (!change.empty()) connection.link->post_group_change(change);
   connection.tell_due = now;
   if (is_relayed(connection.address)) return;
   for (auto& [number, other] : connections_) {
@@ -170,6 +193,7 @@ void UdpNode::detach(Connection& connection) {
   connection.link->drain(record.inbox);
   record.status.dropped_queue_full += connection.link->channels().dropped_states();
   record.status.rejected += connection.link->rejected();
+  record.status.over_budget += connection.link->channels().budget().refused();
   record.reliable = connection.link->take_reliable();
   record.departure = ++departures_;
   acquaintances_.restart(record.status.id, now_);
@@ -227,6 +251,8 @@ bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte
     clock_.on_exchange(record.status.id, times, exchange->claim);
   }
   for (const KnownPeer& known : connection.link->take_told()) on_told(connection, known, now);
+  const auto change = connection.link->take_group_change();
+  if (!change.empty()) on_group_change(connection, change, now);
   const auto relayed = connection.link->take_relayed();
   if (connection.link->state() != UdpConnection::State::Open) {
     detach(connection);
@@ -274,16 +300,19 @@ void UdpNode::finish(Dial& dial, std::int64_t now) {
     }
     return;
   }
+  dial.attempts = 0;
   dial.peer = attempt->session().remote.peer;
-  if (decide(attempt->session().remote, now) != Verdict::Welcome) return;
-  open(attempt->session(), dial.address, true, now);
+  const Session& session = attempt->session();
+  const Verdict verdict = decide(session.remote, session.member, dial.address, now);
+  if (verdict != Verdict::Welcome) return;
+  open(session, dial.address, true, now);
 }
 
 bool UdpNode::is_wanted(const Dial& dial) const {
   const auto record = records_.find(dial.peer);
   if (leaving_) return false;
   if (record == records_.end()) return true;
-  if (record->second.dropped) return false;
+  if (record->second.dropped || !options_.handshake.stands(record->second.member)) return false;
   // Also where it is connected by a relay only, and this is the straight way.
   return record->second.receiver == 0 ||
          (!is_relayed(dial.address) && !is_attached_directly(dial.peer));
@@ -296,8 +325,10 @@ void UdpNode::poll_dial(Dial& dial, std::int64_t now) {
   }
   if (!dial.attempt) {
     if (now < dial.due) return;
-    dial.attempt =
-        std::make_unique<HandshakeInitiator>(options_.handshake, random_, free_receiver(), now);
+    // In turn: whoever is dialled may not have heard of the last change yet.
+    const std::size_t key = dial.attempts++ % options_.handshake.key_count();
+    dial.attempt = std::make_unique<HandshakeInitiator>(options_.handshake, random_,
+                                                        free_receiver(), now, key);
   }
   const auto datagram = dial.attempt->poll(now);
   if (!datagram.empty()) transmit(datagram, dial.address);
@@ -313,6 +344,7 @@ void UdpNode::poll(std::int64_t now) {
   if (now >= mesh_due_) {
     look_for_relays(now);
     forget_dials(now);
+    expel(now);
     mesh_due_ = now + kMeshPeriod;
   }
   const ClockClaim claim = clock_.claim(now);
@@ -377,8 +409,10 @@ void UdpNode::drain(std::vector<consensus::Packet>& out) {
   for (auto& [peer, record] : records_) {
     if (Connection* connection = attached(peer)) connection->link->drain(record.inbox);
     for (auto& message : record.inbox)
-      out.push_back(
-          {.from = peer, .bytes = std::move(message.bytes), .received = clock_.at(message.at)});
+      out.push_back({.from = peer,
+                     .bytes = std::move(message.bytes),
+                     .received = clock_.at(message.at),
+                     .role = record.member.role});
     record.inbox.clear();
   }
 }
@@ -413,6 +447,7 @@ std::vector<consensus::PeerStatus> UdpNode::peers() const {
     const UdpConnection& link = *connections_.at(record.receiver).link;
     out.back().dropped_queue_full += link.channels().dropped_states();
     out.back().rejected += link.rejected();
+    out.back().over_budget += link.channels().budget().refused();
     out.back().round_trip = link.channels().rtt().any()
                                 ? link.channels().rtt().smoothed()
                                 : connections_.at(record.receiver).round_trip;

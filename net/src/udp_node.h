@@ -71,6 +71,12 @@ class UdpNode {
   void drop(consensus::PeerId peer, const std::string& reason, std::int64_t now);
   std::vector<consensus::PeerStatus> peers() const;
 
+  /// Take over what the organiser has signed and pass it on: whoever is revoked is told so and cut
+  /// off at once.
+  Credentials::Changed change_group(std::span<const std::byte> signed_change, std::int64_t now);
+  /// Number of the change that holds; 0: none.
+  std::uint64_t group() const { return options_.handshake.group; }
+
   /// As if the connected peer `teller` had said so.
   void told(consensus::PeerId teller, const KnownPeer& known, std::int64_t now) {
     if (Connection* connection = attached(teller)) on_told(*connection, known, now);
@@ -110,6 +116,7 @@ class UdpNode {
     std::unique_ptr<HandshakeInitiator> attempt;
     std::int64_t due = 0;
     std::int64_t backoff = 0;
+    std::size_t attempts = 0;
     consensus::PeerId told_by = 0;  // 0: by the application
     std::int64_t told_at = 0;
   };
@@ -127,6 +134,7 @@ class UdpNode {
   struct Record {
     consensus::PeerStatus status;
     std::uint64_t incarnation = 0;
+    Member member;               // who goes by this id, or did last
     std::uint32_t receiver = 0;  // of the attached connection; 0: none
     bool dropped = false;        // until it makes a handshake itself
     std::int64_t hold_until = INT64_MIN;
@@ -150,7 +158,13 @@ class UdpNode {
   void forget_departed();
   bool is_attached_directly(consensus::PeerId peer) const;
   std::size_t attached_count() const;
-  Verdict decide(const Introduction& other, std::int64_t now) const;
+  Verdict decide(const Introduction& other, const Member& member, const Address& from,
+                 std::int64_t now) const;
+  /// Whether an id that is not bound is somebody else's for now.
+  bool is_taken(const Record& record, const Member& member, std::int64_t now) const;
+  void on_group_change(Connection& connection, std::span<const std::byte> change, std::int64_t now);
+  /// Cut off whoever is no member any more.
+  void expel(std::int64_t now);
   std::uint32_t free_receiver();
   void open(const Session& session, const Address& address, bool began_here, std::int64_t now);
   void attach(std::uint32_t receiver, std::int64_t now);

@@ -36,10 +36,10 @@ using consensus::PeerId;
 constexpr std::uint32_t kMagic = 0x4d444e54;  // "TNDM"
 constexpr std::uint16_t kProtocolVersion = 1;
 constexpr std::uint32_t kKeyMagic = 0x4b444e54;  // "TNDK"
-constexpr std::uint16_t kKeyVersion = 1;
+constexpr std::uint16_t kKeyVersion = 2;
 constexpr std::size_t kFrameHeader = 5;         // length and type
 constexpr std::size_t kSealBytes = 16;          // of tag
-constexpr std::size_t kMaxKeyFrame = 256;       // payload until there are keys
+constexpr std::size_t kMaxKeyFrame = 320;       // payload until there are keys
 constexpr std::size_t kReliableHeader = 8;      // sequence number
 constexpr std::size_t kMaxControlFrame = 4096;  // payload of all but Newest and Reliable
 constexpr std::size_t kMaxAddresses = 128;      // in one frame
@@ -57,6 +57,7 @@ enum class FrameType : std::uint8_t {
   KeyRequest = 9,
   KeyReply = 10,
   Rekey = 11,  // sealed: the last one under its key
+  GroupChange = 12,
 };
 
 struct Hello {

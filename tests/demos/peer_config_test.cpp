@@ -89,6 +89,38 @@ address = "::1"
   CHECK(c.metrics_address == "::1");
 }
 
+TEST_CASE("peer config: an identity of its own by default, and an organiser who lets in",
+          "[demos]") {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  const auto file = [&folder](const char* name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+    std::filesystem::permissions(folder / name, std::filesystem::perms(0600));
+  };
+  file("tandem_config_key", std::string(64, '7'));
+  file("tandem_certificate", "0a0b");
+  const std::string network = "id = 3\n[network]\nlisten = 0\nkey = \"tandem_config_key\"\n";
+  const auto parse = [&](const std::string& text) {
+    return parse_config(text, (folder / "third.toml").string());
+  };
+  CHECK(parse(network).session.identity == (folder / "third.identity").string());
+  CHECK_FALSE(parse(network).session.organiser);
+  const std::string organiser = "organiser = \"" + std::string(63, '0') + "1\"\n";
+  const PeerConfig c =
+      parse(network + organiser + "certificate = \"tandem_certificate\"\ngroup = \"group.hex\"\n");
+  REQUIRE(c.session.organiser);
+  CHECK((*c.session.organiser)[31] == 1);
+  CHECK(c.session.certificate == (folder / "tandem_certificate").string());
+  CHECK(c.group_file == (folder / "group.hex").string());
+  CHECK_THROWS_AS(parse(network + "certificate = \"tandem_certificate\"\n"), ConfigError);
+  CHECK_THROWS_AS(parse(network + "organiser = \"01\"\n"), ConfigError);
+  CHECK_THROWS_AS(parse(network + organiser + "certificate = \"nowhere\"\n"), ConfigError);
+  CHECK_THROWS_AS(parse("id = 3\n[network]\nlisten = 0\ninsecure = true\n" + organiser),
+                  ConfigError);
+  CHECK_FALSE(parse("id = 3\n[network]\nlisten = 0\ninsecure = true\n").session.identity.size());
+  std::filesystem::remove(folder / "tandem_config_key");
+  std::filesystem::remove(folder / "tandem_certificate");
+}
+
 TEST_CASE("peer config: a refusal names file, line, key, value and rule", "[demos][fault]") {
   CHECK(refusal("").find("peers.toml: id must be given") == 0);
   CHECK(refusal("id = 0\n" + kNetwork) ==

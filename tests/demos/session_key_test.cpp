@@ -65,6 +65,38 @@ TEST_CASE("session key: a file that others can read or write is refused", "[demo
   }
 }
 
+TEST_CASE("session key: an identity is made at the first start and kept for its owner alone",
+          "[demos]") {
+  const fs::path path = fs::temp_directory_path() / "tandem_kept_identity";
+  fs::remove(path);
+  const auto first = keep_identity(path.string());
+  CHECK((fs::status(path).permissions() & fs::perms(0777)) == fs::perms(0600));
+  CHECK(keep_identity(path.string()) == first);
+  CHECK(read_session_key(path.string()) == first);
+  fs::permissions(path, fs::perms(0644));
+  CHECK_THROWS_AS(keep_identity(path.string()), std::invalid_argument);
+  fs::remove(path);
+  CHECK(keep_identity(path.string()) != first);
+  fs::remove(path);
+  CHECK_THROWS_AS(keep_identity("/nowhere/at/all"), std::system_error);
+}
+
+TEST_CASE("session key: hex digits of any length are bytes", "[demos][unit]") {
+  const std::string path = (fs::temp_directory_path() / "tandem_hex").string();
+  const auto read = [&path](const std::string& text) {
+    std::ofstream(path) << text;
+    return read_hex_file(path);
+  };
+  CHECK(read("0a fF\n10") ==
+        std::vector<std::byte>{std::byte{0x0a}, std::byte{0xff}, std::byte{0x10}});
+  for (const char* bad : {"", "0", "0x", "012", "0g"}) {
+    CAPTURE(bad);
+    CHECK_THROWS_AS(read(bad), std::invalid_argument);
+  }
+  fs::remove(path);
+  CHECK_THROWS_AS(read_hex_file(path), std::invalid_argument);
+}
+
 TEST_CASE("session key: a name that begins like a loopback address is none", "[demos][unit]") {
   for (const char* host : {"localhost", "::1", "127.0.0.1", "127.1.2.3"}) CHECK(is_loopback(host));
   for (const char* host : {"127.evil.org", "10.0.0.1", "localhost.org", "0.0.0.0", ""}) {

@@ -211,4 +211,18 @@ TEST_CASE("clock: two session clocks of one host agree", "[net][unit]") {
   CHECK(between <= last);
 }
 
+TEST_CASE("physics clock: how long it holds still for a clock that went back is said", "[net]") {
+  PhysicsClock clock({}, 0);
+  CHECK(clock.advance(20'000'000).held == 0);
+  const std::int64_t ahead = clock.physics_time();
+  // Half a second back: less than what is skipped, so nothing moves until it has passed again.
+  const ClockTick tick = clock.advance(ahead - 500'000'000);
+  CHECK(tick.steps.empty());
+  CHECK(tick.held == 500'000'000);
+  CHECK(clock.advance(ahead - 100'000'000).held == 100'000'000);
+  CHECK(clock.advance(ahead + 17'000'000).held == 0);
+  // Further back it is skipped, and nothing is held.
+  CHECK(clock.advance(ahead - 60'000'000'000).held == 0);
+}
+
 }  // namespace clock_test

@@ -368,4 +368,37 @@ TEST_CASE("connection: a datagram is never longer than it may be, down to an MTU
   }
 }
 
+TEST_CASE("connection: who sends more than a member may is heard so much, then told and left",
+          "[net][fault]") {
+  const bool reliable = GENERATE(false, true);
+  UdpConnectionOptions options;
+  options.congestion = {.min_kbit = 1000.0, .max_kbit = 1e6};
+  Pair pair({.delay = kMs}, options);
+  std::uint64_t got = 0;
+  pair.each_step = [&] {
+    // 200 000 a second: many in each datagram.
+    for (int i = 0; i < 200; ++i) {
+      (void)pair.a.post(text("x"), reliable ? Delivery::Reliable : Delivery::Newest, pair.now);
+    }
+    std::vector<Channels::Message> messages;
+    pair.b.drain(messages);
+    got += messages.size();
+  };
+  pair.run(kSecond);
+  CHECK(pair.b.channels().budget().refused() > 0);
+  CHECK(pair.b.state() == UdpConnection::State::Open);
+  CHECK(got <= 4096 + 16384 + 400);
+  pair.run(3 * kSecond);
+  CHECK(got <= 4096 + 4 * 16384 + 400);
+  // What is not acknowledged is sent more slowly: nobody comes to harm, and nothing is lost.
+  if (reliable) {
+    CHECK(got > 4096);
+    CHECK(pair.b.state() == UdpConnection::State::Open);
+    return;
+  }
+  CHECK(pair.b.state() == UdpConnection::State::Closed);
+  CHECK(pair.b.reason() == std::string("dropped: ") + MemberBudget::kReason);
+  CHECK(pair.a.reason() == std::string("peer: dropped: ") + MemberBudget::kReason);
+}
+
 }  // namespace connection_test

@@ -26,6 +26,7 @@ HandshakeConfig config(std::uint64_t peer, std::uint64_t seed) {
   out.scene_hash = 42;
   out.session_key = secret(1000);
   out.identity = crypto::make_key_pair(seeded(seed));
+  out.complete(peer);
   return out;
 }
 
@@ -44,7 +45,8 @@ struct Listener {
   explicit Listener(const HandshakeConfig& config_in, std::uint64_t seed = 50)
       : own(config_in),
         responder(
-            own, seeded(seed), [this](const Introduction&, const Address&) { return verdict; },
+            own, seeded(seed),
+            [this](const Introduction&, const Member&, const Address&) { return verdict; },
             [this] { return ++numbers; }) {}
 };
 
@@ -100,8 +102,8 @@ TEST_CASE("handshake: two members get the same keys and know each other", "[net]
   const Session& b = *outcome.listener;
   CHECK(a.remote.peer == 2);
   CHECK(b.remote.peer == 1);
-  CHECK(a.remote_key == two.own.identity.public_key);
-  CHECK(b.remote_key == one.identity.public_key);
+  CHECK(a.member.key == two.own.identity.public_key);
+  CHECK(b.member.key == one.identity.public_key);
   CHECK(talk(a, b));
   CHECK(talk(b, a));
   CHECK_FALSE(a.send == a.receive);
@@ -348,7 +350,7 @@ TEST_CASE("handshake: another version is told, and whoever forges that tells not
   forged[0] = static_cast<std::byte>(HandshakeType::Challenge);
   forged[5] = std::byte{99};
   initiator.on_datagram(forged, 0);
-  CHECK(initiator.reason() == "protocol version 99 differs from 2");
+  CHECK(initiator.reason() == "protocol version 99 differs from 3");
   CHECK(initiator.state() == State::Asking);
   play(initiator, two, address(1), 0);
   CHECK(initiator.state() == State::Done);

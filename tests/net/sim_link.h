@@ -20,9 +20,12 @@ struct PathOptions {
   std::int64_t jitter = 0;  // uniform, on top
   double loss = 0.0;
   double duplicate = 0.0;
+  double reorder = 0.0;            // chance to be held back by kHeldBack, behind what follows
   double kbit = 0.0;               // bottleneck with a queue; 0: none
   std::int64_t queue = 500 * kMs;  // longest wait there, then datagrams are dropped
 };
+
+constexpr std::int64_t kHeldBack = 50 * kMs;
 
 /// One direction, seeded: datagrams with the time at which they arrive.
 class Path {
@@ -48,7 +51,8 @@ class Path {
           options_.jitter > 0
               ? static_cast<std::int64_t>(dice_.below(static_cast<std::uint64_t>(options_.jitter)))
               : 0;
-      flying_.emplace(leaves + options_.delay + extra, datagram);
+      const bool held = options_.reorder > 0.0 && dice_.chance(options_.reorder);
+      flying_.emplace(leaves + options_.delay + extra + (held ? kHeldBack : 0), datagram);
     }
   }
   std::vector<Bytes> arrived(std::int64_t now) {

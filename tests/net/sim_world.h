@@ -15,6 +15,11 @@
 
 namespace protocol {
 
+/// The key that a peer keeps over its starts.
+inline tandem::net::crypto::KeyPair identity_of(tandem::consensus::PeerId peer) {
+  return tandem::net::crypto::make_key_pair(seeded(500 + peer));
+}
+
 /// Whole processes but for their sockets, over seeded paths, in virtual time.
 class World {
  public:
@@ -30,7 +35,8 @@ class World {
     options.start = now;
     options.correction = static_cast<std::int64_t>(peer) * kSecond;
     options.handshake.session_key = secret(1000);
-    options.handshake.identity = tandem::net::crypto::make_key_pair(seeded(500 + ++starts_));
+    options.handshake.identity = identity_of(peer);
+    ++starts_;
     change(options);
     nodes_[peer] = std::make_unique<tandem::net::UdpNode>(
         options, seeded(7000 + starts_),

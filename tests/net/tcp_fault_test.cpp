@@ -307,4 +307,50 @@ TEST_CASE("tcp: addresses told by a peer are tried, and forgotten if they are no
   CHECK(a.dials().size() <= 2 * TcpOptions{}.max_peers);
 }
 
+TEST_CASE("tcp: a member that sends ten million tiny frames is slowed, then dropped and told why",
+          "[net][socket][fault]") {
+  const raw::LeakCheck leaks;
+  TcpTransport a(options(1));
+  TcpTransport honest(options(3, {a.local_port()}));
+  raw::Socket flood = raw::Socket::connect(a.local_port());
+  raw::join(flood, {.peer = 2});
+  REQUIRE(eventually([&] { return linked(a, honest); }));
+  raw::Bytes many;
+  const raw::Bytes tiny = raw::frame(raw::kNewest, {});
+  for (int i = 0; i < 10'000; ++i) many.insert(many.end(), tiny.begin(), tiny.end());
+  const auto began = std::chrono::steady_clock::now();
+  std::thread sender([&] {
+    for (int i = 0; i < 1000 && flood.send(many); ++i) continue;
+  });
+  std::vector<Packet> got;
+  std::uint64_t posted = 0;
+  std::uint64_t heard = 0;
+  std::uint64_t flooded = 0;
+  const bool dropped = eventually([&] {
+    if (honest.post(1, raw::text("state"), Delivery::Newest)) ++posted;
+    got.clear();
+    a.drain(got);
+    for (const Packet& packet : got) ++(packet.from == 3 ? heard : flooded);
+    return !status(a, 2).connected;
+  });
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  sender.join();
+  CHECK(dropped);
+  CHECK(status(a, 2).reason.find("dropped: sends more than a member may") == 0);
+  const auto goodbye = flood.read(raw::kGoodbye);
+  if (goodbye) CHECK(raw::as_text(goodbye->payload) == status(a, 2).reason);
+  CHECK(status(a, 2).over_budget > 0);
+  // 4096 at once and 16384 a second, of which no clock has to be fast.
+  CHECK(static_cast<double>(flooded) <= 4096.0 + 16384.0 * seconds + 100.0);
+  CHECK(linked(a, honest));
+  CHECK(eventually([&] {
+    got.clear();
+    a.drain(got);
+    heard += got.size();
+    return heard == posted;
+  }));
+  CHECK(status(a, 3).over_budget == 0);
+}
+
 }  // namespace tcp_fault_test

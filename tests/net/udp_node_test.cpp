@@ -114,7 +114,8 @@ TEST_CASE("udp node: of two processes with one id the later one stays", "[net][f
   config.incarnation = 10;
   config.scene_hash = 42;
   config.session_key = secret(1000);
-  config.identity = crypto::make_key_pair(seeded(9));
+  config.identity = identity_of(2);
+  config.complete(2);
   for (int attempt = 0; attempt < 10; ++attempt) {
     HandshakeInitiator initiator(config, seeded(static_cast<std::uint64_t>(attempt)), 7, world.now);
     for (int i = 0; i < 500 && initiator.state() != HandshakeInitiator::State::Refused; ++i) {
@@ -390,6 +391,7 @@ TEST_CASE("udp node: a member that begins connections and never goes on fills no
     config.scene_hash = 42;
     config.session_key = secret(1000);
     config.identity = crypto::make_key_pair(seeded(id));
+    config.complete(id);
     HandshakeInitiator initiator(config, seeded(id), 7, world.now);
     const Address from = address_of(id % 3 + 30);
     for (int i = 0; i < 200 && initiator.state() != HandshakeInitiator::State::Done; ++i) {

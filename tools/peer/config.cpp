@@ -154,9 +154,35 @@ void read_key_file(const Section& in, const char* key, const std::filesystem::pa
   }
 }
 
-void read_network(Section in, const std::filesystem::path& folder, DemoOptions& o) {
+/// Who lets whom in, where an organiser does.
+void read_organiser(Section& in, const std::filesystem::path& folder, PeerConfig& config) {
+  DemoOptions& o = config.session;
+  std::string digits;
+  in.read("organiser", digits);
+  in.read("certificate", o.certificate);
+  in.read("group", config.group_file);
+  if (!digits.empty()) {
+    o.organiser = key_from_hex(digits);
+    if (!o.organiser) in.refuse("organiser", "a public key, 64 hex digits, see tandem-key");
+  }
+  for (const char* key : {"certificate", "group"}) {
+    if (in.has(key) && !o.organiser) in.refuse(key, "absent without organiser");
+  }
+  if (!config.group_file.empty()) config.group_file = (folder / config.group_file).string();
+  if (o.certificate.empty()) return;
+  o.certificate = (folder / o.certificate).string();
+  try {
+    (void)read_hex_file(o.certificate);
+  } catch (const std::invalid_argument& error) {
+    in.refuse("certificate", error.what());
+  }
+}
+
+void read_network(Section in, const std::filesystem::path& file, PeerConfig& config) {
+  const std::filesystem::path folder = file.parent_path();
+  DemoOptions& o = config.session;
   in.expect({"transport", "listen", "connect", "key", "identity", "insecure", "clock", "kbit_per_s",
-             "compact", "tolerance", "trusted"});
+             "compact", "tolerance", "trusted", "organiser", "certificate", "group"});
   std::string transport = "udp";
   in.read("transport", transport);
   if (transport != "udp" && transport != "tcp") in.refuse("transport", "\"udp\" or \"tcp\"");
@@ -191,6 +217,11 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
   }
   read_key_file(in, "key", folder, o.key);
   read_key_file(in, "identity", folder, o.identity);
+  read_organiser(in, folder, config);
+  // Made at the first start where there is none.
+  if (!o.key.empty() && o.identity.empty()) {
+    o.identity = (folder / file.stem()).string() + ".identity";
+  }
   Section trusted = in.section("trusted");
   trusted.read_each([&](const std::string& id, const std::string& digits) {
     const std::optional<Key> key = key_from_hex(digits);
@@ -203,8 +234,8 @@ void read_network(Section in, const std::filesystem::path& folder, DemoOptions& 
     }
     o.trusted.emplace_back(peer, *key);
   });
-  if (o.insecure && (!o.identity.empty() || !o.trusted.empty())) {
-    in.refuse("insecure", "absent with identity or trusted");
+  if (o.insecure && (!o.identity.empty() || !o.trusted.empty() || o.organiser)) {
+    in.refuse("insecure", "absent with identity, trusted or organiser");
   }
   for (const std::string& address : o.connect) {
     if (o.insecure && !is_loopback(net::parse_host_port(address).host)) {
@@ -226,7 +257,7 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   top.read("seed", o.seed, 0, kMost, "an integer >= 0");
   top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");
   top.read("update_hz", o.update_hz, 0.1, 1000.0, "a number from 0.1 to 1000");
-  read_network(top.section("network"), folder, o);
+  read_network(top.section("network"), name, config);
 
   Section user = top.section("user");
   user.expect({"fidget", "seed"});

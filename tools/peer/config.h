@@ -17,6 +17,7 @@ namespace tandem::demos {
 struct PeerConfig {
   /// Its id, seed, rates and place on the network; the rest as everywhere.
   DemoOptions session;
+  std::string group_file;                     ///< with an organiser's GroupChange; "" = none
   bool fidget = false;                        ///< a scripted user sits here
   std::uint64_t user_seed = 0;                ///< of that user; 0 = from seed and id
   std::string log_file;                       ///< "" = standard error

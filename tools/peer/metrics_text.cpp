@@ -80,6 +80,12 @@ void links(Page& page, const PeerFigures& f) {
                   [](const Remote& r) { return r.status.dropped_queue_full; });
   page.of_remotes(f, "packets_rejected_total", "counter", "Packets of the peer that were refused.",
                   [](const Remote& r) { return r.status.rejected; });
+  page.of_remotes(f, "over_budget_total", "counter",
+                  "Packets that were not looked at: the peer sends more than a member may.",
+                  [](const Remote& r) { return r.over_budget; });
+  page.of_remotes(f, "not_allowed_total", "counter",
+                  "States and springs of the peer that its role forbids.",
+                  [](const Remote& r) { return r.not_allowed; });
   page.of_remotes(f, "loss_ratio", "gauge", "Share of states from the peer lost on the way.",
                   [](const Remote& r) { return r.loss; });
   page.begin("round_trip_seconds", "gauge", "To the peer and back.");
@@ -117,6 +123,8 @@ std::string metrics_text(const PeerFigures& f) {
   }
   page.single("skipped_seconds_total", "counter", "Session time that was not simulated.",
               f.skipped);
+  page.single("held_seconds", "gauge", "How far session time is behind: nothing moves until then.",
+              f.held);
   page.single("faults_total", "counter", "Steps after which the world was broken.",
               static_cast<double>(f.faults));
   page.single("undecodable_total", "counter", "Packets that did not decode.",

@@ -19,6 +19,8 @@ struct PeerFigures {
     double loss = 0.0;                            ///< share of states lost on the way from there
     double round_trip = -1.0;                     ///< s; < 0 = not known
     const RecentQuantiles* divergence = nullptr;  ///< m; null = nothing was heard
+    std::uint64_t over_budget = 0;                ///< packets: it sends more than a member may
+    std::uint64_t not_allowed = 0;                ///< states and springs that its role forbids
   };
 
   std::string scene;
@@ -27,6 +29,7 @@ struct PeerFigures {
   const RecentQuantiles* divergence = nullptr;  ///< m, of all peers; never null
   double uptime = 0.0;                          ///< s
   double skipped = 0.0;                         ///< s of session time that were not simulated
+  double held = 0.0;                            ///< s that session time is behind, now
   double clock_error = -1.0;                    ///< s, bound; < 0 = not known
   std::uint64_t faults = 0;                     ///< steps after which the world was broken
   std::uint64_t packets_rejected = 0;           ///< that did not decode

@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <utility>
@@ -47,6 +48,7 @@ constexpr std::chrono::milliseconds kTellEvery{500};   // metrics and the status
 constexpr std::chrono::seconds kTurnEvery{30};         // quantiles are of the last one to two
 constexpr std::chrono::seconds kTroubleEvery{10};      // at most, of what strangers cause
 constexpr std::int64_t kStepTold = 100'000'000;        // ns
+constexpr std::int64_t kHeldTold = 100'000'000;        // ns
 constexpr std::uint64_t kStepsPerLook = 60;            // between two looks for faults
 constexpr std::uint64_t kWordsOfPeers = 0x7065657273;  // no demo's session and no peer's are one
 
@@ -121,6 +123,7 @@ class Node {
                {"peer", config_.session.peer_id},
                {"transport", config_.session.udp() ? "udp" : "tcp"},
                {"port", std::uint64_t{network_->local_port()}},
+               {"fingerprint", network_->fingerprint()},
                {"metrics_port", std::uint64_t{metrics_ ? metrics_->port() : 0U}},
                {"bodies", std::uint64_t{scene_.bodies.size()}},
                {"fidget", fidget_ ? "true" : "false"}});
@@ -199,6 +202,12 @@ class Node {
       skipped_ += std::abs(net::seconds(tick.skipped));
       log_.line(Level::Warn, "time_skipped", {{"seconds", net::seconds(tick.skipped)}});
     }
+    // Once for each, from when it is longer than anybody overlooks.
+    if (tick.held > kHeldTold && !held_) {
+      log_.line(Level::Warn, "time_held", {{"seconds", net::seconds(tick.held)}});
+    }
+    held_ = tick.held > kHeldTold || (held_ && tick.held > 0);
+    held_s_ = net::seconds(tick.held);
     SessionTime time = clock_.physics_time();
     for (const SessionTime step : tick.steps) time -= step;
     bool begun = tick.skipped == 0;
@@ -271,6 +280,7 @@ class Node {
     figures.divergence = &divergence_.all();
     figures.uptime = uptime(now);
     figures.skipped = skipped_;
+    figures.held = held_s_;
     figures.clock_error = 1e-9 * static_cast<double>(network_->clock_error());
     figures.faults = faults_;
     figures.packets_rejected = peer_.stats().packets_rejected;
@@ -280,7 +290,13 @@ class Node {
       const LinkFigures link = words_.figures(status.id);
       const double round_trip =
           status.round_trip < 0 ? link.round_trip : 1e-9 * static_cast<double>(status.round_trip);
-      figures.remotes.push_back({status, link.loss, round_trip, divergence_.of(status.id)});
+      figures.remotes.push_back(
+          {status, link.loss, round_trip, divergence_.of(status.id), status.over_budget, 0});
+      const auto reports = peer_.reports();
+      const auto report = std::ranges::find(reports, status.id, &consensus::PeerReport::peer);
+      if (report == reports.end()) continue;
+      figures.remotes.back().over_budget += report->over_budget;
+      figures.remotes.back().not_allowed = report->not_allowed;
     }
     if (metrics_) metrics_->publish(metrics_text(figures));
     if (log_.shows_status()) log_.status(status_text(figures, terminal_columns()));
@@ -288,6 +304,9 @@ class Node {
 
   /// Who has come and who is gone.
   void watch(const std::vector<consensus::PeerStatus>& peers) {
+    std::erase_if(company_, [&peers](const auto& entry) {
+      return !std::ranges::binary_search(peers, entry.first, {}, &consensus::PeerStatus::id);
+    });
     for (const consensus::PeerStatus& status : peers) {
       Company& known = company_[status.id];
       if (status.connected != known.connected) {
@@ -304,6 +323,12 @@ class Node {
                   {{"peer", status.id}, {"count", status.rejected - known.rejected}});
         known.rejected = status.rejected;
       }
+      if (status.over_budget > known.over_budget && SteadyClock::now() >= known.next_told) {
+        known.next_told = SteadyClock::now() + kTroubleEvery;
+        log_.line(Level::Warn, "over_budget",
+                  {{"peer", status.id}, {"count", status.over_budget - known.over_budget}});
+        known.over_budget = status.over_budget;
+      }
     }
     // Strangers do not fill a disk either.
     const std::string trouble = network_->trouble();
@@ -313,11 +338,31 @@ class Node {
       if (!trouble.empty()) log_.line(Level::Warn, "network", {{"what", trouble.substr(2)}});
     }
     tell_refused();
+    look_at_group();
     const std::int64_t stepped = network_->clock_stepped();
     if (std::abs(stepped - told_stepped_) > kStepTold) {
       told_stepped_ = stepped;
       log_.line(Level::Warn, "system_clock_set", {{"seconds", net::seconds(stepped)}});
     }
+  }
+
+  /// The organiser's latest word, from his file or from another member.
+  void look_at_group() {
+    if (!config_.group_file.empty()) {
+      std::error_code ignored;
+      const auto written = std::filesystem::last_write_time(config_.group_file, ignored);
+      if (!ignored && written != group_written_) {
+        group_written_ = written;
+        try {
+          network_->change_group(read_hex_file(config_.group_file));
+        } catch (const std::invalid_argument& error) {
+          log_.line(Level::Warn, "group_file", {{"what", error.what()}});
+        }
+      }
+    }
+    if (network_->group() == group_) return;
+    group_ = network_->group();
+    log_.line(Level::Info, "group_changed", {{"number", group_}});
   }
 
   /// What strangers were refused for since it was last said.
@@ -345,6 +390,8 @@ class Node {
   struct Company {
     bool connected = false;
     std::uint64_t rejected = 0;
+    std::uint64_t over_budget = 0;
+    SteadyClock::time_point next_told;
   };
 
   const Scenario& scenario_;
@@ -373,6 +420,8 @@ class Node {
   bool trace_failed_ = false;
   double begin_s_ = 0.0;
   double skipped_ = 0.0;
+  bool held_ = false;
+  double held_s_ = 0.0;
   std::uint64_t faults_ = 0;
   std::uint64_t next_fault_ = 1;
   std::uint64_t since_look_ = 0;
@@ -382,6 +431,8 @@ class Node {
   std::map<std::string, std::uint64_t> told_refused_;
   SteadyClock::time_point next_refused_;
   std::int64_t told_stepped_ = 0;
+  std::filesystem::file_time_type group_written_{};
+  std::uint64_t group_ = 0;
   SteadyClock::time_point start_ = SteadyClock::now();
   SteadyClock::time_point next_tell_ = start_;
   SteadyClock::time_point next_turn_ = start_ + kTurnEvery;

@@ -22,7 +22,7 @@ bool same(const Input& a, const Input& b) {
 }
 
 bool same(const consensus::Packet& a, const consensus::Packet& b) {
-  return a.from == b.from && a.received == b.received && a.bytes == b.bytes;
+  return a.from == b.from && a.received == b.received && a.role == b.role && a.bytes == b.bytes;
 }
 
 const char* stage_of(TraceKind kind) {

@@ -210,7 +210,9 @@ void TraceReader::read_packets(In& in, TraceRecord& record) {
   for (consensus::Packet& packet : record.packets) {
     packet.from = in.varint("sender");
     packet.received = INT64_MIN;
-    const std::uint8_t flags = in.u8("flags", kDated | kCoded, "0 to 3");
+    const std::uint8_t flags = in.u8("flags", 2 << kDeniedShift | kDated | kCoded, "0 to 11");
+    packet.role = static_cast<consensus::Role>(static_cast<int>(consensus::Role::Share) -
+                                               (flags >> kDeniedShift));
     if ((flags & kDated) != 0) {
       packet.received =
           static_cast<SessionTime>(static_cast<std::uint64_t>(in.signed_varint("arrival")) +

@@ -26,7 +26,8 @@ struct TANDEM_API RobustOptions {
   double max_spin_correction = 200.0;     ///< rad/s
 
   // Of users' springs, own ones as well: all peers must simulate the same.
-  double max_pull = 1000.0;       ///< m/s^2: force of one spring over the mass of its body
+  // The first three of each spring, and of all that one user has on one body together.
+  double max_pull = 1000.0;       ///< m/s^2: force over the mass of the body
   double max_stiffness = 1e5;     ///< 1/s^2: stiffness over the mass of the body
   double max_damping = 2000.0;    ///< 1/s: damping over the mass of the body
   double max_reach = 100.0;       ///< m, from a remote hand to where it holds; further is let go
@@ -47,6 +48,8 @@ struct TANDEM_API PeerReport {
   std::uint64_t unfounded_leads = 0;  ///< steps times bodies: says it leads, and holds nothing
   std::uint64_t springs_limited = 0;  ///< messages whose strength or speed was cut
   std::uint64_t springs_refused = 0;  ///< messages: too many, too far, unknown body
+  std::uint64_t over_budget = 0;      ///< packets that were not looked at: it had sent too much
+  std::uint64_t not_allowed = 0;      ///< states, springs and the like that its role forbids
 };
 
 }  // namespace tandem::consensus

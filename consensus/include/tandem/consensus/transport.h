@@ -26,12 +26,21 @@ enum class Delivery : std::uint8_t {
   Reliable,  ///< constraints and membership: in order, resent by the transport where it can
 };
 
+/// What a member may do, as far as all others are concerned: each may what those before it may.
+enum class Role : std::uint8_t {
+  Watch,  ///< hear what the others say; its own states and springs count for nothing
+  Act,    ///< pull at bodies by springs, which all simulate; its states count for nothing
+  Share,  ///< say where bodies are
+};
+
 /// Bytes from one peer, exactly as that peer posted them. Untrusted.
 struct TANDEM_API Packet {
   PeerId from = 0;
   std::vector<std::byte> bytes;
   /// When they came; the least value where the transport does not say.
   SessionTime received = INT64_MIN;
+  /// What its sender may do, as the transport knows it.
+  Role role = Role::Share;
 };
 
 /// A peer as the transport sees it.
@@ -47,6 +56,8 @@ struct TANDEM_API PeerStatus {
   std::uint64_t dropped_queue_full = 0;  ///< states dropped because a queue was full
   std::uint64_t rejected = 0;            ///< frames refused: too long, wrong version, not decodable
   std::int64_t round_trip = -1;          ///< to it and back, smoothed, ns; -1: not known
+  Role role = Role::Share;               ///< of the process that is or was connected
+  std::uint64_t over_budget = 0;         ///< messages refused or held back: more than a member may
 };
 
 /// Carries bytes between peers. Faults are data (PeerStatus), never exceptions.

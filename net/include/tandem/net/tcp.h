@@ -14,6 +14,7 @@
 
 #include "tandem/consensus/transport.h"
 #include "tandem/net/keys.h"
+#include "tandem/net/membership.h"
 #include "tandem/net/session.h"
 #include "tandem/pbd/export.h"
 
@@ -37,8 +38,11 @@ struct TANDEM_API TcpOptions {
   /// the clear, and all addresses must be loopback ones unless `insecure` says otherwise.
   std::optional<Key> session_key;
   std::optional<Key> identity;       ///< secret of this peer, with session_key; none: a new one
-  std::vector<TrustedPeer> trusted;  ///< all other peers; none: the session key is enough
-  bool insecure = false;             ///< frames in the clear over any network, no session_key
+  std::vector<TrustedPeer> trusted;  ///< other peers; neither they nor an organiser: any member
+  /// Whose certificates let others in, and who may change the group: his public key.
+  std::optional<Key> organiser;
+  std::vector<std::byte> certificate;  ///< of this peer, see sign(Certificate); with organiser
+  bool insecure = false;               ///< frames in the clear over any network, no session_key
 
   std::uint32_t max_frame_bytes = 64 * 1024;          ///< longest payload, in [64, 16 MiB]
   std::size_t send_queue_bytes = 1024 * 1024;         ///< per peer, >= 2 * max_frame_bytes
@@ -130,6 +134,11 @@ class TANDEM_API TcpTransport final : public consensus::Transport {
   /// dialled again, and refused for drop_hold; then a handshake of its own brings it back.
   void drop(PeerId peer, const std::string& reason) override;
   std::vector<consensus::PeerStatus> peers() const override;
+
+  /// As UdpTransport::change_group; it is done when group() says so.
+  void change_group(std::span<const std::byte> signed_change);
+  /// Number of the change that holds, from whomever it came; 0: none.
+  std::uint64_t group() const;
 
   std::vector<DialStatus> dials() const;
   StrangerStatus strangers() const;

@@ -15,6 +15,7 @@
 #include "tandem/consensus/transport.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/keys.h"
+#include "tandem/net/membership.h"
 #include "tandem/net/session.h"
 #include "tandem/pbd/export.h"
 
@@ -33,7 +34,10 @@ struct TANDEM_API UdpOptions {
 
   UdpKey session_key{};             ///< the same for all members, not zero
   std::optional<UdpKey> identity;   ///< secret of this peer; none: a new one
-  std::vector<UdpTrusted> trusted;  ///< all other peers; none: the session key is enough
+  std::vector<UdpTrusted> trusted;  ///< other peers; neither they nor an organiser: any member
+  /// Whose certificates let others in, and who may change the group: his public key.
+  std::optional<UdpKey> organiser;
+  std::vector<std::byte> certificate;  ///< of this peer, see sign(Certificate); with organiser
 
   double kbit_per_s = 256.0;                  ///< budget of each link, IP and UDP headers counted
   double min_kbit_per_s = 32.0;               ///< congestion does not go below; in (0, kbit_per_s]
@@ -115,6 +119,12 @@ class TANDEM_API UdpTransport final : public consensus::Transport {
   void drain(std::vector<consensus::Packet>& out) override;
   void drop(consensus::PeerId peer, const std::string& reason) override;
   std::vector<consensus::PeerStatus> peers() const override;
+
+  /// Take over what the organiser has signed, see GroupChange, and pass it on to all members. False
+  /// where it is not his, or no news.
+  bool change_group(std::span<const std::byte> signed_change);
+  /// Number of the change that holds, from whomever it came; 0: none.
+  std::uint64_t group() const;
 
   /// The time to give to consensus::Peer and PhysicsClock. It goes on alone where nobody is there,
   /// starts as the system clock, and takes over the time of a session that it joins: a step then,

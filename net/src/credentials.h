@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "crypto.h"
+#include "handshake_wire.h"
+#include "tandem/net/membership.h"
+
+namespace tandem::net {
+
+/// How a member stands to others: what a transport has to know of whoever is at the other end.
+struct Member {
+  crypto::PublicKey key{};
+  Role role = Role::Share;
+  /// The id is that key's alone: listed, signed by the organiser, or derived from the key. Of any
+  /// other id the one who has it now keeps it for as long as he is there.
+  bool bound = false;
+  std::int64_t expires = INT64_MAX;  // s since 1970
+};
+
+/// Who this process is, whom it lets in, and as what. Where public keys are listed, or there is an
+/// organiser, those that are listed or hold his certificate; else whoever has the session key and
+/// has done some work for the id that he goes by.
+///
+/// A made-up id costs its maker 2^kWorkBits hashes, which is several times what the curve
+/// arithmetic of a handshake costs us; checking it is one.
+struct Credentials {
+  static constexpr int kWorkBits = 14;
+  static constexpr std::size_t kFormerKeys = 3;
+
+  crypto::Secret session_key;
+  crypto::KeyPair identity;
+  std::map<consensus::PeerId, crypto::PublicKey> trusted;
+  std::optional<Key> organiser;         // public
+  std::vector<std::byte> certificate;   // our own; empty: none
+  std::uint64_t stamp = 0;              // the work for our own id
+  std::function<std::int64_t()> today;  // s since 1970; null: the system clock
+
+  /// By what the organiser has sent since, see GroupChange.
+  std::uint64_t group = 0;              // its number
+  std::vector<std::byte> group_change;  // signed
+  std::vector<crypto::Secret> former;   // session keys, the latest first
+  std::vector<crypto::PublicKey> revoked;
+
+  /// Do the work for an id where there is none yet.
+  void complete(consensus::PeerId self);
+  /// What to say beside the id.
+  Badge badge() const;
+
+  struct Answer {
+    Verdict verdict = Verdict::Welcome;
+    Member member;
+  };
+  Answer judge(consensus::PeerId peer, const crypto::PublicKey& key, const Badge& badge,
+               std::uint64_t session) const;
+  bool is_revoked(const crypto::PublicKey& public_key) const;
+  /// Whether what was a member still is.
+  bool stands(const Member& member) const;
+
+  std::size_t key_count() const { return 1 + former.size(); }
+  /// 0: the one that counts; then those before it. Members come back with them.
+  const crypto::Secret& key(std::size_t index) const {
+    return index == 0 ? session_key : former[index - 1];
+  }
+
+  enum class Changed {
+    Yes,
+    Known,   // this one or a later one is there
+    Forged,  // or without an organiser, or of another session
+  };
+  Changed change(std::span<const std::byte> signed_change, std::uint64_t session);
+
+  std::int64_t now() const;
+};
+
+/// The number with which hashing id and key gives kWorkBits zero bits.
+std::uint64_t work_for(consensus::PeerId peer, const crypto::PublicKey& key);
+bool has_worked(consensus::PeerId peer, const crypto::PublicKey& key, std::uint64_t stamp);
+
+}  // namespace tandem::net

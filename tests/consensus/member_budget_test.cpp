@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What one member may cost the others, whatever it sends: counted in what is looked at, and in
+// bytes that are kept.
+#include <malloc.h>
+
+#include <algorithm>
+#include <string>
+
+#include "consensus/peer_fixture.h"
+#include "consensus/stub_transport.h"
+#include "consensus/updates.h"
+#include "support/catch.h"
+#include "tandem/consensus/budget.h"
+
+namespace tandem::consensus::member_budget_test {
+namespace {
+
+using namespace testing;
+
+constexpr double kFrame = 1.0 / 60.0;
+constexpr PeerId kSelf = 5;
+constexpr PeerId kHonest = 2;
+constexpr PeerId kFlooder = 3;
+/// States a second that docs/network.md promises to look at: of one body, twice 60 of 33; and a
+/// quarter of a second's worth at once.
+constexpr double kRate = 2.0 * 60.0 * 33.0;
+
+/// Bytes that are in use; 0 where malloc is not glibc's.
+std::size_t in_use() { return ::mallinfo2().uordblks + ::mallinfo2().hblkhd; }
+
+/// A peer whose transport the test feeds.
+struct Target {
+  StubTransport line{kSelf};
+  Site site{line, PeerOptions{}, kWeightless};
+  SessionTime now = kStart;
+
+  Target() { site.share(cube({0.0, 0.0, 1.0})); }
+
+  template <class Attack>
+  void run(int steps, Attack&& attack) {
+    for (int i = 0; i < steps; ++i) {
+      attack(i);
+      site.peer->before_step(now);
+      site.solver.step(site.world, kFrame);
+      site.peer->after_step(now + ns(kFrame));
+      now += ns(kFrame);
+    }
+  }
+  StateUpdate state(SessionTime later = 0) const {
+    StateUpdate update;
+    update.id = kBody;
+    update.pose = site.pose();
+    update.influence = 0.1F;
+    update.stamp = now + later;
+    return update;
+  }
+  SpringUpdate spring(std::uint32_t number, double force = 100.0) const {
+    return {.spring = number,
+            .revision = 1,
+            .body = kBody,
+            .attachment_l = Vec3::Zero(),
+            .anchor_w = site.x() + Vec3(10.0, 0.0, 0.0),
+            .anchor_velocity = Vec3::Zero(),
+            .stiffness = 1e4,
+            .damping = 0.0,
+            .max_force = force,
+            .stamp = now};
+  }
+  PeerReport report(PeerId of) {
+    for (const PeerReport& each : site.peer->reports()) {
+      if (each.peer == of) return each;
+    }
+    return {};
+  }
+  void say(PeerId from, const auto& record, Role role) {
+    line.deliver(from, record);
+    line.inbox.back().role = role;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("budget: so much a second, so much at once, and abuse is what goes on", "[consensus]") {
+  constexpr SessionTime kSecond = 1'000'000'000;
+  Budget budget(10.0, 5.0);
+  int admitted = 0;
+  for (int i = 0; i < 100; ++i) {
+    if (!budget.admits(0)) continue;
+    ++admitted;
+    budget.spend(1.0);
+  }
+  CHECK(admitted == 5);
+  CHECK(budget.refused() == 95);
+  CHECK_FALSE(budget.abused());
+  for (SessionTime now = 0; now <= kSecond; now += kSecond / 100) {
+    if (!budget.admits(now)) continue;
+    ++admitted;
+    budget.spend(1.0);
+  }
+  CHECK(admitted == 15);
+  CHECK_FALSE(budget.abused());
+  // What is dear is paid for afterwards.
+  budget.spend(100.0);
+  CHECK_FALSE(budget.admits(5 * kSecond));
+  CHECK_FALSE(budget.abused());  // a pause lies between
+  for (SessionTime now = 5 * kSecond; now <= 7 * kSecond; now += kSecond / 10) {
+    (void)budget.admits(now);
+  }
+  CHECK(budget.abused());
+  // A clock that goes back is no income.
+  CHECK_FALSE(budget.admits(0));
+}
+
+TEST_CASE("peer: a watcher moves nothing, who may act pulls and says nothing of states",
+          "[consensus][fault]") {
+  for (const Role role : {Role::Watch, Role::Act, Role::Share}) {
+    Target target;
+    const Vec3 before = target.site.x();
+    target.run(60, [&](int) {
+      StateUpdate update = target.state();
+      update.pose.position.y() += 0.1;
+      target.say(kHonest, update, role);
+    });
+    CHECK((std::abs(target.site.x().y() - before.y()) > 1e-6) == (role == Role::Share));
+    target.run(30, [&](int i) {
+      SpringUpdate spring = target.spring(1);
+      spring.revision = static_cast<std::uint32_t>(i) + 1;
+      target.say(kHonest, spring, role);
+    });
+    CHECK((target.site.x().x() - before.x() > 1e-3) == (role != Role::Watch));
+    const PeerReport report = target.report(kHonest);
+    CHECK(report.not_allowed == (role == Role::Watch ? 90U : role == Role::Act ? 60U : 0U));
+    CHECK(report.inbox.accepted == (role == Role::Share ? 60U : 0U));
+  }
+}
+
+TEST_CASE(
+    "peer: ten million tiny packets are hardly looked at, and their sender is told why he is "
+    "dropped",
+    "[consensus][fault]") {
+  Target target;
+  const auto honest = [&](int) { target.line.deliver(kHonest, target.state()); };
+  target.run(60, honest);
+  target.line.inbox.reserve(100'001);
+  const std::size_t before = in_use();
+  const std::uint64_t received = target.site.peer->stats().packets_received;
+  const std::vector<std::byte> tiny = StubTransport::packet_of(Leave{.stamp = 1});
+  constexpr int kSteps = 150;
+  constexpr std::size_t kAtOnce = 66'667;
+  std::size_t most = 0;
+  target.run(kSteps, [&](int i) {
+    honest(i);
+    for (std::size_t k = 0; k < kAtOnce; ++k) target.line.inbox.push_back({kFlooder, tiny});
+    most = std::max(most, in_use());
+  });
+  const PeerReport report = target.report(kFlooder);
+  const std::uint64_t all = target.site.peer->stats().packets_received - received;
+  CHECK(all > 10'000'000);
+  const auto looked_at = static_cast<double>(all - kSteps - report.over_budget);
+  // Each is one state's work or more.
+  CHECK(looked_at <= kRate * (0.25 + kSteps * kFrame));
+  CHECK(looked_at >= 100.0);
+  REQUIRE_FALSE(target.line.dropped.empty());
+  CHECK(target.line.dropped.size() < 3);
+  CHECK(target.line.dropped.front().first == kFlooder);
+  CHECK(target.line.dropped.front().second == "says more than a member may, see docs/network.md");
+  // Nothing is lost of the other one, and nothing is kept of this one but what was in its packets.
+  CHECK(target.report(kHonest).inbox.accepted == 60 + kSteps);
+  CHECK(target.report(kHonest).over_budget == 0);
+  target.run(1, honest);
+  CHECK(in_use() < before + kAtOnce * (sizeof(Packet) + 64) + (std::size_t{2} << 20));
+}
+
+TEST_CASE("peer: states at full rate cost no more than twice what all bodies' states would",
+          "[consensus][fault]") {
+  Target target;
+  const auto honest = [&](int) { target.line.deliver(kHonest, target.state()); };
+  target.run(60, honest);
+  const std::uint64_t before = target.site.peer->stats().updates_received;
+  std::vector<StateUpdate> states(300);
+  constexpr int kSteps = 110;
+  target.run(kSteps, [&](int i) {
+    honest(i);
+    for (int k = 0; k < 20; ++k) {
+      for (std::size_t n = 0; n < states.size(); ++n) states[n] = target.state(k + 1);
+      std::vector<std::byte> bytes;
+      encode(std::span<const StateUpdate>(states), bytes);
+      target.line.inbox.push_back({kFlooder, bytes});
+    }
+  });
+  const auto looked_at =
+      static_cast<double>(target.site.peer->stats().updates_received - before - kSteps);
+  CHECK(looked_at <= kRate * (0.25 + kSteps * kFrame) + 300.0);
+  CHECK(looked_at >= 0.5 * kRate * kSteps * kFrame);
+  CHECK(target.report(kHonest).inbox.accepted == 60 + kSteps);
+}
+
+TEST_CASE("peer: a hundred thousand springs leave few, and room for who is honest",
+          "[consensus][fault]") {
+  Target target;
+  target.run(10, [&](int) { target.line.deliver(kHonest, target.state()); });
+  std::uint32_t number = 0;
+  const std::size_t before = in_use();
+  // Of twenty ids, so that nobody's own limit is what holds.
+  target.run(100, [&](int) {
+    for (int i = 0; i < 1000; ++i) {
+      target.line.deliver(100 + number % 20, target.spring(++number, 1.0 + number));
+    }
+  });
+  CHECK(number == 100'000);
+  CHECK(target.site.tethers().size() <= 20 * 16);
+  CHECK(in_use() < before + (std::size_t{2} << 20));
+  target.line.deliver(kHonest, target.spring(7));
+  target.run(1, [](int) {});
+  CHECK(target.report(kHonest).springs_refused == 0);
+}
+
+TEST_CASE("peer: many springs of one user pull no harder than one may", "[consensus][fault]") {
+  const auto way = [](int count, double force, double stiffness) {
+    Target target;
+    target.run(30, [&](int i) {
+      for (int k = 1; k <= count; ++k) {
+        SpringUpdate spring = target.spring(static_cast<std::uint32_t>(k), force);
+        spring.revision = static_cast<std::uint32_t>(i) + 1;
+        spring.stiffness = stiffness;
+        spring.anchor_w = Vec3(50.0, 0.0, 1.0);
+        target.line.deliver(kHonest, spring);
+      }
+    });
+    return target.site.x().x();
+  };
+  // At the limit of force: a force of 1000 N on 1 kg, however many.
+  const double one = way(1, 1e9, 1e9);
+  CHECK(one > 1.0);
+  CHECK(way(16, 1e9, 1e9) == Approx(one).epsilon(1e-6));
+  // Within it they add up.
+  CHECK(way(2, 10.0, 1e4) == Approx(2.0 * way(1, 10.0, 1e4)).epsilon(1e-6));
+}
+
+TEST_CASE("peer: a hundred thousand ids leave no more behind than two mebibytes",
+          "[consensus][fault]") {
+  Target target;
+  const auto honest = [&](int) { target.line.deliver(kHonest, target.state()); };
+  target.run(60, honest);
+  const std::size_t before = in_use();
+  PeerId invented = 1000;
+  target.run(100, [&](int i) {
+    honest(i);
+    for (int k = 0; k < 1000; ++k) target.line.deliver(++invented, target.state());
+  });
+  CHECK(target.report(kHonest).inbox.accepted == 160);
+  // Their states have expired, and with them all but what is remembered of who they were.
+  target.run(90, honest);
+  CHECK(target.site.peer->reports().size() <= 1024);
+  CHECK(in_use() < before + (std::size_t{2} << 20));
+}
+
+}  // namespace tandem::consensus::member_budget_test
