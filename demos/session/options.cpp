@@ -89,8 +89,8 @@ void read_agreement(Argument& in, DemoOptions& o) {
       if (value != "known" && value != "common") {
         refuse("--agreement inputs", value, "known or common");
       }
-      o.replayed.inputs = value == "common" ? consensus::ReplayInputs::Common
-                                            : consensus::ReplayInputs::Known;
+      o.replayed.inputs =
+          value == "common" ? consensus::ReplayInputs::Common : consensus::ReplayInputs::Known;
     }
   });
 }

@@ -3,11 +3,11 @@
 #include "tandem/net/membership.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <string_view>
 
 #include "crypto.h"
 #include "octets.h"
+#include "require.h"
 #include "tandem/pbd/bytes.h"
 
 namespace tandem::net {
@@ -86,7 +86,7 @@ Key organiser_public_key(const Key& organiser) {
 }
 
 std::vector<std::byte> sign(const Certificate& certificate, const Key& organiser) {
-  if (certificate.peer == 0) throw std::invalid_argument("Certificate: peer is 0, must be not 0");
+  require(certificate.peer != 0, "Certificate", "peer", certificate.peer, ">= 1");
   std::vector<std::byte> out;
   pbd::ByteWriter writer(out);
   writer.bytes(as_bytes(certificate.member));
@@ -116,11 +116,9 @@ std::optional<Certificate> read_certificate(std::span<const std::byte> bytes,
 }
 
 std::vector<std::byte> sign(const GroupChange& change, const Key& organiser) {
-  if (change.number == 0) throw std::invalid_argument("GroupChange: number is 0, must be > 0");
-  if (change.revoked.size() > kMaxRevoked) {
-    throw std::invalid_argument("GroupChange: revoked is " + std::to_string(change.revoked.size()) +
-                                ", must be at most 100 keys");
-  }
+  require(change.number != 0, "GroupChange", "number", change.number, ">= 1");
+  require(change.revoked.size() <= kMaxRevoked, "GroupChange", "revoked", change.revoked.size(),
+          "at most 100 keys");
   std::vector<std::byte> out;
   pbd::ByteWriter writer(out);
   writer.u64(change.number);

@@ -30,10 +30,12 @@ constexpr std::string_view kUsage =
     "       tandem-key --fingerprint FILE     prints its fingerprint, for people to compare\n"
     "       tandem-key --organiser FILE       prints the public key of an organiser\n"
     "       tandem-key --certify FILE PUBLIC ID ROLE DAYS\n"
-    "           prints what lets in the peer of that public key and id, as watch, act or share, for\n"
+    "           prints what lets in the peer of that public key and id, as watch, act or share, "
+    "for\n"
     "           so many days; FILE has the organiser's key\n"
     "       tandem-key --change FILE NUMBER [PUBLIC]...\n"
-    "           prints a change of the group: a new session key, and whose public keys are revoked,\n"
+    "           prints a change of the group: a new session key, and whose public keys are "
+    "revoked,\n"
     "           all of them each time; each NUMBER is larger than the last. Keep it secret\n";
 
 void print(std::span<const std::byte> bytes) {
@@ -91,9 +93,7 @@ int run(std::span<const std::string_view> words) {
   demos::read_arguments(
       words,
       {{"--public",
-        [&](demos::Argument& in) {
-          command = [own = file(in)] { print(net::public_key(own)); };
-        }},
+        [&](demos::Argument& in) { command = [own = file(in)] { print(net::public_key(own)); }; }},
        {"--fingerprint",
         [&](demos::Argument& in) {
           command = [own = file(in)] {
