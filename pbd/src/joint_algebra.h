@@ -88,6 +88,13 @@ inline Eigen::Matrix3d inverse(Eigen::Matrix3d symmetric) {
   return symmetric;
 }
 
+/// m v, in line.
+inline Eigen::Vector3d times(const Eigen::Matrix3d& m, const Eigen::Vector3d& v) {
+  return {m(0, 0) * v[0] + m(0, 1) * v[1] + m(0, 2) * v[2],
+          m(1, 0) * v[0] + m(1, 1) * v[1] + m(1, 2) * v[2],
+          m(2, 0) * v[0] + m(2, 1) * v[1] + m(2, 2) * v[2]};
+}
+
 inline void negate(double* a, int count) {
   for (int e = 0; e < count; ++e) a[e] = -a[e];
 }
