@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "joint_algebra.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -109,7 +110,7 @@ void advance_pose(SolverBody& body, double h) {
   body.v_push.setZero();
   body.w_push.setZero();
   body.w_applied = body.w;
-  if (!turn.isZero(0.0)) body.q = rotated(body.q, turn);
+  if (!turn.isZero(0.0)) body.q = turned(body.q, turn);
 }
 
 /// Fast spin is cut into parts of half a radian.
@@ -140,8 +141,9 @@ void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {
   body.w += inverse_h * body.dtheta;
   if (!body.dtheta.isZero(0.0) && !props.locks.any() && has_axes(body.inv_inertia_w)) {
     const Mat3 axes = body.q.toRotationMatrix();
-    const Vec3 momentum_l = axes.transpose() * (body.inv_inertia_w.inverse() * body.w);
-    body.w = axes * (props.inverse_inertia_l * momentum_l);
+    const Vec3 momentum = block::times(block::inverse(body.inv_inertia_w), body.w);
+    const Vec3 spin_l = block::times(props.inverse_inertia_l, axes.transpose() * momentum);
+    body.w = block::times(axes, spin_l);
   }
   body.w_applied = body.w - open;
   body.dx.setZero();

@@ -3,11 +3,25 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
+
+/// As rotated(), without a root where q has unit length but for rounding.
+inline Quat turned(const Quat& q, const Vec3& r) {
+  Quat result = exp_map(r) * q;
+  const double excess = result.squaredNorm() - 1.0;
+  if (std::abs(excess) < 1e-8) {
+    result.coeffs() *= 1.0 - 0.5 * excess;  // the next term is below 1e-16
+  } else {
+    result.normalize();
+  }
+  return result;
+}
 
 /// Inverse inertia in the world at the orientation q: of the axes that are not locked, as if a
 /// torque about the others were always met by an equal one.

@@ -61,7 +61,7 @@ inline void invert(double* a, int n) {
 }
 
 /// The same for n = 3, by cofactors where that is safe.
-inline void invert3(double* a) {
+[[gnu::always_inline]] inline void invert3(double* a) {
   const double c00 = a[4] * a[8] - a[5] * a[5];
   const double c01 = a[2] * a[5] - a[1] * a[8];
   const double c02 = a[1] * a[5] - a[2] * a[4];
@@ -86,6 +86,14 @@ inline void invert3(double* a) {
 inline Eigen::Matrix3d inverse(Eigen::Matrix3d symmetric) {
   invert3(symmetric.data());
   return symmetric;
+}
+
+/// m v, in line.
+[[gnu::always_inline]] inline Eigen::Vector3d times(const Eigen::Matrix3d& m,
+                                                    const Eigen::Vector3d& v) {
+  return {m(0, 0) * v[0] + m(0, 1) * v[1] + m(0, 2) * v[2],
+          m(1, 0) * v[0] + m(1, 1) * v[1] + m(1, 2) * v[2],
+          m(2, 0) * v[0] + m(2, 1) * v[1] + m(2, 2) * v[2]};
 }
 
 inline void negate(double* a, int count) {

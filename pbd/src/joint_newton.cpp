@@ -237,11 +237,12 @@ bool JointSystem::evaluate(const JointGraph::Part& part, const PartState& state,
 /// the start of the substep, from where it turns freely with its new angular momentum: turning it
 /// afterwards is right to first order in w h only, and costs a fast top its spin.
 void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
-  if (slot.alone && !slot.carried && h * slot.w.cross(slot.dtheta).norm() > kNoTurn) {
+  if (slot.alone && !slot.carried &&
+      h * h * slot.w.cross(slot.dtheta).squaredNorm() > kNoTurn * kNoTurn) {
     slot.carried = body.inv_inertia_w.determinant() > 0.0;  // no axis is locked
   }
   if (!slot.carried) {
-    body.q = rotated(body.q, slot.dtheta);
+    body.q = turned(body.q, slot.dtheta);
     return;
   }
   const Mat3 axes = slot.q.toRotationMatrix();

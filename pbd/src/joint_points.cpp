@@ -149,7 +149,7 @@ void JointSystem::gather_points(const JointGraph::Part& part) {
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     Slot& slot = slots_[s];
     slot.dx *= slot.inv_mass;
-    slot.dtheta = slot.inv_inertia * slot.dtheta;
+    slot.dtheta = block::times(slot.inv_inertia, slot.dtheta);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include "integrate.h"
 #include "joint_system.h"
 
 /// What keeps joints stable where the substep does not resolve them.
@@ -85,7 +86,7 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
   const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
     if (pull <= 0.0) return;
     const Mat3& inv = slots_[s].inv_inertia;
-    slots_[s].dx.x() += pull * (inv.trace() - r.dot(inv * r) / r.squaredNorm());
+    slots_[s].dx.x() += pull * (inv.trace() - r.dot(block::times(inv, r)) / r.squaredNorm());
   };
   for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
     rate(plan.slot_a, node.r_a, a);
@@ -97,34 +98,29 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
   }
   if (largest > kStiffFrom) {
     const auto share = [&](std::uint32_t s) {
-      return std::clamp((slots_[s].dx.x() - kStiffFrom) / (kStiffTo - kStiffFrom), 0.0, 1.0);
+      constexpr double kPerRate = 1.0 / (kStiffTo - kStiffFrom);
+      return std::clamp(kPerRate * (slots_[s].dx.x() - kStiffFrom), 0.0, 1.0);
     };
-    const auto add = [&](std::uint32_t s, const Vec3& r, double pull) {
-      if (pull <= 0.0) return;
-      const double k = share(s) * pull;
+    const auto add = [&](std::uint32_t s, const Vec3& r, double pull, const Vec3& turn) {
+      const double k = pull > 0.0 ? share(s) * pull : 0.0;
+      if (k == 0.0) return;
       const Vec3 kr = (k / r.squaredNorm()) * r;
-      Mat3& stiffness = slots_[s].stiffness;
+      Slot& slot = slots_[s];
       for (int i = 0; i < 3; ++i) {
-        stiffness(i, i) += k;
-        stiffness.col(i) -= r[i] * kr;
+        slot.stiffness(i, i) += k;
+        slot.stiffness.col(i) -= r[i] * kr;
       }
+      // About the link itself nothing is stiff.
+      slot.dtheta += kStiffDamping * (k * turn - r.dot(turn) * kr);
     };
     for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
-      add(plan.slot_a, node.r_a, a);
-      add(plan.slot_b, node.r_b, b);
-      if (plan.slot_a == kNone || plan.slot_b == kNone) return;
       // Neighbours that turn against each other at a rate that is not resolved are braked.
-      const Vec3 turn = ctx.h * (ctx.bodies[graph_.bodies()[plan.slot_b]].w -
-                                 ctx.bodies[graph_.bodies()[plan.slot_a]].w);
-      // About the link itself nothing is stiff.
-      const auto across = [&](const Vec3& r) {
-        return Vec3(turn - r * (r.dot(turn) / r.squaredNorm()));
-      };
-      const auto brake = [&](std::uint32_t s, const Vec3& r, double pull, double sign) {
-        if (pull > 0.0) slots_[s].dtheta += sign * kStiffDamping * share(s) * pull * across(r);
-      };
-      brake(plan.slot_a, node.r_a, a, 1.0);
-      brake(plan.slot_b, node.r_b, b, -1.0);
+      Vec3 turn = Vec3::Zero();
+      if (plan.slot_a != kNone && plan.slot_b != kNone) {
+        turn = ctx.h * (slots_[plan.slot_b].w - slots_[plan.slot_a].w);
+      }
+      add(plan.slot_a, node.r_a, a, turn);
+      add(plan.slot_b, node.r_b, b, -turn);
     });
   }
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
@@ -138,8 +134,8 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
       }
       slot.inv_inertia = block::inverse(block::inverse(slot.inv_inertia) +
                                         (kStiffShare + kStiffDamping) * slot.stiffness);
-      const Vec3 dtheta = slot.inv_inertia * slot.dtheta;
-      body.q = rotated(body.q, dtheta);
+      const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
+      body.q = turned(body.q, dtheta);
       body.dtheta += dtheta;
       slot.sum_dtheta += dtheta;
       slot.stiffness.setZero();
@@ -182,8 +178,9 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
   const double rate = 1.0 / ctx.h;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    mass += 1.0 / body.inv_mass;
-    mean += body.v / body.inv_mass;
+    const double own = 1.0 / body.inv_mass;
+    mass += own;
+    mean += own * body.v;
   }
   mean /= mass;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
@@ -193,16 +190,19 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     const Vec3 dw = rate * slot.sum_dtheta;
     const Mat3 inertia = block::inverse(body.inv_inertia_w);
     // The inertia turns with the body, the angular momentum does not.
-    const Vec3 momentum = inertia * (slot.w + dw);
+    const Vec3 start = block::times(inertia, slot.w);
+    const Vec3 momentum = start + block::times(inertia, dw);
     const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
-    work += dv.dot(slot.v + 0.5 * dv) / body.inv_mass +
-            0.5 * (momentum_l.dot(body.inv_inertia_w * momentum_l) - slot.w.dot(inertia * slot.w));
-    energy += 0.5 * ((body.v - mean).squaredNorm() / body.inv_mass + body.w.dot(inertia * body.w));
+    const double own = 1.0 / body.inv_mass;
+    work +=
+        own * dv.dot(slot.v + 0.5 * dv) +
+        0.5 * (momentum_l.dot(block::times(body.inv_inertia_w, momentum_l)) - slot.w.dot(start));
+    energy +=
+        0.5 * (own * (body.v - mean).squaredNorm() + body.w.dot(block::times(inertia, body.w)));
     if (part.regular) continue;
     // Joints meet half of what other forces have added: poses are those between two velocities.
-    work -= 0.5 * dv.dot(slot.v - slot.v_start) / body.inv_mass +
-            0.5 * dw.dot(inertia * slot.w - slot.momentum_start);
-    disturbed += 0.5 * (body.v - slot.v - dv).squaredNorm() / body.inv_mass;
+    work -= 0.5 * own * dv.dot(slot.v - slot.v_start) + 0.5 * dw.dot(start - slot.momentum_start);
+    disturbed += 0.5 * own * (body.v - slot.v - dv).squaredNorm();
   }
   std::uint32_t first = part.node;
   while (graph_.nodes()[first].joint == kNone) ++first;

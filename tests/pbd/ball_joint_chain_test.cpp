@@ -103,4 +103,52 @@ TEST_CASE("ball_joint chain: with 5 substeps a 100 times heavier end is still st
   CHECK(result.gained < 0.01 * chain.swing_energy());
 }
 
+/// A square lattice of boxes that hangs on its first row. One cone that nothing reaches, or none.
+std::vector<Vec3> lattice_after(double seconds, bool with_cone, double compliance,
+                                double break_force) {
+  constexpr int kSize = 3;
+  World world;
+  auto& joints = world.add_block<JointBlock>();
+  std::vector<BodyId> bodies;
+  const auto join = [&](std::size_t before, const Vec3& anchor) {
+    const BodyId a = bodies[bodies.size() - 1 - before];
+    BallJointDef def = ball_joint_at(world, a, bodies.back(), anchor);
+    def.compliance = compliance;
+    if (with_cone && joints.size() == 5) def.cone = 3.0;
+    if (joints.size() == 7) def.break_force = break_force;
+    joints.add(world, def);
+  };
+  for (int row = 0; row < kSize; ++row) {
+    for (int column = 0; column < kSize; ++column) {
+      BodyDef def = box_def(1.0, Vec3(0.4, 0.3, 0.2), Vec3(column, row, 0.0));
+      if (row == 0) def.type = BodyType::Static;
+      bodies.push_back(world.add_body(def));
+      if (column > 0) join(1, Vec3(column - 0.5, row, 0.0));
+      if (row > 0) join(kSize, Vec3(column, row - 0.5, 0.0));
+    }
+  }
+  Solver solver({.joint_iterations = 100, .joint_tolerance = 1e-13, .sleep_after = 0.0});
+  run(world, solver, seconds);
+  std::vector<Vec3> places;
+  for (const BodyId body : bodies) places.push_back(world.pose(body).position);
+  return places;
+}
+
+TEST_CASE("ball joint: parts of them alone move as parts that another row makes general",
+          "[pbd][joint][unit]") {
+  for (const double compliance : {0.0, 1e-4}) {
+    for (const double break_force : {0.0, 8.0}) {
+      const auto alone = lattice_after(0.4, false, compliance, break_force);
+      const auto general = lattice_after(0.4, true, compliance, break_force);
+      double off = 0.0;
+      for (std::size_t i = 0; i < alone.size(); ++i) {
+        off = std::max(off, (alone[i] - general[i]).norm());
+      }
+      INFO("compliance " << compliance << ", breaks at " << break_force << " N: " << off << " m");
+      CHECK(alone.back().z() < -0.1);
+      CHECK(off < 1e-8);
+    }
+  }
+}
+
 }  // namespace ball_joint_chain_test

@@ -20,7 +20,8 @@ struct TANDEM_API SolverOptions {
   /// Sweeps of the pass in each substep, 1 to 1000. More substeps are nearly always better.
   int position_iterations = 1;
   /// Within each of them, joints and springs are swept until no row asks for more than the
-  /// tolerance (m), but this often at most: their energy is kept only where they converge.
+  /// tolerance (m) or will do so by the rate at which moves have shrunk, but this often at most:
+  /// their energy is kept only where they converge.
   int joint_iterations = 20;
   double joint_tolerance = 1e-6;
   /// Sweeps over contact velocities in each substep, at most.
