@@ -175,7 +175,8 @@ template <class V, bool faces>
 }
 
 template <class A, bool faces>
-[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, double evenness, BodyNumbers bodies) {
+[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, double evenness,
+                              BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const Pair<A> pair(rows, at, bodies);
   Responses<V> m{};
@@ -211,7 +212,8 @@ struct Begun {
 };
 
 template <class A, bool faces>
-[[gnu::flatten]] Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumbers bodies) {
+[[gnu::flatten]] Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule,
+                             BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   constexpr std::size_t points = faces ? 4 : 1;
   const V zero(0.0), one(1.0), h(rule.h);
@@ -333,8 +335,8 @@ V solve_point(const V& m, const V& z, const V& e) {
 }
 
 template <class A>
-[[gnu::flatten]] void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
-                  BodyNumbers bodies) {
+[[gnu::flatten]] void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
+                                   LaneMask asked, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
   Pair<A> pair(rows, at, bodies);
@@ -395,8 +397,8 @@ template <class A>
 }
 
 template <class A>
-[[gnu::flatten]] void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns, LaneMask asked,
-                 BodyNumbers bodies) {
+[[gnu::flatten]] void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
+                                  LaneMask asked, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
   Pair<A> pair(rows, at, bodies);
@@ -499,7 +501,8 @@ template <class A>
 
 /// @tparam holds  against targets; else overlaps are opened
 template <class A, bool faces, bool holds>
-[[gnu::flatten]] LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked, BodyNumbers bodies) {
+[[gnu::flatten]] LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked,
+                               BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0), one(1.0);
   Pair<A, Velocities::Push> pair(rows, at, bodies);
