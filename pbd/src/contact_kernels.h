@@ -252,9 +252,8 @@ Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule, BodyNumb
       closing = xsimd::select(impulse[i] > zero, most(closing, zero - e), closing);
     }
   }
-  const V limit = rule.first
-                      ? carried * pressed
-                      : V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
+  const V limit = rule.first ? carried * pressed
+                             : V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
   const Mask<V> over = (pressed > limit) & (closing <= V(rule.growth));
   const V share = xsimd::select(over, limit / pressed, one);
 

@@ -41,11 +41,11 @@ struct alignas(64) ContactRows {
   bool bounces = false;  ///< some point of some contact does
   /// N s, sum of what the substep began with; before the first one, the share of the last step's
   Lanes carried{};
-  Lanes approach{};      ///< m/s, fastest approach of a point before the substep, >= 0
-  Lanes pressed{};       ///< N s, normal, sum over the substeps before this one
-  Lanes fastest{};       ///< m/s, approach that an impulse stopped in one of them
-  Lanes change{};        ///< m/s, of a normal velocity in the last sweep
-  Lanes friction{};      ///< Coulomb
+  Lanes approach{};  ///< m/s, fastest approach of a point before the substep, >= 0
+  Lanes pressed{};   ///< N s, normal, sum over the substeps before this one
+  Lanes fastest{};   ///< m/s, approach that an impulse stopped in one of them
+  Lanes change{};    ///< m/s, of a normal velocity in the last sweep
+  Lanes friction{};  ///< Coulomb
   LaneArray<3> normal{};
   LaneArray<3> t1{};
   LaneArray<3> arm_a{};  ///< m, world, centre of mass to centre of pressure
