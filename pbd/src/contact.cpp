@@ -58,16 +58,15 @@ std::array<int, 4> match_points(const Manifold& old, const Manifold& m) {
 void follow(const Manifold& manifold, const Contact& old, Contact& contact) {
   const std::array<int, 4> match = match_points(old.manifold, manifold);
   const std::array<double, 4> force = old.force;
-  const double share = old.carried_share;
   for (std::size_t i = 0; i < 4; ++i) {
     const bool known = match[i] >= 0;
     const auto j = static_cast<std::size_t>(known ? match[i] : 0);
-    contact.force[i] = known ? share * force[j] : 0.0;
+    contact.force[i] = known ? force[j] : 0.0;
   }
   contact.overlap = old.overlap;
   contact.manifold = manifold;
   contact.friction_force.setZero();
-  contact.carried_share = 1.0;
+  contact.carried_share = old.carried_share;
   contact.approach_speed = 0.0;
   contact.impulse = 0.0;
 }

@@ -237,7 +237,7 @@ template <class A, bool faces>
     }
   };
   const V pressed = total();
-  const V carried = rule.first ? pressed : load<V>(rows.carried, at);
+  const V carried = load<V>(rows.carried, at);
   if (rule.first) {
     store(zero, rows.pressed, at);
     store(zero, rows.fastest, at);
@@ -246,8 +246,18 @@ template <class A, bool faces>
     store(load<V>(rows.pressed, at) + pressed, rows.pressed, at);
     store(most(load<V>(rows.fastest, at), stopped), rows.fastest, at);
   }
-  const V limit = V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
-  const V share = xsimd::select(pressed > limit, limit / pressed, one);
+  // What still closes where it carries has not been stopped: see kGrowth.
+  V closing = zero - vn;
+  if constexpr (faces) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const V e = vn + w1 * load<V>(rows.s[i], at) + w2 * load<V>(rows.r[i], at);
+      closing = xsimd::select(impulse[i] > zero, most(closing, zero - e), closing);
+    }
+  }
+  const V limit = rule.first ? carried * pressed
+                             : V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
+  const Mask<V> over = (pressed > limit) & (closing <= V(rule.growth));
+  const V share = xsimd::select(over, limit / pressed, one);
 
   const V count = load<V>(rows.points, at);
   const V restitution = load<V>(rows.restitution, at);

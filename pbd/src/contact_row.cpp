@@ -140,6 +140,7 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   set_vector(rows.t1, lane, t1);
   set_vector(rows.arm_a, lane, arm_a);
   set_vector(rows.arm_b, lane, arm_b);
+  rows.carried[lane] = contact.carried_share;
   rows.friction[lane] = m.friction;
   rows.restitution[lane] = m.restitution;
   rows.radii[lane] = m.radius_a + m.radius_b;
@@ -172,7 +173,7 @@ void repeat_first_row(ContactRows& rows) {
     rows.b[lane] = rows.b[0];
   }
   repeat_first(rows.count, rows.friction, rows.points, rows.normal, rows.t1, rows.arm_a, rows.arm_b,
-               rows.slide, rows.impulse, rows.radii, rows.restitution, rows.fall);
+               rows.slide, rows.impulse, rows.carried, rows.radii, rows.restitution, rows.fall);
   for (std::size_t i = 0; i < 4; ++i) {
     repeat_first(rows.count, rows.anchor_a[i], rows.anchor_b[i]);
   }

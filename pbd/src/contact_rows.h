@@ -39,12 +39,13 @@ struct alignas(64) ContactRows {
   LaneMask a_below = 0;  ///< a is nearer to what cannot move: it carries b
   LaneMask b_below = 0;
   bool bounces = false;  ///< some point of some contact does
-  Lanes carried{};       ///< N s, sum of what the substep began with
-  Lanes approach{};      ///< m/s, fastest approach of a point before the substep, >= 0
-  Lanes pressed{};       ///< N s, normal, sum over the substeps before this one
-  Lanes fastest{};       ///< m/s, approach that an impulse stopped in one of them
-  Lanes change{};        ///< m/s, of a normal velocity in the last sweep
-  Lanes friction{};      ///< Coulomb
+  /// N s, sum of what the substep began with; before the first one, the share of the last step's
+  Lanes carried{};
+  Lanes approach{};  ///< m/s, fastest approach of a point before the substep, >= 0
+  Lanes pressed{};   ///< N s, normal, sum over the substeps before this one
+  Lanes fastest{};   ///< m/s, approach that an impulse stopped in one of them
+  Lanes change{};    ///< m/s, of a normal velocity in the last sweep
+  Lanes friction{};  ///< Coulomb
   LaneArray<3> normal{};
   LaneArray<3> t1{};
   LaneArray<3> arm_a{};  ///< m, world, centre of mass to centre of pressure
@@ -114,7 +115,10 @@ struct SubstepRule {
 
 /// Carried impulses grow by this factor in a substep at most, beyond SubstepRule::growth: an impact
 /// is no load, and replayed in the next substep it would throw off again what has just landed. A
-/// load builds up over a few substeps instead.
+/// load builds up over a few substeps instead. But where two bodies still approach by more than
+/// gravity adds, the impact is not over: all of it is carried on. Cut, boxes of 300 times the mass
+/// that fall on a pyramid sink in by 133 mm and not 72, and cubes between the ground and one of 52
+/// times theirs (katamari) overlap by up to 0.12 m and not 0.09.
 inline constexpr double kGrowth = 2.0;
 
 /// Which velocities a row asks for.

@@ -14,8 +14,10 @@ namespace {
 /// Cosine to the vertical below which friction and not the normal holds up, or may.
 constexpr double kLevel = 0.5;
 
+/// N, of a load that lasts.
 double force_of(const Contact& contact) {
-  return contact.force[0] + contact.force[1] + contact.force[2] + contact.force[3];
+  return contact.carried_share *
+         (contact.force[0] + contact.force[1] + contact.force[2] + contact.force[3]);
 }
 
 /// Which points are no further apart than this, m.
