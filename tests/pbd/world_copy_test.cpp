@@ -85,9 +85,8 @@ TEST_CASE("world_copy: what cannot be copied leaves the copy empty", "[pbd][faul
   CHECK(copy.world().slot_count() == 0);
   CHECK(copy.world().blocks().empty());
   CHECK(copy.world().contact_source() == nullptr);
-  CHECK_THROWS_WITH(
-      copy.restore(scene.world),
-      "WorldCopy::restore: copy = empty breaks the rule: assign() has copied a world");
+  CHECK_THROWS_WITH(copy.restore(scene.world),
+                    "WorldCopy::restore: the copy must be of a world (assign()), is empty");
   Scene another;
   REQUIRE(copy.assign(another.world));
   CHECK(copy.world().hash() == another.world.hash());
