@@ -15,6 +15,7 @@
 #include "session/signals.h"
 #include "session/step_watch.h"
 #include "session/track.h"
+#include "session/virtual_coupling.h"
 #include "tandem/collision/contact_events.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/pbd/report.h"

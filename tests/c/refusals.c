@@ -229,7 +229,7 @@ static void packets_of_no_use(void) {
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
     wire.max_packet = wrong[i].max_packet;
     CHECK(tandem_transport_create(&wire, &error) == NULL);
-    CHECK(refused(error.result, &error, wrong[i].text, "0 or 512 to 61440"));
+    CHECK(refused(error.result, &error, wrong[i].text, "0 or from 512 to 61440"));
   }
   for (size_t i = 0; i < sizeof right / sizeof *right; ++i) {
     wire.max_packet = right[i];

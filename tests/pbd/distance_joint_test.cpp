@@ -319,9 +319,9 @@ TEST_CASE("distance_joint: a bad definition is refused naming field, value and r
     INFO("\"" << message << "\"");
     CHECK(names(message, std::string("distance_joint: ") + field, value, rule));
   };
-  refused("a", "body 2", "no body", [&](Def& d) { d.a = stale; });
-  refused("b", "body 2", "no body", [&](Def& d) { d.b = stale; });
-  refused("b", "body 4294967295", "no body", [&](Def& d) { d.b = {}; });
+  refused("a", "body 2", "a body of this world", [&](Def& d) { d.a = stale; });
+  refused("b", "body 2", "a body of this world", [&](Def& d) { d.b = stale; });
+  refused("b", "body 4294967295", "a body of this world", [&](Def& d) { d.b = {}; });
   refused("b", "is 0", "another body than a", [&](Def& d) { d.b = a; });
   refused("anchor_a_l", "nan", "finite", [&](Def& d) { d.anchor_a_l.x() = kNan; });
   refused("anchor_b_l", "inf", "finite", [&](Def& d) { d.anchor_b_l.z() = kInf; });

@@ -267,8 +267,8 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
     INFO("\"" << message << "\"");
     CHECK(names(message, std::string("joint: ") + field, value, rule));
   };
-  refused("a", "body 2", "no body", [&](Def& d) { d.a = stale; });
-  refused("b", "body 2", "no body", [&](Def& d) { d.b = stale; });
+  refused("a", "body 2", "a body of this world", [&](Def& d) { d.a = stale; });
+  refused("b", "body 2", "a body of this world", [&](Def& d) { d.b = stale; });
   refused("b", "is 1", "another body than a", [&](Def& d) { d.a = b; });
   refused("frame_a.anchor", "nan", "finite", [&](Def& d) { d.frame_a.anchor.x() = kNan; });
   refused("frame_b.basis", "is 2", "unit", [&](Def& d) { d.frame_b.basis.w() = 2.0; });
@@ -297,9 +297,9 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
   joints.remove(id);
   CHECK(names(refusal([&] { joints.at(id); }), "joint: id 0", "generation 0", "no joint"));
   CHECK(names(refusal([&] { ball_joint_at(world, a, stale, Vec3::Zero()); }), "joint: b", "body 2",
-              "no body"));
+              "a body of this world"));
   CHECK(names(refusal([&] { ball_joint_at(world, stale, a, Vec3::Zero()); }), "joint: a", "body 2",
-              "no body"));
+              "a body of this world"));
   CHECK(names(refusal([&] { hinge_joint_at(world, a, b, Vec3::Zero(), Vec3::Zero()); }),
               "joint: axis_w", "is 0", "longer"));
   joints.add(world, SixDofJointDef{.a = a, .b = b});

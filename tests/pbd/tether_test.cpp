@@ -190,7 +190,7 @@ TEST_CASE("tether: a bad definition is refused naming field, value and rule", "[
       CHECK(names(message, std::string("tether: ") + field, value, rule));
     }
   };
-  refused("body", "body 4294967295", "no body", [&](Def& d) { d.body = {}; });
+  refused("body", "body 4294967295", "a body of this world", [&](Def& d) { d.body = {}; });
   refused("anchor_l", "nan", "finite", [&](Def& d) { d.anchor_l.x() = kNan; });
   refused("anchor_w", "inf", "finite", [&](Def& d) { d.anchor_w.y() = kInf; });
   refused("anchor_velocity", "nan", "finite", [&](Def& d) { d.anchor_velocity.z() = kNan; });
