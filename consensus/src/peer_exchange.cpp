@@ -19,19 +19,20 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 /// silent for the longest is forgotten for a new one. Who acts is heard in each step.
 constexpr std::size_t kMostPeers = 1024;
 
-/// Of updates as often as our own, or as 60 a second, all bodies twice and some more; a quarter of
-/// a second's worth at once. A member who says more is read no further, and after a while dropped.
+/// Of updates as often as our own, or as 60 a second, all bodies, all springs that one may have and
+/// some more, twice; four updates at once. A member who says more is read no further, and after a
+/// while dropped.
 constexpr double kLeastRate = 60.0;
 constexpr double kTimes = 2.0;
-constexpr double kMoreBodies = 32.0;
-constexpr double kBurst = 0.25;  // s
+constexpr double kMore = static_cast<double>(Springs::kMaxPerPeer) + 32.0;
+constexpr double kAtOnce = 4.0;
 
-/// What a packet costs to take in, in states. A spring is searched among those of its sender.
+/// What a packet costs to take in, in states.
 double work_of(const DecodedPacket& packet) {
   const std::size_t light = packet.names.size() + packet.names_wanted.size() + packet.alive.size() +
                             packet.leaves.size() + packet.ownership.size();
   const std::size_t springs = packet.springs.size() + packet.anchors.size();
-  return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + 4 * springs) +
+  return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + springs) +
          0.25 * static_cast<double>(light);
 }
 
@@ -114,9 +115,8 @@ void Peer::Impl::date(const Packet& packet, SessionTime now) {
 }
 
 void Peer::Impl::set_budget(Budget& budget) const {
-  const double rate = kTimes * std::max(kLeastRate, options_.update_hz) *
-                      (static_cast<double>(shared_.size()) + kMoreBodies);
-  budget.set(rate, kBurst * rate);
+  const double update = static_cast<double>(shared_.size()) + kMore;
+  budget.set(kTimes * std::max(kLeastRate, options_.update_hz) * update, kAtOnce * update);
 }
 
 void Peer::Impl::keep_allowed(PeerId from, Role role) {

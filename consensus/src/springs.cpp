@@ -171,21 +171,19 @@ Springs::Share Springs::share_of(pbd::BodyId body, Each&& each) const {
 
 void Springs::apply(const Share& share, pbd::Tether::Def& def) {
   def.max_force *= share.force;
-  def.stiffness *= share.stiffness;
+  def.stiffness = std::max(def.stiffness * share.stiffness, pbd::Tether::kMinStiffness);
   def.damping *= share.damping;
 }
 
 void Springs::share_out(PeerId from, pbd::BodyId body) {
   if (!world_.contains(body)) return;
-  const auto on_body = [&](const Remote& r) {
-    return r.peer == from && r.live && r.def.body == body;
-  };
+  const auto on_body = [&](const Remote& r) { return r.live && r.def.body == body; };
   const Share share = share_of(body, [&](auto&& add) {
-    for (const Remote& r : remote_) {
+    for (const Remote& r : of(from)) {
       if (on_body(r)) add(r.def);
     }
   });
-  for (Remote& r : remote_) {
+  for (Remote& r : of(from)) {
     if (on_body(r)) r.share = share;
   }
 }
@@ -194,6 +192,11 @@ std::vector<Springs::Remote>::iterator Springs::place_of(PeerId peer, std::uint3
   return std::lower_bound(
       remote_.begin(), remote_.end(), std::pair(peer, spring),
       [](const Remote& r, const auto& key) { return std::pair(r.peer, r.last.spring) < key; });
+}
+
+std::span<Springs::Remote> Springs::of(PeerId peer) {
+  const auto theirs = std::ranges::equal_range(remote_, peer, {}, &Remote::peer);
+  return {theirs.begin(), theirs.end()};
 }
 
 Springs::Remote* Springs::find(PeerId peer, std::uint32_t spring) {
@@ -215,9 +218,7 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     if (update.revision < it->last.revision && !successor) return Verdict::Taken;
     if (update.revision == it->last.revision && !later) return Verdict::Taken;
   } else {
-    const auto mine = std::count_if(remote_.begin(), remote_.end(),
-                                    [&](const Remote& r) { return r.peer == from; });
-    if (static_cast<std::size_t>(mine) >= kMaxPerPeer) return Verdict::Refused;
+    if (of(from).size() >= kMaxPerPeer) return Verdict::Refused;
     if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return Verdict::Taken;
     if (remote_.size() >= kMaxOfAll && !make_room(from)) return Verdict::Refused;
     it = remote_.insert(place_of(from, update.spring), {.peer = from});
@@ -412,8 +413,9 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
 }
 
 int Springs::held_by(PeerId peer, pbd::BodyId body) const {
+  const auto theirs = std::ranges::equal_range(remote_, peer, {}, &Remote::peer);
   return static_cast<int>(std::ranges::count_if(
-      remote_, [&](const Remote& r) { return r.peer == peer && pulls(r) && r.def.body == body; }));
+      theirs, [&](const Remote& r) { return pulls(r) && r.def.body == body; }));
 }
 
 bool Springs::limit(pbd::Tether::Def& def) const {

@@ -122,6 +122,8 @@ class Springs {
 
   Own& find(GrabId id);
   std::vector<Remote>::iterator place_of(PeerId peer, std::uint32_t spring);
+  /// All that is known of that peer's; valid until one comes or goes.
+  std::span<Remote> of(PeerId peer);
   /// Null where nothing is known of it.
   Remote* find(PeerId peer, std::uint32_t spring);
   /// Whether it has a row: none where it was let go, or its body is gone.

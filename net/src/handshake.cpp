@@ -255,6 +255,10 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
   const Introduction& remote = proof->remote;
   const auto answer = judge(config_, remote, proof->first.remote);
   Verdict verdict = answer.verdict;
+  if (verdict == Verdict::NoWork) {  // no answer: it would be work of ours for none of his
+    ++counters_.refused;
+    return {};
+  }
   if (verdict == Verdict::Welcome) verdict = decide_(remote, answer.member, from);
   Introduction own = introduce(config_, verdict == Verdict::Welcome ? next_receiver_() : 0);
   own.verdict = verdict;
