@@ -167,7 +167,8 @@ Prediction Peer::Impl::carry(Shared& shared, PeerId from, const StateUpdate& upd
 
 Peer::Impl::Stamped Peer::Impl::compare(const Shared& shared, const StateUpdate& update,
                                         Prediction& missing) {
-  const pbd::BodyState then = history_.state_at(shared.def.body.index, update.stamp);
+  const pbd::BodyState then =
+      history_.state_beside(shared.def.body.index, update.stamp, update.twist);
   Stamped there{update.stamp, {update.pose, update.twist}};
   if (!update.oriented || !shared.def.orientation) {
     there.state.pose.orientation = then.pose.orientation;

@@ -78,6 +78,9 @@ class WorldHistory {
   /// Where a body was, interpolated between frames by the cubic that has their velocities; clamped
   /// to the time that is known of it.
   pbd::BodyState state_at(std::uint32_t slot, SessionTime time) const;
+  /// The same to compare a state of another peer with: where the body was hit between two frames it
+  /// is on the side of the hit that moves like that.
+  pbd::BodyState state_beside(std::uint32_t slot, SessionTime time, const pbd::Twist& other) const;
   const pbd::BodyState& newest(std::uint32_t slot) const { return frame(last()).states[slot]; }
   /// ns, since when this body is known.
   SessionTime since(std::uint32_t slot) const;
