@@ -35,20 +35,26 @@ void ContactConvergence::note(const ContactRows& rows, LaneMask lanes) {
   });
 }
 
-void ContactConvergence::find_open(const ContactOrder::Places& places,
-                                   std::span<const ContactRows> rows, float tolerance) {
+void ContactConvergence::find_open(std::uint32_t first, float tolerance) {
   open_.clear();
   octaves_.fill(0);
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
-    Open open{.block = k};
-    for (std::size_t i = 0; i < rows[k].count; ++i) {
-      const float speed = moved(rows[k], i);
-      if (!(speed > tolerance)) continue;
-      open.lanes = static_cast<LaneMask>(open.lanes | 1u << i);
-      open.octave[i] = octave_of(speed);
-      ++octaves_[open.octave[i]];
+  for (std::uint32_t k = 0; k < ends_.size(); ++k) {
+    const Ends& ends = ends_[k];
+    std::array<float, kLanes> speed;
+    unsigned lanes = 0;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      speed[i] = std::max(moved_[ends.a[i]], moved_[ends.b[i]]);
+      lanes |= unsigned{speed[i] > tolerance} << i;
     }
-    if (open.lanes != 0) open_.push_back(open);
+    lanes &= ends.lanes;
+    if (lanes == 0) continue;
+    Open& open = open_.emplace_back();
+    open.block = first + k;
+    open.lanes = static_cast<LaneMask>(lanes);
+    for_lanes(open.lanes, [&](std::size_t i) {
+      open.octave[i] = octave_of(speed[i]);
+      ++octaves_[open.octave[i]];
+    });
   }
 }
 
@@ -58,9 +64,9 @@ int ContactConvergence::keep_most_moved(int most) {
   while (lowest > 0 && kept + octaves_[lowest - 1] <= most) kept += octaves_[--lowest];
   if (lowest == 0) return kept;
   for (Open& open : open_) {
-    for_lanes(open.lanes, [&](std::size_t i) {
-      if (open.octave[i] < lowest) open.lanes = static_cast<LaneMask>(open.lanes & ~(1u << i));
-    });
+    unsigned fast = 0;
+    for (std::size_t i = 0; i < kLanes; ++i) fast |= unsigned{open.octave[i] >= lowest} << i;
+    open.lanes = static_cast<LaneMask>(open.lanes & fast);
   }
   std::erase_if(open_, [](const Open& open) { return open.lanes == 0; });
   return kept;
@@ -78,10 +84,14 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
   };
   if (rule.rows == 0 || std::all_of(swept.begin(), swept.end(), solved)) return outcome;
   moved_.assign(bodies.size(), 0.0f);
-  for (const ContactRows& each : swept) note(each, lanes_in_use(each));
+  ends_.clear();
+  for (const ContactRows& each : swept) {
+    ends_.push_back({each.a, each.b, lanes_in_use(each)});
+    note(each, lanes_in_use(each));
+  }
   const BodyNumbers numbers = numbers_of(bodies);
   for (;;) {
-    find_open(places, rows, static_cast<float>(rule.tolerance));
+    find_open(places.begin, static_cast<float>(rule.tolerance));
     outcome.open = std::accumulate(octaves_.begin(), octaves_.end(), 0);
     const int left = rule.rows - outcome.swept;
     if (left < rule.rows / kNotWorthIt) return outcome;

@@ -42,19 +42,23 @@ class ContactConvergence {
     std::array<std::uint8_t, kLanes> octave{};  ///< how much each row's bodies moved
   };
 
-  /// How much the bodies of a row were moved, m/s.
-  float moved(const ContactRows& rows, std::size_t lane) const {
-    return std::max(moved_[rows.a[lane]], moved_[rows.b[lane]]);
-  }
+  /// The bodies of a block's rows: all blocks are looked at again and again, and one of rows is
+  /// fifty cache lines.
+  struct Ends {
+    std::array<std::uint32_t, kLanes> a;
+    std::array<std::uint32_t, kLanes> b;
+    LaneMask lanes;  ///< in use
+  };
   void note(const ContactRows& rows, LaneMask lanes);
   /// The rows with a body that moved by more than this, m/s.
-  void find_open(const ContactOrder::Places& places, std::span<const ContactRows> rows,
-                 float tolerance);
+  /// @param first  block
+  void find_open(std::uint32_t first, float tolerance);
   /// Keep those open rows whose bodies moved most, no more than `most`: whole octaves.
   /// @return how many
   int keep_most_moved(int most);
 
   std::vector<float> moved_;        ///< m/s, by body: largest change of a row since it was swept
+  std::vector<Ends> ends_;          ///< by block of the group
   std::vector<Open> open_;          ///< by ascending block
   std::array<int, 256> octaves_{};  ///< open rows by the exponent of how much they moved
 };
