@@ -125,9 +125,9 @@ TEST_CASE("virtual coupling: options outside of their rules are refused by name"
   const auto refused = [](const VirtualCouplingOptions& options) {
     return refusal([&] { options.validate(); });
   };
-  CHECK(names(refused({.frequency = 0.0}), "frequency", "0.0", "above 0"));
+  CHECK(names(refused({.frequency = 0.0}), "frequency", "is 0", "above 0"));
   CHECK(names(refused({.damping_ratio = -0.1}), "damping_ratio", "-0.1", "0 to 100"));
-  CHECK(names(refused({.max_acceleration = 0.0}), "max_acceleration", "0.0", "> 0"));
+  CHECK(names(refused({.max_acceleration = 0.0}), "max_acceleration", "is 0", "> 0"));
 }
 
 }  // namespace

@@ -183,10 +183,10 @@ TEST_CASE("cells: nonsense is refused by name", "[consensus]") {
   CHECK(names(refusal([] { split_cells({}, 0); }), "split_cells", "count", "at least 1"));
   CHECK(names(refusal([&] { split_cells(bad, 2); }), "split_cells", "points", "finite"));
   CHECK(names(refusal([] { split_cells({}, 2, {false, false, false}); }), "axes", "none", "cut"));
-  CHECK(names(refusal([] { PartitionOptions{.overlap = 0.0}.validate(); }), "overlap", "0.0",
+  CHECK(names(refusal([] { PartitionOptions{.overlap = 0.0}.validate(); }), "overlap", "is 0",
               "above 0"));
-  CHECK(
-      names(refusal([] { PartitionOptions{.slack = 1.0}.validate(); }), "slack", "1.0", "overlap"));
+  CHECK(names(refusal([] { PartitionOptions{.slack = 1.0}.validate(); }), "slack", "is 1",
+              "overlap"));
   StubTransport transport(3);
   CHECK(names(refusal([&] { Part(transport, {{1, {}}, {2, {}}}, {}, {}); }), "self", "3", "cell"));
   CHECK(names(refusal([&] {
