@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Runs a target on its seeds, on mutations of them by a fixed generator, and on files.
-//   TARGET [--runs=N] [--seed=N] [FILE...]
+//   TARGET [--runs=N] [--seed=N] [FILE...]      0 runs: the seeds and the files alone
 //   TARGET --write-seeds=DIRECTORY
 #include <cstdio>
 #include <cstdlib>
@@ -79,7 +79,6 @@ int main(int argc, char** argv) {
         return 1;
       }
       fuzz::run(std::as_bytes(std::span(text)));
-      runs = 0;
     }
   }
   for (const Bytes& each : seeds) fuzz::run(each);
