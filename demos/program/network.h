@@ -13,6 +13,7 @@
 #include "session/options.h"
 #include "session/session_key.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/net/keys.h"
 
 namespace tandem::demos {
 
@@ -58,7 +59,7 @@ template <class Options>
 void set_members(const DemoOptions& from, Options& to) {
   to.session_key = read_key(from.key);
   try {
-    if (!from.identity.empty()) to.identity = keep_identity(from.identity);
+    if (!from.identity.empty()) to.identity = keep_identity(from.identity, net::make_key);
   } catch (const std::system_error&) {
     to.identity.reset();  // nothing can be kept there: a new one at each start
   }

@@ -13,8 +13,6 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "tandem/net/keys.h"
-
 namespace tandem::demos {
 
 std::optional<Key> key_from_hex(std::string_view digits) {
@@ -49,9 +47,9 @@ Key read_session_key(const std::string& path) {
   return *key;
 }
 
-Key keep_identity(const std::string& path) {
+Key keep_identity(const std::string& path, Key (*make)()) {
   if (std::filesystem::exists(path)) return read_session_key(path);
-  const Key made = net::make_key();
+  const Key made = make();
   // Never there with more rights, and never over another one that has just been made.
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0) throw std::system_error(errno, std::system_category(), path);

@@ -21,10 +21,10 @@ std::optional<Key> key_from_hex(std::string_view digits);
 /// @throws std::invalid_argument with what the file must be, without its name
 Key read_session_key(const std::string& path);
 
-/// The identity that a file keeps; where there is none yet a new one is made and written there, for
-/// its owner alone to read.
+/// The identity that a file keeps; where there is none yet `make` makes one, which is written
+/// there, for its owner alone to read.
 /// @throws std::invalid_argument as read_session_key, std::system_error where it cannot be written
-Key keep_identity(const std::string& path);
+Key keep_identity(const std::string& path, Key (*make)());
 
 /// The bytes that a file has as hex digits; white space between them is passed over.
 /// @throws std::invalid_argument with the rule that the file breaks, without its name

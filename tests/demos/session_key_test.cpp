@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/session_key.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,14 @@ namespace tandem::demos::session_key_test {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// No two are equal.
+Key another_key() {
+  static std::uint8_t count = 0;
+  Key key{};
+  key.front() = ++count;
+  return key;
+}
 
 /// The rule that a file with this text breaks; empty where it holds a key.
 std::string refusal(const std::string& text, fs::perms access = fs::perms(0600)) {
@@ -69,16 +78,16 @@ TEST_CASE("session key: an identity is made at the first start and kept for its 
           "[demos]") {
   const fs::path path = fs::temp_directory_path() / "tandem_kept_identity";
   fs::remove(path);
-  const auto first = keep_identity(path.string());
+  const auto first = keep_identity(path.string(), another_key);
   CHECK((fs::status(path).permissions() & fs::perms(0777)) == fs::perms(0600));
-  CHECK(keep_identity(path.string()) == first);
+  CHECK(keep_identity(path.string(), another_key) == first);
   CHECK(read_session_key(path.string()) == first);
   fs::permissions(path, fs::perms(0644));
-  CHECK_THROWS_AS(keep_identity(path.string()), std::invalid_argument);
+  CHECK_THROWS_AS(keep_identity(path.string(), another_key), std::invalid_argument);
   fs::remove(path);
-  CHECK(keep_identity(path.string()) != first);
+  CHECK(keep_identity(path.string(), another_key) != first);
   fs::remove(path);
-  CHECK_THROWS_AS(keep_identity("/nowhere/at/all"), std::system_error);
+  CHECK_THROWS_AS(keep_identity("/nowhere/at/all", another_key), std::system_error);
 }
 
 TEST_CASE("session key: hex digits of any length are bytes", "[demos][unit]") {
