@@ -207,7 +207,8 @@ TEST_CASE("peer: a hundred thousand springs leave few, and room for who is hones
   // Of twenty ids, so that nobody's own limit is what holds.
   target.run(100, [&](int) {
     for (int i = 0; i < 1000; ++i) {
-      target.line.deliver(100 + number % 20, target.spring(++number, 1.0 + number));
+      ++number;
+      target.line.deliver(100 + number % 20, target.spring(number, 1.0 + number));
     }
   });
   CHECK(number == 100'000);
