@@ -61,7 +61,7 @@ const Refusal kRefusals[] = {
      [](World& w) {
        add_shape(w, collision::HalfSpace{Vec3::Zero(), 0.0});
      }},
-    {"mass of an inverted mesh", "Mesh", "-1",
+    {"mass of an inverted mesh", "volume of the mesh", "-1",
      [](World&) { (void)collision::mass_properties(inverted_cube(), 1000.0); }},
     {"mesh with a corner at NaN", "vertices", "nan",
      [](World&) {

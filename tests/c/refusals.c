@@ -218,10 +218,8 @@ static void packets_of_no_use(void) {
   const struct {
     size_t max_packet;
     const char* text;
-  } wrong[] = {{1, "max_packet = 1:"},
-               {511, "max_packet = 511:"},
-               {61441, "max_packet = 61441:"},
-               {(size_t)-1, "max_packet = "}};
+  } wrong[] = {
+      {1, ", is 1"}, {511, ", is 511"}, {61441, ", is 61441"}, {(size_t)-1, "max_packet must be "}};
   const size_t right[] = {0, 512, 61440};
   tandem_transport_def wire = {
       .self = 1, .post = nothing_posted, .drain = nonsense_drained, .peers = peers_in_no_order};

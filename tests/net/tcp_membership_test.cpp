@@ -142,16 +142,16 @@ TEST_CASE("tcp membership: of a stranger to the organiser nothing is taken", "[n
   certify(options);
   CHECK(error(options).empty());
   options.certificate.pop_back();
-  CHECK(error(options) == "TcpOptions: certificate is 120, must be 121 bytes long");
+  CHECK(error(options) == "TcpOptions: certificate must be 121 bytes long, is 120");
   certify(options);
   options.organiser.reset();
-  CHECK(error(options) == "TcpOptions: certificate is given, must be none without an organiser");
+  CHECK(error(options) == "TcpOptions: certificate must be none without an organiser, is given");
   certify(options);
   options.identity.reset();
-  CHECK(error(options) == "TcpOptions: organiser is given, must be none without an identity");
+  CHECK(error(options) == "TcpOptions: organiser must be none without an identity, is given");
   options.session_key.reset();
   options.certificate.clear();
-  CHECK(error(options) == "TcpOptions: organiser is given, must be none without a session_key");
+  CHECK(error(options) == "TcpOptions: organiser must be none without a session_key, is given");
 }
 
 TEST_CASE("udp membership: the same over UDP", "[net][socket][fault]") {
