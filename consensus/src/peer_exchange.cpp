@@ -25,7 +25,7 @@ constexpr std::size_t kMostPeers = 1024;
 constexpr double kLeastRate = 60.0;
 constexpr double kTimes = 2.0;
 constexpr double kMore = static_cast<double>(Springs::kMaxPerPeer) + 32.0;
-constexpr double kAtOnce = 4.0;
+constexpr double kUpdatesAtOnce = 4.0;
 
 /// What a packet costs to take in, in states.
 double work_of(const DecodedPacket& packet) {
@@ -116,7 +116,7 @@ void Peer::Impl::date(const Packet& packet, SessionTime now) {
 
 void Peer::Impl::set_budget(Budget& budget) const {
   const double update = static_cast<double>(shared_.size()) + kMore;
-  budget.set(kTimes * std::max(kLeastRate, options_.update_hz) * update, kAtOnce * update);
+  budget.set(kTimes * std::max(kLeastRate, options_.update_hz) * update, kUpdatesAtOnce * update);
 }
 
 void Peer::Impl::keep_allowed(PeerId from, Role role) {

@@ -195,8 +195,8 @@ std::vector<Springs::Remote>::iterator Springs::place_of(PeerId peer, std::uint3
 }
 
 std::span<Springs::Remote> Springs::of(PeerId peer) {
-  const auto theirs = std::ranges::equal_range(remote_, peer, {}, &Remote::peer);
-  return {theirs.begin(), theirs.end()};
+  return {std::ranges::lower_bound(remote_, peer, {}, &Remote::peer),
+          std::ranges::upper_bound(remote_, peer, {}, &Remote::peer)};
 }
 
 Springs::Remote* Springs::find(PeerId peer, std::uint32_t spring) {
@@ -413,9 +413,8 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
 }
 
 int Springs::held_by(PeerId peer, pbd::BodyId body) const {
-  const auto theirs = std::ranges::equal_range(remote_, peer, {}, &Remote::peer);
   return static_cast<int>(std::ranges::count_if(
-      theirs, [&](const Remote& r) { return pulls(r) && r.def.body == body; }));
+      remote_, [&](const Remote& r) { return r.peer == peer && pulls(r) && r.def.body == body; }));
 }
 
 bool Springs::limit(pbd::Tether::Def& def) const {
