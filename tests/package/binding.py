@@ -177,7 +177,7 @@ def session(library, world, body):
                         Peers(lambda _user, list_peer, into: list_peer(into, 2, 1)), Drop(), 511)
     error = Watched(Error)
     check(library.call("transport_create", byref(wire), byref(error.it), result=c_void_p) is None and
-          b"max_packet = 511" in error.it.text, "packets that are too short")
+          b"max_packet must be" in error.it.text and b"is 511" in error.it.text, "packets that are too short")
     wire.max_packet = 512
     transport = c_void_p(library.call("transport_create", byref(wire), None, result=c_void_p))
     definition = library.made(PeerDef, "peer_def_init")
