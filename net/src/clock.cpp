@@ -20,9 +20,19 @@ std::int64_t reading_of() {
   return duration_cast<nanoseconds>(Clock::now().time_since_epoch()).count();
 }
 
-/// ns, of the system clock above the steady one.
+/// ns, of the system clock above the steady one: read between two readings of the steady clock that
+/// lie close together, as one reading may be interrupted.
 std::int64_t system_offset() {
-  return reading_of<std::chrono::system_clock>() - reading_of<std::chrono::steady_clock>();
+  std::int64_t closest = INT64_MAX, offset = 0;
+  for (int reading = 0; reading < 5; ++reading) {
+    const std::int64_t before = reading_of<std::chrono::steady_clock>();
+    const std::int64_t system = reading_of<std::chrono::system_clock>();
+    const std::int64_t after = reading_of<std::chrono::steady_clock>();
+    if (after - before >= closest) continue;
+    closest = after - before;
+    offset = system - before - closest / 2;
+  }
+  return offset;
 }
 
 /// How far `time` is after the last multiple of `step` that is not later.
