@@ -27,7 +27,7 @@ struct TANDEM_API ReplayOptions {
   ReplayInputs inputs = ReplayInputs::Known;
   /// Steps that may be replayed for each step of the world, in steps of the world as it is awake;
   /// at least 1; never less than 32 steps of one body. Infinity: a fresh replay in each step. With
-  /// 4 a thousand balls 123.5 ms away run in real time on one core (docs/method.md Sec. 9).
+  /// 4 a thousand balls 123.5 ms away take 15 to 21 ms of CPU for each step of 16.7 ms.
   double budget = 4.0;
   /// m: bodies that are no further from the mean, and by their velocities were not at the present
   /// either, are left alone. Rotations and spins count at a lever of 0.1 m.
