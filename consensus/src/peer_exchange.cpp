@@ -26,6 +26,8 @@ constexpr double kLeastRate = 60.0;
 constexpr double kTimes = 2.0;
 constexpr double kMore = static_cast<double>(Springs::kMaxPerPeer) + 32.0;
 constexpr double kUpdatesAtOnce = 4.0;
+/// s: between two own steps, for what may be read at once.
+constexpr double kLongestGap = 0.5;
 
 /// What a packet costs to take in, in states.
 double work_of(const DecodedPacket& packet) {
@@ -116,7 +118,10 @@ void Peer::Impl::date(const Packet& packet, SessionTime now) {
 
 void Peer::Impl::set_budget(Budget& budget) const {
   const double update = static_cast<double>(shared_.size()) + kMore;
-  budget.set(kTimes * std::max(kLeastRate, options_.update_hz) * update, kUpdatesAtOnce * update);
+  const double rate = kTimes * std::max(kLeastRate, options_.update_hz) * update;
+  // Who steps seldom reads at once what came meanwhile.
+  const double since = std::min(step_dt_, kLongestGap);
+  budget.set(rate, std::max(kUpdatesAtOnce * update, rate * since));
 }
 
 void Peer::Impl::keep_allowed(PeerId from, Role role) {
