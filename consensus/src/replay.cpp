@@ -25,7 +25,7 @@ constexpr double kLeast = 32.0;
 
 /// Steps in which the last replay may be stepped along. With other peers' replays at other stamps
 /// 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, and 87 without a limit.
-constexpr double kOldest = 3.0;
+constexpr int kOldest = 3;
 
 /// Which period of `length` s a time is in: all peers count the same ones.
 SessionTime period_of(SessionTime time, double length) {
@@ -113,7 +113,7 @@ void Replay::update(ReplayStats& stats) {
       return drop();
     }
     ++stats.fresh;
-    old_ = 0.0;
+    old_ = 0;
   } else if (!covered_.empty() && ++old_ <= kOldest && reached_ + 1 == history_.last()) {
     ++stats.postponed;
   } else {
@@ -123,7 +123,7 @@ void Replay::update(ReplayStats& stats) {
   for (; reached_ < history_.last(); ++reached_) {
     if (!step_from(reached_, stats)) return drop();
   }
-  if (old_ == 0.0) blend(reached_);
+  if (old_ == 0) blend(reached_);
   gaps_.resize(covered_.size());
   for (std::uint32_t slot = 0; slot < covered_.size(); ++slot) {
     if (covered_[slot] == 0) continue;

@@ -98,7 +98,7 @@ class Replay {
   bool copies_ = true;
   std::size_t start_ = 0;        ///< frame
   std::size_t reached_ = 0;      ///< frame
-  double old_ = 0.0;             ///< steps since the last replay was begun
+  int old_ = 0;                  ///< steps since the last replay was begun
   SessionTime period_ = -1;      ///< in which the last replay starts
   SessionTime known_until_ = 0;  ///< ns, own inputs with ReplayInputs::Common
   std::vector<News> news_;
