@@ -114,6 +114,22 @@ TEST_CASE("budget: so much a second, so much at once, and abuse is what goes on"
   CHECK_FALSE(budget.admits(0));
 }
 
+TEST_CASE("peer: who steps ten times a second reads all of sixty whole updates a second",
+          "[consensus]") {
+  constexpr double kLong = 0.1;  // s
+  Target target;
+  for (int step = 0; step < 30; ++step) {
+    // Six updates since the last step, of one state and its packet for every two that count.
+    for (int i = 0; step > 0 && i < 6 * 144; ++i) target.line.deliver(kHonest, target.state(i));
+    target.site.peer->before_step(target.now);
+    target.site.solver.step(target.site.world, kLong);
+    target.now += ns(kLong);
+    target.site.peer->after_step(target.now);
+  }
+  CHECK(target.report(kHonest).over_budget == 0);
+  CHECK(target.site.peer->stats().packets_received == 29 * 6 * 144);
+}
+
 TEST_CASE("peer: a watcher moves nothing, who may act pulls and says nothing of states",
           "[consensus][fault]") {
   for (const Role role : {Role::Watch, Role::Act, Role::Share}) {
