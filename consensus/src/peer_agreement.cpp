@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "cpu_clock.h"
 #include "peer_impl.h"
@@ -47,7 +48,7 @@ void Peer::Impl::aggregate(SessionTime now) {
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     Shared& shared = shared_[i];
     const auto newest = inbox_.newest_at(i);
-    shared.asked.setZero();
+    const pbd::Vec3 asked = std::exchange(shared.asked, pbd::Vec3::Zero());
     if (!world_.contains(shared.def.body)) continue;
     const bool unheard = options_.coupling == Coupling::None && !shared.def.owner.has_value();
     if (unheard || shared.def.owner == self) {
@@ -58,7 +59,7 @@ void Peer::Impl::aggregate(SessionTime now) {
     const Found found = estimate(shared, newest, now);
     if (drag(shared, now) || estimates_.empty()) continue;
     ++stats_.bodies_aggregated;
-    want(shared, found, now);
+    want(shared, found, asked, now);
   }
   if (replay_ != nullptr) {
     if (apart_) {
@@ -70,11 +71,11 @@ void Peer::Impl::aggregate(SessionTime now) {
   for (Wanted& wanted : wanted_) aim(wanted);
 }
 
-void Peer::Impl::want(Shared& shared, const Found& found, SessionTime now) {
+void Peer::Impl::want(Shared& shared, const Found& found, const pbd::Vec3& asked, SessionTime now) {
   const std::uint32_t slot = shared.def.body.index;
   const pbd::BodyState& own = world_.states()[slot];
   if (found.votes) weigh_votes(own);
-  Wanted wanted{.shared = &shared};
+  Wanted wanted{.shared = &shared, .asked = asked};
   pbd::PoseTarget& target = wanted.target;
   target.body = shared.def.body;
   target.motion = motion_;
@@ -110,6 +111,7 @@ void Peer::Impl::want(Shared& shared, const Found& found, SessionTime now) {
                     .state = there.state});
     }
     wanted.replayed = true;
+    wanted.oldest = oldest;
     apart_ = apart_ || apart;
   }
   wanted_.push_back(wanted);
@@ -128,6 +130,20 @@ void Peer::Impl::stay(const pbd::BodyState& then, pbd::PoseTarget& target) {
   target.use_rotation_error = false;
 }
 
+void Peer::Impl::ease_in(const pbd::BodyState& own, Wanted& wanted) const {
+  pbd::PoseTarget& target = wanted.target;
+  if (target.share >= 1.0) return;
+  const pbd::Vec3 gap = target.pose.position - own.pose.position;
+  const double distance = gap.norm();
+  if (!(distance > 0.0)) return;
+  const double age = std::max(step_dt_, seconds(now_ - wanted.oldest));
+  const double faster = (target.twist.linear - own.twist.linear).norm();  // m/s
+  const double growth = (2.0 * distance / age + faster) * step_dt_ / age;
+  const double most = std::max(0.0, wanted.asked.dot(gap) / distance) + growth * step_dt_;
+  const double full = share_per_step(target.share, step_dt_) * distance;
+  if (full > most) target.share *= most / full;
+}
+
 void Peer::Impl::aim(Wanted& wanted) {
   Shared& shared = *wanted.shared;
   pbd::PoseTarget& target = wanted.target;
@@ -142,6 +158,7 @@ void Peer::Impl::aim(Wanted& wanted) {
     if (!shared.def.orientation) target.pose.orientation = own.pose.orientation;
   }
   limit(own, wanted);
+  if (wanted.replayed) ease_in(own, wanted);
   shared.asked =
       share_per_step(target.share, step_dt_) * (target.pose.position - own.pose.position);
   targets_.push_back(target);

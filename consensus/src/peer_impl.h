@@ -135,8 +135,10 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// What agreement wants of one body.
   struct Wanted {
     Shared* shared = nullptr;
-    PeerId heaviest = 0;    ///< who has the most say in it
-    bool replayed = false;  ///< where it is to be is the replay's to say
+    PeerId heaviest = 0;                  ///< who has the most say in it
+    bool replayed = false;                ///< where it is to be is the replay's to say
+    SessionTime oldest = 0;               ///< ns, stamp of the oldest news
+    pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, in the last step
     pbd::PoseTarget target;
   };
   Shared* find(const SharedId& id);
@@ -189,9 +191,11 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// Where somebody leads, of estimates_ only those of leaders_ and owners.
   void keep_leaders();
   /// Take over the fused estimates_ as what agreement wants.
-  void want(Shared& shared, const Found& found, SessionTime now);
+  void want(Shared& shared, const Found& found, const pbd::Vec3& asked, SessionTime now);
   /// What stands is still where its mean with the own state `then`, of the oldest stamp, was.
   void stay(const pbd::BodyState& then, pbd::PoseTarget& target);
+  /// Lessen the share of a correction that begins.
+  void ease_in(const pbd::BodyState& own, Wanted& wanted) const;
   /// Make a target of what is wanted.
   void aim(Wanted& wanted);
   bool replays() const { return replay_ != nullptr && replay_->possible(); }
