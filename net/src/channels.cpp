@@ -218,6 +218,14 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
         budget_.spend(0);
         note_clock(section, now);
         break;
+      case Kind::Challenge:
+        budget_.spend(0);
+        challenge_ = section.token;
+        break;
+      case Kind::Answer:
+        budget_.spend(0);
+        answer_ = section.token;
+        break;
       case Kind::Goodbye: {
         const auto text = section.bytes.first(std::min(section.bytes.size(), kMaxGoodbye));
         goodbye_.assign(text.begin(), text.end());

@@ -107,6 +107,12 @@ class Channels {
   /// The latest that has not been taken.
   std::optional<Exchange> take_exchange() { return std::exchange(exchange_, {}); }
 
+  /// What the other end asks to hear again, and what it says again, of the last packet.
+  std::optional<std::uint64_t> take_challenge() { return std::exchange(challenge_, {}); }
+  std::optional<std::uint64_t> take_answer() { return std::exchange(answer_, {}); }
+  /// Round trips of before were those of another way.
+  void begin_path() { sent_.begin_path(); }
+
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_.sender; }
   std::uint64_t dropped_states() const { return dropped_states_; }
@@ -157,6 +163,8 @@ class Channels {
   MemberBudget budget_;
   std::vector<std::byte> goodbye_;
   std::optional<Exchange> exchange_;
+  std::optional<std::uint64_t> challenge_;
+  std::optional<std::uint64_t> answer_;
 };
 
 }  // namespace tandem::net

@@ -82,7 +82,8 @@ bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome&
 
   // Also of those that counted as lost: where a queue grows faster than the estimate, all are late.
   if (const Entry& entry = slot(ack);
-      entry.sequence == ack && (entry.state == State::Flying || entry.state == State::Lost)) {
+      ack >= path_first_ && entry.sequence == ack &&
+      (entry.state == State::Flying || entry.state == State::Lost)) {
     rtt_.add(now - entry.at - header.ack_delay * kAckDelayUnit, now);
   }
   const std::uint64_t before = outcome.acked_packets;

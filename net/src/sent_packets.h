@@ -47,6 +47,13 @@ class SentPackets {
   /// What has waited too long is lost. Adds to `outcome`.
   void on_time(std::int64_t now, Outcome& outcome);
 
+  /// Packets go another way from now on: round trips of those before say nothing of it.
+  void begin_path() {
+    rtt_ = {};
+    path_first_ = latest_sent_ + 1;
+    backoff_ = 0;
+  }
+
   const RttEstimate& rtt() const { return rtt_; }
   std::size_t in_flight() const { return in_flight_; }
 
@@ -70,7 +77,8 @@ class SentPackets {
   std::array<Entry, kRing> entries_{};
   std::uint64_t latest_sent_ = 0;
   std::uint64_t highest_acked_ = 0;
-  std::uint64_t oldest_ = 1;  // none that flies is older
+  std::uint64_t oldest_ = 1;      // none that flies is older
+  std::uint64_t path_first_ = 0;  // sent on the way of now
   std::size_t in_flight_ = 0;
   int backoff_ = 0;  // timeouts in a row, nothing heard between them
   std::int64_t last_timeout_ = 0;

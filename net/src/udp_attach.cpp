@@ -158,11 +158,7 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
   if (!change.empty()) connection.link->post_group_change(change);
   connection.tell_due = now;
   if (is_relayed(connection.address)) return;
-  for (auto& [number, other] : connections_) {
-    if (other.attached && number != receiver) {
-      other.link->tell({.peer = remote.peer, .address = connection.address});
-    }
-  }
+  tell_others(connection);
 }
 
 void UdpNode::detach(Connection& connection) {

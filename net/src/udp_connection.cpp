@@ -133,6 +133,7 @@ bool UdpConnection::open(std::span<const std::byte> datagram, std::int64_t now) 
   if (state_ == State::Closed) return false;
   opened_ = opener_.open(datagram, buffer_);
   if (!opened_) return false;
+  newest_ = opened_->sequence == opener_.window().latest();
   confirmed_ = true;
   last_heard_ = now;
   return true;
@@ -153,6 +154,24 @@ std::span<const std::byte> UdpConnection::seal(const Relayed& relayed, std::int6
   channels_.note_other(sequence, now);
   pacer_.spend(datagram_.size());
   return datagram_;
+}
+
+std::span<const std::byte> UdpConnection::seal_path(ChannelSection::Kind kind, std::uint64_t token,
+                                                    std::int64_t now) {
+  if (state_ != State::Open) return {};
+  plain_.clear();
+  encode(ChannelHeader{}, plain_);
+  encode({.kind = kind, .token = token}, plain_);
+  channels_.note_other(sealer_.next_sequence(), now);
+  const auto out = seal(now);
+  pacer_.spend(out.size());
+  return out;
+}
+
+void UdpConnection::begin_path(std::int64_t now) {
+  channels_.begin_path();
+  congestion_ = Congestion(options_.congestion, now);
+  pacer_.set_rate(congestion_.rate(), now);
 }
 
 void UdpConnection::read(std::int64_t now) {

@@ -106,6 +106,15 @@ void UdpNode::on_relayed(Connection& connection, const UdpConnection::Relayed& r
   ++relayed_.forwarded;
 }
 
+void UdpNode::tell_others(const Connection& connection) {
+  const PeerId peer = connection.link->session().remote.peer;
+  for (auto& [number, other] : connections_) {
+    if (other.attached && &other != &connection) {
+      other.link->tell({.peer = peer, .address = connection.address});
+    }
+  }
+}
+
 void UdpNode::introduce(Connection& connection, std::int64_t now) {
   if (!connection.attached || now < connection.tell_due) return;
   const PeerId other = connection.link->session().remote.peer;

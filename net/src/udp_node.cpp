@@ -50,17 +50,27 @@ bool UdpNode::on_datagram(std::span<const std::byte> datagram, const Address& fr
 bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte> datagram,
                         const Address& from, std::int64_t now) {
   const auto at = connections_.find(header.receiver);
+  const bool elsewhere = at != connections_.end() && at->second.address != from;
   // A relayed datagram is not relayed any further.
-  if (at == connections_.end() || at->second.address != from ||
+  if (at == connections_.end() || (elsewhere && !may_move(at->second, from)) ||
       (header.relay && is_relayed(from))) {
     ++unknown_;
     return false;
   }
   Connection& connection = at->second;
+  // Also where a copy of it was here before: then it is not opened.
+  if (!elsewhere && connection.moving && connection.moving->refuted_by(header.sequence)) {
+    connection.moving.reset();
+  }
   const bool first = !connection.link->confirmed();
-  if (!connection.link->open(datagram, now)) return false;
+  if (!connection.link->open(datagram, now)) {
+    if (elsewhere) ++unknown_;
+    return false;
+  }
   if (first) attach(at->first, now);
+  if (elsewhere) note_path(connection, header.sequence, from, datagram.size(), now);
   connection.link->read(now);
+  answer_path(connection, from, now);
   if (!connection.attached) return true;
   Record& record = records_.at(connection.link->session().remote.peer);
   ++record.status.packets_in;
@@ -174,6 +184,7 @@ void UdpNode::poll(std::int64_t now) {
   for (auto at = connections_.begin(); at != connections_.end();) {
     Connection& connection = at->second;
     introduce(connection, now);
+    poll_path(connection, now);
     for (auto out = connection.link->poll(now, told); !out.empty();
          out = connection.link->poll(now, told)) {
       transmit(out, connection.address);
@@ -193,6 +204,11 @@ std::int64_t UdpNode::next_due(std::int64_t now) {
   std::int64_t due = INT64_MAX;
   for (const auto& [receiver, connection] : connections_) {
     due = std::min(due, connection.link->next_due(now));
+    if (connection.moving) {
+      const std::int64_t step = connection.moving->next_due(UdpConnection::kQuestionBytes,
+                                                            connection.link->path_patience());
+      due = std::min(due, std::max({now, connection.question_due, step}));
+    }
     if (connection.attached) due = std::min(due, std::max(now, connection.tell_due));
   }
   for (const Dial& dial : dials_) {

@@ -15,6 +15,7 @@
 #include "address.h"
 #include "clock_sync.h"
 #include "handshake.h"
+#include "path_validation.h"
 #include "tandem/consensus/transport.h"
 #include "udp_connection.h"
 
@@ -106,8 +107,11 @@ class UdpNode {
     clock_.set_correction(correction, now);
   }
   const HandshakeResponder::Counters& strangers() const { return responder_.counters(); }
-  /// Datagrams with a receiver number that nobody has, or from another address than its peer's.
+  /// Datagrams with a receiver number that nobody has, or from another address than its peer's that
+  /// it has not sealed.
   std::uint64_t unknown() const { return unknown_; }
+  /// How often a peer was followed to another address.
+  std::uint64_t moves() const { return moves_; }
 
  private:
   struct Dial {
@@ -126,10 +130,12 @@ class UdpNode {
     bool began_here = false;
     std::int64_t opened = 0;
     bool attached = false;
-    Pacer relay;                    // what it may have passed on
-    std::int64_t tell_due = 0;      // when it is told again who is there,
-    consensus::PeerId told_to = 0;  // from whom on
-    std::int64_t round_trip = -1;   // of the last exchange of clocks
+    Pacer relay;                            // what it may have passed on
+    std::int64_t tell_due = 0;              // when it is told again who is there,
+    consensus::PeerId told_to = 0;          // from whom on
+    std::int64_t round_trip = -1;           // of the last exchange of clocks
+    std::optional<PathValidation> moving;   // packets come from another address
+    std::int64_t question_due = INT64_MIN;  // who copies packets does not make us ask all the time
   };
   struct Record {
     consensus::PeerStatus status;
@@ -147,6 +153,17 @@ class UdpNode {
   bool on_packet(const ProtectedHeader& header, std::span<const std::byte> datagram,
                  const Address& from, std::int64_t now);
   void transmit(std::span<const std::byte> datagram, const Address& to);
+  static bool may_move(const Connection& connection, const Address& to);
+  /// A packet of the other end has come from another address than before.
+  void note_path(Connection& connection, std::uint64_t sequence, const Address& from,
+                 std::size_t bytes, std::int64_t now);
+  /// What the packet from there asks about its way, or answers.
+  void answer_path(Connection& connection, const Address& from, std::int64_t now);
+  void poll_path(Connection& connection, std::int64_t now);
+  void move(Connection& connection, std::int64_t now);
+  std::uint64_t random_token() const;
+  /// Where this peer is, to all others.
+  void tell_others(const Connection& connection);
   void on_relayed(Connection& connection, const UdpConnection::Relayed& relayed, std::int64_t now);
   void on_told(Connection& connection, const KnownPeer& known, std::int64_t now);
   void introduce(Connection& connection, std::int64_t now);
@@ -190,6 +207,7 @@ class UdpNode {
   std::uint64_t departures_ = 0;
   std::uint16_t receiver_prefix_ = 0;
   std::uint64_t unknown_ = 0;
+  std::uint64_t moves_ = 0;
   bool leaving_ = false;
 };
 
