@@ -61,7 +61,7 @@ bool decode_channel_packet(std::span<const std::byte> plain, ChannelPacket& pack
   while (reader.remaining() > 0 && !reader.failed()) {
     ChannelSection section;
     const std::uint8_t kind = reader.u8();
-    if (kind < 1 || kind > 7) return false;
+    if (kind < 1 || kind > 8) return false;
     section.kind = static_cast<ChannelSection::Kind>(kind);
     if (section.kind == ChannelSection::Kind::Known) {
       section.known.peer = reader.u64();

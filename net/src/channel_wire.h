@@ -23,6 +23,7 @@ namespace tandem::net {
 //   u8 5, u64 peer, 16 address, u16 port                   where a third peer is
 //   u8 6, u64 token                                        to be said again, on the same way
 //   u8 7, u64 token                                        said again
+//   u8 8, u16 length, so many bytes                        padding; to be acknowledged
 
 constexpr std::size_t kChannelHeader = 4 + 8 + 2;
 constexpr std::size_t kStateHeader = 1 + 2;
@@ -30,6 +31,7 @@ constexpr std::size_t kPieceHeader = 1 + 4 + 1 + 2;
 constexpr std::size_t kClockBytes = 1 + 8 + 4 + 8 + 4 + 4 + 1;
 constexpr std::size_t kKnownBytes = 1 + 8 + 16 + 2;
 constexpr std::size_t kPathBytes = 1 + 8;
+constexpr std::size_t kPaddingHeader = 1 + 2;
 constexpr std::uint64_t kNoToken = 0;  // nobody waits for the answer
 constexpr std::uint32_t kNoClockDelay = UINT32_MAX;
 constexpr std::uint8_t kStreams = 128;
@@ -56,7 +58,8 @@ struct ChannelSection {
     Clock = 4,
     Known = 5,
     Challenge = 6,
-    Answer = 7
+    Answer = 7,
+    Padding = 8
   };
   bool is_path() const { return kind == Kind::Challenge || kind == Kind::Answer; }
 

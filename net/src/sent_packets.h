@@ -29,12 +29,21 @@ class SentPackets {
             std::int64_t now);
   /// A packet with nothing in it, of which nothing is expected.
   void sent_empty(std::uint64_t sequence, std::int64_t now);
+  /// A padded one: its loss says something of its length, and nothing of the rate.
+  void sent_probe(std::uint64_t sequence, std::size_t bytes, std::int64_t now);
   /// When the packet left that `header` acknowledges, where it is known.
   std::optional<std::int64_t> sent_at(const ChannelHeader& header) const;
 
   struct Outcome {
     std::vector<std::uint64_t> acked_pieces;
     std::vector<std::uint64_t> lost_pieces;
+    /// On the wire, of each packet.
+    struct Size {
+      std::size_t bytes = 0;
+      bool is_probe = false;
+    };
+    std::vector<Size> acked_sizes;
+    std::vector<Size> lost_sizes;
     std::uint64_t acked_packets = 0;
     std::uint64_t acked_bytes = 0;
     std::uint64_t lost_packets = 0;
@@ -64,6 +73,7 @@ class SentPackets {
     std::int64_t at = 0;
     std::size_t bytes = 0;
     State state = State::None;
+    bool is_probe = false;
     std::uint8_t piece_count = 0;
     std::array<std::uint64_t, kMaxPieces> pieces{};
   };

@@ -67,12 +67,13 @@ std::uint32_t UdpNode::free_receiver() {
 void UdpNode::open(const Session& session, const Address& address, bool began_here,
                    std::int64_t now) {
   if (!began_here) forget_unconfirmed();
-  Connection connection{
-      .link = std::make_unique<UdpConnection>(session, options_.connection, began_here, now),
-      .address = address,
-      .began_here = began_here,
-      .opened = now,
-      .relay = Pacer(options_.relay_kbit, now)};
+  UdpConnectionOptions link = options_.connection;
+  if (is_relayed(address)) link.max_datagram = std::min(link.max_datagram, kMaxRelayed);
+  Connection connection{.link = std::make_unique<UdpConnection>(session, link, began_here, now),
+                        .address = address,
+                        .began_here = began_here,
+                        .opened = now,
+                        .relay = Pacer(options_.relay_kbit, now)};
   connections_.insert_or_assign(session.local_receiver, std::move(connection));
   if (began_here) attach(session.local_receiver, now);
 }

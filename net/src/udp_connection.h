@@ -21,7 +21,8 @@ struct UdpConnectionOptions {
   ChannelOptions channels;
   CongestionOptions congestion;
   RekeyPolicy rekey;
-  std::size_t max_datagram = kMaxDatagram;  ///< in [548, kMaxDatagram]; 548 for an MTU of 576
+  /// The most that is tried, in [548, kMaxDatagram]; 548 for an MTU of 576.
+  std::size_t max_datagram = kMaxDatagram;
   std::int64_t idle_timeout = 5'000'000'000;
 };
 
@@ -118,7 +119,7 @@ class UdpConnection {
                                        std::int64_t now);
   void close(const std::string& reason);
   std::int64_t clock_period(std::int64_t now) const;
-  std::size_t room() const { return options_.max_datagram - kProtectedOverhead; }
+  std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
   UdpConnectionOptions options_;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A peer whose address changes while its connection goes on.
+// Ways to peers: how long datagrams may be there, and a peer whose address changes while its
+// connection goes on.
+#include <algorithm>
 #include <utility>
 
 #include "udp_node.h"
@@ -61,6 +63,15 @@ void UdpNode::move(Connection& connection, std::int64_t now) {
   if (old.ip != connection.address.ip) connection.link->begin_path(now);
   ++moves_;
   if (connection.attached) tell_others(connection);
+}
+
+std::size_t UdpNode::max_state_bytes() const {
+  std::size_t out = SIZE_MAX;
+  for (const auto& [receiver, connection] : connections_) {
+    if (connection.attached) out = std::min(out, connection.link->channels().mtu().size());
+  }
+  if (out == SIZE_MAX) out = std::min(MtuSearch::kBase, options_.connection.max_datagram);
+  return out - kProtectedOverhead - kChannelHeader - kStateHeader;
 }
 
 std::uint64_t UdpNode::random_token() const {

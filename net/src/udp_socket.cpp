@@ -102,6 +102,7 @@ void UdpSocket::bind() {
   // Refused sizes cost packets in bursts, nothing else.
   socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);
   socket_.set_option(asio::socket_base::send_buffer_size(kSocketBuffer), error);
+  if (!forbid_fragments(socket_.native_handle())) node_.keep_to_base();
   if (options_.kernel_filter) (void)attach_filter(socket_.native_handle(), node_.receiver_prefix());
 }
 

@@ -348,7 +348,7 @@ TEST_CASE("connection: keys change under way without a packet lost", "[net]") {
 }
 
 TEST_CASE("connection: a datagram is never longer than it may be, down to an MTU of 576", "[net]") {
-  for (const std::size_t limit : {std::size_t{548}, kMaxDatagram}) {
+  for (const std::size_t limit : {std::size_t{548}, MtuSearch::kBase}) {
     UdpConnection a(Pair::session(true),
                     {.congestion = {.min_kbit = 1e5, .max_kbit = 1e6}, .max_datagram = limit}, true,
                     0);

@@ -39,10 +39,11 @@ struct TANDEM_API UdpOptions {
   std::optional<UdpKey> organiser;
   std::vector<std::byte> certificate;  ///< of this peer, see sign(Certificate); with organiser
 
-  double kbit_per_s = 256.0;                  ///< budget of each link, IP and UDP headers counted
-  double min_kbit_per_s = 32.0;               ///< congestion does not go below; in (0, kbit_per_s]
-  std::size_t max_datagram = 1200;            ///< bytes of UDP payload, in [548, 1200]
-  std::size_t state_queue_bytes = 64 * 1024;  ///< per peer, >= 2048
+  double kbit_per_s = 256.0;     ///< budget of each link, IP and UDP headers counted
+  double min_kbit_per_s = 32.0;  ///< congestion does not go below; in (0, kbit_per_s]
+  std::size_t max_datagram =
+      1472;  ///< bytes of UDP payload, the most that is tried; in [548, 1472]
+  std::size_t state_queue_bytes = 64 * 1024;       ///< per peer, >= 2048
   std::size_t reliable_queue_bytes = 1024 * 1024;  ///< per peer, >= 2 * max_message_bytes
   std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< per peer and kind, >= 2 * max_message_bytes
   std::size_t max_message_bytes = 64 * 1024;       ///< of a Reliable one, in [64, 1 MiB]
@@ -91,7 +92,8 @@ struct TANDEM_API UdpRelayed {
 /// Mesh over UDP, encrypted and authenticated; docs/network.md says how. Only in builds that have
 /// found libsodium.
 ///
-/// - Newest: one packet each, at most max_datagram - 46 bytes; post() refuses longer ones. Sent
+/// - Newest: one packet each, at most max_packet_bytes(): 1154 to begin with, then as much as the
+///   ways to all peers were found to carry, less 46; post() refuses longer ones. Sent
 ///   within the budget; what waits longer than 200 ms is dropped.
 /// - Reliable: in order, cut into pieces, sent again until acknowledged, each once. What a broken
 ///   connection had not delivered goes on where the same process comes back; a restarted one starts
