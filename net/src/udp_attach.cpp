@@ -68,7 +68,8 @@ void UdpNode::open(const Session& session, const Address& address, bool began_he
                    std::int64_t now) {
   if (!began_here) forget_unconfirmed();
   UdpConnectionOptions link = options_.connection;
-  if (is_relayed(address)) link.max_datagram = std::min(link.max_datagram, kMaxRelayed);
+  // In other datagrams, whose length is not ours to choose.
+  if (address.port == 0) link.max_datagram = std::min(link.max_datagram, kMaxRelayed);
   Connection connection{.link = std::make_unique<UdpConnection>(session, link, began_here, now),
                         .address = address,
                         .began_here = began_here,

@@ -58,6 +58,12 @@ class UdpNode {
   void dial(const Address& address, std::int64_t now);
   /// False where it was of no use to anybody.
   bool on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
+  /// The same of what came by the DatagramPath with this number. What is sent to path_address() of
+  /// it is to go there.
+  bool on_path(std::span<const std::byte> datagram, std::uint64_t number, std::int64_t now) {
+    now_ = now;
+    return receive(datagram, path_address(number), now);
+  }
   /// Sends what is due; call at next_due() and after anything else.
   void poll(std::int64_t now);
   std::int64_t next_due(std::int64_t now);

@@ -14,6 +14,7 @@
 
 #include "tandem/consensus/transport.h"
 #include "tandem/net/clock.h"
+#include "tandem/net/datagram_path.h"
 #include "tandem/net/keys.h"
 #include "tandem/net/membership.h"
 #include "tandem/net/session.h"
@@ -112,6 +113,11 @@ class TANDEM_API UdpTransport final : public consensus::Transport {
   ~UdpTransport() override;
   UdpTransport(const UdpTransport&) = delete;
   UdpTransport& operator=(const UdpTransport&) = delete;
+
+  /// Dial over a path as one of UdpOptions::connect, for good: handshake, keys and rights are the
+  /// same. Both ends do. It is kept until this transport is gone. @throws std::invalid_argument
+  /// null
+  void connect(std::shared_ptr<DatagramPath> path);
 
   consensus::PeerId self() const override;
   bool post(consensus::PeerId to, std::span<const std::byte> bytes,
