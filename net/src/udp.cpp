@@ -105,7 +105,6 @@ class __attribute__((visibility("hidden"))) UdpTransport::Impl {
 
 UdpTransport::UdpTransport(const UdpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 UdpTransport::~UdpTransport() = default;
-DatagramPath::~DatagramPath() = default;
 
 void UdpTransport::connect(std::shared_ptr<DatagramPath> path) {
   require(path != nullptr, "UdpTransport::connect", "path", 0, "a path");

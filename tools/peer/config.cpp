@@ -178,11 +178,41 @@ void read_organiser(Section& in, const std::filesystem::path& folder, PeerConfig
   }
 }
 
+/// How others are met behind NATs.
+void read_ice(Section& in, const std::filesystem::path& folder, PeerConfig& config) {
+  std::string stun;
+  std::string turn;
+  in.read("stun", stun);
+  in.read("turn", turn);
+  if (!stun.empty()) {
+    if (!is_host_port(stun)) in.refuse("stun", "\"HOST:PORT\"");
+    config.stun = net::parse_host_port(stun);
+  }
+  if (!turn.empty()) {
+    const std::size_t colon = turn.find(':');
+    const std::size_t at = turn.rfind('@');
+    const bool good = colon != std::string::npos && at != std::string::npos && colon > 0 &&
+                      colon + 1 < at && is_host_port(turn.substr(at + 1));
+    if (!good) in.refuse("turn", "\"USER:PASSWORD@HOST:PORT\"");
+    config.turn = PeerConfig::Turn{net::parse_host_port(turn.substr(at + 1)), turn.substr(0, colon),
+                                   turn.substr(colon + 1, at - colon - 1)};
+  }
+  Section files = in.section("ice");
+  files.read_each([&](const std::string& own, const std::string& other) {
+    if (own.empty() || other.empty() || own == other) files.refuse(own, "two files");
+    config.meetings.emplace_back((folder / own).string(), (folder / other).string());
+  });
+  for (const char* key : {"stun", "turn"}) {
+    if (in.has(key) && config.meetings.empty()) in.refuse(key, "absent without ice");
+  }
+}
+
 void read_network(Section in, const std::filesystem::path& file, PeerConfig& config) {
   const std::filesystem::path folder = file.parent_path();
   DemoOptions& o = config.session;
   in.expect({"transport", "listen", "connect", "key", "identity", "insecure", "clock", "kbit_per_s",
-             "compact", "tolerance", "trusted", "organiser", "certificate", "group"});
+             "compact", "tolerance", "trusted", "organiser", "certificate", "group", "ice", "stun",
+             "turn"});
   std::string transport = "udp";
   in.read("transport", transport);
   if (transport != "udp" && transport != "tcp") in.refuse("transport", "\"udp\" or \"tcp\"");
@@ -208,7 +238,7 @@ void read_network(Section in, const std::filesystem::path& file, PeerConfig& con
   in.read("tolerance", o.tolerance, 0.0, 10.0, "a number from 0 to 10 m");
   o.wire = udp ? Wire::Udp : Wire::Tcp;
   if (!udp) {
-    for (const char* key : {"clock", "kbit_per_s"}) {
+    for (const char* key : {"clock", "kbit_per_s", "ice", "stun", "turn"}) {
       if (in.has(key)) in.refuse(key, "absent with transport = \"tcp\"");
     }
   }
@@ -218,6 +248,7 @@ void read_network(Section in, const std::filesystem::path& file, PeerConfig& con
   read_key_file(in, "key", folder, o.key);
   read_key_file(in, "identity", folder, o.identity);
   read_organiser(in, folder, config);
+  read_ice(in, folder, config);
   // Made at the first start where there is none.
   if (!o.key.empty() && o.identity.empty()) {
     o.identity = (folder / file.stem()).string() + ".identity";

@@ -18,6 +18,7 @@
 #include "peer/divergence_gauge.h"
 #include "peer/fidget.h"
 #include "peer/link_words.h"
+#include "peer/meetings.h"
 #include "peer/metrics_server.h"
 #include "peer/metrics_text.h"
 #include "program/network.h"
@@ -91,6 +92,7 @@ class Node {
             make_physics(Engine::Tandem, scene_, std::nullopt, config.session.solver_options())),
         network_(make_network(config.session,
                               scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
+        meetings_(config, *network_, log),
         words_(network_->transport()),
         trace_(open_trace(scenario, config.session, config.session.peer_id, number(), words_)),
         signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().dating),
@@ -339,6 +341,7 @@ class Node {
     }
     tell_refused();
     look_at_group();
+    meetings_.look();
     const std::int64_t stepped = network_->clock_stepped();
     if (std::abs(stepped - told_stepped_) > kStepTold) {
       told_stepped_ = stepped;
@@ -401,6 +404,7 @@ class Node {
   Scene scene_;
   std::unique_ptr<Physics> physics_;
   std::unique_ptr<Network> network_;
+  Meetings meetings_;
   LinkWords words_;
   std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
   Signals signals_;

@@ -92,7 +92,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
         agent_(nice_agent_new(context_.get(), NICE_COMPATIBILITY_RFC5245)) {
     options.validate();
     NiceAgent* const agent = agent_.get();
-    g_object_set(agent, "upnp", FALSE, "ice-tcp", FALSE, "force-relay",
+    g_object_set(agent, "upnp", FALSE, "ice-tcp", FALSE, "keepalive-conncheck", TRUE, "force-relay",
                  options.relay_only ? TRUE : FALSE, nullptr);
     if (!options.stun.empty()) {
       g_object_set(agent, "stun-server", numeric(options.stun.front()).c_str(), "stun-server-port",

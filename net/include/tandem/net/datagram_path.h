@@ -17,7 +17,7 @@ class TANDEM_API DatagramPath {
  public:
   using Receive = std::function<void(std::span<const std::byte> datagram)>;
 
-  virtual ~DatagramPath();
+  virtual ~DatagramPath() = default;
   /// Never waits and throws nothing: what cannot be sent now is lost. One call at a time, on any
   /// thread.
   virtual void send(std::span<const std::byte> datagram) = 0;
