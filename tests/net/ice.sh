@@ -37,7 +37,7 @@ for side in 1 2; do
   ip -n "$nat" link set ext up
   ip -n "$net" link set nat$side up
   ip -n "$home" route add default via 10.0.0.1
-  ip -n "$nat" route add default dev ext
+  ip -n "$nat" route add default via 192.0.2.1 dev ext onlink
   ip -n "$net" route add 198.51.100.$side/32 dev nat$side
   ip netns exec "$nat" sysctl -qw net.ipv4.ip_forward=1
   random=
@@ -64,9 +64,10 @@ table ip filter {
 RULES
 done
 
-ip netns exec "$net" turnserver --no-cli --no-tls --no-dtls --listening-ip 192.0.2.1 \
+# Without Debian's settings, which refuse the old form of the question that libnice asks.
+ip netns exec "$net" turnserver -n --no-cli --no-tls --no-dtls --listening-ip 192.0.2.1 \
   --relay-ip 192.0.2.1 --user tandem:secret --realm tandem --lt-cred-mech --fingerprint \
-  --no-multicast-peers --log-file "$folder/turn.log" --simple-log --pidfile "$folder/turn.pid" \
+  --no-multicast-peers --log-file stdout --pidfile "$folder/turn.pid" \
   --userdb "$folder/turn.db" >"$folder/turn.out" 2>&1 &
 server=$!
 pids+=("$server")
@@ -88,7 +89,11 @@ $turn
 file = "log$side"
 CONFIG
 done
-sleep 1
+# Who asks before it listens is told nothing.
+for ((i = 0; i < 40; ++i)); do
+  if ip netns exec "$net" ss -lun 2>/dev/null | grep -q '192.0.2.1:3478'; then break; fi
+  sleep 0.25
+done
 for side in 1 2; do
   on_host "tandem-home$side-$$" "$bin/tandem-peer" cubes --config "$folder/$side.toml"
 done
@@ -110,7 +115,7 @@ if [[ $way == none ]]; then
 fi
 met 1 && met 2 || {
   echo "the peers did not meet" >&2
-  tail -n 20 "$folder"/log[12] "$folder/turn.log" >&2
+  tail -n 20 "$folder"/log[12] "$folder/turn.out" >&2
   exit 1
 }
 # What it says and what is: who meets straight must not go by the server.
