@@ -21,6 +21,14 @@ net=tandem-net-$$
 add_host "$net"
 ip -n "$net" addr add 192.0.2.1/32 dev lo
 ip netns exec "$net" sysctl -qw net.ipv4.ip_forward=1
+# Homes' own addresses lead nowhere, silently as in the world: coturn ends a session where it is told
+# that there is no route.
+ip link add name void netns "$net" type veth peer name voidend netns "$net" 2>"$folder/why" ||
+  skip "no veth pairs here: $(cat "$folder/why")"
+ip -n "$net" link set void up
+ip -n "$net" link set voidend up
+ip -n "$net" route add default dev void
+ip -n "$net" neigh add 10.0.0.2 lladdr 02:00:00:00:00:01 dev void
 for side in 1 2; do
   home=tandem-home$side-$$ nat=tandem-nat$side-$$
   add_host "$home"

@@ -179,8 +179,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
       }
       state_ = State::Connecting;
     }
-    // Both see both names, so that one of them is sure to decide.
-    g_object_set(agent, "controlling-mode", ufrag_ < remote.ufrag ? TRUE : FALSE, nullptr);
+    // Both begin as the one that decides; tie-breakers settle it (RFC 8445, Sec. 7.3.1.1).
     const bool good = nice_agent_set_remote_credentials(agent, stream_, remote.ufrag.c_str(),
                                                         remote.password.c_str()) != FALSE &&
                       nice_agent_set_remote_candidates(agent, stream_, kComponent, candidates) > 0;
@@ -234,7 +233,6 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
     const std::scoped_lock lock(mutex_);
     if (state_ != State::Gathering) return;
     state_ = own.candidates.empty() ? State::Failed : State::Ready;
-    ufrag_ = own.ufrag;
     if (!own.candidates.empty()) description_ = encode(own);
   }
 
@@ -274,7 +272,6 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
   guint stream_ = 0;
   mutable std::mutex mutex_;
   State state_ = State::Gathering;
-  std::string ufrag_;  // set before Ready, and not after
   std::string description_;
   std::mutex receiving_;
   Receive receive_;
