@@ -12,9 +12,12 @@
 #include <initializer_list>
 #include <limits>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 #include "session/session_key.h"
+#include "tandem/net/keys.h"
+#include "tandem/net/membership.h"
 #include "tandem/net/session.h"
 #include "tandem/pbd/validate.h"
 
@@ -283,12 +286,12 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   top.expect({"id", "seed", "step_hz", "update_hz", "network", "user", "log", "status", "metrics",
               "view"});
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  if (!top.has("id")) top.refuse("id", "given, unique in the session");
   top.read("id", o.peer_id, 1, std::int64_t{1} << 62, "an integer >= 1, unique in the session");
   top.read("seed", o.seed, 0, kMost, "an integer >= 0");
   top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");
   top.read("update_hz", o.update_hz, 0.1, 1000.0, "a number from 0.1 to 1000");
   read_network(top.section("network"), name, config);
+  if (!top.has("id") && o.insecure) top.refuse("id", "given, unique in the session, without a key");
 
   Section user = top.section("user");
   user.expect({"fidget", "seed"});
@@ -333,6 +336,18 @@ PeerConfig parse_config(std::string_view text, const std::string& name) {
   } catch (const toml::parse_error& error) {
     throw ConfigError(name + ':' + std::to_string(error.source().begin.line) +
                       ": no TOML: " + std::string(error.description()));
+  }
+}
+
+void derive_id(PeerConfig& config) {
+  DemoOptions& o = config.session;
+  if (o.peer_id != 0) return;
+  try {
+    o.peer_id = net::derived_id(net::public_key(keep_identity(o.identity, net::make_key)));
+  } catch (const std::system_error& error) {
+    // A key that is not kept would be another member at each start.
+    throw ConfigError("id must be given where no identity can be kept: " +
+                      std::string(error.what()));
   }
 }
 

@@ -45,6 +45,10 @@ class ConfigError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
+/// Where the file gives no id: the one that follows from this peer's key, which is made and kept
+/// where there is none yet. Nobody else can have it. @throws ConfigError
+void derive_id(PeerConfig& config);
+
 /// Reads a file. Names of files in it are relative to its folder. @throws ConfigError
 PeerConfig read_config(const std::string& path);
 /// The same from its text. @param name  of the file, for errors and relative names

@@ -33,6 +33,7 @@
 #include "session/physics.h"
 #include "session/signals.h"
 #include "tandem/net/clock.h"
+#include "tandem/net/membership.h"
 #include "tandem/net/session.h"
 #include "trace/peer_trace.h"
 #include "view/world_view.h"
@@ -150,8 +151,12 @@ class Node {
   }
 
  private:
-  /// Order and noise go by peer id, as in the demos.
-  std::size_t number() const { return static_cast<std::size_t>(config_.session.peer_id - 1); }
+  /// Order and noise go by peer id, as in the demos. Who has a derived one has no seat in a scene.
+  std::size_t number() const {
+    constexpr PeerId kSeats = PeerId{1} << 30;  // none is above
+    const PeerId id = config_.session.peer_id;
+    return static_cast<std::size_t>(net::is_derived(id) ? kSeats | id % kSeats : id - 1);
+  }
 
   double uptime(SteadyClock::time_point now) const {
     return std::chrono::duration<double>(now - start_).count();
