@@ -62,7 +62,7 @@ class SealedTransport final : public consensus::Transport {
   }
   std::size_t max_packet_bytes(consensus::Delivery delivery) const override {
     if (delivery == consensus::Delivery::Reliable) return consensus::kMaxPacketBytes;
-    return net::kMaxDatagram - net::kProtectedOverhead;
+    return net::kMaxRelayed - net::kProtectedOverhead;
   }
   void drain(std::vector<Packet>& out) override {
     const double before = bench::thread_seconds();

@@ -13,6 +13,7 @@
 #include "session/options.h"
 #include "session/session_key.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/net/datagram_path.h"
 #include "tandem/net/keys.h"
 
 namespace tandem::demos {
@@ -38,6 +39,9 @@ class Network {
   virtual void change_group(std::span<const std::byte> signed_change) = 0;
   /// Number of the change that holds; 0: none.
   virtual std::uint64_t group() const = 0;
+  /// Another way on which somebody may be, see net::UdpTransport::connect.
+  /// @throws std::runtime_error over TCP
+  virtual void connect(std::shared_ptr<net::DatagramPath> path) = 0;
   /// ns: by how much the system clock was set since the start, where session time began with it.
   virtual std::int64_t clock_stepped() const { return 0; }
 

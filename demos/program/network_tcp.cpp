@@ -26,6 +26,9 @@ class TcpNetwork final : public Network {
     transport_.change_group(signed_change);
   }
   std::uint64_t group() const override { return transport_.group(); }
+  void connect(std::shared_ptr<net::DatagramPath> /*path*/) override {
+    throw std::runtime_error("datagrams need UDP");
+  }
   std::string trouble() const override {
     std::string text;
     for (const net::DialStatus& dial : transport_.dials()) {

@@ -62,6 +62,9 @@ class UdpNetwork final : public Network {
     (void)transport_.change_group(signed_change);
   }
   std::uint64_t group() const override { return transport_.group(); }
+  void connect(std::shared_ptr<net::DatagramPath> path) override {
+    transport_.connect(std::move(path));
+  }
   std::string trouble() const override {
     std::string text;
     for (const net::UdpLookup& lookup : transport_.lookups()) {

@@ -35,12 +35,21 @@ inline Address relayed_address(consensus::PeerId peer) {
   }
   return out;
 }
-inline bool is_relayed(const Address& address) { return address.port == 0; }
+inline bool is_relayed(const Address& address) { return address.port == 0 && address.ip[7] == 0; }
 inline consensus::PeerId relayed_peer(const Address& address) {
   consensus::PeerId out = 0;
   for (std::size_t i = 8; i < 16; ++i) out = out << 8 | address.ip[i];
   return out;
 }
+
+/// Stands for a DatagramPath by its number: 100:0:0:1::/64, likewise nobody's (RFC 9780).
+inline Address path_address(std::uint64_t number) {
+  Address out = relayed_address(number);
+  out.ip[7] = 1;
+  return out;
+}
+inline bool is_path(const Address& address) { return address.port == 0 && address.ip[7] == 1; }
+inline std::uint64_t path_number(const Address& address) { return relayed_peer(address); }
 
 /// Of one host, as far as can be seen: no group, not "any", with a port.
 inline bool is_host(const Address& address) {

@@ -40,6 +40,10 @@ void encode(const ChannelSection& section, std::vector<std::byte>& out) {
     writer.u8(section.clock.rank);
     return;
   }
+  if (section.is_path()) {
+    writer.u64(section.token);
+    return;
+  }
   if (section.kind == ChannelSection::Kind::Piece) {
     writer.u32(section.number);
     writer.u8(static_cast<std::uint8_t>(section.stream << 1 | (section.last ? kLastPiece : 0)));
@@ -57,7 +61,7 @@ bool decode_channel_packet(std::span<const std::byte> plain, ChannelPacket& pack
   while (reader.remaining() > 0 && !reader.failed()) {
     ChannelSection section;
     const std::uint8_t kind = reader.u8();
-    if (kind < 1 || kind > 5) return false;
+    if (kind < 1 || kind > 8) return false;
     section.kind = static_cast<ChannelSection::Kind>(kind);
     if (section.kind == ChannelSection::Kind::Known) {
       section.known.peer = reader.u64();
@@ -76,6 +80,11 @@ bool decode_channel_packet(std::span<const std::byte> plain, ChannelPacket& pack
       section.clock.bound = reader.u32();
       section.clock.rank = reader.u8();
       if (section.clock.rank > ClockSync::Settled) return false;
+      packet.sections.push_back(section);
+      continue;
+    }
+    if (section.is_path()) {
+      section.token = reader.u64();
       packet.sections.push_back(section);
       continue;
     }

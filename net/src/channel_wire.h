@@ -21,12 +21,18 @@ namespace tandem::net {
 //   u8 3, u16 length, text                                 goodbye
 //   u8 4, i64 own time, u32 delay, i64 correction, i32 rate, u32 bound, u8 rank    clock
 //   u8 5, u64 peer, 16 address, u16 port                   where a third peer is
+//   u8 6, u64 token                                        to be said again, on the same way
+//   u8 7, u64 token                                        said again
+//   u8 8, u16 length, so many bytes                        padding; to be acknowledged
 
 constexpr std::size_t kChannelHeader = 4 + 8 + 2;
 constexpr std::size_t kStateHeader = 1 + 2;
 constexpr std::size_t kPieceHeader = 1 + 4 + 1 + 2;
 constexpr std::size_t kClockBytes = 1 + 8 + 4 + 8 + 4 + 4 + 1;
 constexpr std::size_t kKnownBytes = 1 + 8 + 16 + 2;
+constexpr std::size_t kPathBytes = 1 + 8;
+constexpr std::size_t kPaddingHeader = 1 + 2;
+constexpr std::uint64_t kNoToken = 0;  // nobody waits for the answer
 constexpr std::uint32_t kNoClockDelay = UINT32_MAX;
 constexpr std::uint8_t kStreams = 128;
 constexpr std::size_t kMaxPieceBytes = 480;     // fits into a datagram of 548 bytes
@@ -45,12 +51,24 @@ struct ChannelHeader {
 };
 
 struct ChannelSection {
-  enum class Kind : std::uint8_t { State = 1, Piece = 2, Goodbye = 3, Clock = 4, Known = 5 };
+  enum class Kind : std::uint8_t {
+    State = 1,
+    Piece = 2,
+    Goodbye = 3,
+    Clock = 4,
+    Known = 5,
+    Challenge = 6,
+    Answer = 7,
+    Padding = 8
+  };
+  bool is_path() const { return kind == Kind::Challenge || kind == Kind::Answer; }
+
   Kind kind{};
   std::uint32_t number = 0;  // of a piece
   bool last = false;         // piece of its message
   std::uint8_t stream = 0;   // of a piece, below kStreams
   std::span<const std::byte> bytes;
+  std::uint64_t token = 0;  // of a challenge or its answer
   KnownPeer known;
   ClockClaim clock;
   /// From when the packet came that the header acknowledges to when this one left, ns, on the clock

@@ -3,6 +3,7 @@
 #include "channels.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -23,10 +24,12 @@ constexpr std::size_t kMaxToTell = 64;
 
 }  // namespace
 
-Channels::Channels(const ChannelOptions& options)
+Channels::Channels(const ChannelOptions& options, std::size_t max_datagram)
     : options_(options),
       reliable_{.sender = {options.reliable_queue_bytes, options.max_message_bytes},
-                .receiver = ReliableReceiver(options.max_message_bytes)} {}
+                .receiver = ReliableReceiver(options.max_message_bytes)},
+      max_datagram_(max_datagram),
+      mtu_(max_datagram) {}
 
 bool Channels::post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now) {
   if (kChannelHeader + kStateHeader + state.size() > room) return false;
@@ -87,11 +90,7 @@ bool Channels::write_piece(std::size_t end, std::vector<std::byte>& out) {
   return true;
 }
 
-void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
-                     const ClockClaim* clock, std::vector<std::byte>& out) {
-  drop_stale(now);
-  const std::size_t start = out.size();
-  const std::size_t end = start + room;
+void Channels::write_acknowledgements(std::int64_t now, std::vector<std::byte>& out) {
   ChannelHeader header;
   if (had_.latest() != 0) {
     header.ack = static_cast<std::uint32_t>(had_.latest());
@@ -102,9 +101,34 @@ void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
   encode(header, out);
   unacknowledged_ = 0;
   ack_due_ = INT64_MAX;
+}
+
+void Channels::write_probe(std::uint64_t sequence, std::size_t datagram, double kbit_per_s,
+                           std::int64_t now, std::vector<std::byte>& out) {
+  const std::size_t end = out.size() + datagram - kProtectedOverhead;
+  write_acknowledgements(now, out);
+  const std::array<std::byte, kMaxDatagram> zeros{};
+  encode({.kind = ChannelSection::Kind::Padding,
+          .bytes = std::span(zeros).first(end - out.size() - kPaddingHeader)},
+         out);
+  sent_.sent_probe(sequence, datagram + kIpUdpBytes, now);
+  mtu_.sent(datagram, kbit_per_s, now);
+}
+
+void Channels::begin_path() {
+  sent_.begin_path();
+  mtu_ = MtuSearch(max_datagram_);
+}
+
+void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
+                     const ClockClaim* clock, std::vector<std::byte>& out) {
+  drop_stale(now);
+  const std::size_t start = out.size();
+  const std::size_t end = start + room;
+  write_acknowledgements(now, out);
   if (clock != nullptr) {
     const std::int64_t delay = now - latest_at_;
-    const bool known = header.ack != 0 && delay >= 0 && delay < std::int64_t{kNoClockDelay};
+    const bool known = had_.latest() != 0 && delay >= 0 && delay < std::int64_t{kNoClockDelay};
     encode({.kind = ChannelSection::Kind::Clock,
             .clock = *clock,
             .clock_delay = known ? static_cast<std::uint32_t>(delay) : kNoClockDelay},
@@ -130,14 +154,30 @@ void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
   }
 }
 
-void Channels::settle() {
+void Channels::settle(std::int64_t now) {
   for (const std::uint64_t number : outcome_.lost_pieces) reliable_.sender.on_lost(number);
   for (const std::uint64_t number : outcome_.acked_pieces) reliable_.sender.on_acked(number);
   feedback_.acked += outcome_.acked_packets;
   feedback_.lost += outcome_.lost_packets;
   feedback_.acked_bytes += outcome_.acked_bytes;
   feedback_.late += outcome_.late_packets;
+  for (const auto& [bytes, is_probe] : outcome_.lost_sizes) {
+    is_probe ? mtu_.probe_lost(now) : mtu_.lost(bytes - kIpUdpBytes);
+  }
+  for (const auto& [bytes, is_probe] : outcome_.acked_sizes) {
+    mtu_.acked(bytes - kIpUdpBytes, is_probe, now);
+  }
   outcome_.clear();
+  // What does not fit any more would be in the way of all that follows.
+  const std::size_t most = mtu_.size() - kProtectedOverhead - kChannelHeader - kStateHeader;
+  const auto is_long = [most](const State& state) { return state.bytes.size() > most; };
+  if (std::ranges::none_of(states_, is_long)) return;
+  for (const State& state : states_) {
+    if (!is_long(state)) continue;
+    states_cost_ -= queue_cost(state.bytes.size());
+    ++dropped_states_;
+  }
+  std::erase_if(states_, is_long);
 }
 
 void Channels::keep(Delivery delivery, std::vector<std::byte> bytes, std::int64_t now) {
@@ -189,7 +229,8 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
   using Kind = ChannelSection::Kind;
   if (!decode_channel_packet(plain, packet_)) return Read::Malformed;
   if (!sent_.on_ack(packet_.header, now, outcome_)) return Read::Malformed;
-  settle();
+  mtu_.heard();
+  settle(now);
   const auto is_piece = [](const ChannelSection& s) { return s.kind == Kind::Piece; };
   if (std::ranges::any_of(packet_.sections, is_piece) &&
       (inbox_reliable_ >= options_.inbox_bytes || !budget_.admits(now))) {
@@ -218,6 +259,17 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
         budget_.spend(0);
         note_clock(section, now);
         break;
+      case Kind::Challenge:
+        budget_.spend(0);
+        challenge_ = section.token;
+        break;
+      case Kind::Answer:
+        budget_.spend(0);
+        answer_ = section.token;
+        break;
+      case Kind::Padding:
+        budget_.spend(0);
+        break;
       case Kind::Goodbye: {
         const auto text = section.bytes.first(std::min(section.bytes.size(), kMaxGoodbye));
         goodbye_.assign(text.begin(), text.end());
@@ -229,7 +281,7 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
   if (had_.fresh(sequence)) had_.note(sequence);
   // The rest is said again anyway.
   const auto wants_ack = [](const ChannelSection& s) {
-    return s.kind == Kind::State || s.kind == Kind::Piece;
+    return s.kind == Kind::State || s.kind == Kind::Piece || s.kind == Kind::Padding;
   };
   if (std::ranges::any_of(packet_.sections, wants_ack)) {
     ++unacknowledged_;
@@ -240,7 +292,7 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
 
 void Channels::on_time(std::int64_t now) {
   sent_.on_time(now, outcome_);
-  settle();
+  settle(now);
 }
 
 void Channels::drain(std::vector<Message>& out) {

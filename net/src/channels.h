@@ -12,6 +12,7 @@
 
 #include "channel_wire.h"
 #include "member_budget.h"
+#include "mtu_search.h"
 #include "reliable_channel.h"
 #include "replay_window.h"
 #include "sent_packets.h"
@@ -32,10 +33,19 @@ struct ChannelOptions {
 /// and sending is someone else's. Times in ns.
 class Channels {
  public:
-  explicit Channels(const ChannelOptions& options);
+  /// @param max_datagram  the most that is tried, bytes of UDP payload
+  Channels(const ChannelOptions& options, std::size_t max_datagram);
 
   /// False where it does not fit into a packet of `room` plain bytes.
   bool post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now);
+
+  /// How long datagrams may be on the way there.
+  const MtuSearch& mtu() const { return mtu_; }
+  /// Bytes of a datagram that is to be sent to find that out; 0: none.
+  std::size_t probe_due(std::int64_t now) { return mtu_.due(now); }
+  /// The plain bytes of it, in place of write(). @param datagram  probe_due()
+  void write_probe(std::uint64_t sequence, std::size_t datagram, double kbit_per_s,
+                   std::int64_t now, std::vector<std::byte>& out);
   bool post_reliable(std::span<const std::byte> message) { return reliable_.sender.post(message); }
   /// Reliably, and whatever else waits.
   void post_group_change(std::span<const std::byte> change) {
@@ -107,6 +117,12 @@ class Channels {
   /// The latest that has not been taken.
   std::optional<Exchange> take_exchange() { return std::exchange(exchange_, {}); }
 
+  /// What the other end asks to hear again, and what it says again, of the last packet.
+  std::optional<std::uint64_t> take_challenge() { return std::exchange(challenge_, {}); }
+  std::optional<std::uint64_t> take_answer() { return std::exchange(answer_, {}); }
+  /// Round trips of before were those of another way.
+  void begin_path();
+
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_.sender; }
   std::uint64_t dropped_states() const { return dropped_states_; }
@@ -122,7 +138,8 @@ class Channels {
   };
 
   void drop_stale(std::int64_t now);
-  void settle();
+  void settle(std::int64_t now);
+  void write_acknowledgements(std::int64_t now, std::vector<std::byte>& out);
   bool write_state(std::size_t end, std::vector<std::byte>& out);
   bool write_piece(std::size_t end, std::vector<std::byte>& out);
   /// A whole message of the reliable channel. False where no honest sender sends it.
@@ -138,6 +155,8 @@ class Channels {
   std::deque<KnownPeer> to_tell_;
   std::vector<KnownPeer> told_;
   std::vector<std::byte> group_change_;
+  std::size_t max_datagram_;
+  MtuSearch mtu_;
   SentPackets sent_;
   SentPackets::Outcome outcome_;
   Feedback feedback_;
@@ -157,6 +176,8 @@ class Channels {
   MemberBudget budget_;
   std::vector<std::byte> goodbye_;
   std::optional<Exchange> exchange_;
+  std::optional<std::uint64_t> challenge_;
+  std::optional<std::uint64_t> answer_;
 };
 
 }  // namespace tandem::net

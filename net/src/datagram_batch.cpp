@@ -102,6 +102,22 @@ Address DatagramBatch::from(std::size_t index) const {
   return out;
 }
 
+bool forbid_fragments(int socket) {
+#if defined(__linux__)
+  // A socket for IPv6 sends to IPv4 as well.
+  const int v6 = IPV6_PMTUDISC_PROBE;
+  (void)::setsockopt(socket, IPPROTO_IPV6, IPV6_MTU_DISCOVER, &v6, sizeof v6);
+  const int v4 = IP_PMTUDISC_PROBE;
+  return ::setsockopt(socket, IPPROTO_IP, IP_MTU_DISCOVER, &v4, sizeof v4) == 0;
+#elif defined(IP_DONTFRAG)
+  const int on = 1;
+  return ::setsockopt(socket, IPPROTO_IP, IP_DONTFRAG, &on, sizeof on) == 0;
+#else
+  static_cast<void>(socket);
+  return false;
+#endif
+}
+
 bool attach_filter(int socket, std::uint16_t prefix) {
 #ifdef __linux__
   // Offsets count from the UDP header; numbers are read most significant byte first. A load beyond

@@ -35,6 +35,10 @@ class DatagramBatch {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Makes datagrams leave in one piece or not at all, whatever the kernel believes of the way. False
+/// where it cannot: then their longest length cannot be found out.
+bool forbid_fragments(int socket);
+
 /// Lets the kernel drop, before it wakes anybody, what cannot be for this socket: neither a
 /// handshake by its first bytes nor a packet for a receiver number of this `prefix` (its upper
 /// half). False where the kernel cannot; then they are dropped here.

@@ -19,7 +19,7 @@ namespace tandem::net {
 // and keep that in every version, so that a disagreement can be explained.
 
 constexpr std::uint32_t kUdpMagic = 0x55444e54;  // "TNDU"
-constexpr std::uint16_t kUdpVersion = 3;
+constexpr std::uint16_t kUdpVersion = 4;
 constexpr std::size_t kHandshakeHeader = 1 + 4 + 2 + 8;
 constexpr std::size_t kCookieBytes = 8 + 16;
 constexpr std::size_t kHelloBytes = 64;  // padded: no answer is longer

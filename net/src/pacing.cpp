@@ -17,7 +17,7 @@ void Congestion::update(const Channels::Feedback& feedback, const RttEstimate& r
   const std::uint64_t lost = sum_.lost - std::min(sum_.lost, sum_.late);
   const std::uint64_t packets = sum_.acked + lost;
   if (elapsed < std::max(kPeriod, 2 * rtt.smoothed())) return;
-  if (packets < kEnough && elapsed < kLongest) return;
+  if (packets < kEnough && elapsed < (probes_ ? kLongestProbe : kLongest)) return;
   const bool limited = held_back_;
   const double arrived =
       8e6 * static_cast<double>(sum_.acked_bytes) / static_cast<double>(elapsed);  // kbit/s
@@ -71,6 +71,7 @@ void Congestion::on_loss(double sent, double arrived, double packets, std::int64
   // What was on its way when the probe began counts as well: a little above it.
   if (sent <= 1.1 * kProbe * series_sent_ && arrived <= 0.8 * series_arrived_) {
     rate_ = series_rate_;
+    probes_ = false;
     const double loss = std::max(loss_, series_loss_);
     const double chance = 2.0 * std::sqrt(loss * (1.0 - loss) / packets);
     overlooked_ = 1.3 * loss + 0.05 + chance;

@@ -72,9 +72,10 @@ struct CongestionOptions {
 /// that much loss is overlooked for two minutes. Where the loss was ours as much arrives as
 /// before. What was sent before is the most of the first two periods: in one of them the
 /// application may just have begun, and of what is allowed and not asked for nothing is to be
-/// learned. A period in which by chance less is lost ends no series.
-/// The rules on loss are those of Google's congestion control (draft-ietf-rmcat-gcc-02, Sec. 6);
-/// the one on delay is simpler, the last one is our own.
+/// learned. A probe is judged after 0.6 s at the latest: where little was sent before, twenty
+/// packets take 2 s, in which all that is asked for has to wait. A period in which by chance less
+/// is lost ends no series. The rules on loss are those of Google's congestion control
+/// (draft-ietf-rmcat-gcc-02, Sec. 6); the one on delay is simpler, the last one is our own.
 class Congestion {
  public:
   Congestion(const CongestionOptions& options, std::int64_t now)
@@ -90,6 +91,7 @@ class Congestion {
  private:
   static constexpr std::int64_t kPeriod = 200'000'000;
   static constexpr std::int64_t kLongest = 2'000'000'000;
+  static constexpr std::int64_t kLongestProbe = 600'000'000;
   static constexpr std::int64_t kQueue = 50'000'000;
   static constexpr std::int64_t kOverlook = 120'000'000'000;
   static constexpr std::int64_t kSeries = 5'000'000'000;

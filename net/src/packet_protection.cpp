@@ -11,7 +11,7 @@ namespace tandem::net {
 namespace {
 
 std::size_t longest(bool relay) {
-  return kMaxDatagram + (relay ? kProtectedOverhead + kRelayHeader : 0);
+  return relay ? kMaxRelayed + kProtectedOverhead + kRelayHeader : kMaxDatagram;
 }
 
 }  // namespace
@@ -81,7 +81,7 @@ std::optional<PacketOpener::Opened> PacketOpener::open(std::span<const std::byte
     ++counters_.replayed;
     return {};
   }
-  buffer.reserve(longest(true));
+  buffer.reserve(kMaxDatagram);
   buffer.resize(datagram.size() - kProtectedOverhead);
   const crypto::Secret& key = is_next ? next_ : is_previous ? previous_ : current_;
   if (!crypto::open(key, header->sequence, octets(datagram.first(kProtectedHeader)),

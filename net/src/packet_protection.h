@@ -18,7 +18,8 @@ namespace tandem::net {
 //   u8 0x40 | epoch % 16,  u32 receiver,  u64 sequence,  sealed bytes,  16 bytes of tag.
 // The header is authenticated. Both directions have keys of their own.
 
-constexpr std::size_t kMaxDatagram = 1200;     // bytes of UDP payload
+constexpr std::size_t kMaxDatagram = 1472;     // bytes of UDP payload: Ethernet's 1500
+constexpr std::size_t kMaxRelayed = 1200;      // of a datagram in another one
 constexpr std::size_t kIpUdpBytes = 28;        // of IPv4 and UDP, before every datagram
 constexpr std::uint8_t kProtectedType = 0x40;  // upper half of the first byte
 constexpr std::uint8_t kRelayType = 0x50;      // has a datagram of or for a third peer in it

@@ -9,6 +9,8 @@ namespace tandem::net {
 void SentPackets::Outcome::clear() {
   acked_pieces.clear();
   lost_pieces.clear();
+  acked_sizes.clear();
+  lost_sizes.clear();
   acked_packets = acked_bytes = lost_packets = late_packets = 0;
 }
 
@@ -17,6 +19,7 @@ SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence) {
   if (entry.state == State::Flying) lost(entry, overrun_);
   entry.sequence = sequence;
   entry.state = State::None;
+  entry.is_probe = false;
   entry.piece_count = 0;
   latest_sent_ = sequence;
   if (sequence >= kRing) oldest_ = std::max(oldest_, sequence - kRing + 1);
@@ -25,6 +28,11 @@ SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence) {
 
 void SentPackets::sent_empty(std::uint64_t sequence, std::int64_t now) {
   next_slot(sequence).at = now;
+}
+
+void SentPackets::sent_probe(std::uint64_t sequence, std::size_t bytes, std::int64_t now) {
+  sent(sequence, bytes, {}, now);
+  slot(sequence).is_probe = true;
 }
 
 std::uint64_t SentPackets::widen(std::uint32_t ack) const {
@@ -55,10 +63,11 @@ void SentPackets::acked(std::uint64_t sequence, Outcome& outcome) {
   Entry& entry = slot(sequence);
   if (entry.sequence != sequence) return;
   if (entry.state != State::Flying && entry.state != State::Lost) return;
+  outcome.acked_sizes.push_back({entry.bytes, entry.is_probe});
   if (entry.state == State::Flying) {
     --in_flight_;
   } else {
-    ++outcome.late_packets;
+    outcome.late_packets += entry.is_probe ? 0 : 1;
   }
   entry.state = State::Acked;
   ++outcome.acked_packets;
@@ -70,6 +79,8 @@ void SentPackets::acked(std::uint64_t sequence, Outcome& outcome) {
 void SentPackets::lost(Entry& entry, Outcome& outcome) {
   entry.state = State::Lost;
   --in_flight_;
+  outcome.lost_sizes.push_back({entry.bytes, entry.is_probe});
+  if (entry.is_probe) return;
   ++outcome.lost_packets;
   outcome.lost_pieces.insert(outcome.lost_pieces.end(), entry.pieces.begin(),
                              entry.pieces.begin() + entry.piece_count);
@@ -82,7 +93,8 @@ bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome&
 
   // Also of those that counted as lost: where a queue grows faster than the estimate, all are late.
   if (const Entry& entry = slot(ack);
-      entry.sequence == ack && (entry.state == State::Flying || entry.state == State::Lost)) {
+      ack >= path_first_ && entry.sequence == ack &&
+      (entry.state == State::Flying || entry.state == State::Lost)) {
     rtt_.add(now - entry.at - header.ack_delay * kAckDelayUnit, now);
   }
   const std::uint64_t before = outcome.acked_packets;
@@ -101,7 +113,9 @@ bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome&
 }
 
 void SentPackets::on_time(std::int64_t now, Outcome& outcome) {
-  if (overrun_.lost_packets > 0) {
+  if (!overrun_.lost_sizes.empty()) {
+    outcome.lost_sizes.insert(outcome.lost_sizes.end(), overrun_.lost_sizes.begin(),
+                              overrun_.lost_sizes.end());
     outcome.lost_packets += overrun_.lost_packets;
     outcome.lost_pieces.insert(outcome.lost_pieces.end(), overrun_.lost_pieces.begin(),
                                overrun_.lost_pieces.end());

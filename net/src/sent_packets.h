@@ -29,12 +29,21 @@ class SentPackets {
             std::int64_t now);
   /// A packet with nothing in it, of which nothing is expected.
   void sent_empty(std::uint64_t sequence, std::int64_t now);
+  /// A padded one: its loss says something of its length, and nothing of the rate.
+  void sent_probe(std::uint64_t sequence, std::size_t bytes, std::int64_t now);
   /// When the packet left that `header` acknowledges, where it is known.
   std::optional<std::int64_t> sent_at(const ChannelHeader& header) const;
 
   struct Outcome {
     std::vector<std::uint64_t> acked_pieces;
     std::vector<std::uint64_t> lost_pieces;
+    /// On the wire, of each packet.
+    struct Size {
+      std::size_t bytes = 0;
+      bool is_probe = false;
+    };
+    std::vector<Size> acked_sizes;
+    std::vector<Size> lost_sizes;
     std::uint64_t acked_packets = 0;
     std::uint64_t acked_bytes = 0;
     std::uint64_t lost_packets = 0;
@@ -47,6 +56,13 @@ class SentPackets {
   /// What has waited too long is lost. Adds to `outcome`.
   void on_time(std::int64_t now, Outcome& outcome);
 
+  /// Packets go another way from now on: round trips of those before say nothing of it.
+  void begin_path() {
+    rtt_ = {};
+    path_first_ = latest_sent_ + 1;
+    backoff_ = 0;
+  }
+
   const RttEstimate& rtt() const { return rtt_; }
   std::size_t in_flight() const { return in_flight_; }
 
@@ -57,6 +73,7 @@ class SentPackets {
     std::int64_t at = 0;
     std::size_t bytes = 0;
     State state = State::None;
+    bool is_probe = false;
     std::uint8_t piece_count = 0;
     std::array<std::uint64_t, kMaxPieces> pieces{};
   };
@@ -70,7 +87,8 @@ class SentPackets {
   std::array<Entry, kRing> entries_{};
   std::uint64_t latest_sent_ = 0;
   std::uint64_t highest_acked_ = 0;
-  std::uint64_t oldest_ = 1;  // none that flies is older
+  std::uint64_t oldest_ = 1;      // none that flies is older
+  std::uint64_t path_first_ = 0;  // sent on the way of now
   std::size_t in_flight_ = 0;
   int backoff_ = 0;  // timeouts in a row, nothing heard between them
   std::int64_t last_timeout_ = 0;

@@ -79,7 +79,7 @@ void UdpOptions::validate() const {
   check(min_kbit_per_s > 0.0 && min_kbit_per_s <= kbit_per_s, "min_kbit_per_s", min_kbit_per_s,
         "in (0, kbit_per_s]");
   check(max_datagram >= 548 && max_datagram <= kMaxDatagram, "max_datagram", max_datagram,
-        "in [548, 1200]");
+        "in [548, 1472]");
   check(max_message_bytes >= 64 && max_message_bytes <= 1024 * 1024, "max_message_bytes",
         max_message_bytes, "in [64, 1 MiB]");
   check(state_queue_bytes >= 2048, "state_queue_bytes", state_queue_bytes, ">= 2048");
@@ -95,18 +95,21 @@ class __attribute__((visibility("hidden"))) UdpTransport::Impl {
  public:
   explicit Impl(const UdpOptions& options)
       : self(options.self),
-        max_state_bytes(options.max_datagram - kProtectedOverhead - kChannelHeader - kStateHeader),
         max_message_bytes(options.max_message_bytes),
         socket(options, node_options(options)) {}
 
   const consensus::PeerId self;
-  const std::size_t max_state_bytes;
   const std::size_t max_message_bytes;
   UdpSocket socket;
 };
 
 UdpTransport::UdpTransport(const UdpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 UdpTransport::~UdpTransport() = default;
+
+void UdpTransport::connect(std::shared_ptr<DatagramPath> path) {
+  require(path != nullptr, "UdpTransport::connect", "path", 0, "a path");
+  impl_->socket.connect(std::move(path));
+}
 
 consensus::PeerId UdpTransport::self() const { return impl_->self; }
 
@@ -117,8 +120,9 @@ bool UdpTransport::post(consensus::PeerId to, std::span<const std::byte> bytes,
 }
 
 std::size_t UdpTransport::max_packet_bytes(consensus::Delivery delivery) const {
-  return delivery == consensus::Delivery::Newest ? impl_->max_state_bytes
-                                                 : impl_->max_message_bytes;
+  if (delivery == consensus::Delivery::Reliable) return impl_->max_message_bytes;
+  return impl_->socket.with(
+      false, [](const UdpNode& node, std::int64_t) { return node.max_state_bytes(); });
 }
 
 void UdpTransport::drain(std::vector<consensus::Packet>& out) {

@@ -15,13 +15,13 @@ namespace {
 constexpr int kGoodbyes = 3;                      // any of them may be lost
 constexpr std::int64_t kGoodbyeGap = 20'000'000;  // ns
 constexpr std::int64_t kLossCheck = 10'000'000;   // ns, how exactly a timeout is kept
-constexpr std::size_t kMinDatagram = 548;
 // How often the clock is told of: in a packet that leaves anyway; alone; alone at the beginning.
 constexpr std::int64_t kClockRides = 45'000'000;        // ns
 constexpr std::int64_t kClockAlone = 250'000'000;       // ns
 constexpr std::int64_t kClockFirst = 25'000'000;        // ns
 constexpr std::int64_t kClockFirstFor = 1'500'000'000;  // ns
-static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceBytes <= kMinDatagram);
+static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceBytes <=
+              MtuSearch::kLeast);
 
 }  // namespace
 
@@ -31,7 +31,7 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       options_(options),
       sealer_(session.send, session.remote.receiver, now, options.rekey),
       opener_(session.receive),
-      channels_(options.channels),
+      channels_(options.channels, options.max_datagram),
       pacer_(options.congestion.max_kbit, now),
       congestion_(options.congestion, now),
       confirmed_(confirmed),
@@ -41,8 +41,8 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
                            std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
                   4),
       opened_at_(now) {
-  require(options.max_datagram >= kMinDatagram && options.max_datagram <= kMaxDatagram,
-          "UdpConnectionOptions", "max_datagram", options.max_datagram, "in [548, 1200]");
+  require(options.max_datagram >= MtuSearch::kLeast && options.max_datagram <= kMaxDatagram,
+          "UdpConnectionOptions", "max_datagram", options.max_datagram, "in [548, 1472]");
   require(options.congestion.min_kbit > 0.0 &&
               options.congestion.min_kbit <= options.congestion.max_kbit,
           "CongestionOptions", "min_kbit", options.congestion.min_kbit, "in (0, max_kbit]");
@@ -95,6 +95,16 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
   held_back_ = false;
   if (congestion_.rate() != pacer_.rate()) pacer_.set_rate(congestion_.rate(), now);
 
+  // Not before somebody has answered: a probe that nobody is there to take says nothing.
+  const std::size_t probe = channels_.rtt().any() ? channels_.probe_due(now) : 0;
+  if (probe != 0 && pacer_.ready(now)) {
+    plain_.clear();
+    channels_.write_probe(sealer_.next_sequence(), probe, congestion_.rate(), now, plain_);
+    const auto out = seal(now);
+    pacer_.spend(out.size());
+    return out;
+  }
+
   // Acknowledgements alone are small and do not wait: late ones would look like loss.
   if (clock != nullptr && last_clock_ == INT64_MIN) last_clock_ = now - kClockAlone;
   const bool tells_clock = clock != nullptr && now - last_clock_ >= clock_period(now);
@@ -123,6 +133,9 @@ std::int64_t UdpConnection::next_due(std::int64_t now) {
   std::int64_t due = std::min(
       {channels_.ack_due(), last_sent_ + keep_alive_, last_heard_ + options_.idle_timeout + 1});
   if (last_clock_ != INT64_MIN) due = std::min(due, last_clock_ + clock_period(now));
+  if (channels_.rtt().any()) {
+    due = std::min(due, std::max(channels_.mtu().next_due(), pacer_.next(now)));
+  }
   if (channels_.has_content(now)) due = std::min(due, pacer_.next(now));
   if (!channels_.reliable().empty()) due = std::min(due, now + kLossCheck);
   return std::max(due, now);
@@ -133,13 +146,14 @@ bool UdpConnection::open(std::span<const std::byte> datagram, std::int64_t now) 
   if (state_ == State::Closed) return false;
   opened_ = opener_.open(datagram, buffer_);
   if (!opened_) return false;
+  newest_ = opened_->sequence == opener_.window().latest();
   confirmed_ = true;
   last_heard_ = now;
   return true;
 }
 
 std::span<const std::byte> UdpConnection::seal(const Relayed& relayed, std::int64_t now) {
-  if (state_ != State::Open || relayed.datagram.size() > kMaxDatagram) return {};
+  if (state_ != State::Open || relayed.datagram.size() > kMaxRelayed) return {};
   plain_.clear();
   pbd::ByteWriter writer(plain_);
   writer.u8(relayed.forward ? 1 : 0);
@@ -153,6 +167,24 @@ std::span<const std::byte> UdpConnection::seal(const Relayed& relayed, std::int6
   channels_.note_other(sequence, now);
   pacer_.spend(datagram_.size());
   return datagram_;
+}
+
+std::span<const std::byte> UdpConnection::seal_path(ChannelSection::Kind kind, std::uint64_t token,
+                                                    std::int64_t now) {
+  if (state_ != State::Open) return {};
+  plain_.clear();
+  encode(ChannelHeader{}, plain_);
+  encode({.kind = kind, .token = token}, plain_);
+  channels_.note_other(sealer_.next_sequence(), now);
+  const auto out = seal(now);
+  pacer_.spend(out.size());
+  return out;
+}
+
+void UdpConnection::begin_path(std::int64_t now) {
+  channels_.begin_path();
+  congestion_ = Congestion(options_.congestion, now);
+  pacer_.set_rate(congestion_.rate(), now);
 }
 
 void UdpConnection::read(std::int64_t now) {

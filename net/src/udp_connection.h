@@ -21,7 +21,8 @@ struct UdpConnectionOptions {
   ChannelOptions channels;
   CongestionOptions congestion;
   RekeyPolicy rekey;
-  std::size_t max_datagram = kMaxDatagram;  ///< in [548, kMaxDatagram]; 548 for an MTU of 576
+  /// The most that is tried, in [548, kMaxDatagram]; 548 for an MTU of 576.
+  std::size_t max_datagram = kMaxDatagram;
   std::int64_t idle_timeout = 5'000'000'000;
 };
 
@@ -69,6 +70,26 @@ class UdpConnection {
   /// What the last read() has found. Valid until the next open().
   std::optional<Relayed> take_relayed() { return std::exchange(relayed_, {}); }
 
+  /// Ask the other end, on some way to it, to say `token` again, or say what it has asked for. To
+  /// be sent at once; empty where this connection does not send any more. Valid until the next
+  /// call.
+  std::span<const std::byte> seal_challenge(std::uint64_t token, std::int64_t now) {
+    return seal_path(ChannelSection::Kind::Challenge, token, now);
+  }
+  std::span<const std::byte> seal_answer(std::uint64_t token, std::int64_t now) {
+    return seal_path(ChannelSection::Kind::Answer, token, now);
+  }
+  static constexpr std::size_t kQuestionBytes = kProtectedOverhead + kChannelHeader + kPathBytes;
+  /// What the last read() has found of these.
+  std::optional<std::uint64_t> take_challenge() { return channels_.take_challenge(); }
+  std::optional<std::uint64_t> take_answer() { return channels_.take_answer(); }
+  /// The packet that was opened last has the highest number so far.
+  bool is_newest() const { return newest_; }
+  /// How long an original may come after a copy of it that took another way.
+  std::int64_t path_patience() const { return channels_.rtt().timeout(); }
+  /// It goes another way from now on: what was learned of the one before does not hold.
+  void begin_path(std::int64_t now);
+
   void post_group_change(std::span<const std::byte> change) { channels_.post_group_change(change); }
   std::vector<std::byte> take_group_change() { return channels_.take_group_change(); }
   void tell(const KnownPeer& known) { channels_.tell(known); }
@@ -94,9 +115,11 @@ class UdpConnection {
 
  private:
   std::span<const std::byte> seal(std::int64_t now);
+  std::span<const std::byte> seal_path(ChannelSection::Kind kind, std::uint64_t token,
+                                       std::int64_t now);
   void close(const std::string& reason);
   std::int64_t clock_period(std::int64_t now) const;
-  std::size_t room() const { return options_.max_datagram - kProtectedOverhead; }
+  std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
   UdpConnectionOptions options_;
@@ -109,6 +132,7 @@ class UdpConnection {
   std::string reason_;
   bool confirmed_;
   bool held_back_ = false;
+  bool newest_ = false;
   int goodbyes_ = 0;  // still to be sent
   std::int64_t goodbye_due_ = 0;
   std::int64_t last_heard_;

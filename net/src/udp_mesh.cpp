@@ -21,6 +21,9 @@ constexpr std::size_t kMaxTold = 64;                    // dials
 constexpr std::ptrdiff_t kMaxToldBy = 16;               // by one member
 constexpr std::ptrdiff_t kMaxToldOf = 4;                // addresses of one peer
 
+/// A path is ours alone. Whoever hears of no address knows whom to ask for him all the same.
+Address told_address(const Address& address) { return is_path(address) ? Address{} : address; }
+
 }  // namespace
 
 void UdpNode::transmit(std::span<const std::byte> datagram, const Address& to) {
@@ -54,8 +57,8 @@ PeerId UdpNode::relay_of(PeerId peer) const {
 void UdpNode::on_told(Connection& connection, const KnownPeer& known, std::int64_t now) {
   const PeerId teller = connection.link->session().remote.peer;
   if (known.peer == 0 || known.peer == options_.handshake.self || known.peer == teller) return;
-  if (!is_host(known.address)) return;
   if (!is_relayed(connection.address)) acquaintances_.note(known.peer, teller, now);
+  if (!is_host(known.address)) return;
   for (Dial& dial : dials_) {
     if (dial.address != known.address) continue;
     dial.told_at = now;
@@ -106,6 +109,15 @@ void UdpNode::on_relayed(Connection& connection, const UdpConnection::Relayed& r
   ++relayed_.forwarded;
 }
 
+void UdpNode::tell_others(const Connection& connection) {
+  const PeerId peer = connection.link->session().remote.peer;
+  for (auto& [number, other] : connections_) {
+    if (other.attached && &other != &connection) {
+      other.link->tell({.peer = peer, .address = told_address(connection.address)});
+    }
+  }
+}
+
 void UdpNode::introduce(Connection& connection, std::int64_t now) {
   if (!connection.attached || now < connection.tell_due) return;
   const PeerId other = connection.link->session().remote.peer;
@@ -115,7 +127,7 @@ void UdpNode::introduce(Connection& connection, std::int64_t now) {
   for (; at != records_.end() && told < kTellAtOnce; ++at) {
     if (at->first == other || !is_attached_directly(at->first)) continue;
     connection.link->tell(
-        {.peer = at->first, .address = connections_.at(at->second.receiver).address});
+        {.peer = at->first, .address = told_address(connections_.at(at->second.receiver).address)});
     connection.told_to = at->first;
     ++told;
   }

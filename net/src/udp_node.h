@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -15,6 +16,7 @@
 #include "address.h"
 #include "clock_sync.h"
 #include "handshake.h"
+#include "path_validation.h"
 #include "tandem/consensus/transport.h"
 #include "udp_connection.h"
 
@@ -56,6 +58,12 @@ class UdpNode {
   void dial(const Address& address, std::int64_t now);
   /// False where it was of no use to anybody.
   bool on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
+  /// The same of what came by the DatagramPath with this number. What is sent to path_address() of
+  /// it is to go there.
+  bool on_path(std::span<const std::byte> datagram, std::uint64_t number, std::int64_t now) {
+    now_ = now;
+    return receive(datagram, path_address(number), now);
+  }
   /// Sends what is due; call at next_due() and after anything else.
   void poll(std::int64_t now);
   std::int64_t next_due(std::int64_t now);
@@ -70,6 +78,14 @@ class UdpNode {
   void drain(std::vector<consensus::Packet>& out);
   void drop(consensus::PeerId peer, const std::string& reason, std::int64_t now);
   std::vector<consensus::PeerStatus> peers() const;
+
+  /// Bytes of the longest state that post() takes to any peer, as far as is known of the ways
+  /// there.
+  std::size_t max_state_bytes() const;
+  /// Where the system would send what is too long in pieces. Before any connection.
+  void keep_to_base() {
+    options_.connection.max_datagram = std::min(options_.connection.max_datagram, MtuSearch::kBase);
+  }
 
   /// Take over what the organiser has signed and pass it on: whoever is revoked is told so and cut
   /// off at once.
@@ -106,8 +122,11 @@ class UdpNode {
     clock_.set_correction(correction, now);
   }
   const HandshakeResponder::Counters& strangers() const { return responder_.counters(); }
-  /// Datagrams with a receiver number that nobody has, or from another address than its peer's.
+  /// Datagrams with a receiver number that nobody has, or from another address than its peer's that
+  /// it has not sealed.
   std::uint64_t unknown() const { return unknown_; }
+  /// How often a peer was followed to another address.
+  std::uint64_t moves() const { return moves_; }
 
  private:
   struct Dial {
@@ -126,10 +145,12 @@ class UdpNode {
     bool began_here = false;
     std::int64_t opened = 0;
     bool attached = false;
-    Pacer relay;                    // what it may have passed on
-    std::int64_t tell_due = 0;      // when it is told again who is there,
-    consensus::PeerId told_to = 0;  // from whom on
-    std::int64_t round_trip = -1;   // of the last exchange of clocks
+    Pacer relay;                            // what it may have passed on
+    std::int64_t tell_due = 0;              // when it is told again who is there,
+    consensus::PeerId told_to = 0;          // from whom on
+    std::int64_t round_trip = -1;           // of the last exchange of clocks
+    std::optional<PathValidation> moving;   // packets come from another address
+    std::int64_t question_due = INT64_MIN;  // who copies packets does not make us ask all the time
   };
   struct Record {
     consensus::PeerStatus status;
@@ -147,6 +168,17 @@ class UdpNode {
   bool on_packet(const ProtectedHeader& header, std::span<const std::byte> datagram,
                  const Address& from, std::int64_t now);
   void transmit(std::span<const std::byte> datagram, const Address& to);
+  static bool may_move(const Connection& connection, const Address& to);
+  /// A packet of the other end has come from another address than before.
+  void note_path(Connection& connection, std::uint64_t sequence, const Address& from,
+                 std::size_t bytes, std::int64_t now);
+  /// What the packet from there asks about its way, or answers.
+  void answer_path(Connection& connection, const Address& from, std::int64_t now);
+  void poll_path(Connection& connection, std::int64_t now);
+  void move(Connection& connection, std::int64_t now);
+  std::uint64_t random_token() const;
+  /// Where this peer is, to all others.
+  void tell_others(const Connection& connection);
   void on_relayed(Connection& connection, const UdpConnection::Relayed& relayed, std::int64_t now);
   void on_told(Connection& connection, const KnownPeer& known, std::int64_t now);
   void introduce(Connection& connection, std::int64_t now);
@@ -190,6 +222,7 @@ class UdpNode {
   std::uint64_t departures_ = 0;
   std::uint16_t receiver_prefix_ = 0;
   std::uint64_t unknown_ = 0;
+  std::uint64_t moves_ = 0;
   bool leaving_ = false;
 };
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <exception>
 #include <system_error>
+#include <utility>
 
 namespace tandem::net {
 
@@ -22,6 +23,7 @@ constexpr std::int64_t kFloodWindow = 10'000'000;  // ns
 constexpr std::chrono::milliseconds kFloodPause{2};
 constexpr std::int64_t kGoodbyeTime = 100'000'000;   // ns, for the last packets
 constexpr std::int64_t kLongestSleep = 100'000'000;  // ns
+constexpr std::size_t kPathWaiting = 1024;           // datagrams
 constexpr int kSocketBuffer = 512 * 1024;            // bytes
 
 /// What the system clock is ahead of the steady one.
@@ -66,6 +68,31 @@ UdpSocket::~UdpSocket() {
     wake();
   }
   thread_.join();
+  // Before what they call is gone.
+  for (const auto& path : paths_) path->receive({});
+}
+
+void UdpSocket::connect(std::shared_ptr<DatagramPath> path) {
+  DatagramPath& added = *path;
+  std::uint64_t number = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    number = paths_.size();
+    paths_.push_back(std::move(path));
+  }
+  added.receive([this, number](std::span<const std::byte> datagram) {
+    if (path_waiting_ >= kPathWaiting) return;  // lost, as datagrams are
+    ++path_waiting_;
+    asio::post(context_, [this, number, bytes = std::vector(datagram.begin(), datagram.end())] {
+      --path_waiting_;
+      {
+        const std::scoped_lock lock(mutex_);
+        (void)node_.on_path(bytes, number, now());
+      }
+      step();
+    });
+  });
+  with(true, [number](UdpNode& node, std::int64_t time) { node.dial(path_address(number), time); });
 }
 
 std::int64_t UdpSocket::now() {
@@ -102,6 +129,7 @@ void UdpSocket::bind() {
   // Refused sizes cost packets in bursts, nothing else.
   socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);
   socket_.set_option(asio::socket_base::send_buffer_size(kSocketBuffer), error);
+  if (!forbid_fragments(socket_.native_handle())) node_.keep_to_base();
   if (options_.kernel_filter) (void)attach_filter(socket_.native_handle(), node_.receiver_prefix());
 }
 
@@ -245,6 +273,7 @@ void UdpSocket::step() {
 }
 
 void UdpSocket::send(std::span<const std::byte> datagram, const Address& to) {
+  if (is_path(to)) return paths_[path_number(to)]->send(datagram);
   // Told of by somebody who has IPv6; a relay may have a way.
   if (!is_v6_ && !is_v4(to)) return;
   // A full buffer, a route that is gone: the packet is lost, as packets are.

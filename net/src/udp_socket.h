@@ -5,7 +5,9 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/steady_timer.hpp>
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -28,6 +30,8 @@ class UdpSocket {
   UdpSocket& operator=(const UdpSocket&) = delete;
 
   std::uint16_t local_port() const { return local_port_; }
+  /// Dial over this path from now on.
+  void connect(std::shared_ptr<DatagramPath> path);
   std::vector<UdpLookup> lookups();
 
   /// Calls `use(node, now)` under the lock; then the network thread looks what is to be done.
@@ -70,7 +74,9 @@ class UdpSocket {
   asio::ip::udp::socket socket_{context_};
   asio::steady_timer timer_{context_};
   asio::ip::udp::resolver resolver_{context_};
-  std::vector<Lookup> lookups_;  // as many as options_.connect has, for good
+  std::vector<std::shared_ptr<DatagramPath>> paths_;  // by number, for good
+  std::atomic<std::size_t> path_waiting_ = 0;         // datagrams for the network thread
+  std::vector<Lookup> lookups_;                       // as many as options_.connect has, for good
   bool wake_posted_ = false;
   bool waiting_ = false;  // for the socket
   bool is_v6_ = false;

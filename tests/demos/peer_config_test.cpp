@@ -6,6 +6,7 @@
 
 #include "peer/config.h"
 #include "support/catch.h"
+#include "tandem/net/membership.h"
 
 namespace tandem::demos::peer_config_test {
 namespace {
@@ -30,6 +31,37 @@ TEST_CASE("peer config: the least that is needed is an id and a way to others", 
   CHECK_FALSE(c.fidget);
   CHECK_FALSE(c.metrics_port.has_value());
   CHECK(c.metrics_address == "127.0.0.1");
+}
+
+TEST_CASE("peer config: without an id a peer has the one of its key, which is kept",
+          "[demos][unit]") {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  const std::filesystem::path identity = folder / "tandem_config_derived.identity";
+  const std::filesystem::path key = folder / "tandem_config_derived.key";
+  std::filesystem::remove(identity);
+  std::ofstream(key) << std::string(64, 'a');
+  std::filesystem::permissions(key, std::filesystem::perms(0600));
+  const auto started = [&] {
+    PeerConfig c = parse_config(
+        "[network]\nlisten = 0\nkey = \"tandem_config_derived.key\"\n"
+        "[network.ice]\n\"own\" = \"other\"\n",
+        (folder / "tandem_config_derived.toml").string());
+    CHECK(c.session.peer_id == 0);
+    derive_id(c);
+    CHECK(c.meetings.size() == 1);
+    return c.session.peer_id;
+  };
+  const std::uint64_t first = started();
+  CHECK(tandem::net::is_derived(first));
+  CHECK(started() == first);
+  std::filesystem::remove(identity);
+  CHECK(started() != first);
+  PeerConfig given;
+  given.session.peer_id = 7;
+  derive_id(given);
+  CHECK(given.session.peer_id == 7);
+  std::filesystem::remove(identity);
+  std::filesystem::remove(key);
 }
 
 TEST_CASE("peer config: every key reaches its field", "[demos][unit]") {
@@ -122,7 +154,9 @@ TEST_CASE("peer config: an identity of its own by default, and an organiser who 
 }
 
 TEST_CASE("peer config: a refusal names file, line, key, value and rule", "[demos][fault]") {
-  CHECK(refusal("").find("peers.toml: id must be given") == 0);
+  CHECK(refusal("").find("peers.toml") == 0);
+  CHECK(refusal("[network]\nlisten = 0\ninsecure = true\n").find("peers.toml: id must be given") ==
+        0);
   CHECK(refusal("id = 0\n" + kNetwork) ==
         "peers.toml:1: id must be an integer >= 1, unique in the session, is 0");
   CHECK(refusal("id = 1.5\n" + kNetwork).find("peers.toml:1: id must be an integer") == 0);

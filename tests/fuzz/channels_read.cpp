@@ -4,6 +4,7 @@
 // A connection after decryption: a member says what it likes, in any order and number, while this
 // end posts, sends, drains and waits. What is kept stays within its limits.
 #include "channels.h"
+#include "packet_protection.h"
 #include "target.h"
 
 namespace fuzz {
@@ -32,7 +33,7 @@ void add_packet(const Bytes& plain, Bytes& out) {
 
 void run(std::span<const std::byte> input) {
   Choices choices(input);
-  Channels channels(kOptions);
+  Channels channels(kOptions, kMaxDatagram);
   std::int64_t now = 0;
   std::uint64_t sent = 0;
   std::uint64_t had = 0;
@@ -87,7 +88,7 @@ void run(std::span<const std::byte> input) {
 std::vector<Bytes> seeds() {
   // An honest talk: both kinds are posted and sent, acknowledged, drained.
   std::vector<Bytes> out;
-  Channels other(kOptions);
+  Channels other(kOptions, kMaxDatagram);
   for (int i = 0; i < 3; ++i) {
     Bytes script;
     Bytes plain;

@@ -32,7 +32,10 @@ std::vector<Bytes> seeds() {
       {.kind = Kind::Clock,
        .clock = {.sent = 5, .correction = -7, .rate = -100, .bound = 12, .rank = 2},
        .clock_delay = 1000},
-      {.kind = Kind::Known, .known = {.peer = 4, .address = {.ip = {1, 2, 3}, .port = 99}}}};
+      {.kind = Kind::Known, .known = {.peer = 4, .address = {.ip = {1, 2, 3}, .port = 99}}},
+      {.kind = Kind::Challenge, .token = 5},
+      {.kind = Kind::Answer, .token = 5},
+      {.kind = Kind::Padding, .bytes = text}};
   Bytes all;
   encode(ChannelHeader{.ack = 4, .ack_bits = 7, .ack_delay = 3}, all);
   for (const ChannelSection& section : sections) {

@@ -4,7 +4,8 @@
 #
 # All fuzz targets on libFuzzer, with the address and undefined behaviour sanitizers, from the kept
 # corpus on:
-#   tests/fuzz/nightly.sh [SECONDS]      for each target, 1200 where nothing is said
+#   tests/fuzz/nightly.sh [SECONDS [--keep [TARGET...]]]
+# SECONDS for each target, 1200 where nothing is said; all targets where none is.
 # What reaches code that the corpus does not is left, minimised, in build/fuzz/corpus; `--keep` as a
 # second argument replaces tests/fuzz/corpus by it, of each target the smallest 32 inputs of at most
 # 1 KiB. Exits with 1 where any target found a fault; its input is then in build/fuzz/faults.
@@ -15,6 +16,7 @@ keep=${2:-}
 build=$root/build/fuzz
 targets=(clock_exchange channels_read decode_channels decode_handshake decode_packet membership
          node_sequence tcp_frames trace_read)
+[[ $# -lt 3 ]] || targets=("${@:3}")
 
 # Without the collision module there are no demos, and trace_read is theirs.
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Release \

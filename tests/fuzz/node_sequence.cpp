@@ -43,7 +43,7 @@ class Network {
     node = std::make_unique<UdpNode>(
         options, protocol::seeded(200 + starts_),
         [this, peer](std::span<const std::byte> datagram, const Address& to) {
-          require(datagram.size() <= 1300);
+          require(datagram.size() <= kMaxDatagram);
           const PeerId target = to.ip[15];
           if (flying.size() < 200) flying.push_back({peer, target, protocol::copy(datagram)});
         });

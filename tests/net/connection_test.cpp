@@ -194,6 +194,28 @@ TEST_CASE("connection: random loss on a long way costs a second of less, once", 
   CHECK(static_cast<double>(got) > 0.92 * (1.0 - loss) * static_cast<double>(posted));
 }
 
+TEST_CASE("connection: random loss while little is asked for does not hold up what is asked next",
+          "[net]") {
+  // The rate is tried at 0.6 of what was sent. That was little, and packets are few at that rate.
+  const std::uint64_t seed = GENERATE(5u, 6u, 7u, 8u);
+  UdpConnectionOptions options;
+  options.congestion.max_kbit = 1000.0;
+  Pair pair({.delay = 20 * kMs, .jitter = 5 * kMs, .loss = 0.3}, options, seed);
+  std::uint64_t posted = 0;
+  std::uint64_t got = 0;
+  pair.each_step = [&] {
+    if (pair.now % (16 * kMs) == 0) {
+      const bool much = pair.now >= 2 * kSecond;
+      pair.a.post(Bytes(much ? 1000 : 100), Delivery::Newest, pair.now);
+      posted += much ? 1 : 0;
+    }
+    for (const Bytes& state : drain(pair.b, Delivery::Newest)) got += state.size() == 1000 ? 1 : 0;
+  };
+  pair.run(7 * kSecond);
+  INFO(seed << ": " << got << " of " << posted);
+  CHECK(static_cast<double>(got) > 0.85 * 0.7 * static_cast<double>(posted));
+}
+
 TEST_CASE("connection: memory is bounded whatever the application or the other end does",
           "[net][fault]") {
   const ChannelOptions small{.state_queue_bytes = 8 * 1024,
@@ -348,7 +370,7 @@ TEST_CASE("connection: keys change under way without a packet lost", "[net]") {
 }
 
 TEST_CASE("connection: a datagram is never longer than it may be, down to an MTU of 576", "[net]") {
-  for (const std::size_t limit : {std::size_t{548}, kMaxDatagram}) {
+  for (const std::size_t limit : {std::size_t{548}, MtuSearch::kBase}) {
     UdpConnection a(Pair::session(true),
                     {.congestion = {.min_kbit = 1e5, .max_kbit = 1e6}, .max_datagram = limit}, true,
                     0);

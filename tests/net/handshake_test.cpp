@@ -350,7 +350,7 @@ TEST_CASE("handshake: another version is told, and whoever forges that tells not
   forged[0] = static_cast<std::byte>(HandshakeType::Challenge);
   forged[5] = std::byte{99};
   initiator.on_datagram(forged, 0);
-  CHECK(initiator.reason() == "protocol version 99 differs from 3");
+  CHECK(initiator.reason() == "protocol version 99 differs from 4");
   CHECK(initiator.state() == State::Asking);
   play(initiator, two, address(1), 0);
   CHECK(initiator.state() == State::Done);

@@ -23,6 +23,7 @@ struct PathOptions {
   double reorder = 0.0;            // chance to be held back by kHeldBack, behind what follows
   double kbit = 0.0;               // bottleneck with a queue; 0: none
   std::int64_t queue = 500 * kMs;  // longest wait there, then datagrams are dropped
+  std::size_t mtu = SIZE_MAX;      // bytes of UDP payload; longer ones are dropped
 };
 
 constexpr std::int64_t kHeldBack = 50 * kMs;
@@ -34,7 +35,7 @@ class Path {
 
   void send(const Bytes& datagram, std::int64_t now) {
     bytes_ += datagram.size() + tandem::net::kIpUdpBytes;
-    if (dice_.chance(options_.loss)) return;
+    if (dice_.chance(options_.loss) || datagram.size() > options_.mtu) return;
     std::int64_t leaves = now;
     if (options_.kbit > 0.0) {
       if (free_ - now > options_.queue) {

@@ -7,7 +7,9 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "sim_link.h"
 #include "tandem/pbd/bytes.h"
@@ -42,7 +44,7 @@ class World {
         options, seeded(7000 + starts_),
         [this, peer](std::span<const std::byte> out, const tandem::net::Address& to) {
           tap(copy(out));
-          path(address_of(peer), to).send(copy(out), now);
+          path(where(peer), to).send(copy(out), now);
         });
     return *nodes_[peer];
   }
@@ -50,6 +52,17 @@ class World {
   std::function<void(tandem::net::UdpNodeOptions&)> change = [](auto&) {};
   /// Hears all that is sent, whoever it is for.
   std::function<void(const Bytes&)> tap = [](const Bytes&) {};
+  /// Its packets leave from there from now on, and reach it there alone.
+  void move(tandem::consensus::PeerId peer, const tandem::net::Address& to) { moved_[peer] = to; }
+  tandem::net::Address where(tandem::consensus::PeerId peer) const {
+    const auto at = moved_.find(peer);
+    return at != moved_.end() ? at->second : address_of(peer);
+  }
+  /// What arrives there is kept for arrived().
+  void watch(const tandem::net::Address& address) { watched_.insert(address); }
+  std::vector<Bytes> arrived(const tandem::net::Address& from, const tandem::net::Address& to) {
+    return path(from, to).arrived(now);
+  }
   void stop(tandem::consensus::PeerId peer) { nodes_.erase(peer); }
   tandem::net::UdpNode& node(tandem::consensus::PeerId peer) { return *nodes_.at(peer); }
   Path& path(const tandem::net::Address& from, const tandem::net::Address& to) {
@@ -63,7 +76,8 @@ class World {
       for (auto& [ends, path] : paths_) {
         const tandem::net::Address target = ends.second;
         const auto to = std::ranges::find_if(
-            nodes_, [&target](const auto& entry) { return address_of(entry.first) == target; });
+            nodes_, [&](const auto& entry) { return where(entry.first) == target; });
+        if (watched_.contains(target)) continue;
         for (const Bytes& datagram : path.arrived(now)) {
           if (to != nodes_.end()) to->second->on_datagram(datagram, ends.first, now);
         }
@@ -78,6 +92,8 @@ class World {
   PathOptions path_;
   std::map<std::pair<tandem::net::Address, tandem::net::Address>, Path> paths_;
   std::map<tandem::consensus::PeerId, std::unique_ptr<tandem::net::UdpNode>> nodes_;
+  std::map<tandem::consensus::PeerId, tandem::net::Address> moved_;
+  std::set<tandem::net::Address> watched_;
   std::uint64_t starts_ = 0;
 };
 

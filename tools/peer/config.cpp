@@ -12,9 +12,12 @@
 #include <initializer_list>
 #include <limits>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 #include "session/session_key.h"
+#include "tandem/net/keys.h"
+#include "tandem/net/membership.h"
 #include "tandem/net/session.h"
 #include "tandem/pbd/validate.h"
 
@@ -178,11 +181,41 @@ void read_organiser(Section& in, const std::filesystem::path& folder, PeerConfig
   }
 }
 
+/// How others are met behind NATs.
+void read_ice(Section& in, const std::filesystem::path& folder, PeerConfig& config) {
+  std::string stun;
+  std::string turn;
+  in.read("stun", stun);
+  in.read("turn", turn);
+  if (!stun.empty()) {
+    if (!is_host_port(stun)) in.refuse("stun", "\"HOST:PORT\"");
+    config.stun = net::parse_host_port(stun);
+  }
+  if (!turn.empty()) {
+    const std::size_t colon = turn.find(':');
+    const std::size_t at = turn.rfind('@');
+    const bool good = colon != std::string::npos && at != std::string::npos && colon > 0 &&
+                      colon + 1 < at && is_host_port(turn.substr(at + 1));
+    if (!good) in.refuse("turn", "\"USER:PASSWORD@HOST:PORT\"");
+    config.turn = PeerConfig::Turn{net::parse_host_port(turn.substr(at + 1)), turn.substr(0, colon),
+                                   turn.substr(colon + 1, at - colon - 1)};
+  }
+  Section files = in.section("ice");
+  files.read_each([&](const std::string& own, const std::string& other) {
+    if (own.empty() || other.empty() || own == other) files.refuse(own, "two files");
+    config.meetings.emplace_back((folder / own).string(), (folder / other).string());
+  });
+  for (const char* key : {"stun", "turn"}) {
+    if (in.has(key) && config.meetings.empty()) in.refuse(key, "absent without ice");
+  }
+}
+
 void read_network(Section in, const std::filesystem::path& file, PeerConfig& config) {
   const std::filesystem::path folder = file.parent_path();
   DemoOptions& o = config.session;
   in.expect({"transport", "listen", "connect", "key", "identity", "insecure", "clock", "kbit_per_s",
-             "compact", "tolerance", "trusted", "organiser", "certificate", "group"});
+             "compact", "tolerance", "trusted", "organiser", "certificate", "group", "ice", "stun",
+             "turn"});
   std::string transport = "udp";
   in.read("transport", transport);
   if (transport != "udp" && transport != "tcp") in.refuse("transport", "\"udp\" or \"tcp\"");
@@ -208,7 +241,7 @@ void read_network(Section in, const std::filesystem::path& file, PeerConfig& con
   in.read("tolerance", o.tolerance, 0.0, 10.0, "a number from 0 to 10 m");
   o.wire = udp ? Wire::Udp : Wire::Tcp;
   if (!udp) {
-    for (const char* key : {"clock", "kbit_per_s"}) {
+    for (const char* key : {"clock", "kbit_per_s", "ice", "stun", "turn"}) {
       if (in.has(key)) in.refuse(key, "absent with transport = \"tcp\"");
     }
   }
@@ -218,6 +251,7 @@ void read_network(Section in, const std::filesystem::path& file, PeerConfig& con
   read_key_file(in, "key", folder, o.key);
   read_key_file(in, "identity", folder, o.identity);
   read_organiser(in, folder, config);
+  read_ice(in, folder, config);
   // Made at the first start where there is none.
   if (!o.key.empty() && o.identity.empty()) {
     o.identity = (folder / file.stem()).string() + ".identity";
@@ -252,12 +286,12 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   top.expect({"id", "seed", "step_hz", "update_hz", "network", "user", "log", "status", "metrics",
               "view"});
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  if (!top.has("id")) top.refuse("id", "given, unique in the session");
   top.read("id", o.peer_id, 1, std::int64_t{1} << 62, "an integer >= 1, unique in the session");
   top.read("seed", o.seed, 0, kMost, "an integer >= 0");
   top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");
   top.read("update_hz", o.update_hz, 0.1, 1000.0, "a number from 0.1 to 1000");
   read_network(top.section("network"), name, config);
+  if (!top.has("id") && o.insecure) top.refuse("id", "given, unique in the session, without a key");
 
   Section user = top.section("user");
   user.expect({"fidget", "seed"});
@@ -302,6 +336,18 @@ PeerConfig parse_config(std::string_view text, const std::string& name) {
   } catch (const toml::parse_error& error) {
     throw ConfigError(name + ':' + std::to_string(error.source().begin.line) +
                       ": no TOML: " + std::string(error.description()));
+  }
+}
+
+void derive_id(PeerConfig& config) {
+  DemoOptions& o = config.session;
+  if (o.peer_id != 0) return;
+  try {
+    o.peer_id = net::derived_id(net::public_key(keep_identity(o.identity, net::make_key)));
+  } catch (const std::system_error& error) {
+    // A key that is not kept would be another member at each start.
+    throw ConfigError("id must be given where no identity can be kept: " +
+                      std::string(error.what()));
   }
 }
 

@@ -7,9 +7,12 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "peer/log.h"
 #include "session/options.h"
+#include "tandem/net/session.h"
 
 namespace tandem::demos {
 
@@ -17,7 +20,16 @@ namespace tandem::demos {
 struct PeerConfig {
   /// Its id, seed, rates and place on the network; the rest as everywhere.
   DemoOptions session;
-  std::string group_file;                     ///< with an organiser's GroupChange; "" = none
+  std::string group_file;  ///< with an organiser's GroupChange; "" = none
+  /// Files with which others are met by ICE: the one that is written, and the other's.
+  std::vector<std::pair<std::string, std::string>> meetings;
+  struct Turn {
+    net::HostPort address;
+    std::string user;
+    std::string password;
+  };
+  std::optional<net::HostPort> stun;
+  std::optional<Turn> turn;
   bool fidget = false;                        ///< a scripted user sits here
   std::uint64_t user_seed = 0;                ///< of that user; 0 = from seed and id
   std::string log_file;                       ///< "" = standard error
@@ -32,6 +44,10 @@ class ConfigError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
+
+/// Where the file gives no id: the one that follows from this peer's key, which is made and kept
+/// where there is none yet. Nobody else can have it. @throws ConfigError
+void derive_id(PeerConfig& config);
 
 /// Reads a file. Names of files in it are relative to its folder. @throws ConfigError
 PeerConfig read_config(const std::string& path);

@@ -83,6 +83,11 @@ int run(std::span<const std::string_view> words) {
     throw UsageError("--view needs a build with it: " + view::missing());
   }
   if (arguments.check) return 0;
+  try {
+    derive_id(config);
+  } catch (const ConfigError& error) {
+    throw UsageError(error.what());
+  }
   config.session.trace = arguments.trace;
   Log log(config.log_file, config.log_level, config.status_line);
   try {

@@ -18,6 +18,7 @@
 #include "peer/divergence_gauge.h"
 #include "peer/fidget.h"
 #include "peer/link_words.h"
+#include "peer/meetings.h"
 #include "peer/metrics_server.h"
 #include "peer/metrics_text.h"
 #include "program/network.h"
@@ -32,6 +33,7 @@
 #include "session/physics.h"
 #include "session/signals.h"
 #include "tandem/net/clock.h"
+#include "tandem/net/membership.h"
 #include "tandem/net/session.h"
 #include "trace/peer_trace.h"
 #include "view/world_view.h"
@@ -91,6 +93,7 @@ class Node {
             make_physics(Engine::Tandem, scene_, std::nullopt, config.session.solver_options())),
         network_(make_network(config.session,
                               scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
+        meetings_(config, *network_, log),
         words_(network_->transport()),
         trace_(open_trace(scenario, config.session, config.session.peer_id, number(), words_)),
         signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().dating),
@@ -148,8 +151,12 @@ class Node {
   }
 
  private:
-  /// Order and noise go by peer id, as in the demos.
-  std::size_t number() const { return static_cast<std::size_t>(config_.session.peer_id - 1); }
+  /// Order and noise go by peer id, as in the demos. Who has a derived one has no seat in a scene.
+  std::size_t number() const {
+    constexpr PeerId kSeats = PeerId{1} << 30;  // none is above
+    const PeerId id = config_.session.peer_id;
+    return static_cast<std::size_t>(net::is_derived(id) ? kSeats | id % kSeats : id - 1);
+  }
 
   double uptime(SteadyClock::time_point now) const {
     return std::chrono::duration<double>(now - start_).count();
@@ -339,6 +346,7 @@ class Node {
     }
     tell_refused();
     look_at_group();
+    meetings_.look();
     const std::int64_t stepped = network_->clock_stepped();
     if (std::abs(stepped - told_stepped_) > kStepTold) {
       told_stepped_ = stepped;
@@ -401,6 +409,7 @@ class Node {
   Scene scene_;
   std::unique_ptr<Physics> physics_;
   std::unique_ptr<Network> network_;
+  Meetings meetings_;
   LinkWords words_;
   std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
   Signals signals_;

@@ -14,6 +14,7 @@
 
 #include "tandem/consensus/transport.h"
 #include "tandem/net/clock.h"
+#include "tandem/net/datagram_path.h"
 #include "tandem/net/keys.h"
 #include "tandem/net/membership.h"
 #include "tandem/net/session.h"
@@ -39,10 +40,11 @@ struct TANDEM_API UdpOptions {
   std::optional<UdpKey> organiser;
   std::vector<std::byte> certificate;  ///< of this peer, see sign(Certificate); with organiser
 
-  double kbit_per_s = 256.0;                  ///< budget of each link, IP and UDP headers counted
-  double min_kbit_per_s = 32.0;               ///< congestion does not go below; in (0, kbit_per_s]
-  std::size_t max_datagram = 1200;            ///< bytes of UDP payload, in [548, 1200]
-  std::size_t state_queue_bytes = 64 * 1024;  ///< per peer, >= 2048
+  double kbit_per_s = 256.0;     ///< budget of each link, IP and UDP headers counted
+  double min_kbit_per_s = 32.0;  ///< congestion does not go below; in (0, kbit_per_s]
+  std::size_t max_datagram =
+      1472;  ///< bytes of UDP payload, the most that is tried; in [548, 1472]
+  std::size_t state_queue_bytes = 64 * 1024;       ///< per peer, >= 2048
   std::size_t reliable_queue_bytes = 1024 * 1024;  ///< per peer, >= 2 * max_message_bytes
   std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< per peer and kind, >= 2 * max_message_bytes
   std::size_t max_message_bytes = 64 * 1024;       ///< of a Reliable one, in [64, 1 MiB]
@@ -91,7 +93,8 @@ struct TANDEM_API UdpRelayed {
 /// Mesh over UDP, encrypted and authenticated; docs/network.md says how. Only in builds that have
 /// found libsodium.
 ///
-/// - Newest: one packet each, at most max_datagram - 46 bytes; post() refuses longer ones. Sent
+/// - Newest: one packet each, at most max_packet_bytes(): 1154 to begin with, then as much as the
+///   ways to all peers were found to carry, less 46; post() refuses longer ones. Sent
 ///   within the budget; what waits longer than 200 ms is dropped.
 /// - Reliable: in order, cut into pieces, sent again until acknowledged, each once. What a broken
 ///   connection had not delivered goes on where the same process comes back; a restarted one starts
@@ -110,6 +113,11 @@ class TANDEM_API UdpTransport final : public consensus::Transport {
   ~UdpTransport() override;
   UdpTransport(const UdpTransport&) = delete;
   UdpTransport& operator=(const UdpTransport&) = delete;
+
+  /// Dial over a path as one of UdpOptions::connect, for good: handshake, keys and rights are the
+  /// same. Both ends do. It is kept until this transport is gone. @throws std::invalid_argument
+  /// null
+  void connect(std::shared_ptr<DatagramPath> path);
 
   consensus::PeerId self() const override;
   bool post(consensus::PeerId to, std::span<const std::byte> bytes,

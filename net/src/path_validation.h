@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "address.h"
+
+namespace tandem::net {
+
+/// Whether a peer receives at the address from which a packet of its has come, and nowhere else: it
+/// is asked there, under the keys of its connection, and answers (RFC 9000, Sec. 8.2 and 9). Times
+/// in ns.
+///
+/// Anybody can send a copy of a packet from any address. So no more goes there than three times
+/// what came from there, and whoever hears all and forwards questions and answers faster than the
+/// network gains nothing: where the original comes after its copy, the peer is where it was.
+class PathValidation {
+ public:
+  static constexpr std::int64_t kLife = 3'000'000'000;  ///< without an answer, then it has failed
+  static constexpr std::int64_t kResend = 100'000'000;  ///< doubled each time
+  /// RFC 9000, Sec. 8.1, has three; an answer to a question from there is the third.
+  static constexpr std::size_t kAmplification = 2;
+
+  /// @param sequence  of the packet that came from there
+  /// @param token  random, never 0: whoever says it has received it
+  PathValidation(const Address& address, std::uint64_t sequence, std::uint64_t token,
+                 std::int64_t now)
+      : address_(address), sequence_(sequence), token_(token), began_(now), due_(now) {}
+
+  const Address& address() const { return address_; }
+  std::uint64_t token() const { return token_; }
+  /// A packet with this number from where the peer was shows that it is there still.
+  bool refuted_by(std::uint64_t sequence) const { return sequence >= sequence_; }
+
+  /// So many bytes came from there.
+  void came(std::size_t bytes) { allowance_ += kAmplification * bytes; }
+  /// A question of so many bytes is to be sent there now.
+  bool due(std::size_t bytes, std::int64_t now) const {
+    return !answered_ && now >= due_ && bytes <= allowance_;
+  }
+  void sent(std::size_t bytes, std::int64_t now) {
+    allowance_ -= std::min(bytes, allowance_);
+    due_ = now + gap_;
+    gap_ *= 2;
+    ++questions_;
+  }
+  bool is_first() const { return questions_ == 0; }
+  void answered() { answered_ = true; }
+  /// @param patience  within which the original would have come, were this a copy
+  bool has_succeeded(std::int64_t patience, std::int64_t now) const {
+    return answered_ && now - began_ >= patience;
+  }
+  bool has_failed(std::int64_t now) const { return !answered_ && now - began_ > kLife; }
+  /// When one of these may change, if nothing comes from there before.
+  std::int64_t next_due(std::size_t bytes, std::int64_t patience) const {
+    if (answered_) return began_ + patience;
+    return bytes <= allowance_ ? due_ : began_ + kLife + 1;
+  }
+
+ private:
+  Address address_;
+  std::uint64_t sequence_;
+  std::uint64_t token_;
+  std::int64_t began_;
+  std::int64_t due_;
+  std::int64_t gap_ = kResend;
+  std::size_t allowance_ = 0;  // bytes that may still go there
+  std::size_t questions_ = 0;
+  bool answered_ = false;
+};
+
+}  // namespace tandem::net

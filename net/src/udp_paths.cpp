@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Ways to peers: how long datagrams may be there, and a peer whose address changes while its
+// connection goes on.
+#include <algorithm>
+#include <utility>
+
+#include "udp_node.h"
+
+namespace tandem::net {
+
+bool UdpNode::may_move(const Connection& connection, const Address& to) {
+  // A way through a relay is a connection of its own, made with proofs of its own.
+  return connection.link->confirmed() && connection.link->state() == UdpConnection::State::Open &&
+         !is_relayed(connection.address) && !is_relayed(to);
+}
+
+void UdpNode::note_path(Connection& connection, std::uint64_t sequence, const Address& from,
+                        std::size_t bytes, std::int64_t now) {
+  auto& moving = connection.moving;
+  // Only the newest packet says where a peer is: what is older was overtaken, or held back.
+  if (connection.link->is_newest() && (!moving || moving->address() != from)) {
+    moving.emplace(from, sequence, random_token(), now);
+  }
+  if (moving && moving->address() == from) moving->came(bytes);
+}
+
+void UdpNode::answer_path(Connection& connection, const Address& from, std::int64_t now) {
+  if (const auto token = connection.link->take_challenge()) {
+    // On the way on which the question came: it is that way that is asked about.
+    const auto sealed = connection.link->seal_answer(*token, now);
+    if (!sealed.empty()) transmit(sealed, from);
+  }
+  const auto answer = connection.link->take_answer();
+  if (answer && connection.moving && *answer == connection.moving->token()) {
+    connection.moving->answered();
+  }
+}
+
+void UdpNode::poll_path(Connection& connection, std::int64_t now) {
+  auto& moving = connection.moving;
+  if (!moving) return;
+  if (moving->has_succeeded(connection.link->path_patience(), now)) return move(connection, now);
+  if (moving->has_failed(now)) return moving.reset();
+  if (now < connection.question_due || !moving->due(UdpConnection::kQuestionBytes, now)) return;
+  connection.question_due = now + PathValidation::kResend;
+  // Whoever is still where it was answers from there.
+  if (moving->is_first()) {
+    const auto sealed = connection.link->seal_challenge(kNoToken, now);
+    if (!sealed.empty()) transmit(sealed, connection.address);
+  }
+  const auto sealed = connection.link->seal_challenge(moving->token(), now);
+  if (sealed.empty()) return;
+  transmit(sealed, moving->address());
+  moving->sent(sealed.size(), now);
+}
+
+void UdpNode::move(Connection& connection, std::int64_t now) {
+  const Address old = std::exchange(connection.address, connection.moving->address());
+  connection.moving.reset();
+  // Another port alone is the same way, through the same NAT (RFC 9000, Sec. 9.4).
+  if (old.ip != connection.address.ip) connection.link->begin_path(now);
+  ++moves_;
+  if (connection.attached) tell_others(connection);
+}
+
+std::size_t UdpNode::max_state_bytes() const {
+  std::size_t out = SIZE_MAX;
+  for (const auto& [receiver, connection] : connections_) {
+    if (connection.attached) out = std::min(out, connection.link->channels().mtu().size());
+  }
+  if (out == SIZE_MAX) out = std::min(MtuSearch::kBase, options_.connection.max_datagram);
+  return out - kProtectedOverhead - kChannelHeader - kStateHeader;
+}
+
+std::uint64_t UdpNode::random_token() const {
+  for (;;) {
+    std::array<std::uint8_t, 8> bytes{};
+    random_(bytes);
+    std::uint64_t out = 0;
+    for (const std::uint8_t byte : bytes) out = out << 8 | byte;
+    if (out != kNoToken) return out;
+  }
+}
+
+}  // namespace tandem::net

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Peers whose address changes in the middle of a session, and those who pretend it of others.
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include "sim_world.h"
+#include "support/catch.h"
+#include "tandem/pbd/bytes.h"
+
+namespace path_test {
+
+using namespace tandem::net;
+using namespace protocol;
+using tandem::consensus::Delivery;
+using tandem::consensus::Packet;
+using tandem::consensus::PeerId;
+
+namespace {
+
+/// Where nobody of the session is to begin with.
+Address elsewhere(std::uint8_t host) {
+  Address out = address_of(host);
+  out.ip[12] = 192;
+  return out;
+}
+
+/// 1 and 2 send to each other: a numbered message each 16 ms, and as many states.
+class Talk {
+ public:
+  explicit Talk(World& world) : world_(world) {}
+
+  void step() {
+    for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+      UdpNode& node = world_.node(peer);
+      if (world_.now % (16 * kMs) == 0 && world_.now < end) {
+        posted_[peer] += node.post(3 - peer, number(posted_[peer]), Delivery::Reliable, world_.now);
+        (void)node.post(3 - peer, Bytes(200), Delivery::Newest, world_.now);
+      }
+      std::vector<Packet> packets;
+      node.drain(packets);
+      for (const Packet& packet : packets) {
+        if (packet.bytes.size() == 200) {
+          gap_ = std::max(gap_, world_.now - last_[peer]);
+          last_[peer] = world_.now;
+        } else {
+          in_order_ &= tandem::pbd::ByteReader(packet.bytes).u64() == got_[peer]++;
+        }
+      }
+    }
+  }
+  bool is_complete() const {
+    return in_order_ && got_.at(1) == posted_.at(2) && got_.at(2) == posted_.at(1);
+  }
+  /// The longest time that either has heard no state since then.
+  void forget_gap() {
+    gap_ = 0;
+    last_[1] = last_[2] = world_.now;
+  }
+  std::int64_t gap() const { return gap_; }
+  std::uint64_t posted() const { return posted_.at(1); }
+
+  std::int64_t end = INT64_MAX;
+
+ private:
+  World& world_;
+  std::map<PeerId, std::uint64_t> posted_{{1, 0}, {2, 0}};
+  std::map<PeerId, std::uint64_t> got_{{1, 0}, {2, 0}};
+  std::map<PeerId, std::int64_t> last_;
+  std::int64_t gap_ = 0;
+  bool in_order_ = true;
+};
+
+}  // namespace
+
+TEST_CASE("path: a peer whose address changes goes on in the same connection, and loses nothing",
+          "[net][fault]") {
+  const double loss = GENERATE(0.0, 0.1);
+  World world({.delay = 20 * kMs, .jitter = 5 * kMs, .loss = loss});
+  world.start(1);
+  world.start(3).dial(address_of(1), 0);
+  world.start(2).dial(address_of(1), 0);
+  Talk talk(world);
+  world.run(2 * kSecond);
+  REQUIRE(linked(world, 1, 2));
+  REQUIRE(linked(world, 2, 3));
+  world.each_step = [&] { talk.step(); };
+  talk.forget_gap();
+  world.run(2 * kSecond);
+  const auto strangers =
+      world.node(1).strangers().challenged + world.node(2).strangers().challenged;
+  // Four times: also back to where it was, and to another port of the same host.
+  Address port = elsewhere(2);
+  ++port.port;
+  for (const Address& to : {elsewhere(2), port, address_of(2), elsewhere(9)}) {
+    talk.forget_gap();
+    world.move(2, to);
+    world.run(3 * kSecond);
+    CHECK(world.node(1).connections() == 2);
+    CHECK(linked(world, 1, 2));
+    CHECK(linked(world, 3, 2));
+    // Half a round trip until it is heard, 0.1 s until no original comes, half a one back; with
+    // loss the question goes again after 0.1 s, 0.2 s, ..
+    INFO("ms without a state " << talk.gap() / kMs);
+    CHECK(talk.gap() < (loss == 0.0 ? 250 : 800) * kMs);
+  }
+  CHECK(world.node(1).moves() == 4);
+  CHECK(world.node(3).moves() == 4);
+  CHECK(world.node(2).moves() == 0);
+  talk.end = world.now;
+  world.run(2 * kSecond);
+  CHECK(talk.is_complete());
+  CHECK(talk.posted() > 600);
+  // No handshake was made for it.
+  CHECK(world.node(1).strangers().challenged + world.node(2).strangers().challenged == strangers);
+  // Who comes later is told where it is now.
+  world.start(4).dial(address_of(1), world.now);
+  world.run(2 * kSecond);
+  CHECK(linked(world, 4, 2));
+  CHECK(world.node(4).relay_of(2) == 0);
+}
+
+TEST_CASE("path: a connection that is silent moves with its next packet", "[net]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  world.move(2, elsewhere(2));
+  world.run(2 * kSecond);  // a quarter of idle_timeout until something leaves
+  CHECK(world.node(1).moves() == 1);
+  world.run(6 * kSecond);
+  CHECK(linked(world, 1, 2));
+  CHECK(world.node(1).connections() == 1);
+}
+
+TEST_CASE("path: copies of packets from other addresses steal nothing and are answered with little",
+          "[net][fault]") {
+  // The attacker hears all and is faster than the way.
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  Talk talk(world);
+  talk.forget_gap();
+  Dice dice(3);
+  std::map<std::uint8_t, std::uint64_t> sent;
+  std::vector<Bytes> copies;
+  world.tap = [&](const Bytes& datagram) { copies.push_back(datagram); };
+  world.each_step = [&] {
+    talk.step();
+    const auto heard = std::exchange(copies, {});
+    for (const Bytes& datagram : heard) {
+      if (!dice.chance(0.5)) continue;
+      const auto host = static_cast<std::uint8_t>(20 + dice.below(50));
+      sent[host] += datagram.size() + kIpUdpBytes;
+      for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+        world.node(peer).on_datagram(datagram, elsewhere(host), world.now);
+      }
+    }
+  };
+  world.run(10 * kSecond);
+  world.tap = [](const Bytes&) {};
+  talk.end = world.now;
+  world.run(kSecond);
+  CHECK(talk.is_complete());
+  CHECK(talk.gap() < 60 * kMs);
+  CHECK(world.node(1).moves() == 0);
+  CHECK(world.node(2).moves() == 0);
+  CHECK(world.node(1).connections() == 1);
+  std::uint64_t answered = 0;
+  for (const auto& [host, bytes] : sent) {
+    for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+      const std::uint64_t back = world.path(address_of(peer), elsewhere(host)).bytes();
+      CHECK(back <= 3 * bytes);
+      answered += back;
+    }
+  }
+  CHECK(answered > 0);
+}
+
+TEST_CASE("path: who forwards faster than the network is no way while there is another one",
+          "[net][fault]") {
+  // It hears all at once, and forwards to both ends, what is asked of its address included.
+  World world({.delay = 50 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(kSecond);
+  const Address thief = elsewhere(66);
+  world.watch(thief);
+  Talk talk(world);
+  talk.forget_gap();
+  std::vector<Bytes> copies;
+  bool forwards = true;
+  world.tap = [&](const Bytes& datagram) { copies.push_back(datagram); };
+  world.each_step = [&] {
+    talk.step();
+    const auto heard = std::exchange(copies, {});
+    for (const Bytes& datagram : heard) {
+      for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+        if (forwards) world.node(peer).on_datagram(datagram, thief, world.now);
+      }
+    }
+  };
+  world.run(5 * kSecond);
+  CHECK(world.node(1).moves() + world.node(2).moves() == 0);
+  CHECK(talk.gap() < 90 * kMs);
+
+  // Where it cuts the way as well, it is the way, and reads nothing. When it stops both are back.
+  cut(world, 1, 2);
+  world.run(3 * kSecond);
+  CHECK(world.node(1).moves() == 1);
+  CHECK(world.node(2).moves() == 1);
+  forwards = false;
+  cut(world, 1, 2, true);
+  world.run(kSecond);
+  talk.forget_gap();
+  world.run(3 * kSecond);
+  CHECK(talk.gap() < 90 * kMs);
+  talk.end = world.now;
+  world.run(2 * kSecond);
+  CHECK(talk.is_complete());
+  CHECK(linked(world, 1, 2));
+  CHECK(world.node(1).connections() == 1);
+}
+
+}  // namespace path_test
