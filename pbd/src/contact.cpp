@@ -237,8 +237,8 @@ double ContactBlock::project(const SubstepContext& ctx) {
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
       .rows = m.options.extra_rows / ctx.substeps,
       .fresh = fresh};
-  const auto [swept, open] = m.convergence.run(rule, m.order.range(ctx.group), ctx.reverse, m.rows,
-                                               *m.kernels, ctx.bodies);
+  const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
+                                               *m.kernels, ctx.bodies, *ctx.workers);
   m.extra_rows += swept;
   m.open_rows = std::max(m.open_rows, open);
   m.pushed.assign(ctx.bodies.size(), 0);
