@@ -13,14 +13,10 @@ inline Quat exp_map(const Vec3& r) {
   const double angle2 = r.squaredNorm();
   double real = 0.0;
   double scale = 0.0;  // sin(angle / 2) / angle
-  if (angle2 < 0.01) {
-    // Taylor series, in which most turns of a substep end; the next terms are below 1e-19.
-    scale = 0.5 - angle2 * (1.0 / 48.0 -
-                            angle2 * (1.0 / 3840.0 -
-                                      angle2 * (1.0 / 645120.0 - angle2 * (1.0 / 185794560.0))));
-    real = 1.0 -
-           angle2 * (1.0 / 8.0 - angle2 * (1.0 / 384.0 -
-                                           angle2 * (1.0 / 46080.0 - angle2 * (1.0 / 10321920.0))));
+  if (angle2 < 1e-6) {
+    // Taylor series; the next terms are below 1e-22.
+    scale = 0.5 - angle2 * (1.0 / 48.0 - angle2 / 3840.0);
+    real = 1.0 - angle2 * (1.0 / 8.0 - angle2 / 384.0);
   } else {
     const double angle = std::sqrt(angle2);
     scale = std::sin(0.5 * angle) / angle;
