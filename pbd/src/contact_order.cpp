@@ -7,11 +7,11 @@
 namespace tandem::pbd {
 namespace {
 
-/// Blocks in a chunk: about a microsecond. Taking one costs a tenth of that.
-constexpr std::uint32_t kChunk = 4;
-
-/// Blocks below which sharing a level out costs more than it saves.
-constexpr std::uint32_t kWide = 2 * kChunk;
+/// Blocks in a chunk, about two microseconds, and those below which a level is not shared out.
+/// Where a cache line takes 0.24 us from core to core, katamari takes 4.0 ms on two threads, with
+/// chunks of 4 blocks and levels from 8 on 4.8; cliff and heap gain less.
+constexpr std::uint32_t kChunk = 8;
+constexpr std::uint32_t kWide = 4 * kChunk;
 
 /// Kinds of rows in a level: of one point, and faces.
 constexpr std::uint32_t kKinds = 2;

@@ -141,6 +141,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
     const auto stages = static_cast<std::uint32_t>(starts.size() - 1);
     const std::uint64_t own = worker % 2 == 0 ? kFront : 1;
     std::uint64_t now = taken.load();
+    std::uint32_t finished = 0;  // chunks of the stage, by this worker: told at once
     for (;;) {
       const auto nth = static_cast<std::uint32_t>(now / kStage);
       if (nth == stages) return;
@@ -149,15 +150,21 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
       const auto back = static_cast<std::uint32_t>(now % kFront);
       const std::uint32_t first = starts[stage];
       const std::uint32_t end = starts[stage + 1];
-      if (front + back < end - first) {
+      // A stage that is not shared stays with whose caches have the most.
+      const bool not_mine = end - first == 1 && worker != 0;
+      if (front + back < end - first && !not_mine) {
         if (!taken.compare_exchange_weak(now, now + own)) continue;
         task(context, own == kFront ? first + front : end - 1 - back, worker);
-        const std::uint32_t before = reverse ? starts[stages] - end : first;
-        if (done.fetch_add(1) + 1 == before + (end - first)) wake_all(Bed::Stage);
+        ++finished;
         now = taken.load();
         continue;
       }
       const std::uint32_t all = reverse ? starts[stages] - first : end;
+      if (finished > 0) {
+        const bool last = done.fetch_add(finished) + finished == all;
+        finished = 0;
+        if (last) wake_all(Bed::Stage);
+      }
       Bed& bed = beds[static_cast<std::size_t>(worker)];
       const auto waited = bed.wait_until(Bed::Stage, [&] { return done.load() >= all; });
       if (worker == 0) lost(waited);
