@@ -27,7 +27,7 @@ namespace {
 const Vec3 kHalf = Vec3::Constant(0.1);  ///< m
 
 /// Columns of two boxes in a field, wider than what the solver gives to one worker: 256 bodies, 64
-/// rows, and levels of 16 rows. Every other column lies there and falls asleep, the others are
+/// rows, and levels of 128 rows. Every other column lies there and falls asleep, the others are
 /// dropped sliding.
 struct Columns {
   static constexpr int kCount = 360;
@@ -147,12 +147,12 @@ TEST_CASE("threads: nobody waits for a worker that does not come", "[pbd][unit]"
   }
 }
 
-TEST_CASE("threads: a field of columns has the same bits on one, two and three threads",
+TEST_CASE("threads: a field of columns has the same bits on one, two, three and eight threads",
           "[pbd][sleep][unit]") {
   constexpr int kSteps = 12;
   constexpr int kKick = 8;
   std::vector<std::vector<std::byte>> expected;
-  for (const int threads : {1, 2, 3}) {
+  for (const int threads : {1, 2, 3, 8}) {
     Columns scene(threads);
     int most_asleep = 0;
     for (int i = 0; i < kSteps; ++i) {
