@@ -46,8 +46,10 @@ inline ManifoldGap gap_of(const pbd::Manifold& m, const pbd::World& world) {
   const pbd::Pose& b = world.states()[m.body_b].pose;
   ManifoldGap out;
   for (int i = 0; i < m.count; ++i) {
-    const pbd::Vec3 arm_a = a.orientation * m.points[i].anchor_a_l + m.radius_a * m.normal;
-    const pbd::Vec3 arm_b = b.orientation * m.points[i].anchor_b_l - m.radius_b * m.normal;
+    const pbd::Vec3 arm_a =
+        pbd::rotate(a.orientation, m.points[i].anchor_a_l) + m.radius_a * m.normal;
+    const pbd::Vec3 arm_b =
+        pbd::rotate(b.orientation, m.points[i].anchor_b_l) - m.radius_b * m.normal;
     const pbd::Vec3 between = (b.position - a.position) + (arm_b - arm_a);
     const double gap = m.normal.dot(between);
     if (gap < out.gap) out = {gap, a.position + arm_a + 0.5 * between};

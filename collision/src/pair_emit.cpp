@@ -45,8 +45,8 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
   for (const ContactPatch* patch = cache.patches; patch != nullptr; patch = patch->next) {
     const Collider& frame = patch->in_a ? a : b;
     const Collider& other = patch->in_a ? b : a;
-    const Vec3 normal = frame.body.orientation * patch->normal_l;
-    const Vec3 in_other = other.body.orientation.conjugate() * normal;
+    const Vec3 normal = pbd::rotate(frame.body.orientation, patch->normal_l);
+    const Vec3 in_other = pbd::rotate(other.body.orientation.conjugate(), normal);
     const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
     const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
     const double margin =

@@ -32,7 +32,8 @@ Roles roles(const QueryPair& pair) {
 }
 
 Vec3 relative_position(const Roles& r) {
-  return r.frame.body.orientation.conjugate() * (r.measured.body.position - r.frame.body.position);
+  return pbd::rotate(r.frame.body.orientation.conjugate(),
+                     r.measured.body.position - r.frame.body.position);
 }
 Quat relative_orientation(const Roles& r) {
   return r.frame.body.orientation.conjugate() * r.measured.body.orientation;
@@ -213,7 +214,7 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     Vec3 before;
     if (cache.patches != nullptr) {
       const ContactPatch& patch = *cache.patches;
-      before = (patch.in_a ? pair.a : pair.b)->body.orientation * patch.normal_l;
+      before = pbd::rotate((patch.in_a ? pair.a : pair.b)->body.orientation, patch.normal_l);
     }
     const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
     out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);

@@ -18,8 +18,17 @@ namespace {
 constexpr double kAnchorMatch = 0.02;
 
 /// Overlap that is left alone, as a share of the way that a body falls from rest within a substep,
-/// twice: resting contacts stay as they are.
+/// twice: resting contacts stay as they are. Every other substep opens deep ones alone: that leaves
+/// no more than opening all of them each time (katamari 0.07 mm in the mean, cliff 0.01 mm), where
+/// opening none leaves boxes that start 0.3 m deep there twice as long, and passes bars of a tower
+/// that is dropped 2 cm into each other.
 constexpr double kPushSlop = 0.05;
+constexpr double kPushSlopBetween = 1.0;
+
+/// See there.
+double push_slop(const SubstepContext& ctx) {
+  return ctx.last || ctx.substep % 2 == 1 ? kPushSlop : kPushSlopBetween;
+}
 
 /// m/s^2: carried impulses may grow by what holds a body that weighs as much as the contact's
 /// effective mass, in this gravity at least.
@@ -213,7 +222,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .first = ctx.substep == 0,
                          .push_gain = m.options.push_gain,
                          .push_speed = m.options.push_speed,
-                         .push_slop = kPushSlop * weight * ctx.h,
+                         .push_slop = push_slop(ctx) * weight * ctx.h,
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .growth = growth_of(ctx)};
@@ -244,8 +253,8 @@ double ContactBlock::project(const SubstepContext& ctx) {
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
       .rows = m.options.extra_rows / ctx.substeps,
       .fresh = fresh};
-  const auto [swept, open] = m.convergence.run(rule, m.order.range(ctx.group), ctx.reverse, m.rows,
-                                               *m.kernels, ctx.bodies);
+  const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
+                                               *m.kernels, ctx.bodies, *ctx.workers);
   m.extra_rows += swept;
   m.open_rows = std::max(m.open_rows, open);
   m.pushed.assign(ctx.bodies.size(), 0);

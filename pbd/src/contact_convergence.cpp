@@ -72,12 +72,26 @@ int ContactConvergence::keep_most_moved(int most) {
   return kept;
 }
 
-ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
-                                                    const ContactOrder::Places& places,
-                                                    bool reverse, std::span<ContactRows> rows,
+void ContactConvergence::plan(const ContactOrder& order) {
+  plan_.clear();
+  std::uint32_t begin = 0;
+  for (std::uint32_t i = 1; i <= open_.size(); ++i) {
+    const bool same =
+        i < open_.size() && order.level(open_[i].block) == order.level(open_[begin].block);
+    if (same) continue;
+    plan_.add_level(begin, i);
+    begin = i;
+  }
+}
+
+ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const ContactOrder& order,
+                                                    std::uint32_t group, bool reverse,
+                                                    std::span<ContactRows> rows,
                                                     const ContactKernels& kernels,
-                                                    std::span<SolverBody> bodies) {
+                                                    std::span<SolverBody> bodies,
+                                                    Workers& workers) {
   Outcome outcome;
+  const ContactOrder::Places places = order.range(group);
   const auto swept = rows.subspan(places.begin, places.end - places.begin);
   const auto solved = [&](const ContactRows& each) {
     return *std::max_element(each.change.begin(), each.change.end()) <= rule.tolerance;
@@ -102,11 +116,11 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule,
       for_lanes(open.lanes, [&](std::size_t i) { moved_[each.a[i]] = moved_[each.b[i]] = 0.0f; });
     }
     reverse = !reverse;
-    for (std::size_t i = 0; i < open_.size(); ++i) {
-      const Open& open = open_[reverse ? open_.size() - 1 - i : i];
-      kernels.solve(rows[open.block], ContactPass::Motion, turns_of(rule.fresh), open.lanes,
+    plan(order);
+    plan_.sweep(reverse, workers, [&](std::uint32_t i) {
+      kernels.solve(rows[open_[i].block], ContactPass::Motion, turns_of(rule.fresh), open_[i].lanes,
                     numbers);
-    }
+    });
     for (const Open& open : open_) note(rows[open.block], open.lanes);
     outcome.swept += kept;
   }

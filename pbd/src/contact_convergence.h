@@ -31,9 +31,9 @@ class ContactConvergence {
   };
 
   /// @param reverse  the direction of the first sweep
-  Outcome run(const Rule& rule, const ContactOrder::Places& places, bool reverse,
+  Outcome run(const Rule& rule, const ContactOrder& order, std::uint32_t group, bool reverse,
               std::span<ContactRows> rows, const ContactKernels& kernels,
-              std::span<SolverBody> bodies);
+              std::span<SolverBody> bodies, Workers& workers);
 
  private:
   struct Open {
@@ -56,10 +56,13 @@ class ContactConvergence {
   /// Keep those open rows whose bodies moved most, no more than `most`: whole octaves.
   /// @return how many
   int keep_most_moved(int most);
+  /// Share out the open rows, level by level.
+  void plan(const ContactOrder& order);
 
   std::vector<float> moved_;        ///< m/s, by body: largest change of a row since it was swept
   std::vector<Ends> ends_;          ///< by block of the group
   std::vector<Open> open_;          ///< by ascending block
+  SweepPlan plan_;                  ///< of indices into open_
   std::array<int, 256> octaves_{};  ///< open rows by the exponent of how much they moved
 };
 

@@ -7,8 +7,11 @@
 namespace tandem::pbd {
 namespace {
 
-/// Blocks below which sharing a level out costs more than it saves.
-constexpr std::uint32_t kWide = 4;
+/// Blocks in a chunk, about two microseconds, and those below which a level is not shared out.
+/// Where a cache line takes 0.24 us from core to core, katamari takes 4.0 ms on two threads, with
+/// chunks of 4 blocks and levels from 8 on 4.8; cliff and heap gain less.
+constexpr std::uint32_t kChunk = 8;
+constexpr std::uint32_t kWide = 4 * kChunk;
 
 /// Kinds of rows in a level: of one point, and faces.
 constexpr std::uint32_t kKinds = 2;
@@ -16,6 +19,29 @@ constexpr std::uint32_t kKinds = 2;
 constexpr std::uint32_t kBlock = kLanes;
 
 }  // namespace
+
+void SweepPlan::clear() {
+  chunks_.clear();
+  starts_.assign(1, 0);
+  open_ = false;
+}
+
+void SweepPlan::add_level(std::uint32_t begin, std::uint32_t end) {
+  if (begin == end) return;
+  if (end - begin < kWide) {
+    if (open_) {
+      chunks_.back().end = end;
+      return;
+    }
+    chunks_.push_back({begin, end});
+  } else {
+    for (std::uint32_t at = begin; at < end; at += kChunk) {
+      chunks_.push_back({at, std::min(end, at + kChunk)});
+    }
+  }
+  open_ = end - begin < kWide;
+  starts_.push_back(static_cast<std::uint32_t>(chunks_.size()));
+}
 
 void ContactOrder::build(std::span<const ContactLink> sequence, std::size_t bodies) {
   level_of_body_.assign(bodies, 0);
@@ -47,33 +73,22 @@ void ContactOrder::build(std::span<const ContactLink> sequence, std::size_t bodi
     starts_[s] = starts_[s - 1] + (starts_[s] + kBlock - 1) / kBlock * kBlock;
   }
   places_.assign(starts_.back(), kNone);
-  groups_.clear();
-  runs_.clear();
-  const auto block_of = [&](std::uint32_t level) { return starts_[kKinds * level] / kBlock; };
-  for (std::size_t g = 0; g < level_count_.size(); ++g) {
-    Group group{.begin = block_of(first_level_[g]),
-                .end = block_of(first_level_[g + 1]),
-                .first_run = static_cast<std::uint32_t>(runs_.size())};
+  first_block_.clear();
+  level_of_block_.clear();
+  for (std::uint32_t level = 0; level <= first_level_.back(); ++level) {
+    first_block_.push_back(starts_[kKinds * level] / kBlock);
+    if (level > 0) level_of_block_.resize(first_block_[level], level - 1);
+  }
+  groups_ = level_count_.size();
+  if (groups_ > plans_.size()) plans_.resize(groups_);
+  for (std::size_t g = 0; g < groups_; ++g) {
+    plans_[g].clear();
     for (std::uint32_t level = first_level_[g]; level < first_level_[g + 1]; ++level) {
-      add_run(block_of(level), block_of(level + 1), group);
+      plans_[g].add_level(first_block_[level], first_block_[level + 1]);
     }
-    group.last_run = static_cast<std::uint32_t>(runs_.size());
-    groups_.push_back(group);
   }
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     places_[starts_[slots_[i]]++] = sequence[i].contact;
-  }
-}
-
-void ContactOrder::add_run(std::uint32_t begin, std::uint32_t end, Group& group) {
-  const bool wide = end - begin >= kWide;
-  group.wide = group.wide || wide;
-  const bool continues =
-      !wide && runs_.size() > group.first_run && !runs_.back().wide && runs_.back().end == begin;
-  if (continues) {
-    runs_.back().end = end;
-  } else {
-    runs_.push_back({begin, end, wide});
   }
 }
 

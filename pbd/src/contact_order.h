@@ -12,6 +12,34 @@
 
 namespace tandem::pbd {
 
+/// A sweep, cut into stages that workers share, and stages into chunks that anyone may take.
+class SweepPlan {
+ public:
+  void clear();
+  /// What may be visited in any order or at once, after the levels before.
+  void add_level(std::uint32_t begin, std::uint32_t end);
+
+  /// Call visit(i) for all levels, forwards or backwards.
+  template <class Visit>
+  void sweep(bool reverse, Workers& workers, Visit&& visit) const {
+    workers.run(starts_, reverse, [&](std::uint32_t chunk, int) {
+      const Chunk& c = chunks_[chunk];
+      for (std::uint32_t i = 0; i < c.end - c.begin; ++i) {
+        visit(reverse ? c.end - 1 - i : c.begin + i);
+      }
+    });
+  }
+
+ private:
+  struct Chunk {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+  };
+  std::vector<Chunk> chunks_;
+  std::vector<std::uint32_t> starts_{0};  ///< chunks before each stage, and all
+  bool open_ = false;  ///< the last stage is one chunk, which further narrow levels may join
+};
+
 /// The order in which rows are swept: the sequence that is given, within each group, cut into
 /// *levels*: a row's level is one above the highest of the earlier rows that share a movable body
 /// with it. Rows of one level share no such body, so they may be solved in any order or at once,
@@ -29,30 +57,7 @@ class ContactOrder {
   /// Call visit(block) for the rows of a group, forwards or backwards.
   template <class Visit>
   void sweep(std::uint32_t group, bool reverse, Workers& workers, Visit&& visit) const {
-    if (group >= groups_.size()) return;
-    const Group& range = groups_[group];
-    if (workers.count() == 1 || !range.wide) {
-      const std::uint32_t n = range.end - range.begin;
-      for (std::uint32_t k = 0; k < n; ++k) visit(reverse ? range.end - 1 - k : range.begin + k);
-      return;
-    }
-    workers.run([&](int worker) {
-      const auto count = static_cast<std::uint32_t>(workers.count());
-      const auto me = static_cast<std::uint32_t>(worker);
-      const std::uint32_t runs = range.last_run - range.first_run;
-      for (std::uint32_t r = 0; r < runs; ++r) {
-        const Run& run = runs_[reverse ? range.last_run - 1 - r : range.first_run + r];
-        const std::uint32_t n = run.end - run.begin;
-        if (run.wide) {
-          const std::uint32_t from = run.begin + n * me / count;
-          const std::uint32_t to = run.begin + n * (me + 1) / count;
-          for (std::uint32_t k = from; k < to; ++k) visit(k);
-        } else if (me == 0) {
-          for (std::uint32_t k = 0; k < n; ++k) visit(reverse ? run.end - 1 - k : run.begin + k);
-        }
-        workers.meet();
-      }
-    });
+    if (group < groups_) plans_[group].sweep(reverse, workers, visit);
   }
   struct Places {
     std::uint32_t begin = 0;  ///< blocks
@@ -60,35 +65,23 @@ class ContactOrder {
   };
   /// The blocks of a group.
   Places range(std::uint32_t group) const {
-    if (group >= groups_.size()) return {};
-    return {groups_[group].begin, groups_[group].end};
+    if (group >= groups_) return {};
+    return {first_block_[first_level_[group]], first_block_[first_level_[group + 1]]};
   }
+  /// The level of a block.
+  std::uint32_t level(std::uint32_t block) const { return level_of_block_[block]; }
 
  private:
-  /// A level wide enough to be shared out, or several narrow ones that one worker sweeps.
-  struct Run {
-    std::uint32_t begin = 0;
-    std::uint32_t end = 0;
-    bool wide = false;
-  };
-  struct Group {
-    std::uint32_t begin = 0;
-    std::uint32_t end = 0;
-    std::uint32_t first_run = 0;
-    std::uint32_t last_run = 0;
-    bool wide = false;  ///< has a run worth sharing
-  };
-
-  void add_run(std::uint32_t begin, std::uint32_t end, Group& group);
-
   std::vector<std::uint32_t> places_;
-  std::vector<Group> groups_;
-  std::vector<Run> runs_;
+  std::size_t groups_ = 0;
+  std::vector<SweepPlan> plans_;  ///< by group
   std::vector<std::uint32_t> level_of_body_;
   std::vector<std::uint32_t> slots_;  ///< by contact: group, level and kind, an index into starts_
   std::vector<std::uint32_t> starts_;
-  std::vector<std::uint32_t> level_count_;  ///< by group
-  std::vector<std::uint32_t> first_level_;  ///< by group, into starts_
+  std::vector<std::uint32_t> level_count_;     ///< by group
+  std::vector<std::uint32_t> first_level_;     ///< by group
+  std::vector<std::uint32_t> first_block_;     ///< by level of all groups
+  std::vector<std::uint32_t> level_of_block_;  ///< of all groups
 };
 
 }  // namespace tandem::pbd

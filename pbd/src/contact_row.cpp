@@ -50,16 +50,6 @@ Vec3 vector_of(const LaneArray<3>& lanes, std::size_t lane) {
   return {lanes[0][lane], lanes[1][lane], lanes[2][lane]};
 }
 
-/// q * v with the same bits. Eigen's own writes its cross product number by number and reads it
-/// back in pairs, for which the processor waits longer than for all the rest.
-Vec3 rotate(const Quat& q, const Vec3& v) {
-  const double x = 2.0 * (q.y() * v.z() - q.z() * v.y());
-  const double y = 2.0 * (q.z() * v.x() - q.x() * v.z());
-  const double z = 2.0 * (q.x() * v.y() - q.y() * v.x());
-  return {v.x() + q.w() * x + (q.y() * z - q.z() * y), v.y() + q.w() * y + (q.z() * x - q.x() * z),
-          v.z() + q.w() * z + (q.x() * y - q.y() * x)};
-}
-
 /// m, world, from the centre of mass. Balls have theirs in the middle, which does not turn.
 Vec3 anchor_of(const SolverBody& body, const Vec3& anchor_l) {
   return anchor_l.isZero(0.0) ? anchor_l : rotate(body.q, anchor_l);

@@ -61,8 +61,8 @@ DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& g
   Arms arms;
   arms.a = def_.a.valid() ? &ctx.bodies[def_.a.index] : &ground;
   arms.b = &ctx.bodies[def_.b.index];
-  arms.r_a = arms.a->q * def_.anchor_a_l;
-  arms.r_b = arms.b->q * def_.anchor_b_l;
+  arms.r_a = rotate(arms.a->q, def_.anchor_a_l);
+  arms.r_b = rotate(arms.b->q, def_.anchor_b_l);
   const Vec3 d = (arms.b->x + arms.r_b) - (arms.a->x + arms.r_a);
   arms.length = d.norm();
   // Coinciding points have no direction: the row waits until they part.

@@ -20,7 +20,7 @@ constexpr double kSlowAngle = 1e-4;
 /// Turn q by the least rotation that brings the angular momentum back to where it was: the implicit
 /// midpoint rule keeps its size in the body's frame, so this keeps it in the world's.
 void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
-  const Vec3 now = q * momentum_l;
+  const Vec3 now = rotate(q, momentum_l);
   const Vec3 axis = now.cross(momentum_w);
   const double cosine = now.dot(momentum_w);
   if (!(cosine > 0.0)) return;
@@ -31,12 +31,12 @@ void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
 
 /// Torque-free rotation of a body whose inertia is not the same about all axes.
 void spin_freely(SolverBody& body, const BodyProps& props, double h) {
-  Vec3 w_l = body.q.conjugate() * body.w;
+  Vec3 w_l = rotate(body.q.conjugate(), body.w);
   const Vec3 momentum_l = props.inertia_l * w_l;
   const Vec3 torque_l = w_l.cross(momentum_l);
   if (torque_l.squaredNorm() * h * h <= kGyroscopicTolerance * momentum_l.squaredNorm()) return;
   body.q = free_rotation(body.q, props.inertia_l, w_l, h);
-  body.w = body.q * w_l;
+  body.w = rotate(body.q, w_l);
   body.w_applied = body.w;
 }
 
@@ -117,7 +117,7 @@ void advance_pose(SolverBody& body, double h) {
 Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h) {
   constexpr double kPart = 0.5;  // rad
   constexpr int kMaxParts = 256;
-  const Vec3 momentum_w = q * Vec3(inertia_l * w_l);
+  const Vec3 momentum_w = rotate(q, inertia_l * w_l);
   const double wanted = std::ceil(h * w_l.norm() / kPart);
   // A spin that is not a number takes one part: the step reports the body afterwards.
   int parts = 1;
@@ -125,7 +125,7 @@ Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h) {
   const double part = h / parts;
   for (int i = 0; i < parts; ++i) {
     const Vec3 next_l = torque_free_step(inertia_l, w_l, part);
-    q = rotated(q, q * Vec3(0.5 * part * (w_l + next_l)));
+    q = rotated(q, rotate(q, 0.5 * part * (w_l + next_l)));
     w_l = next_l;
     align_momentum(q, inertia_l * w_l, momentum_w);
   }

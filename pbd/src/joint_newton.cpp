@@ -158,8 +158,8 @@ void JointSystem::turn_gradients(const JointGraph::Part& part, std::span<const J
     const SolverBody& a = body_of(def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(def.b, ctx.bodies, ground);
     if (part.points) {
-      nodes_[k].r_a = a.q * def.frame_a.anchor;
-      nodes_[k].r_b = b.q * def.frame_b.anchor;
+      nodes_[k].r_a = rotate(a.q, def.frame_a.anchor);
+      nodes_[k].r_b = rotate(b.q, def.frame_b.anchor);
     } else {
       take_gradients(nodes_[k], rows_[k], records[joint], a, b);
     }

@@ -34,8 +34,8 @@ struct JointPlace {
 
   static JointPlace of(const SixDofJointDef& def, const SolverBody& a, const SolverBody& b) {
     JointPlace place;
-    place.r_a = a.q * def.frame_a.anchor;
-    place.r_b = b.q * def.frame_b.anchor;
+    place.r_a = rotate(a.q, def.frame_a.anchor);
+    place.r_b = rotate(b.q, def.frame_b.anchor);
     place.d = (b.x + place.r_b) - (a.x + place.r_a);
     return place;
   }

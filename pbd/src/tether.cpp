@@ -20,7 +20,7 @@ void Tether::check(const World& world, const Def& def) {
 
 void Tether::begin_substep(const SubstepContext& ctx) {
   const SolverBody& body = ctx.bodies[def_.body.index];
-  r_ = body.q * def_.anchor_l;
+  r_ = rotate(body.q, def_.anchor_l);
   c_start_ = body.x + r_ - def_.anchor_w;
   // Each substep moves the anchor on, so that a step of any length sees it move evenly and a tether
   // that nobody updates coasts.
@@ -31,7 +31,7 @@ void Tether::begin_substep(const SubstepContext& ctx) {
 double Tether::project(const SubstepContext& ctx) {
   SolverBody& body = ctx.bodies[def_.body.index];
   SolverBody ground;
-  const Vec3 c = body.x + body.q * def_.anchor_l - def_.anchor_w;
+  const Vec3 c = body.x + rotate(body.q, def_.anchor_l) - def_.anchor_w;
   const Mat3 k = point_inverse_mass(ground, body, Vec3::Zero(), r_);
   const Vec3 dlambda = point_multiplier(
       c, lambda_, k, RowSoftness::of(1.0 / def_.stiffness, def_.damping, ctx.h), c - c_start_);

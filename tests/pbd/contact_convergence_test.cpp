@@ -17,6 +17,8 @@ struct Train {
   std::vector<SolverBody> bodies;
   std::vector<ContactRows> rows;
   ContactConvergence convergence;
+  ContactOrder order;
+  Workers workers;
   const ContactKernels& kernels = contact_kernels(0);
 
   explicit Train(std::uint32_t balls) : bodies(balls + 1), rows(balls) {
@@ -24,7 +26,9 @@ struct Train {
       bodies[i].inv_mass = 1.0;
       bodies[i].group = 0;
     }
+    std::vector<ContactLink> links;
     for (std::uint32_t k = 0; k < balls; ++k) {
+      links.push_back({.contact = k, .a = k, .b = k + 1, .moves_a = k > 0, .moves_b = true});
       rows[k].a.fill(k);
       rows[k].b.fill(k + 1);
       rows[k].a_moves = k > 0 ? 1 : 0;
@@ -34,6 +38,7 @@ struct Train {
       rows[k].t1[1].fill(1.0);
       rows[k].press_n.fill(k > 0 ? 2.0 : 1.0);
     }
+    order.build(links, bodies.size());
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(rows.size()); }
   void sweep() {
@@ -42,8 +47,8 @@ struct Train {
     }
   }
   ContactConvergence::Outcome run(double tolerance, int most) {
-    return convergence.run({.tolerance = tolerance, .rows = most}, {0, count()}, false, rows,
-                           kernels, bodies);
+    return convergence.run({.tolerance = tolerance, .rows = most}, order, 0, false, rows, kernels,
+                           bodies, workers);
   }
 };
 

@@ -27,7 +27,7 @@ namespace {
 const Vec3 kHalf = Vec3::Constant(0.1);  ///< m
 
 /// Columns of two boxes in a field, wider than what the solver gives to one worker: 256 bodies, 64
-/// rows, and levels of 16 rows. Every other column lies there and falls asleep, the others are
+/// rows, and levels of 128 rows. Every other column lies there and falls asleep, the others are
 /// dropped sliding.
 struct Columns {
   static constexpr int kCount = 360;
@@ -79,13 +79,10 @@ struct Columns {
 
 }  // namespace
 
-TEST_CASE("threads: every worker is called once, every index given out once", "[pbd][unit]") {
+TEST_CASE("threads: every index is given out once", "[pbd][unit]") {
   for (const int count : {1, 2, 3}) {
     Workers workers(count);
     CHECK(workers.count() == count);
-    std::array<int, 3> calls{};
-    workers.run([&](int worker) { ++calls[static_cast<std::size_t>(worker)]; });
-    for (int i = 0; i < 3; ++i) CHECK(calls[static_cast<std::size_t>(i)] == (i < count ? 1 : 0));
     for (const std::size_t size : {0u, 1u, 7u, 8u, 1000u}) {
       std::vector<int> taken(size, 0);
       std::vector<int> fits(size, 0);
@@ -104,34 +101,58 @@ TEST_CASE("threads: every worker is called once, every index given out once", "[
   CHECK(names(refusal([] { Workers many(65); }), "Workers: count", "65", "1 to 64"));
 }
 
-TEST_CASE("threads: what was done before a meeting is seen after it", "[pbd][unit]") {
-  constexpr std::size_t kCells = 96;
-  constexpr std::size_t kRounds = 50;
-  Workers workers(3);
-  // Each round every cell takes over its right neighbour's number, which another worker wrote: a
-  // ring that turns by one cell a round.
-  std::array<std::vector<std::size_t>, 2> ring;
-  for (std::size_t i = 0; i < kCells; ++i) ring[0].push_back(i);
-  ring[1].resize(kCells);
-  workers.run([&](int worker) {
-    for (std::size_t round = 0; round < kRounds; ++round) {
-      const auto& from = ring[round % 2];
-      auto& to = ring[(round + 1) % 2];
-      for (auto i = static_cast<std::size_t>(worker); i < kCells; i += 3) {
-        to[i] = from[(i + 1) % kCells];
-      }
-      workers.meet();
+TEST_CASE("threads: what a stage did is seen in the next one, forwards and backwards",
+          "[pbd][unit]") {
+  constexpr std::uint32_t kCells = 96;
+  constexpr std::uint32_t kStages = 50;
+  // Each stage every cell takes over its right neighbour's number, which another chunk wrote: a
+  // ring that turns by one cell a stage. Stages have 96 chunks, 48, 32, or one.
+  std::vector<std::uint32_t> starts{0};
+  std::vector<std::uint32_t> stage_of;
+  for (std::uint32_t stage = 0; stage < kStages; ++stage) {
+    const std::uint32_t chunks = stage % 4 == 3 ? 1 : kCells / (stage % 4 + 1);
+    starts.push_back(starts.back() + chunks);
+    stage_of.resize(starts.back(), stage);
+  }
+  for (const int count : {1, 2, 3, 8}) {
+    for (const bool reverse : {false, true}) {
+      CAPTURE(count, reverse);
+      Workers workers(count);
+      std::array<std::vector<std::uint32_t>, 2> ring;
+      for (std::uint32_t i = 0; i < kCells; ++i) ring[0].push_back(i);
+      ring[1].resize(kCells);
+      workers.run(starts, reverse, [&](std::uint32_t chunk, int) {
+        const std::uint32_t stage = stage_of[chunk];
+        const std::uint32_t nth = reverse ? kStages - 1 - stage : stage;
+        const std::uint32_t cells = kCells / (starts[stage + 1] - starts[stage]);
+        const std::uint32_t begin = cells * (chunk - starts[stage]);
+        for (std::uint32_t i = begin; i < begin + cells; ++i) {
+          ring[(nth + 1) % 2][i] = ring[nth % 2][(i + 1) % kCells];
+        }
+      });
+      for (std::uint32_t i = 0; i < kCells; ++i) CHECK(ring[0][i] == (i + kStages) % kCells);
     }
-  });
-  for (std::size_t i = 0; i < kCells; ++i) CHECK(ring[0][i] == (i + kRounds) % kCells);
+  }
 }
 
-TEST_CASE("threads: a field of columns has the same bits on one, two and three threads",
+TEST_CASE("threads: nobody waits for a worker that does not come", "[pbd][unit]") {
+  // The calling thread does whatever nobody else takes: more workers than there can be cores.
+  Workers workers(64);
+  std::vector<int> by(1000, -1);
+  for (int round = 0; round < 20; ++round) {
+    workers.for_chunks(by.size(), 1,
+                       [&](std::size_t begin, std::size_t, int worker) { by[begin] = worker; });
+    CHECK(std::count(by.begin(), by.end(), -1) == 0);
+    by.assign(by.size(), -1);
+  }
+}
+
+TEST_CASE("threads: a field of columns has the same bits on one, two, three and eight threads",
           "[pbd][sleep][unit]") {
   constexpr int kSteps = 12;
   constexpr int kKick = 8;
   std::vector<std::vector<std::byte>> expected;
-  for (const int threads : {1, 2, 3}) {
+  for (const int threads : {1, 2, 3, 8}) {
     Columns scene(threads);
     int most_asleep = 0;
     for (int i = 0; i < kSteps; ++i) {
