@@ -138,7 +138,7 @@ void Peer::Impl::ease_in(const pbd::BodyState& own, Wanted& wanted) const {
   if (!(distance > 0.0)) return;
   const double age = std::max(step_dt_, seconds(now_ - wanted.oldest));
   const double faster = (target.twist.linear - own.twist.linear).norm();  // m/s
-  const double growth = (2.0 * distance / age + faster) * step_dt_ / age;
+  const double growth = 2.0 * std::max(distance / age, faster) * step_dt_ / age;
   const double most = std::max(0.0, wanted.asked.dot(gap) / distance) + growth * step_dt_;
   const double full = share_per_step(target.share, step_dt_) * distance;
   if (full > most) target.share *= most / full;

@@ -44,7 +44,7 @@ Session:
   --predictor none|euler|second-order|replay
                      (replay; euler with plain, paper, single-owner and pd)
   --agreement KEY=VALUE,..  share of the gap to the replayed mean that is closed per 1/60 s, above 0
-                     to 1 (0.2); budget, steps replayed for each step, 1 to 1000 (4; 1000 = a new
+                     to 1 (0.25); budget, steps replayed for each step, 1 to 1000 (4; 1000 = a new
                      replay in each); inputs=known|common, of users' springs, what a replay knows
                      (known)
   --send KEY=VALUE,..  hz, states each second (60); compact, states rounded to few bits; budget in

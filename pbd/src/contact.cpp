@@ -3,7 +3,6 @@
 #include "tandem/pbd/contact.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -267,20 +266,21 @@ double ContactBlock::project(const SubstepContext& ctx) {
 
 void ContactBlock::solve_displacement(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  double fastest = 0.0;
   for (std::size_t i = 0; i < ctx.bodies.size(); ++i) {
     const SolverBody& body = ctx.bodies[i];
     m.pushed[i] = body.shared && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
+    if (m.pushed[i] != 0) fastest = std::max(fastest, body.v_push.squaredNorm());
   }
+  // What moves less than the slop presses nothing into anything.
+  const double slop = kPushSlop * ctx.gravity.norm() * ctx.h;  // m/s
+  const int sweeps = fastest > slop * slop ? kHoldSweeps : 1;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
-  std::atomic<bool> acted = true;
-  for (int i = 0; i < kHoldSweeps && acted; ++i) {
-    acted = false;
+  for (int i = 0; i < sweeps; ++i) {
     m.order.sweep(ctx.group, (i % 2 == 0) == ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
       const ContactRows& rows = m.rows[k];
       const auto meant = static_cast<LaneMask>(rows.sunk & m.shared(rows, ctx));
-      if (m.push(rows, meant, m.kernels->hold, numbers)) {
-        acted.store(true, std::memory_order_relaxed);
-      }
+      m.push(rows, meant, m.kernels->hold, numbers);
     });
   }
 }

@@ -105,22 +105,20 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     return lanes;
   }
   /// See ContactKernels::push, hold: rows meant, and those whose bodies are pushed.
-  /// @return whether any did something
-  bool push(const ContactRows& each, LaneMask meant, decltype(ContactKernels::push) act,
+  void push(const ContactRows& each, LaneMask meant, decltype(ContactKernels::push) act,
             BodyNumbers bodies) {
     LaneMask asked = meant;
     for (std::size_t i = 0; i < each.count; ++i) {
       if ((pushed[each.a[i]] | pushed[each.b[i]]) != 0)
         asked = static_cast<LaneMask>(asked | 1u << i);
     }
-    if (asked == 0) return false;
+    if (asked == 0) return;
     const LaneMask acted = act(each, asked, bodies);
     for (std::size_t i = 0; i < each.count; ++i) {
       // What cannot move may be shared by rows that are solved at once.
       if ((acted & each.a_moves) >> i & 1u) pushed[each.a[i]] = 1;
       if ((acted & each.b_moves) >> i & 1u) pushed[each.b[i]] = 1;
     }
-    return acted != 0;
   }
 
   double largest_change(std::uint32_t group) const {
