@@ -8,14 +8,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
-#include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "support/catch.h"
+#include "support/eventually.h"
 #include "support/folder.h"
 #include "support/free_port.h"
 
@@ -70,15 +68,7 @@ class Process {
   pid_t pid_ = -1;
 };
 
-/// Whether it holds within 20 s; looks each 10 ms.
-inline bool eventually(const std::function<bool()>& holds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
-}
+using tandem::testing::eventually;
 
 /// The number of `key` within the object `object` of a result.
 inline double number(const Folder& folder, const std::string& file, const std::string& object,

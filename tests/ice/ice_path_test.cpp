@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "support/catch.h"
+#include "support/eventually.h"
 #include "tandem/net/udp.h"
 
 namespace ice_path_test {
@@ -19,16 +20,9 @@ using namespace tandem;
 using ice::IceOptions;
 using ice::IcePath;
 
-namespace {
+using tandem::testing::eventually;
 
-bool eventually(const std::function<bool()>& holds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
+namespace {
 
 net::UdpOptions options(consensus::PeerId self) {
   net::UdpOptions out;

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "support/catch.h"
+#include "support/eventually.h"
 #include "tandem/net/tcp.h"
 
 /// A peer made of a plain socket, with an encoding of its own: the wire format as bytes.
@@ -37,16 +38,7 @@ constexpr std::uint8_t kAck = 6;
 constexpr std::uint8_t kNewest = 7;
 constexpr std::uint8_t kReliable = 8;
 
-/// Waits for a condition that must come true; the limit is for hangs only.
-template <class Condition>
-bool eventually(Condition&& condition, std::chrono::seconds limit = std::chrono::seconds(20)) {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
+using tandem::testing::eventually;
 
 inline Bytes le(std::uint64_t value, int count) {
   Bytes out;

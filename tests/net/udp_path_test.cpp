@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "support/catch.h"
+#include "support/eventually.h"
 #include "tandem/net/udp.h"
 
 namespace udp_path_test {
@@ -29,6 +30,8 @@ using tandem::consensus::Delivery;
 using tandem::consensus::Packet;
 using tandem::consensus::PeerId;
 using tandem::consensus::PeerStatus;
+
+using tandem::testing::eventually;
 
 namespace {
 
@@ -50,15 +53,6 @@ UdpOptions options(PeerId self) {
         {.peer = peer, .public_key = public_key(key(static_cast<std::uint8_t>(peer)))});
   }
   return out;
-}
-
-bool eventually(const std::function<bool()>& holds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 bool connected(const UdpTransport& transport, PeerId peer) {

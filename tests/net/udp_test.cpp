@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "support/catch.h"
+#include "support/eventually.h"
 
 namespace udp_test {
 
@@ -24,6 +25,8 @@ using tandem::consensus::Delivery;
 using tandem::consensus::Packet;
 using tandem::consensus::PeerId;
 using tandem::consensus::PeerStatus;
+
+using tandem::testing::eventually;
 
 namespace {
 
@@ -52,15 +55,6 @@ UdpOptions listed(UdpOptions out) {
         {.peer = peer, .public_key = public_key(key(static_cast<std::uint8_t>(peer)))});
   }
   return out;
-}
-
-bool eventually(const std::function<bool()>& holds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 PeerStatus status(const UdpTransport& transport, PeerId peer) {
