@@ -22,8 +22,9 @@ enum class ReplayInputs : std::uint8_t {
 
 /// How the mean at a common stamp is brought to the present, docs/method.md Secs. 5 and 6.
 struct TANDEM_API ReplayOptions {
-  /// Of the gap between a body and the replayed mean, closed per 1/60 s; above 0, at most 1. A
-  /// correction that begins starts with less, docs/method.md Sec. 6.
+  /// Of the gap between a body and the replayed mean, closed per 1/60 s; above 0, at most 1. Who
+  /// leads is followed with at least 0.5. A correction that begins starts with less, docs/method.md
+  /// Sec. 6.
   double share = 0.25;
   ReplayInputs inputs = ReplayInputs::Known;
   /// Steps that may be replayed for each step of the world, in steps of the world as it is awake;
