@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "session_time.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -16,6 +15,11 @@ namespace tandem::consensus {
 using pbd::detail::require;
 
 namespace {
+
+/// The nearest nanosecond.
+SessionTime to_ns(double seconds) {
+  return static_cast<SessionTime>(std::floor(seconds * 1e9 + 0.5));
+}
 
 /// A generator of its own for each direction.
 std::uint64_t seed_of(std::uint64_t seed, PeerId from, PeerId to) {
