@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "members/index_tables.h"
+#include "tandem/consensus/peer.h"
+
+namespace tandem::consensus {
+
+/// Bytes of the longest packet that decode() takes and the transport does.
+inline std::size_t packet_limit(const Transport& transport, Delivery delivery) {
+  return std::min(kMaxPacketBytes, transport.max_packet_bytes(delivery));
+}
+
+/// Who is there, and the way to them.
+class Connections {
+ public:
+  Connections(Transport& transport, PeerStats& stats) : transport_(transport), stats_(stats) {}
+
+  /// Ask the transport who is there.
+  void refresh();
+  /// All that the transport knows, by id, as of the last refresh().
+  std::span<const PeerStatus> peers() const { return peers_; }
+  /// Of these, ascending.
+  std::span<const PeerId> connected() const { return connected_; }
+  /// Of these, who came after the first states had been sent, and is to be told everything.
+  std::span<const PeerId> newcomers() const { return newcomers_; }
+  /// They have been.
+  void greeted() { newcomers_.clear(), has_sent_ = true; }
+
+  /// What the others call their bodies; kept for those who are connected.
+  IndexTables& indices() { return indices_; }
+
+  /// Encode one message and post it.
+  template <class Message>
+  void post(PeerId to, const Message& message, Delivery delivery) {
+    packet_.clear();
+    encode(message, packet_);
+    post_packet(to, delivery);
+  }
+  template <class Message>
+  void post_all(const Message& message, Delivery delivery) {
+    packet_.clear();
+    encode(message, packet_);
+    post_packet_to_all(delivery);
+  }
+  /// The same of any number of records, in packets that the transport takes; to == 0: to all.
+  /// @return bytes of all packets, with `overhead` for each
+  template <class Record>
+  double post_records(PeerId to, std::span<const Record> records, std::size_t record_bytes,
+                      Delivery delivery, double overhead = 0.0) {
+    // What decode() takes, and what the transport does.
+    const std::size_t packet = packet_limit(transport_, delivery);
+    const std::size_t most = std::min(kMaxRecords, records_in(packet, record_bytes));
+    double bytes = 0.0;
+    while (!records.empty()) {
+      const std::size_t count = std::min(most, records.size());
+      packet_.clear();
+      encode(records.first(count), packet_);
+      bytes += static_cast<double>(packet_.size()) + overhead;
+      if (to != 0) {
+        post_packet(to, delivery);
+      } else {
+        post_packet_to_all(delivery);
+      }
+      records = records.subspan(count);
+    }
+    return bytes;
+  }
+
+ private:
+  void post_packet(PeerId to, Delivery delivery) {
+    if (transport_.post(to, packet_, delivery)) stats_.bytes_sent += packet_.size();
+  }
+  void post_packet_to_all(Delivery delivery) {
+    if (packet_.empty()) return;
+    for (const PeerId peer : connected_) post_packet(peer, delivery);
+  }
+
+  Transport& transport_;
+  PeerStats& stats_;
+  std::vector<PeerStatus> peers_;
+  std::vector<PeerId> connected_;
+  std::vector<PeerId> newcomers_;
+  bool has_sent_ = false;
+  IndexTables indices_;
+  std::vector<std::byte> packet_;
+};
+
+}  // namespace tandem::consensus
