@@ -64,7 +64,6 @@ void SendOptions::validate() const {
   };
   require(kbit_per_s == 0.0 || (kbit_per_s >= 8.0 && kbit_per_s <= 1e9), "SendOptions",
           "kbit_per_s", kbit_per_s, "0 or from 8 to 1e9");
-  in("packet_overhead", packet_overhead, 0.0, 1000.0, "from 0 to 1000 bytes");
   in("tolerance", tolerance, 0.0, 1e3, "from 0 to 1000 m");
   require(angle_tolerance > 0.0 && angle_tolerance <= 10.0, "SendOptions", "angle_tolerance",
           angle_tolerance, "above 0 and at most 10 rad");
@@ -91,8 +90,6 @@ void PeerOptions::validate() const {
           spring_timeout, "above 0 and at most 86400 s");
   require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest, "PeerOptions",
           "max_anchor_extrapolation", max_anchor_extrapolation, "from 0 to 86400 s");
-  require(anchor_velocity_filter > 0.0 && std::isfinite(anchor_velocity_filter), "PeerOptions",
-          "anchor_velocity_filter", anchor_velocity_filter, "finite and > 0 s");
 }
 
 PeerOptions with_published_rules(PeerOptions options) {

@@ -48,11 +48,6 @@ void RobustOptions::validate() const {
   positive(max_turn, "max_turn");
   positive(max_velocity_correction, "max_velocity_correction");
   positive(max_spin_correction, "max_spin_correction");
-  positive(max_pull, "max_pull");
-  positive(max_stiffness, "max_stiffness");
-  positive(max_damping, "max_damping");
-  positive(max_reach, "max_reach");
-  positive(max_hand_speed, "max_hand_speed");
   require(max_springs_per_body >= 1, "RobustOptions", "max_springs_per_body", max_springs_per_body,
           "at least 1");
 }

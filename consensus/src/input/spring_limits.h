@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "tandem/consensus/robust.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
@@ -23,28 +22,34 @@ struct SpringStrength {
   }
 };
 
-/// What RobustOptions leave of users' springs.
+/// How strong users' springs may be, own ones as well: all peers must simulate the same.
 class SpringLimits {
  public:
-  SpringLimits(const pbd::World& world, const RobustOptions& most) : world_(world), most_(most) {}
+  // The first three of each spring, and of all that one user has on one body together.
+  static constexpr double kMaxPull = 1000.0;      ///< m/s^2: force over the mass of the body
+  static constexpr double kMaxStiffness = 1e5;    ///< 1/s^2: stiffness over the mass of the body
+  static constexpr double kMaxDamping = 2000.0;   ///< 1/s: damping over the mass of the body
+  static constexpr double kMaxDistance = 100.0;   ///< m, from a remote hand to where it holds
+  static constexpr double kMaxHandSpeed = 100.0;  ///< m/s, of remote hands
+
+  explicit SpringLimits(const pbd::World& world) : world_(world) {}
 
   /// Cut a spring by itself. @return whether anything was
   bool limit(pbd::Tether::Def& def) const {
     const double mass = mass_of(def.body);
     const pbd::Tether::Def asked = def;
     const double speed = def.anchor_velocity.norm();
-    if (speed > most_.max_hand_speed) def.anchor_velocity *= most_.max_hand_speed / speed;
-    def.stiffness = std::min(def.stiffness, most_.max_stiffness * mass);
-    def.damping = std::min(def.damping, most_.max_damping * mass);
-    def.max_force = std::min(def.max_force, most_.max_pull * mass);
+    if (speed > kMaxHandSpeed) def.anchor_velocity *= kMaxHandSpeed / speed;
+    def.stiffness = std::min(def.stiffness, kMaxStiffness * mass);
+    def.damping = std::min(def.damping, kMaxDamping * mass);
+    def.max_force = std::min(def.max_force, kMaxPull * mass);
     // A force that is never reached is no limit worth telling of.
-    return speed > most_.max_hand_speed || def.stiffness < asked.stiffness ||
-           def.damping < asked.damping;
+    return speed > kMaxHandSpeed || def.stiffness < asked.stiffness || def.damping < asked.damping;
   }
   bool too_far(const pbd::Tether::Def& def) const {
     const pbd::Pose& pose = world_.pose(def.body);
     const pbd::Vec3 held = pose.position + pose.orientation * def.anchor_l;
-    return !((def.anchor_w - held).squaredNorm() <= most_.max_reach * most_.max_reach);
+    return !((def.anchor_w - held).squaredNorm() <= kMaxDistance * kMaxDistance);
   }
   /// What is left of each where one user has all of these on one body, as they are limited each by
   /// itself.
@@ -53,9 +58,9 @@ class SpringLimits {
     const auto part = [mass](double limit, double asked) {
       return asked > limit * mass ? limit * mass / asked : 1.0;
     };
-    return {.force = part(most_.max_pull, sum.force),
-            .stiffness = part(most_.max_stiffness, sum.stiffness),
-            .damping = part(most_.max_damping, sum.damping)};
+    return {.force = part(kMaxPull, sum.force),
+            .stiffness = part(kMaxStiffness, sum.stiffness),
+            .damping = part(kMaxDamping, sum.damping)};
   }
   static void apply(const SpringStrength& share, pbd::Tether::Def& def) {
     def.max_force *= share.force;
@@ -68,7 +73,6 @@ class SpringLimits {
   double mass_of(pbd::BodyId body) const { return std::max(world_.props(body).mass, 1.0); }
 
   const pbd::World& world_;
-  const RobustOptions& most_;
 };
 
 }  // namespace tandem::consensus

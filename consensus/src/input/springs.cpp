@@ -29,10 +29,7 @@ std::uint32_t first_id(SessionTime now) {
 }  // namespace
 
 Springs::Springs(pbd::World& world, const PeerOptions& options)
-    : world_(world),
-      options_(options),
-      limits_(world, options.robust),
-      tethers_(world.add_block<pbd::Tethers>()) {}
+    : world_(world), options_(options), limits_(world), tethers_(world.add_block<pbd::Tethers>()) {}
 
 Springs::~Springs() {
   try {
@@ -92,7 +89,7 @@ void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   if (own.moved != 0 && now > own.moved) {
     const double dt = seconds(now - own.moved);
     const pbd::Vec3 measured = (anchor_w - own.def.anchor_w) / dt;
-    const double blend = 1.0 - std::exp(-dt / options_.anchor_velocity_filter);
+    const double blend = 1.0 - std::exp(-dt / kAnchorVelocityFilter);
     own.velocity += blend * (measured - own.velocity);
   }
   own.def.anchor_w = anchor_w;

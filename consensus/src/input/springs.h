@@ -23,6 +23,8 @@ class Springs {
   static constexpr std::size_t kMaxPerPeer = 256;
   /// And all of them; who has most gives one up for who has fewer.
   static constexpr std::size_t kMaxOfAll = 1024;
+  /// s: time constant of the low-pass on anchor velocities.
+  static constexpr double kAnchorVelocityFilter = 0.025;
 
   Springs(pbd::World& world, const PeerOptions& options);
   /// Nothing pulls any more, and the world has the blocks again that it had before: snapshots from

@@ -15,6 +15,10 @@ namespace {
 /// Beyond this a limit is as good as none; in ns it still fits a SessionTime with ease.
 constexpr double kLongestTime = 1e8;  // s, about three years
 
+/// ns: jumps that the sender tells of (UpdateFlags::teleported) are believed no more often. A state
+/// after a silence as long as InboxOptions::max_age is not judged by what was before.
+constexpr SessionTime kTeleportInterval = 200'000'000;
+
 /// The entry with an id, of entries by ascending id; null where there is none.
 template <class Entries, class Id>
 auto* find(Entries& entries, const Id& id) {
@@ -54,7 +58,6 @@ std::uint64_t InboxCounters::dropped() const {
 Inbox::Inbox(const InboxOptions& options)
     : max_age_ns_(to_ns(validated(options).max_age)),
       max_future_ns_(to_ns(options.max_future)),
-      teleport_interval_ns_(to_ns(options.plausibility.teleport_interval)),
       plausibility_(options.plausibility) {}
 
 void Inbox::add_id(const SharedId& id) {
@@ -129,7 +132,7 @@ InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, Se
   if (update.stamp < at->update.stamp) return InboxVerdict::Late;
   if (!plausible(at->update, update, plausibility_)) {
     const bool told = update.flags.teleported && plausible(update, plausibility_);
-    const bool again = at->jumped != 0 && now - at->jumped < teleport_interval_ns_;
+    const bool again = at->jumped != 0 && now - at->jumped < kTeleportInterval;
     if (!told || again) return InboxVerdict::Implausible;
     at->jumped = now;
   }

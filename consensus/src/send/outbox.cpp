@@ -155,8 +155,7 @@ bool Outbox::has_room(const Link& link, double anchors, SessionTime now) const {
   if (link.kbit_per_s == 0.0) return true;
   // What is longer than can be saved up goes on credit.
   if (link.anchor_room < std::min(anchors, most_saved(link))) return false;
-  return link.room >= kWorthwhile * options_.packet_overhead ||
-         seconds(now - link.anchored) >= kAnchorsWait;
+  return link.room >= kWorthwhile * kPacketOverhead || seconds(now - link.anchored) >= kAnchorsWait;
 }
 
 double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now) {
@@ -166,7 +165,7 @@ double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTi
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t turn = (link.turn + i) % count;
     // The last packet's headers are those of states that go with it.
-    const double headers = taken_.empty() ? 0.0 : options_.packet_overhead;
+    const double headers = taken_.empty() ? 0.0 : kPacketOverhead;
     const double bytes = headers + static_cast<double>(anchors[turn].size());
     if (!has_room(link, bytes, now)) break;
     link.anchor_room -= bytes;
@@ -180,8 +179,7 @@ double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTi
 }
 
 double Outbox::most_saved(const Link& link) const {
-  return std::max(
-      {kBurst * kBytesPerKbit * link.kbit_per_s, kSaved * options_.packet_overhead, 300.0});
+  return std::max({kBurst * kBytesPerKbit * link.kbit_per_s, kSaved * kPacketOverhead, 300.0});
 }
 
 void Outbox::refill(Link& link, SessionTime now) const {
@@ -303,7 +301,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
                     LinkStats& stats) {
   if (link.kbit_per_s == 0.0 || due_.empty()) return;
   const double room = link.room - along;
-  const double headers = options_.packet_overhead + kMessageBytes;
+  const double headers = kPacketOverhead + kMessageBytes;
   const double packet = static_cast<double>(packet_limit(transport_, Delivery::Newest));
   const auto unnamed = [&](const Due& due) {
     return options_.format == StateFormat::Compact && !link.sent[states[due.at].index].indexed;
@@ -322,7 +320,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
   }
   if (with_headers(total, reliable) <= room) return;
   // What goes along with something else need not be worth the headers.
-  if (along == 0.0 && room < kWorthwhile * options_.packet_overhead) {
+  if (along == 0.0 && room < kWorthwhile * kPacketOverhead) {
     stats.deferred += due_.size();
     due_.clear();
     return;

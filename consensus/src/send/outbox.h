@@ -51,6 +51,8 @@ class Outbox {
   /// @pre fewer than kMaxIndices bodies are shared
   std::uint16_t assign_index(const SharedId& id);
   static constexpr std::size_t kMaxIndices = 0x10000;
+  /// Bytes that a packet costs beside what is in it; those of UdpTransport over IPv4.
+  static constexpr double kPacketOverhead = 74.0;
   /// Indices are given once. Where more than `most` are, because bodies have come and gone, all are
   /// forgotten. @return whether they are: all bodies need new ones
   bool renew(std::size_t most);

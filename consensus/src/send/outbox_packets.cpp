@@ -13,7 +13,7 @@ bool Outbox::post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& co
   stats.bytes_sent += packet_.size();
   counters.bytes += packet_.size();
   if (link.kbit_per_s > 0.0) {
-    link.room -= static_cast<double>(packet_.size()) + options_.packet_overhead;
+    link.room -= static_cast<double>(packet_.size()) + kPacketOverhead;
   }
   return true;
 }

@@ -67,7 +67,7 @@ void Sender::send_all() {
 }
 
 double Sender::post_springs() {
-  const double overhead = data_.options.sending.packet_overhead;
+  const double overhead = Outbox::kPacketOverhead;
   const double events = connections_.post_records(0, std::span<const SpringUpdate>(spring_events_),
                                                   kSpringBytes, Delivery::Reliable, overhead);
   return events + connections_.post_records(0, std::span<const SpringUpdate>(spring_states_),

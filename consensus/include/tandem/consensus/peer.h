@@ -56,8 +56,6 @@ struct TANDEM_API SendOptions {
   /// comes first, then what the other side expects most wrongly, then what rests.
   /// Where nothing but defaults is set here, all is sent and the transport sorts it out.
   double kbit_per_s = 0.0;
-  /// Bytes that a packet costs beside what is in it; those of UdpTransport over IPv4.
-  double packet_overhead = 74.0;
   /// m: a state is sent where the last one that was sent, carried on by its velocity (and gravity,
   /// where nothing touches it), is off by more; 0 = every time.
   double tolerance = 0.0;
@@ -110,8 +108,6 @@ struct TANDEM_API PeerOptions {
   double spring_timeout = 1.0;
   /// s: an anchor is carried on by its velocity no longer than this; 0 = not at all.
   double max_anchor_extrapolation = 0.3;
-  /// s: time constant of the low-pass on anchor velocities.
-  double anchor_velocity_filter = 0.025;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
