@@ -92,18 +92,6 @@ void PeerOptions::validate() const {
           "max_anchor_extrapolation", max_anchor_extrapolation, "from 0 to 86400 s");
 }
 
-PeerOptions with_published_rules(PeerOptions options) {
-  options.predictor = PredictorKind::Euler;
-  options.own_predictor = nullptr;
-  options.prediction.extrapolates_orientation = false;
-  options.influence.limits_guesses = false;
-  options.initiative = false;
-  options.arbitration = false;
-  options.authority_ramp = 0.0;
-  options.robust.outvote = false;
-  return options;
-}
-
 Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)
     : data(world, transport, options),
       connections(transport, data.stats),

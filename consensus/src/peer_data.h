@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
+
 #include "common/session_time.h"
 #include "input/springs.h"
 #include "members/reports.h"
@@ -32,9 +34,18 @@ struct PeerData {
   }
   /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
   /// after the first step, so that a newcomer takes over what the others know and is heard later.
-  double confidence() const;
+  double confidence() const {
+    if (options.authority_ramp <= 0.0) return 1.0;
+    const double since = started == 0 ? 0.0 : seconds(now - started);
+    return std::clamp(since / options.authority_ramp, 0.0, 1.0);
+  }
   /// The share that others should give this peer's states of a body.
-  double announced(const SharedBody& shared) const;
+  double announced(const SharedBody& shared) const {
+    if (changes_hands(shared)) return shared.tenure.owner == self() ? 1.0 : 0.0;
+    if (shared.def.owner.has_value()) return shared.def.owner == self() ? 1.0 : 0.0;
+    return confidence() * announced_share(options.influence, springs.holds_alone(shared.def.body),
+                                          shared.initiative.strength() >= 1.0);
+  }
   /// Whether targets go into the solver's pass; those of owners do where nothing is agreed upon.
   bool in_pass() const {
     return options.coupling == Coupling::OnePass || options.coupling == Coupling::None;

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "common/body_state.h"
-#include "common/cpu_clock.h"
 #include "tandem/consensus/influence.h"
+#include "tandem/pbd/cpu_timer.h"
 
 namespace tandem::consensus {
 
 void Agreement::aggregate() {
-  const CpuTimer timer(data_.stats.aggregate_s);
+  const pbd::CpuTimer timer(data_.stats.aggregate_s);
   targets_.clear();
   targeted_.clear();
   wanted_.clear();

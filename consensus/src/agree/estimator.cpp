@@ -17,7 +17,7 @@ constexpr double kMaxSharedInfluence = 0.5;
 constexpr double kMaxLeadersInfluence = 0.8;
 
 /// Of a mean at a stamp: who does not own a body does not have all of it.
-constexpr double kMostOfMean = 0.9999;
+constexpr double kMaxOfMean = 0.9999;
 
 /// rad: closer orientations are an average's business, and further apart nothing is left of a
 /// weight, see PoseArbiter.
@@ -150,7 +150,7 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
     }
     weight = PoseArbiter::weight(weight, angle, follows && listening.own_lead == 0.0);
   }
-  if (!listening.carried) return std::min(share_of_weight(weight), kMostOfMean);
+  if (!listening.carried) return std::min(share_of_weight(weight), kMaxOfMean);
   // It leads, and does not own.
   const double guessed =
       std::min(share_of_weight(weight), leads ? kMaxLeadersInfluence : kMaxSharedInfluence);

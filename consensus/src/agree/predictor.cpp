@@ -21,7 +21,7 @@ using pbd::Vec3;
 
 /// s: of the low-pass on measured accelerations and their frequency.
 constexpr double kAccelerationFilter = 0.05;
-constexpr double kMostFrequency = 100.0;  // Hz, where there was no acceleration before
+constexpr double kUnknownFrequency = 100.0;  // Hz, where there was no acceleration before
 /// Hz: measured accelerations that change faster count nothing, those at half of it fully. Without
 /// them the piano's p95 at profile 5 is 3.9 mm where it is 2.7, and the room's a tenth more.
 constexpr double kMaxFrequency = 4.0;
@@ -87,7 +87,8 @@ class Extrapolator final : public Predictor {
       const double missed = (measured - memory.acceleration).norm();
       const double given = memory.acceleration.norm();
       const double cycles = 2.0 * std::numbers::pi * kAccelerationFilter * given;
-      const double frequency = missed < kMostFrequency * cycles ? missed / cycles : kMostFrequency;
+      const double frequency =
+          missed < kUnknownFrequency * cycles ? missed / cycles : kUnknownFrequency;
       const double blend = 1.0 - std::exp(-dt / kAccelerationFilter);
       // At once up, slowly down: one hit makes the measured acceleration worthless for a while.
       memory.frequency =

@@ -43,7 +43,7 @@ constexpr Periphery periphery(std::size_t votes) {
   return votes > 3 ? Periphery{} : Periphery{.full = 1.7, .none = 1.85};
 }
 
-/// How much each vote counts beside the others, by what it costs to reach them all from there; in
+/// How much each vote counts beside the others, by how far it is to all of them from there; in
 /// between on a line. No vote is outside because the others are few or far apart: of two clusters
 /// of the same weight both count, of three votes far apart all.
 ///

@@ -28,8 +28,8 @@ constexpr std::size_t kFewest = 5;
 void HandTrack::add(SessionTime stamp, const Vec3& position, const Vec3& velocity) {
   if (count_ > 0 && stamp <= newest()) clear();
   samples_[end_] = {stamp, position, velocity};
-  end_ = (end_ + 1) % kMost;
-  count_ = std::min(count_ + 1, kMost);
+  end_ = (end_ + 1) % kMaxSamples;
+  count_ = std::min(count_ + 1, kMaxSamples);
   motion_ = {position, velocity, Vec3::Zero()};
   const double off = fit(kLong);
   const double quick = std::clamp((off - kSomeOff) / (kAllOff - kSomeOff), 0.0, 1.0);

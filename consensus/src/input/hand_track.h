@@ -37,15 +37,17 @@ class HandTrack {
     pbd::Vec3 position = pbd::Vec3::Zero();
     pbd::Vec3 velocity = pbd::Vec3::Zero();
   };
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMaxSamples = 16;
 
   /// By age, 0 = the newest.
-  const Sample& sample(std::size_t age) const { return samples_[(end_ + kMost - 1 - age) % kMost]; }
+  const Sample& sample(std::size_t age) const {
+    return samples_[(end_ + kMaxSamples - 1 - age) % kMaxSamples];
+  }
   /// Lay the parabola through the last `window` s.
   /// @return m, rms of what it misses; infinity where there is too little to go by
   double fit(double window);
 
-  std::array<Sample, kMost> samples_;
+  std::array<Sample, kMaxSamples> samples_;
   std::size_t end_ = 0;
   std::size_t count_ = 0;
   Motion motion_;

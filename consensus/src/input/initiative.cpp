@@ -14,7 +14,7 @@ constexpr double kSettling = 0.15;
 /// s: over which the leader begins to listen again.
 constexpr double kFading = 0.15;
 /// Who leads one body, as others say; a transport connects no more peers than that.
-constexpr std::size_t kMostOthers = 1024;
+constexpr std::size_t kMaxOthers = 1024;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void Initiative::hear(PeerId peer, bool leads, SessionTime stamp) {
   const SessionTime since = it != others_.end() ? it->second : stamp;
   if (it == others_.end()) {
     // Who is gone says no more that it does not lead.
-    if (others_.size() >= kMostOthers) others_.erase(others_.begin());
+    if (others_.size() >= kMaxOthers) others_.erase(others_.begin());
     others_.emplace_back(peer, stamp);
   }
   // The later one knows of the earlier. Two of the same moment may both give way, never neither:

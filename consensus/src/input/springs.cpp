@@ -302,9 +302,9 @@ pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const 
 }
 
 void Springs::carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const {
-  const double reach = std::min(age, options_.max_anchor_extrapolation);
-  def.anchor_w = hand.position + reach * (hand.velocity + 0.5 * reach * hand.acceleration);
-  def.anchor_velocity = hand.velocity + reach * hand.acceleration;
+  const double ahead = std::min(age, options_.max_anchor_extrapolation);
+  def.anchor_w = hand.position + ahead * (hand.velocity + 0.5 * ahead * hand.acceleration);
+  def.anchor_velocity = hand.velocity + ahead * hand.acceleration;
   // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
   if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
 }
@@ -392,8 +392,8 @@ void Springs::hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) c
   for (const Own& own : own_) {
     if (own.mode != InputMode::Hard || own.body != body) continue;
     const double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
-    const double reach = since > kStill ? 0.0 : std::max(since, 0.0);
-    out.push_back({own.def.attachment_l, own.def.anchor_w + reach * own.velocity});
+    const double ahead = since > kStill ? 0.0 : std::max(since, 0.0);
+    out.push_back({own.def.attachment_l, own.def.anchor_w + ahead * own.velocity});
   }
 }
 

@@ -8,7 +8,7 @@ namespace tandem::consensus {
 namespace {
 
 /// ns: names come reliably and may be late by some resends.
-constexpr SessionTime kNamePatience = 500'000'000;
+constexpr SessionTime kIndexPatience = 500'000'000;
 
 template <class Tables>
 auto* table_of(Tables& tables, PeerId from) {
@@ -18,7 +18,7 @@ auto* table_of(Tables& tables, PeerId from) {
 
 }  // namespace
 
-void IndexTables::learn(PeerId from, const NameUpdate& name, std::size_t most) {
+void IndexTables::learn(PeerId from, const IndexAssignment& name, std::size_t most) {
   Table* table = table_of(tables_, from);
   if (table == nullptr) {
     tables_.push_back({.peer = from, .number = name.table, .names = {}});
@@ -63,7 +63,7 @@ bool IndexTables::should_ask(PeerId from, bool missed, SessionTime now) {
     return false;
   }
   if (table->missing_since == 0) table->missing_since = now;
-  if (now - table->missing_since < kNamePatience) return false;
+  if (now - table->missing_since < kIndexPatience) return false;
   table->missing_since = now;
   return true;
 }

@@ -18,7 +18,7 @@ namespace tandem::consensus {
 class IndexTables {
  public:
   /// @param most  names of one peer; further ones are not learnt
-  void learn(PeerId from, const NameUpdate& name, std::size_t most);
+  void learn(PeerId from, const IndexAssignment& name, std::size_t most);
   /// The body of a state; null where its name has not come. Valid until the next learn().
   const SharedId* find(PeerId from, const CompactState& state) const;
   void forget(PeerId from);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/cpu_clock.h"
+#include "tandem/pbd/cpu_timer.h"
 
 namespace tandem::consensus {
 namespace {
@@ -15,12 +15,12 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 
 /// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
 /// silent for the longest is forgotten for a new one. Who acts is heard in each step.
-constexpr std::size_t kMostPeers = 1024;
+constexpr std::size_t kMaxPeers = 1024;
 
 /// Of updates as often as our own, or as 60 a second, all bodies, all springs that one may have and
 /// some more, twice; four updates at once. A member who says more is read no further, and after a
 /// while dropped.
-constexpr double kLeastRate = 60.0;
+constexpr double kMinRate = 60.0;
 constexpr double kTimes = 2.0;
 constexpr double kMore = static_cast<double>(Springs::kMaxPerPeer) + 32.0;
 constexpr double kUpdatesAtOnce = 4.0;
@@ -29,21 +29,21 @@ constexpr double kLongestGap = 0.5;
 
 /// What a packet costs to take in, in states.
 double work_of(const DecodedPacket& packet) {
-  const std::size_t light = packet.names.size() + packet.names_wanted.size() + packet.alive.size() +
-                            packet.leaves.size() + packet.ownership.size();
+  const std::size_t light = packet.assignments.size() + packet.indices_wanted.size() +
+                            packet.alive.size() + packet.leaves.size() + packet.ownership.size();
   const std::size_t springs = packet.springs.size() + packet.anchors.size();
   return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + springs) +
          0.25 * static_cast<double>(light);
 }
 
 /// So many times as many bodies as are shared here, and so many more, others may have.
-constexpr std::size_t kTimesNames = 4;
-constexpr std::size_t kMoreNames = 4096;
+constexpr std::size_t kTimesIndices = 4;
+constexpr std::size_t kMoreIndices = 4096;
 
 }  // namespace
 
 CodecResult Receiver::parse(const Packet& packet) {
-  const CpuTimer timer(data_.stats.parse_s);
+  const pbd::CpuTimer timer(data_.stats.parse_s);
   return decode(packet.bytes, incoming_);
 }
 
@@ -53,7 +53,7 @@ void Receiver::receive() {
   ownership_.clear();
   wants_all_.clear();
   data_.transport.drain(packets_);
-  if (data_.options.dating == Dating::Receipt && !packets_.empty())
+  if (data_.options.timestamps == TimestampSource::Arrival && !packets_.empty())
     senders_ = data_.transport.peers();
   for (const Packet& packet : packets_) take_packet(packet);
   // States that have expired since count for nothing, nor does who sent them.
@@ -80,9 +80,9 @@ void Receiver::take_packet(const Packet& packet) {
   }
   data_.stats.updates_received += incoming_.states.size();
   budget.spend(work_of(incoming_));
-  const CpuTimer process(data_.stats.process_s);
+  const pbd::CpuTimer process(data_.stats.process_s);
   keep_allowed(packet.from, packet.role);
-  if (data_.options.dating == Dating::Receipt) date(packet);
+  if (data_.options.timestamps == TimestampSource::Arrival) date(packet);
   take_in(packet.from);
 }
 
@@ -102,7 +102,7 @@ void Receiver::date(const Packet& packet) {
 
 void Receiver::set_budget(Budget& budget) const {
   const double update = static_cast<double>(data_.bodies.size()) + kMore;
-  const double rate = kTimes * std::max(kLeastRate, data_.options.update_hz) * update;
+  const double rate = kTimes * std::max(kMinRate, data_.options.update_hz) * update;
   // Who steps seldom reads at once what came meanwhile.
   const double since = std::min(data_.step_dt, kLongestGap);
   budget.set(rate, std::max(kUpdatesAtOnce * update, rate * since));
@@ -118,7 +118,7 @@ void Receiver::keep_allowed(PeerId from, Role role) {
   deny(incoming_.states);
   deny(incoming_.compact);
   deny(incoming_.ownership);
-  incoming_.names.clear();
+  incoming_.assignments.clear();
   if (role == Role::Watch) {
     deny(incoming_.springs);
     deny(incoming_.anchors);
@@ -129,7 +129,7 @@ void Receiver::keep_allowed(PeerId from, Role role) {
 Receiver::Met& Receiver::meet(PeerId from) {
   auto at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
   if (at == met_.end() || at->peer != from) {
-    if (met_.size() >= kMostPeers) {
+    if (met_.size() >= kMaxPeers) {
       const auto silent = std::ranges::min_element(met_, {}, &Met::last);
       forget(silent->peer);
       met_.erase(silent);
@@ -202,8 +202,9 @@ void Receiver::take_in_state(PeerId from, const StateUpdate& update, SessionTime
 }
 
 void Receiver::take_in_compact(PeerId from, SessionTime farewell) {
-  const std::size_t most = kTimesNames * data_.bodies.size() + kMoreNames;
-  for (const NameUpdate& name : incoming_.names) connections_.indices().learn(from, name, most);
+  const std::size_t most = kTimesIndices * data_.bodies.size() + kMoreIndices;
+  for (const IndexAssignment& name : incoming_.assignments)
+    connections_.indices().learn(from, name, most);
   bool missed = false;
   SessionTime alive = 0;
   for (CompactState& state : incoming_.compact) {
@@ -226,9 +227,9 @@ void Receiver::take_in_compact(PeerId from, SessionTime farewell) {
   if (alive > farewell && data_.inbox.note_alive(from, alive, data_.now) && selects) asks = true;
   if (asks) {
     const std::uint32_t table = incoming_.compact.empty() ? 0 : incoming_.compact.back().table;
-    connections_.post(from, NamesWanted{table}, Delivery::Reliable);
+    connections_.post(from, IndicesWanted{table}, Delivery::Reliable);
   }
-  if (!incoming_.names_wanted.empty()) wants_all_.push_back(from);
+  if (!incoming_.indices_wanted.empty()) wants_all_.push_back(from);
 }
 
 void Receiver::take_in_anchors(PeerId from) {

@@ -35,13 +35,30 @@ SessionTime lateness(SessionTime received, SessionTime stamp) {
   return difference(received, stamp, kMaxStamp - 2 * kLongestWay);
 }
 
+/// Look at what is stamped when it is sent.
+template <class Packet, class Look>
+void stamps_of_sending(Packet& packet, const Look& look) {
+  for (auto& state : packet.states) look(state.stamp);
+  for (auto& state : packet.compact) look(state.update.stamp);
+  for (auto& alive : packet.alive) look(alive.stamp);
+}
+
+/// And at everything else.
+template <class Packet, class Look>
+void other_stamps(Packet& packet, const Look& look) {
+  for (auto& spring : packet.springs) look(spring.stamp);
+  for (auto& leave : packet.leaves) look(leave.stamp);
+  for (auto& ownership : packet.ownership) look(ownership.stamp);
+  for (auto& anchor : packet.anchors) look(anchor.stamp);
+}
+
 }  // namespace
 
-Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> company, SessionTime now) {
+Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> peers, SessionTime now) {
   const bool said = packet.received != std::numeric_limits<SessionTime>::min();
-  const auto sender = std::ranges::find(company, packet.from, &PeerStatus::id);
+  const auto sender = std::ranges::find(peers, packet.from, &PeerStatus::id);
   return {.received = said ? packet.received : now,
-          .round_trip = sender != company.end() ? sender->round_trip : -1};
+          .round_trip = sender != peers.end() ? sender->round_trip : -1};
 }
 
 SessionTime shifted(SessionTime stamp, SessionTime shift) {
@@ -51,40 +68,21 @@ SessionTime shifted(SessionTime stamp, SessionTime shift) {
 }
 
 void shift_stamps(DecodedPacket& packet, SessionTime shift) {
-  const auto all = [shift](auto& records) {
-    for (auto& record : records) record.stamp = shifted(record.stamp, shift);
-  };
-  all(packet.states);
-  all(packet.springs);
-  all(packet.leaves);
-  all(packet.ownership);
-  all(packet.alive);
-  all(packet.anchors);
-  for (CompactState& state : packet.compact) {
-    state.update.stamp = shifted(state.update.stamp, shift);
-  }
+  const auto move = [shift](SessionTime& stamp) { stamp = shifted(stamp, shift); };
+  stamps_of_sending(packet, move);
+  other_stamps(packet, move);
 }
 
 std::optional<SessionTime> newest_stamp(const DecodedPacket& packet) {
   std::optional<SessionTime> newest;
-  const auto look = [&newest](SessionTime stamp) {
-    newest = newest ? std::max(*newest, stamp) : stamp;
-  };
-  for (const StateUpdate& state : packet.states) look(state.stamp);
-  for (const CompactState& state : packet.compact) look(state.update.stamp);
-  for (const Alive& alive : packet.alive) look(alive.stamp);
+  stamps_of_sending(
+      packet, [&newest](SessionTime stamp) { newest = newest ? std::max(*newest, stamp) : stamp; });
   return newest;
 }
 
 SessionTime newest_stamp_of_others(const DecodedPacket& packet) {
   SessionTime newest = -kMaxStamp;
-  const auto look = [&newest](const auto& records) {
-    for (const auto& record : records) newest = std::max(newest, record.stamp);
-  };
-  look(packet.springs);
-  look(packet.leaves);
-  look(packet.ownership);
-  look(packet.anchors);
+  other_stamps(packet, [&newest](SessionTime stamp) { newest = std::max(newest, stamp); });
   return newest == -kMaxStamp ? 0 : newest;
 }
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "common/body_state.h"
-#include "common/cpu_clock.h"
 #include "common/session_time.h"
 #include "tandem/consensus/influence.h"
+#include "tandem/pbd/cpu_timer.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/validate.h"
 
@@ -74,7 +74,7 @@ void Replay::update(ReplayStats& stats) {
     drop();
     return;
   }
-  const CpuTimer timer(stats.seconds);
+  const pbd::CpuTimer timer(stats.seconds);
   bring_together();
   if (schedule_.is_due(history_, start_, awake(), options_.budget)) {
     if (!start()) {

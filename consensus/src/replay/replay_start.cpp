@@ -13,7 +13,7 @@ namespace {
 
 /// Steps of one body that are always allowed for: where little moves all of it is replayed anew in
 /// each step. Tennis at profile 5 goes on for 24 strokes in 20 s so, and for 11 without.
-constexpr double kLeastSteps = 32.0;
+constexpr double kMinSteps = 32.0;
 
 /// Steps in which the last replay may be stepped along. With other peers' replays at other stamps
 /// 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, and 87 without a limit.
@@ -65,7 +65,7 @@ bool ReplaySchedule::is_due(const WorldHistory& history, std::size_t start, std:
                             double budget) {
   const std::size_t now = history.last();
   const auto bodies = static_cast<double>(std::max<std::size_t>(awake, 1));
-  budget = std::max(budget, kLeastSteps / bodies);
+  budget = std::max(budget, kMinSteps / bodies);
   const auto age = static_cast<double>(now - start);
   if (age <= budget) return true;
   // One in `every` steps, stepped along in between, costs age + every - 1.

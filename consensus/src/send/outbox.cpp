@@ -29,7 +29,7 @@ constexpr std::uint8_t kTold = 3;
 constexpr double kFirst = 1e6;
 constexpr double kWaits = 0.2;  // for its turn alone
 constexpr double kNews = 50.0;
-constexpr double kMostMissed = 100.0;  // tolerances: all that are further off are alike
+constexpr double kMaxMissed = 100.0;  // tolerances: all that are further off are alike
 
 /// s: what has come to rest is said so often, many in one packet.
 constexpr double kCommitEvery = 0.1;
@@ -56,7 +56,7 @@ constexpr double kAnchorsWait = 0.1;
 constexpr double kMovingBytes = 27.0;
 constexpr double kRestingBytes = 14.0;
 constexpr double kOrientationBytes = 6.0;
-constexpr double kNameBytes = 20.0;
+constexpr double kAssignmentBytes = 20.0;
 constexpr double kMessageBytes = 22.0;
 
 /// Where the state differs in kind from what the other side knows.
@@ -92,10 +92,10 @@ void Outbox::tell_again(PeerId peer, SessionTime now) {
   }
 }
 
-void Outbox::forget_strangers(std::span<const PeerStatus> company, PeerStats& stats) {
-  const auto gone = [company](const auto& link) {
-    const auto at = std::ranges::lower_bound(company, link.to, {}, &PeerStatus::id);
-    return at == company.end() || at->id != link.to;
+void Outbox::forget_strangers(std::span<const PeerStatus> peers, PeerStats& stats) {
+  const auto gone = [peers](const auto& link) {
+    const auto at = std::ranges::lower_bound(peers, link.to, {}, &PeerStatus::id);
+    return at == peers.end() || at->id != link.to;
   };
   std::erase_if(links_, gone);
   std::erase_if(stats.links, gone);
@@ -110,13 +110,13 @@ Outbox::Link& Outbox::link_to(PeerId peer, PeerStats& stats) {
   return *it;
 }
 
-void Outbox::send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
+void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingState> states,
                   const AnchorMessages& anchors, const Interest* interest, SessionTime now,
                   PeerStats& stats) {
   // Times of the session never come again: no table of a predecessor has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
-  forget_strangers(company, stats);
-  for (const PeerStatus& status : company) {
+  forget_strangers(peers, stats);
+  for (const PeerStatus& status : peers) {
     Link& link = link_to(status.id, stats);
     LinkStats& counters = stats.links[static_cast<std::size_t>(&link - links_.data())];
     if (!status.connected) {
@@ -229,7 +229,7 @@ bool Outbox::is_due(Sent& sent, const OutgoingState& state, bool limited, Sessio
   const bool selective = options_.tolerance > 0.0;
   const double since = seconds(now - sent.stamp);
   const bool weighs = selective || limited;
-  const double missed_by = !weighs ? 0.0 : known ? missed(sent, state, now) : kMostMissed;
+  const double missed_by = !weighs ? 0.0 : known ? missed(sent, state, now) : kMaxMissed;
   const bool other_influence = influence_differs(sent, update.influence);
   if (known && is_news(update.flags, sent.flags)) sent.news = kTold;
   const bool resting = update.flags.resting && !state.first;
@@ -242,7 +242,7 @@ bool Outbox::is_due(Sent& sent, const OutgoingState& state, bool limited, Sessio
     sent.priority = 0.0;
     return false;
   }
-  const double error = std::min(missed_by, kMostMissed);
+  const double error = std::min(missed_by, kMaxMissed);
   sent.priority += state.first ? kFirst : kWaits + error * error;
   if (is_told) sent.priority += kNews;
   due.priority = sent.priority;
@@ -307,7 +307,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
     return options_.format == StateFormat::Compact && !link.sent[states[due.at].index].indexed;
   };
   const auto cost = [&](const Due& due) {
-    return size_of(states[due.at].update) + (unnamed(due) ? kNameBytes : 0.0);
+    return size_of(states[due.at].update) + (unnamed(due) ? kAssignmentBytes : 0.0);
   };
   const auto with_headers = [&](double bytes, bool reliable) {
     return bytes + headers * (std::ceil(bytes / packet) + (reliable ? 1.0 : 0.0));

@@ -57,11 +57,11 @@ class Outbox {
   /// forgotten. @return whether they are: all bodies need new ones
   bool renew(std::size_t most);
 
-  /// @param company   all that the transport knows
+  /// @param peers   all that the transport knows
   /// @param states    by ascending index, stamped `now`
   /// @param anchors   go along where the budget allows, in turn where it does not for all of them
   /// @param interest  may be null
-  void send(std::span<const PeerStatus> company, std::span<const OutgoingState> states,
+  void send(std::span<const PeerStatus> peers, std::span<const OutgoingState> states,
             const AnchorMessages& anchors, const Interest* interest, SessionTime now,
             PeerStats& stats);
   /// Something else was sent to everybody, bytes with headers.
@@ -107,7 +107,7 @@ class Outbox {
   };
 
   /// Forget whom the transport has forgotten.
-  void forget_strangers(std::span<const PeerStatus> company, PeerStats& stats);
+  void forget_strangers(std::span<const PeerStatus> peers, PeerStats& stats);
   Link& link_to(PeerId peer, PeerStats& stats);
   /// bytes
   double most_saved(const Link& link) const;

@@ -37,7 +37,7 @@ void Outbox::post_indices(Link& link, std::span<const OutgoingState> states, Pee
   while (i < due_.size()) {
     ids_.clear();
     // One in any case: where packets are too short for it, the transport says so.
-    const std::size_t run = std::clamp<std::size_t>(names_in(most - packet_.size()), 1, kRun);
+    const std::size_t run = std::clamp<std::size_t>(indices_in(most - packet_.size()), 1, kRun);
     const std::uint32_t first = states[due_[i].at].index;
     for (; i < due_.size() && ids_.size() < run; ++i) {
       const std::uint32_t index = states[due_[i].at].index;
@@ -50,7 +50,7 @@ void Outbox::post_indices(Link& link, std::span<const OutgoingState> states, Pee
       places_.push_back(index);
     }
     if (ids_.empty()) continue;
-    encode_names(table_, static_cast<std::uint16_t>(first), ids_, packet_);
+    encode_indices(table_, static_cast<std::uint16_t>(first), ids_, packet_);
     if (packet_.size() + least > most) flush();
   }
   flush();

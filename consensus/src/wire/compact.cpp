@@ -7,12 +7,14 @@
 #include <bit>
 #include <cmath>
 
-#include "wire/bit_stream.h"
+#include "tandem/pbd/bits.h"
 #include "wire/compact_wire.h"
 
 namespace tandem::consensus {
 namespace {
 
+using pbd::BitReader;
+using pbd::BitWriter;
 using pbd::ByteReader;
 using pbd::ByteWriter;
 using pbd::Quat;
@@ -33,12 +35,12 @@ constexpr unsigned kRareBits = 4;  // flags that few bodies have
 
 constexpr std::int32_t kNearGaps = 1 << kNearGapBits;
 constexpr std::int32_t kHalfCell = 1 << (kPositionBits - 1);  // in quanta
-constexpr std::int32_t kMostComponent = (1 << (kComponentBits - 1)) - 1;
-constexpr std::int32_t kMostLinear = (1 << (kLinearBits - 1)) - 1;
-constexpr std::int32_t kMostAngular = (1 << (kAngularBits - 1)) - 1;
+constexpr std::int32_t kMaxComponent = (1 << (kComponentBits - 1)) - 1;
+constexpr std::int32_t kMaxLinear = (1 << (kLinearBits - 1)) - 1;
+constexpr std::int32_t kMaxAngular = (1 << (kAngularBits - 1)) - 1;
 /// Squares of the three smallest components sum up to 3/4 at most; rounding adds 3 * 2 * 1/2 * half
 /// a quantum in first order.
-constexpr double kMostSquares = 0.75 + 1e-4;
+constexpr double kMaxSquares = 0.75 + 1e-4;
 
 /// What the wire makes of a state. Comparable, for records say what has changed.
 struct Lattice {
@@ -81,8 +83,8 @@ Lattice to_lattice(const StateUpdate& update, const Int3& cell) {
     if (i != out.largest)
       out.components[k++] = static_cast<std::int32_t>(std::lround(scale * c[i]));
   }
-  const double most_linear = (kMostLinear + 0.5) * kLinearSpeedQuantum;
-  const double most_angular = (kMostAngular + 0.5) * kAngularSpeedQuantum;
+  const double most_linear = (kMaxLinear + 0.5) * kLinearSpeedQuantum;
+  const double most_angular = (kMaxAngular + 0.5) * kAngularSpeedQuantum;
   out.fast = !(update.twist.linear.cwiseAbs().maxCoeff() < most_linear &&
                update.twist.angular.cwiseAbs().maxCoeff() < most_angular);
   for (int i = 0; i < 3 && !out.fast; ++i) {
@@ -114,7 +116,7 @@ Vec3 scaled(const Int3& value, double quantum) {
 bool orientation_of(unsigned largest, const Int3& components, Quat& out) {
   const Vec3 small = scaled(components, kOrientationQuantum);
   const double squares = small.squaredNorm();
-  if (!(squares <= kMostSquares)) return false;
+  if (!(squares <= kMaxSquares)) return false;
   std::array<double, 4> c{};
   c[largest] = std::sqrt(1.0 - squares);
   for (unsigned i = 0, k = 0; i < 4; ++i) {
@@ -267,7 +269,7 @@ CodecResult read_record(BitReader& in, Before& before, CompactState& out) {
     const auto largest = static_cast<unsigned>(in.get(2));
     const Int3 components = get3(in, kComponentBits);
     for (const std::int32_t component : components) {
-      if (component < -kMostComponent) {
+      if (component < -kMaxComponent) {
         return fault(PacketFault::BadCode, "orientation: component that is not sent");
       }
     }

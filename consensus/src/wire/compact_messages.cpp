@@ -17,15 +17,15 @@ using pbd::ByteWriter;
 
 constexpr std::size_t kAnchorBytes = 4 + 2 + 3 * 4 + 3 * 2;
 constexpr SessionTime kStampUnit = 1 << 14;  // ns
-constexpr SessionTime kMostDelay = 0xffff;   // units
-constexpr double kMostAnchor = 32767.0;      // m
-constexpr double kMostAnchorSpeed = 127.0;   // m/s
+constexpr SessionTime kMaxDelay = 0xffff;    // units
+constexpr double kMaxAnchor = 32767.0;       // m
+constexpr double kMaxAnchorSpeed = 127.0;    // m/s
 
 /// Whether an anchor has a place in a message of that stamp.
 bool is_near(const SpringUpdate& spring, SessionTime newest) {
-  return check(spring).ok() && spring.anchor_w.cwiseAbs().maxCoeff() < kMostAnchor &&
-         spring.anchor_velocity.cwiseAbs().maxCoeff() < kMostAnchorSpeed &&
-         newest - spring.stamp < kStampUnit * kMostDelay;
+  return check(spring).ok() && spring.anchor_w.cwiseAbs().maxCoeff() < kMaxAnchor &&
+         spring.anchor_velocity.cwiseAbs().maxCoeff() < kMaxAnchorSpeed &&
+         newest - spring.stamp < kStampUnit * kMaxDelay;
 }
 
 }  // namespace
@@ -87,9 +87,9 @@ CodecResult decode_anchors(ByteReader& in, std::size_t count, std::vector<Anchor
   return {};
 }
 
-void encode_names(std::uint32_t table, std::uint16_t first, std::span<const SharedId> ids,
-                  std::vector<std::byte>& out) {
-  write_header(out, MessageKind::Names, ids.size());
+void encode_indices(std::uint32_t table, std::uint16_t first, std::span<const SharedId> ids,
+                    std::vector<std::byte>& out) {
+  write_header(out, MessageKind::Indices, ids.size());
   ByteWriter bytes(out);
   bytes.u32(table);
   bytes.u16(first);
@@ -99,8 +99,8 @@ void encode_names(std::uint32_t table, std::uint16_t first, std::span<const Shar
   }
 }
 
-void encode(const NamesWanted& wanted, std::vector<std::byte>& out) {
-  write_header(out, MessageKind::NamesWanted, 1);
+void encode(const IndicesWanted& wanted, std::vector<std::byte>& out) {
+  write_header(out, MessageKind::IndicesWanted, 1);
   ByteWriter(out).u32(wanted.table);
 }
 
@@ -110,7 +110,7 @@ void encode(const Alive& alive, std::vector<std::byte>& out) {
   ByteWriter(out).i64(alive.stamp);
 }
 
-CodecResult decode_names(ByteReader& in, std::size_t count, std::vector<NameUpdate>& out) {
+CodecResult decode_indices(ByteReader& in, std::size_t count, std::vector<IndexAssignment>& out) {
   const std::uint32_t table = in.u32();
   const std::size_t first = in.u16();
   if (in.failed() || in.remaining() < count * kIdBytes) {
@@ -118,7 +118,7 @@ CodecResult decode_names(ByteReader& in, std::size_t count, std::vector<NameUpda
   }
   if (first + count > 0x10000) return fault(PacketFault::BadId, "index: must be below 65536");
   for (std::size_t i = 0; i < count; ++i) {
-    NameUpdate& name = out.emplace_back();
+    IndexAssignment& name = out.emplace_back();
     name.table = table;
     name.index = static_cast<std::uint16_t>(first + i);
     name.id.high = in.u64();

@@ -19,13 +19,13 @@ enum class MessageKind : std::uint8_t {
   Leave = 3,
   Ownership = 4,
   CompactStates = 5,
-  Names = 6,
-  NamesWanted = 7,
+  Indices = 6,
+  IndicesWanted = 7,
   Alive = 8,
   Anchors = 9
 };
 
-inline constexpr std::size_t kNamesWantedBytes = 4;
+inline constexpr std::size_t kIndicesWantedBytes = 4;
 inline constexpr std::size_t kAliveBytes = 8;
 
 /// Of the components of an orientation in full: fixed-point numbers of 32 bits.
@@ -50,6 +50,7 @@ CodecResult check_state(const StateUpdate& update);
 /// What follows the header of a message of `count` records; appended.
 CodecResult decode_compact(pbd::ByteReader& in, std::size_t count, std::vector<CompactState>& out);
 CodecResult decode_anchors(pbd::ByteReader& in, std::size_t count, std::vector<AnchorUpdate>& out);
-CodecResult decode_names(pbd::ByteReader& in, std::size_t count, std::vector<NameUpdate>& out);
+CodecResult decode_indices(pbd::ByteReader& in, std::size_t count,
+                           std::vector<IndexAssignment>& out);
 
 }  // namespace tandem::consensus

@@ -148,7 +148,7 @@ CodecResult read(ByteReader& in, OwnershipUpdate& update) {
   return check(update);
 }
 
-CodecResult read(ByteReader& in, NamesWanted& wanted) {
+CodecResult read(ByteReader& in, IndicesWanted& wanted) {
   wanted.table = in.u32();
   return {};
 }
@@ -221,12 +221,12 @@ CodecResult decode_message(ByteReader& in, std::size_t packet_bytes, DecodedPack
       return decode_records(in, count, kOwnershipBytes, packet_bytes, out.ownership);
     case MessageKind::CompactStates:
       return decode_compact(in, count, out.compact);
-    case MessageKind::Names:
-      return decode_names(in, count, out.names);
+    case MessageKind::Indices:
+      return decode_indices(in, count, out.assignments);
     case MessageKind::Anchors:
       return decode_anchors(in, count, out.anchors);
-    case MessageKind::NamesWanted:
-      return decode_records(in, count, kNamesWantedBytes, packet_bytes, out.names_wanted);
+    case MessageKind::IndicesWanted:
+      return decode_records(in, count, kIndicesWantedBytes, packet_bytes, out.indices_wanted);
     case MessageKind::Alive:
       return decode_records(in, count, kAliveBytes, packet_bytes, out.alive);
   }
@@ -241,8 +241,8 @@ void DecodedPacket::clear() {
   leaves.clear();
   ownership.clear();
   compact.clear();
-  names.clear();
-  names_wanted.clear();
+  assignments.clear();
+  indices_wanted.clear();
   alive.clear();
   anchors.clear();
 }

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace tandem::consensus {
+namespace tandem::pbd {
 
 /// Appends numbers of any width to bytes, the lowest bit first.
 class BitWriter {
@@ -74,4 +74,4 @@ class BitReader {
   bool failed_ = false;
 };
 
-}  // namespace tandem::consensus
+}  // namespace tandem::pbd
