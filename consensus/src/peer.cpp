@@ -166,7 +166,7 @@ void Peer::collect(const pbd::World& /*world*/, double /*dt*/, const pbd::Solver
 
 void Peer::leave(SessionTime now) {
   impl_->connections.refresh();
-  impl_->connections.post_all(Leave{.stamp = now}, Delivery::Reliable);
+  impl_->connections.post(Connections::kToAll, Leave{.stamp = now}, Delivery::Reliable);
 }
 
 void Peer::share(const ShareDef& def) {
@@ -222,7 +222,9 @@ const PeerStats& Peer::stats() const {
 }
 
 std::span<const PeerReport> Peer::reports() const {
-  return impl_->data.reports.with_counters_of(impl_->data.inbox);
+  PeerData& data = impl_->data;
+  for (PeerReport& report : data.reports) report.inbox = data.inbox.counters(report.peer);
+  return data.reports;
 }
 
 void Peer::set_replay_hook(ReplayHook* hook) {

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
 #include "common/session_time.h"
 #include "input/springs.h"
-#include "members/reports.h"
 #include "members/shared_bodies.h"
 #include "replay/world_history.h"
 #include "tandem/consensus/inbox.h"
@@ -28,6 +28,12 @@ struct PeerData {
         bodies(world_in) {}
 
   PeerId self() const { return transport.self(); }
+  /// What is noted about another peer. Valid until one comes or goes.
+  PeerReport& report_of(PeerId peer) {
+    auto it = std::ranges::lower_bound(reports, peer, {}, &PeerReport::peer);
+    if (it == reports.end() || it->peer != peer) it = reports.insert(it, PeerReport{.peer = peer});
+    return *it;
+  }
   /// Whether a body passes from owner to owner.
   bool changes_hands(const SharedBody& shared) const {
     return options.coupling == Coupling::SingleOwner && !shared.def.owner.has_value();
@@ -58,7 +64,7 @@ struct PeerData {
   WorldHistory history;
   Inbox inbox;
   SharedBodies bodies;
-  Reports reports;
+  std::vector<PeerReport> reports;  ///< by peer
   PeerStats stats;
   SessionTime now = 0;      ///< ns, of the last call
   SessionTime started = 0;  ///< ns, end of the first step

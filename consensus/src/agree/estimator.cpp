@@ -146,7 +146,7 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
     bool follows = leads || newest[i].peer < data_.self();
     if (listening.several && !leads) {
       if (angle > kNoDoubt) follows = trust_.outvoted_at_stamp(shared, newest, i);
-      if (!follows && angle > kNoMean) ++data_.reports.of(newest[i].peer).outliers;
+      if (!follows && angle > kNoMean) ++data_.report_of(newest[i].peer).outliers;
     }
     weight = PoseArbiter::weight(weight, angle, follows && listening.own_lead == 0.0);
   }

@@ -57,7 +57,7 @@ bool Trust::believes_lead(SharedBody& shared, PeerId from) {
       data_.springs.held_by(from, shared.def.body) > 0 || data_.bodies.owns_any(from);
   if (!data_.options.robust.outvote || shared.lead_claims.founded(from, holds, data_.now))
     return true;
-  ++data_.reports.of(from).unfounded_leads;
+  ++data_.report_of(from).unfounded_leads;
   return false;
 }
 
@@ -98,7 +98,7 @@ void Trust::weigh_votes(const pbd::BodyState& own, std::span<PeerEstimate> estim
   votes_.clear();
   votes_.push_back({.at = {}, .weight = data_.confidence()});
   for (PeerEstimate& estimate : estimates) {
-    if (estimate.weight > kMoreThanOthers * second) ++data_.reports.of(estimate.peer).influence_cut;
+    if (estimate.weight > kMoreThanOthers * second) ++data_.report_of(estimate.peer).influence_cut;
     estimate.weight = std::min(estimate.weight, second);
     votes_.push_back({.at = offset_of(gap(own, {estimate.pose, estimate.twist})),
                       .weight = estimate.weight / second});
@@ -118,7 +118,7 @@ void Trust::note_outliers(std::span<const PeerEstimate> estimates) {
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const Vote& vote = votes_[i + 1];
     const bool far = vote.cost > kOutlier * static_cast<double>(estimates.size());
-    if (far && vote.cost > kFar * least) ++data_.reports.of(estimates[i].peer).outliers;
+    if (far && vote.cost > kFar * least) ++data_.report_of(estimates[i].peer).outliers;
   }
 }
 
@@ -147,7 +147,7 @@ void Trust::limit(const pbd::BodyState& own, Wanted& wanted) {
   if (target.use_rotation_error) {
     target.rotation_error = cut(target.rotation_error, most.max_turn * inverse, capped);
   }
-  if (capped) ++data_.reports.of(wanted.heaviest).capped;
+  if (capped) ++data_.report_of(wanted.heaviest).capped;
 }
 
 }  // namespace tandem::consensus

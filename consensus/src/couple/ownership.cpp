@@ -111,11 +111,8 @@ void Ownership::post() {
   connections_.refresh();
   for (const OwnershipUpdate& update : outgoing_) {
     const std::span<const OwnershipUpdate> message(&update, 1);
-    if (update.event == OwnershipEvent::Grant) {
-      connections_.post_all(message, Delivery::Reliable);
-    } else {
-      connections_.post(update.to, message, Delivery::Reliable);
-    }
+    const bool grant = update.event == OwnershipEvent::Grant;
+    connections_.post(grant ? Connections::kToAll : update.to, message, Delivery::Reliable);
   }
   outgoing_.clear();
 }

@@ -99,23 +99,23 @@ void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
 void Springs::release(GrabId id, SessionTime now) {
   Own& own = find(id);
   ++own.revision;
-  if (own.announced) pending_.push_back(message_of(own, SpringEvent::Remove, now));
+  if (own.announced) pending_.push_back(own.message(SpringEvent::Remove, now));
   if (tethers_.contains(own.tether)) tethers_.remove(own.tether);
   own_.erase(own_.begin() + (&own - own_.data()));
 }
 
-SpringUpdate Springs::message_of(const Own& own, SpringEvent event, SessionTime now) {
-  return {.spring = own.spring,
-          .revision = own.revision,
+SpringUpdate Springs::Own::message(SpringEvent event, SessionTime now) const {
+  return {.spring = spring,
+          .revision = revision,
           .event = event,
-          .body = own.def.body,
-          .attachment_l = own.def.attachment_l,
-          .anchor_w = own.def.anchor_w,
-          .anchor_velocity = own.velocity,
-          .stiffness = own.def.stiffness,
-          .damping = own.def.damping,
-          .max_force = own.def.max_force,
-          .stamp = own.moved != 0 ? own.moved : now};
+          .body = def.body,
+          .attachment_l = def.attachment_l,
+          .anchor_w = def.anchor_w,
+          .anchor_velocity = velocity,
+          .stiffness = def.stiffness,
+          .damping = def.damping,
+          .max_force = def.max_force,
+          .stamp = moved != 0 ? moved : now};
 }
 
 void Springs::let_go(Remote& remote, SessionTime when) {
@@ -126,26 +126,17 @@ void Springs::let_go(Remote& remote, SessionTime when) {
 
 bool Springs::make_room(PeerId from) {
   // Sorted by peer: the longest run. Of that peer what is let go already, then the oldest number.
-  std::size_t longest = 0;
-  std::size_t at = 0;
-  std::size_t own = 0;
+  std::span<Remote> longest;
   for (std::size_t i = 0; i < remote_.size();) {
-    std::size_t end = i;
-    while (end < remote_.size() && remote_[end].peer == remote_[i].peer) ++end;
-    if (remote_[i].peer == from) own = end - i;
-    if (end - i > longest) {
-      longest = end - i;
-      at = i;
-    }
-    i = end;
+    const std::span<Remote> run = of(remote_[i].peer);
+    if (run.size() > longest.size()) longest = run;
+    i += run.size();
   }
-  if (longest <= own + 1) return false;
-  const auto begin = remote_.begin() + static_cast<std::ptrdiff_t>(at);
-  const auto end = begin + static_cast<std::ptrdiff_t>(longest);
-  auto victim = std::find_if(begin, end, [](const Remote& r) { return !r.live; });
-  if (victim == end) victim = begin;
+  if (longest.size() <= of(from).size() + 1) return false;
+  auto victim = std::ranges::find(longest, false, &Remote::live);
+  if (victim == longest.end()) victim = longest.begin();
   let_go(*victim, victim->heard);
-  remote_.erase(victim);
+  remote_.erase(remote_.begin() + (&*victim - remote_.data()));
   return true;
 }
 
@@ -348,10 +339,10 @@ void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
     if (own.mode != InputMode::Soft) continue;
     own.told.add(own.moved != 0 ? own.moved : now, own.def.anchor_w, own.velocity);
     if (!own.announced) {
-      events.push_back(message_of(own, SpringEvent::Create, now));
+      events.push_back(own.message(SpringEvent::Create, now));
       own.announced = true;
     } else {
-      states.push_back(message_of(own, SpringEvent::Change, now));
+      states.push_back(own.message(SpringEvent::Change, now));
     }
   }
 }

@@ -102,6 +102,8 @@ class Springs {
     pbd::Vec3 velocity = pbd::Vec3::Zero();
     HandTrack told = {};
     bool announced = false;
+
+    SpringUpdate message(SpringEvent event, SessionTime now) const;
   };
   struct Remote {
     PeerId peer = 0;
@@ -119,7 +121,6 @@ class Springs {
   };
 
   Own& find(GrabId id);
-  static SpringUpdate message_of(const Own& own, SpringEvent event, SessionTime now);
   std::vector<Remote>::iterator place_of(PeerId peer, std::uint32_t spring);
   /// All that is known of that peer's; valid until one comes or goes.
   std::span<Remote> of(PeerId peer);

@@ -20,10 +20,34 @@ inline std::size_t packet_limit(const Transport& transport, Delivery delivery) {
 /// Who is there, and the way to them.
 class Connections {
  public:
+  static constexpr PeerId kToAll = 0;
+
   Connections(Transport& transport, PeerStats& stats) : transport_(transport), stats_(stats) {}
 
   /// Ask the transport who is there.
-  void refresh();
+  void refresh() {
+    peers_ = transport_.peers();
+    std::erase_if(newcomers_, [this](PeerId id) {
+      return std::ranges::none_of(
+          peers_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });
+    });
+    // Whoever comes back says its indices again.
+    std::erase_if(connected_, [this](PeerId id) {
+      const auto at = std::ranges::lower_bound(peers_, id, {}, &PeerStatus::id);
+      if (at != peers_.end() && at->id == id && at->connected) return false;
+      indices_.forget(id);
+      return true;
+    });
+    for (const PeerStatus& peer : peers_) {
+      const auto at = std::lower_bound(connected_.begin(), connected_.end(), peer.id);
+      const bool known = at != connected_.end() && *at == peer.id;
+      if (peer.connected && !known) {
+        // Who was there before the first states were sent hears those.
+        if (has_sent_) newcomers_.push_back(peer.id);
+        connected_.insert(at, peer.id);
+      }
+    }
+  }
   /// All that the transport knows, by id, as of the last refresh().
   std::span<const PeerStatus> peers() const { return peers_; }
   /// Of these, ascending.
@@ -36,20 +60,14 @@ class Connections {
   /// What the others call their bodies; kept for those who are connected.
   IndexTables& indices() { return indices_; }
 
-  /// Encode one message and post it.
+  /// Encode one message and post it, to everybody where `to` is kToAll.
   template <class Message>
   void post(PeerId to, const Message& message, Delivery delivery) {
     packet_.clear();
     encode(message, packet_);
     post_packet(to, delivery);
   }
-  template <class Message>
-  void post_all(const Message& message, Delivery delivery) {
-    packet_.clear();
-    encode(message, packet_);
-    post_packet_to_all(delivery);
-  }
-  /// The same of any number of records, in packets that the transport takes; to == 0: to all.
+  /// The same of any number of records, in packets that the transport takes.
   /// @return bytes of all packets, with `overhead` for each
   template <class Record>
   double post_records(PeerId to, std::span<const Record> records, std::size_t record_bytes,
@@ -63,11 +81,7 @@ class Connections {
       packet_.clear();
       encode(records.first(count), packet_);
       bytes += static_cast<double>(packet_.size()) + overhead;
-      if (to != 0) {
-        post_packet(to, delivery);
-      } else {
-        post_packet_to_all(delivery);
-      }
+      post_packet(to, delivery);
       records = records.subspan(count);
     }
     return bytes;
@@ -75,11 +89,11 @@ class Connections {
 
  private:
   void post_packet(PeerId to, Delivery delivery) {
-    if (transport_.post(to, packet_, delivery)) stats_.bytes_sent += packet_.size();
-  }
-  void post_packet_to_all(Delivery delivery) {
-    if (packet_.empty()) return;
-    for (const PeerId peer : connected_) post_packet(peer, delivery);
+    if (to == kToAll && packet_.empty()) return;
+    const std::span<const PeerId> receivers = to == kToAll ? connected() : std::span(&to, 1);
+    for (const PeerId peer : receivers) {
+      if (transport_.post(peer, packet_, delivery)) stats_.bytes_sent += packet_.size();
+    }
   }
 
   Transport& transport_;

@@ -64,9 +64,7 @@ void Inbox::add_id(const SharedId& id) {
   if (!id.valid()) pbd::detail::refuse("Inbox::add_id: id", "not all zeros");
   const auto at = std::ranges::lower_bound(bodies_, id, {}, &Body::id);
   if (at != bodies_.end() && at->id == id) return;
-  Body body;
-  body.id = id;
-  bodies_.insert(at, std::move(body));
+  bodies_.insert(at, Body{.id = id});
 }
 
 void Inbox::remove_id(const SharedId& id) {
@@ -78,10 +76,7 @@ bool Inbox::contains(const SharedId& id) const { return find(bodies_, id) != nul
 void Inbox::add_peer(PeerId peer) {
   if (peer == 0) pbd::detail::refuse("Inbox::add_peer: peer", "not 0", "0");
   auto at = std::ranges::lower_bound(peers_, peer, {}, &Peer::id);
-  if (at == peers_.end() || at->id != peer) {
-    at = peers_.insert(at, Peer{});
-    at->id = peer;
-  }
+  if (at == peers_.end() || at->id != peer) at = peers_.insert(at, Peer{.id = peer});
   at->present = true;
 }
 

@@ -63,9 +63,10 @@ void Receiver::receive() {
 void Receiver::take_packet(const Packet& packet) {
   if (packet.from == 0) return;  // no peer has this id
   ++data_.stats.packets_received;
-  Budget& budget = meet(packet.from).budget;
+  Met& sender = meet(packet.from);
+  pbd::TokenBucket& budget = sender.budget;
   if (!budget.admits(data_.now)) {
-    ++data_.reports.of(packet.from).over_budget;
+    ++data_.report_of(packet.from).over_budget;
     if (budget.abused()) {
       budget.forgive();
       data_.transport.drop(packet.from, "says more than a member may, see docs/network.md");
@@ -83,7 +84,7 @@ void Receiver::take_packet(const Packet& packet) {
   const pbd::CpuTimer process(data_.stats.process_s);
   keep_allowed(packet.from, packet.role);
   if (data_.options.timestamps == TimestampSource::Arrival) date(packet);
-  take_in(packet.from);
+  take_in(sender);
 }
 
 void Receiver::date(const Packet& packet) {
@@ -100,7 +101,7 @@ void Receiver::date(const Packet& packet) {
                                                       round_trip));
 }
 
-void Receiver::set_budget(Budget& budget) const {
+void Receiver::set_budget(pbd::TokenBucket& budget) const {
   const double update = static_cast<double>(data_.bodies.size()) + kMore;
   const double rate = kTimes * std::max(kMinRate, data_.options.update_hz) * update;
   // Who steps seldom reads at once what came meanwhile.
@@ -123,7 +124,7 @@ void Receiver::keep_allowed(PeerId from, Role role) {
     deny(incoming_.springs);
     deny(incoming_.anchors);
   }
-  if (denied > 0) data_.reports.of(from).not_allowed += denied;
+  if (denied > 0) data_.report_of(from).not_allowed += denied;
 }
 
 Receiver::Met& Receiver::meet(PeerId from) {
@@ -135,8 +136,9 @@ Receiver::Met& Receiver::meet(PeerId from) {
       met_.erase(silent);
       at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
     }
-    at = met_.insert(at, {.peer = from, .last = data_.now, .budget = {}});
-    at->budget = Budget(0.0, std::numeric_limits<double>::max());  // filled by set_budget()
+    at = met_.insert(at, {.peer = from});
+    at->budget =
+        pbd::TokenBucket(0.0, std::numeric_limits<double>::max());  // filled by set_budget()
   }
   set_budget(at->budget);
   at->last = data_.now;
@@ -149,7 +151,6 @@ void Receiver::part_from(PeerId peer) {
   for (SharedBody& shared : data_.bodies) {
     std::erase_if(shared.heard, [peer](const Heard& heard) { return heard.peer == peer; });
   }
-  std::erase_if(farewells_, [peer](const auto& entry) { return entry.first == peer; });
   data_.springs.drop_peer(peer, data_.now);
 }
 
@@ -157,13 +158,14 @@ void Receiver::forget(PeerId peer) {
   part_from(peer);
   data_.inbox.forget_peer(peer);
   sender_clocks_.forget(peer);
-  data_.reports.forget(peer);
+  std::erase_if(data_.reports, [peer](const auto& report) { return report.peer == peer; });
 }
 
-void Receiver::take_in(PeerId from) {
+void Receiver::take_in(Met& sender) {
+  const PeerId from = sender.peer;
+  const SessionTime farewell = sender.farewell;
   data_.inbox.add_peer(from);
-  data_.reports.of(from);
-  const SessionTime farewell = farewell_of(from);
+  data_.report_of(from);
   // Nothing asks for states where nothing is agreed upon and nobody drives a body.
   const bool unheard = data_.options.coupling == Coupling::None && !data_.bodies.have_owners();
   for (const StateUpdate& update : incoming_.states) {
@@ -177,7 +179,7 @@ void Receiver::take_in(PeerId from) {
     part_from(from);
     // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
     // successor.
-    farewells_.emplace_back(from, std::min(data_.now + kMaxAhead, incoming_.leaves.back().stamp));
+    sender.farewell = std::min(data_.now + kMaxAhead, incoming_.leaves.back().stamp);
   }
 }
 
@@ -186,7 +188,7 @@ void Receiver::take_in_springs(PeerId from) {
     const SharedBody* shared = data_.bodies.find(update.body);
     if (shared == nullptr || !data_.world.contains(shared->def.body)) {
       ++data_.stats.springs_refused;
-      ++data_.reports.of(from).springs_refused;
+      ++data_.report_of(from).springs_refused;
       continue;
     }
     receive_spring(from, update, shared->def.body);
@@ -251,20 +253,13 @@ void Receiver::take_in_anchors(PeerId from) {
 void Receiver::receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body) {
   const Springs::Verdict verdict = data_.springs.receive(from, update, body, data_.now);
   if (verdict == Springs::Verdict::Taken) return;
-  PeerReport& report = data_.reports.of(from);
+  PeerReport& report = data_.report_of(from);
   if (verdict == Springs::Verdict::Limited) {
     ++report.springs_limited;
   } else {
     ++report.springs_refused;
     ++data_.stats.springs_refused;
   }
-}
-
-SessionTime Receiver::farewell_of(PeerId peer) const {
-  for (const auto& [id, stamp] : farewells_) {
-    if (id == peer) return stamp;
-  }
-  return std::numeric_limits<SessionTime>::min();
 }
 
 }  // namespace tandem::consensus

@@ -2,15 +2,15 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "members/connections.h"
 #include "peer_data.h"
-#include "tandem/consensus/budget.h"
 #include "tandem/consensus/sender_clocks.h"
 #include "tandem/consensus/update.h"
+#include "tandem/pbd/token_bucket.h"
 
 namespace tandem::consensus {
 
@@ -38,7 +38,9 @@ class Receiver {
   struct Met {
     PeerId peer = 0;
     SessionTime last = 0;  ///< ns, when it was heard last
-    Budget budget;
+    pbd::TokenBucket budget;
+    /// Stamp of its farewell; the beginning of time where it has not left.
+    SessionTime farewell = std::numeric_limits<SessionTime>::min();
   };
 
   void take_packet(const Packet& packet);
@@ -46,7 +48,7 @@ class Receiver {
   /// Shift the stamps of incoming_ to the own clock.
   void date(const Packet& packet);
   /// What one member may have this peer do: budget, in what work_of() counts.
-  void set_budget(Budget& budget) const;
+  void set_budget(pbd::TokenBucket& budget) const;
   /// Take out of incoming_ what that role may not say.
   void keep_allowed(PeerId from, Role role);
   /// Note that a peer was heard; make room for it. Valid until the next call.
@@ -54,19 +56,16 @@ class Receiver {
   /// What a peer has said counts no more.
   void part_from(PeerId peer);
   void forget(PeerId peer);
-  void take_in(PeerId from);
+  void take_in(Met& sender);
   void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell);
   void take_in_compact(PeerId from, SessionTime farewell);
   void take_in_springs(PeerId from);
   void take_in_anchors(PeerId from);
   void receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body);
-  /// Stamp of a peer's farewell; the beginning of time where it has not left.
-  SessionTime farewell_of(PeerId peer) const;
 
   PeerData& data_;
   Connections& connections_;
   SenderClocks sender_clocks_;
-  std::vector<std::pair<PeerId, SessionTime>> farewells_;
   std::vector<Met> met_;  ///< by id
   std::vector<UnknownState> unknown_;
   std::vector<OwnershipNews> ownership_;

@@ -130,9 +130,7 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
   const SessionTime late = lateness(received, newest);
   auto at = std::ranges::lower_bound(senders_, from, {}, &Sender::peer);
   if (at == senders_.end() || at->peer != from) {
-    at = senders_.insert(at, Sender{});
-    at->peer = from;
-    at->knows_way = round_trip >= 0;
+    at = senders_.insert(at, Sender{.peer = from, .knows_way = round_trip >= 0});
     restart(*at, late, half, received);
   }
   Sender& sender = *at;

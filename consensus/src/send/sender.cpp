@@ -68,16 +68,18 @@ void Sender::send_all() {
 
 double Sender::post_springs() {
   const double overhead = Outbox::kPacketOverhead;
-  const double events = connections_.post_records(0, std::span<const SpringUpdate>(spring_events_),
-                                                  kSpringBytes, Delivery::Reliable, overhead);
-  return events + connections_.post_records(0, std::span<const SpringUpdate>(spring_states_),
+  const double events =
+      connections_.post_records(Connections::kToAll, std::span<const SpringUpdate>(spring_events_),
+                                kSpringBytes, Delivery::Reliable, overhead);
+  return events + connections_.post_records(Connections::kToAll,
+                                            std::span<const SpringUpdate>(spring_states_),
                                             kSpringBytes, Delivery::Newest, overhead);
 }
 
 void Sender::post_states() {
   if (interest_ == nullptr) {
-    connections_.post_records(0, std::span<const StateUpdate>(states_), kStateBytes,
-                              Delivery::Newest);
+    connections_.post_records(Connections::kToAll, std::span<const StateUpdate>(states_),
+                              kStateBytes, Delivery::Newest);
     return;
   }
   for (const PeerId peer : connections_.connected()) {

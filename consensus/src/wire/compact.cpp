@@ -161,36 +161,28 @@ struct Before {
   std::uint16_t influence = 0;  ///< the message's
 };
 
-unsigned gap_bits(std::int32_t gap) {
-  return gap == 1 ? 1 : gap - 2 < kNearGaps ? 2 + kNearGapBits : 2 + kIndexBits;
-}
+/// Counts what BitWriter would write.
+struct BitCounter {
+  unsigned bits = 0;
+  void put(std::uint64_t /*value*/, unsigned count) { bits += count; }
+  void put_signed(std::int64_t /*value*/, unsigned count) { bits += count; }
+};
 
-unsigned record_bits(const IndexedState& state, const Lattice& lattice, const Before& before) {
-  const UpdateFlags& flags = state.update.flags;
-  unsigned bits = gap_bits(state.index - before.index);
-  bits += 3 + (rare_bits(flags) != 0 ? kRareBits : 0);
-  bits += 1 + (lattice.influence != before.influence ? kInfluenceBits : 0);
-  bits += 1 + (lattice.cell != before.cell ? 3 * kCellBits : 0);
-  bits += 3 * kPositionBits;
-  bits += 1 + (state.update.oriented ? 2 + 3 * kComponentBits : 0);
-  if (!flags.resting) {
-    bits += 1 + (lattice.fast ? 6 * kFloatBits : 3 * kLinearBits + 3 * kAngularBits);
-  }
-  return bits;
-}
-
-void put3(BitWriter& out, const Int3& value, unsigned bits) {
+template <class Writer>
+void put3(Writer& out, const Int3& value, unsigned bits) {
   for (const std::int32_t component : value) out.put_signed(component, bits);
 }
 
-void put_floats(BitWriter& out, const Vec3& value) {
+template <class Writer>
+void put_floats(Writer& out, const Vec3& value) {
   for (int i = 0; i < 3; ++i) {
     const auto number = static_cast<float>(value[i]);
     out.put(std::bit_cast<std::uint32_t>(number), kFloatBits);
   }
 }
 
-void write_record(BitWriter& out, const IndexedState& state, const Lattice& lattice,
+template <class Writer>
+void write_record(Writer& out, const IndexedState& state, const Lattice& lattice,
                   const Before& before) {
   const std::int32_t gap = state.index - before.index;
   out.put(gap == 1 ? 0 : 1, 1);
@@ -315,7 +307,9 @@ std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
     IndexedState& state = states[done];
     if (!check_state(state.update).ok()) continue;
     const Lattice lattice = to_lattice(state.update, before.cell);
-    const std::size_t needs = used + record_bits(state, lattice, before);
+    BitCounter record;
+    write_record(record, state, lattice, before);
+    const std::size_t needs = used + record.bits;
     if (start + (needs + 7) / 8 > max_bytes) break;
     // Rounding may lead out of the range at its edge.
     round_with(lattice, state.update);

@@ -66,11 +66,6 @@ CodecResult check_parameter(double value, const char* finite, const char* range)
   return {};
 }
 
-bool known(SpringEvent event) {
-  return event == SpringEvent::Create || event == SpringEvent::Change ||
-         event == SpringEvent::Remove;
-}
-
 }  // namespace
 
 CodecResult check(const StateUpdate& update) {
@@ -101,7 +96,8 @@ CodecResult check_state(const StateUpdate& update) {
 }
 
 CodecResult check(const SpringUpdate& update) {
-  if (!known(update.event)) return fault(PacketFault::BadCode, "event: unknown");
+  if (update.event < SpringEvent::Create || update.event > SpringEvent::Remove)
+    return fault(PacketFault::BadCode, "event: unknown");
   CodecResult result = check_id(update.body);
   if (!result.ok()) return result;
   result = check_norm(update.attachment_l, kMaxPosition, "attachment: must be finite",

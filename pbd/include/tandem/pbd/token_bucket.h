@@ -5,20 +5,18 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "tandem/consensus/transport.h"
-
-namespace tandem::consensus {
+namespace tandem::pbd {
 
 /// What one member may have others do: so much a second, and so much at once where it has been
 /// quiet. A token bucket that may go below zero, so that what is not known before it is done can be
 /// paid for afterwards. Times in ns, of any clock; one that goes back is no income.
-class Budget {
+class TokenBucket {
  public:
   /// s: who has been over it for so long is not in a hurry, but does harm.
-  static constexpr SessionTime kPatience = 2'000'000'000;
+  static constexpr std::int64_t kPatience = 2'000'000'000;
 
-  Budget() = default;
-  Budget(double per_second, double burst) : tokens_(burst) { set(per_second, burst); }
+  TokenBucket() = default;
+  TokenBucket(double per_second, double burst) : tokens_(burst) { set(per_second, burst); }
 
   void set(double per_second, double burst) {
     per_second_ = per_second;
@@ -27,7 +25,7 @@ class Budget {
   }
 
   /// Whether there is anything left now. Where not, that counts as a refusal.
-  bool admits(SessionTime now) {
+  bool admits(std::int64_t now) {
     if (fill(now)) return true;
     if (refused_ == 0 || now - last_refused_ > kPatience / 4) over_since_ = now;
     last_refused_ = now;
@@ -35,7 +33,7 @@ class Budget {
     return false;
   }
   /// The same without counting.
-  bool fill(SessionTime now) {
+  bool fill(std::int64_t now) {
     if (started_ && now > at_) {
       tokens_ = std::min(burst_, tokens_ + per_second_ * 1e-9 * static_cast<double>(now - at_));
     }
@@ -56,10 +54,10 @@ class Budget {
   double burst_ = 0.0;
   double tokens_ = 0.0;
   bool started_ = false;
-  SessionTime at_ = 0;
-  SessionTime over_since_ = 0;
-  SessionTime last_refused_ = 0;
+  std::int64_t at_ = 0;
+  std::int64_t over_since_ = 0;
+  std::int64_t last_refused_ = 0;
   std::uint64_t refused_ = 0;
 };
 
-}  // namespace tandem::consensus
+}  // namespace tandem::pbd
