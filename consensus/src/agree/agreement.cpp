@@ -55,7 +55,7 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
   const std::uint32_t slot = shared.def.body.index;
   const pbd::BodyState& own = data_.world.states()[slot];
   if (found_.votes) trust_.weigh_votes(own, found_.states);
-  Wanted wanted{.shared = &shared, .asked = asked};
+  Wanted wanted{.shared = &shared, .placed = shared.placed, .asked = asked};
   pbd::PoseTarget& target = wanted.target;
   target.body = shared.def.body;
   target.motion = found_.motion;
@@ -132,6 +132,9 @@ void Agreement::aim(Wanted& wanted) {
   SharedBody& shared = *wanted.shared;
   pbd::PoseTarget& target = wanted.target;
   const pbd::BodyState& own = data_.world.states()[shared.def.body.index];
+  // Another body has taken it along to where the leader has both: what it missed before is over.
+  // What is replayed is measured only now.
+  if (!wanted.replayed && wanted.placed != shared.placed) return;
   if (wanted.replayed) {
     const pbd::Correction* const missing = replay_->find(shared.def.body.index);
     if (missing == nullptr) return;

@@ -51,6 +51,7 @@ struct Estimates {
 /// What agreement wants of one body.
 struct Wanted {
   SharedBody* shared = nullptr;
+  unsigned placed = 0;                  ///< of `shared`, when the others were compared with it
   PeerId heaviest = 0;                  ///< who has the most say in it
   bool replayed = false;                ///< where it is to be is the replay's to say
   SessionTime oldest = 0;               ///< ns, stamp of the oldest news

@@ -37,6 +37,7 @@ void Placement::place(SharedBody& shared, const pbd::BodyState& state) {
   data_.world.set_pose(shared.def.body, state.pose);
   data_.world.set_twist(shared.def.body, state.twist);
   data_.history.restart(shared.def.body.index, data_.world);
+  ++shared.placed;
 }
 
 void Placement::give_way(SharedBody& shared, std::span<const Inbox::Received> newest,

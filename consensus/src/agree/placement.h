@@ -13,12 +13,8 @@
 
 namespace tandem::consensus {
 
-/// Puts bodies where others have them, where nothing else brings copies together.
-///
-/// No target is wrong for it. A target of a body that is put somewhere along with another may have
-/// been found before: what is replayed is measured when all bodies have been looked at
-/// (Agreement::aim), and of the rest every target but its rotation_error is a place of the world.
-/// Those are dropped, see Agreement.
+/// Puts bodies where others have them, where nothing else brings copies together. A body that is
+/// taken along by another may have been measured already; Agreement::aim() forgets that.
 class Placement {
  public:
   Placement(PeerData& data, RemoteStates& remote, const Activity& activity)

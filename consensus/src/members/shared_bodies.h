@@ -45,6 +45,7 @@ struct SharedBody {
   bool coupled = false;    ///< held, joined to something or touched by it
   bool joined = false;     ///< taken over from an established peer, as a newcomer does once
   int jumped = 0;          ///< states still to be sent that tell of a jump
+  unsigned placed = 0;     ///< times that it was put somewhere
   SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
   PoseArbiter arbiter = {};
   Initiative initiative = {};
