@@ -11,7 +11,7 @@ endif()
 
 # All modules, whether this build has them or not.
 set(docs_include)
-foreach(module IN ITEMS pbd collision collision/obj consensus net bindings/c)
+foreach(module IN ITEMS pbd collision collision/obj consensus net/virtual_network net bindings/c)
   string(APPEND docs_include " \"${PROJECT_SOURCE_DIR}/${module}/include\"")
 endforeach()
 configure_file("${PROJECT_SOURCE_DIR}/docs/Doxyfile.in" "${PROJECT_BINARY_DIR}/docs/Doxyfile" @ONLY)

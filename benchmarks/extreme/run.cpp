@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "../../demos/session/published_rules.h"
 #include "noise.h"
 
 namespace tandem::extreme_bench {

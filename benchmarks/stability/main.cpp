@@ -23,6 +23,7 @@
 #include <string_view>
 #include <vector>
 
+#include "../../demos/session/published_rules.h"
 #include "copies/measures.h"
 #include "copies/session.h"
 #include "scenes.h"

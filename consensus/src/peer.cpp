@@ -3,11 +3,58 @@
 #include "tandem/consensus/peer.h"
 
 #include <cmath>
+#include <utility>
 
+#include "couple/two_step.h"
 #include "peer_impl.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
+namespace {
+
+/// s: nobody steps so slowly.
+constexpr double kLongestStep = 0.5;
+
+std::unique_ptr<Replay> replay_of(const PeerData& data) {
+  const PeerOptions& options = data.options;
+  // Others' forces pull, and an owner's state is not averaged.
+  const bool averaged =
+      options.coupling == Coupling::OnePass || options.coupling == Coupling::TwoStep;
+  const bool replays =
+      options.predictor == PredictorKind::Replay && options.own_predictor == nullptr;
+  if (!averaged || !replays) return nullptr;
+  return std::make_unique<Replay>(data.world, data.history, data.springs, options.replay);
+}
+
+/// Take over the time of a step, and forget what is of other times.
+void begin_step(PeerData& data, Sender& sender, SessionTime last, SessionTime now) {
+  data.now = now;
+  data.step_dt = last > 0 ? seconds(now - last) : 1.0 / 60.0;
+  if (data.step_dt < 0.0) {  // a clock that was set back: nothing moves, and nobody falls silent
+    data.step_dt = 0.0;
+    sender.restart();
+  }
+  // The clock was set, or nothing was stepped for long.
+  if (now < last || data.step_dt > kLongestStep) data.history.clear();
+  // An instance that nothing has moved yet is known from now on.
+  if (data.history.empty()) data.history.add(now, data.world);
+  data.history.notice(data.world);
+}
+
+/// What a coupling other than the pass does with the targets, before a plain step.
+void average_before_step(PeerData& data, const Agreement& agreement) {
+  const PeerOptions& options = data.options;
+  const bool thresholds = options.coupling == Coupling::TwoStep && options.two_step_thresholds;
+  for (std::size_t i = 0; i < agreement.targets().size(); ++i) {
+    const pbd::PoseTarget& target = agreement.targets()[i];
+    SharedBody& shared = *agreement.targeted()[i];
+    if (!thresholds && rests(data.world, target, data.step_dt, shared.still)) continue;
+    shared.averaged = average_state(data.world, target, data.step_dt, options.two_step_thresholds);
+    data.history.note_agreement(target.body.index, data.world);
+  }
+}
+
+}  // namespace
 
 using pbd::detail::require;
 
@@ -17,7 +64,6 @@ void SendOptions::validate() const {
   };
   require(kbit_per_s == 0.0 || (kbit_per_s >= 8.0 && kbit_per_s <= 1e9), "SendOptions",
           "kbit_per_s", kbit_per_s, "0 or from 8 to 1e9");
-  in("packet_overhead", packet_overhead, 0.0, 1000.0, "from 0 to 1000 bytes");
   in("tolerance", tolerance, 0.0, 1e3, "from 0 to 1000 m");
   require(angle_tolerance > 0.0 && angle_tolerance <= 10.0, "SendOptions", "angle_tolerance",
           angle_tolerance, "above 0 and at most 10 rad");
@@ -44,47 +90,152 @@ void PeerOptions::validate() const {
           spring_timeout, "above 0 and at most 86400 s");
   require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest, "PeerOptions",
           "max_anchor_extrapolation", max_anchor_extrapolation, "from 0 to 86400 s");
-  require(anchor_velocity_filter > 0.0 && std::isfinite(anchor_velocity_filter), "PeerOptions",
-          "anchor_velocity_filter", anchor_velocity_filter, "finite and > 0 s");
 }
+
+Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)
+    : data(world, transport, options),
+      connections(transport, data.stats),
+      replay(replay_of(data)),
+      trust(data),
+      activity(data, trust),
+      receiver(data, connections),
+      ownership(data, connections, activity),
+      remote(data),
+      placement(data, remote, activity),
+      estimator(data, trust, remote, placement),
+      hard(data),
+      agreement(data, replay.get(), trust, estimator, hard),
+      sender(data, connections, activity) {}
 
 Peer::Peer(pbd::World& world, Transport& transport, const PeerOptions& options) {
   options.validate();
   impl_ = std::make_unique<Impl>(world, transport, options);
   world.set_target_source(this);
 }
-Peer::~Peer() { impl_->release_world(this); }
 
-void Peer::share(const ShareDef& def) { impl_->share(def); }
-void Peer::set_owner(const SharedId& id, std::optional<PeerId> owner) {
-  impl_->set_owner(id, owner);
+Peer::~Peer() {
+  // The world must not ask a peer that is gone for targets.
+  pbd::World& world = impl_->data.world;
+  if (world.target_source() == this) world.set_target_source(nullptr);
 }
-void Peer::unshare(const SharedId& id) { impl_->unshare(id); }
-std::optional<SessionTime> Peer::heard(const SharedId& id, PeerId from) const {
-  return impl_->heard(id, from);
+
+void Peer::before_step(SessionTime now) {
+  begin_step(impl_->data, impl_->sender, std::exchange(impl_->last_before, now), now);
+  impl_->receiver.receive();
+  for (const PeerId peer : impl_->receiver.wants_all()) impl_->sender.tell_again(peer);
+  impl_->data.springs.prepare(now);
+  if (impl_->data.options.coupling == Coupling::SingleOwner) {
+    impl_->ownership.update(impl_->receiver.ownership());
+  }
+  impl_->agreement.aggregate();
+  if (!impl_->data.in_pass()) average_before_step(impl_->data, impl_->agreement);
 }
-std::span<const UnknownState> Peer::unknown() const { return impl_->unknown(); }
-GrabId Peer::grab(const GrabDef& def) { return impl_->grab(def); }
-void Peer::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
-  impl_->springs().move(id, anchor_w, now);
+
+void Peer::after_step(SessionTime now) {
+  PeerData& data = impl_->data;
+  data.now = now;
+  if (data.started == 0) data.started = now;
+  const double dt = seconds(now - impl_->last_before);
+  impl_->activity.look();
+  for (std::size_t i = 0; i < data.bodies.size(); ++i) {
+    SharedBody& shared = data.bodies[i];
+    if (!data.world.contains(shared.def.body)) continue;
+    impl_->hard.carry_on(shared, dt);
+    impl_->placement.note_step(shared, dt);
+    impl_->activity.look_at(shared, data.inbox.newest_at(i));
+  }
+  data.history.add(now, data.world);
+  if (impl_->replay != nullptr) impl_->replay->keep();
+  impl_->sender.send();
 }
-void Peer::release(GrabId id) { impl_->springs().release(id, impl_->now()); }
-std::optional<PeerId> Peer::owner(const SharedId& id) const { return impl_->owner(id); }
-bool Peer::held(const SharedId& id) const { return impl_->held(id); }
-void Peer::springs(std::vector<pbd::Tether::Def>& out) const { impl_->springs().pulls(out); }
-void Peer::note_contact(pbd::BodyId a, pbd::BodyId b) { impl_->note_contact(a, b); }
-void Peer::before_step(SessionTime now) { impl_->before_step(now); }
-void Peer::after_step(SessionTime now) { impl_->after_step(now); }
-void Peer::leave(SessionTime now) { impl_->leave(now); }
-const PeerStats& Peer::stats() const { return impl_->stats(); }
-std::span<const PeerReport> Peer::reports() const { return impl_->reports(); }
-void Peer::set_observer(PeerObserver* observer) { impl_->set_observer(observer); }
-void Peer::set_replay_hook(ReplayHook* hook) { impl_->set_replay_hook(hook); }
-void Peer::set_interest(const Interest* interest) { impl_->set_interest(interest); }
 
 void Peer::collect(const pbd::World& /*world*/, double /*dt*/, const pbd::SolverOptions& options,
                    std::vector<pbd::PoseTarget>& out) {
-  impl_->collect(options, out);
+  PeerData& data = impl_->data;
+  if (impl_->replay != nullptr) {
+    impl_->replay->set_solver(options);
+    // Nothing is remembered where the world is stepped before its peer was told of it.
+    if (!data.history.empty()) {
+      data.history.note_inputs(data.world);
+      data.springs.record(data.history.pulls());
+    }
+  }
+  const auto targets = impl_->agreement.targets();
+  if (data.in_pass()) out.insert(out.end(), targets.begin(), targets.end());
 }
+
+void Peer::leave(SessionTime now) {
+  impl_->connections.refresh();
+  impl_->connections.post(Connections::kToAll, Leave{.stamp = now}, Delivery::Reliable);
+}
+
+void Peer::share(const ShareDef& def) {
+  impl_->data.bodies.add(def, impl_->sender.most_bodies());
+  impl_->data.inbox.add_id(def.id);
+}
+
+void Peer::set_owner(const SharedId& id, std::optional<PeerId> owner) {
+  SharedBodies& bodies = impl_->data.bodies;
+  bodies.set_owner(bodies.at(id), owner);
+}
+
+void Peer::unshare(const SharedId& id) {
+  PeerData& data = impl_->data;
+  SharedBody& shared = data.bodies.at(id);
+  data.springs.forget_body(shared.def.body, data.now);
+  data.inbox.remove_id(id);
+  data.bodies.remove(shared);
+  impl_->agreement.clear();
+}
+
+std::optional<PeerId> Peer::owner(const SharedId& id) const {
+  const SharedBody& shared = impl_->data.bodies.at(id);
+  if (!impl_->data.changes_hands(shared)) return shared.def.owner;
+  const PeerId owner = shared.tenure.owner;
+  return owner != 0 ? std::optional(owner) : std::nullopt;
+}
+
+std::optional<SessionTime> Peer::heard(const SharedId& id, PeerId from) const {
+  const Inbox& inbox = impl_->data.inbox;
+  for (const Inbox::Received& received : inbox.newest(id)) {
+    if (received.peer == from) return inbox.holds_until(received);
+  }
+  return std::nullopt;
+}
+
+bool Peer::held(const SharedId& id) const {
+  const SharedBody* const shared = impl_->data.bodies.find(id);
+  return shared != nullptr && impl_->data.springs.holds(shared->def.body);
+}
+
+GrabId Peer::grab(const GrabDef& def) {
+  return impl_->data.springs.grab(def, impl_->data.bodies.at(def.body).def.body);
+}
+
+void Peer::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
+  impl_->data.springs.move(id, anchor_w, now);
+}
+
+const PeerStats& Peer::stats() const {
+  impl_->data.stats.inbox = impl_->data.inbox.totals();
+  return impl_->data.stats;
+}
+
+std::span<const PeerReport> Peer::reports() const {
+  PeerData& data = impl_->data;
+  for (PeerReport& report : data.reports) report.inbox = data.inbox.counters(report.peer);
+  return data.reports;
+}
+
+void Peer::set_replay_hook(ReplayHook* hook) {
+  if (impl_->replay != nullptr) impl_->replay->set_hook(hook);
+}
+
+void Peer::release(GrabId id) { impl_->data.springs.release(id, impl_->data.now); }
+void Peer::springs(std::vector<pbd::Tether::Def>& out) const { impl_->data.springs.pulls(out); }
+void Peer::note_contact(pbd::BodyId a, pbd::BodyId b) { impl_->activity.note_contact(a, b); }
+std::span<const UnknownState> Peer::unknown() const { return impl_->receiver.unknown(); }
+void Peer::set_observer(PeerObserver* observer) { impl_->remote.set_observer(observer); }
+void Peer::set_interest(const Interest* interest) { impl_->sender.set_interest(interest); }
 
 }  // namespace tandem::consensus

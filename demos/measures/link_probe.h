@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tandem/consensus/virtual_link.h"
+#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos {
 

@@ -42,7 +42,7 @@ class Session {
         replay_(replayed_inputs(options)),
         network_(make_network(options, scene_hash(scenario.build({})))),
         view_(scenario.build({})),
-        rendezvous_(network_->transport(), view_, options.peer_options().dating),
+        rendezvous_(network_->transport(), view_, options.peer_options().timestamps),
         trace_(open_trace(scenario, options, options.peer_id, number_of(options), rendezvous_)),
         participant_(scenario, options, options.peer_id, number_of(options),
                      trace_ ? trace_->transport() : rendezvous_),

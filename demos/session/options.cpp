@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "session/option_values.h"
+#include "session/published_rules.h"
 
 namespace tandem::demos {
 
@@ -287,7 +288,7 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
 consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   consensus::PeerOptions result;
   result.update_hz = update_hz;
-  if (timeline == Timeline::None) result.dating = consensus::Dating::Receipt;
+  if (timeline == Timeline::None) result.timestamps = consensus::TimestampSource::Arrival;
   if (compact) result.sending.format = consensus::StateFormat::Compact;
   result.sending.kbit_per_s = budget;
   result.sending.tolerance = tolerance;

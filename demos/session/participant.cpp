@@ -14,19 +14,13 @@
 #include "scenes/random.h"
 #include "scenes/replay.h"
 #include "session/geometry.h"
+#include "tandem/pbd/cpu_timer.h"
 
 namespace tandem::demos {
 
 namespace {
 
 constexpr std::uint64_t kLookEvery = 5;  // steps between two looks at penetration and faults
-
-/// CPU time of the calling thread.
-double thread_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Who alone moves the body; nobody where all do.
 std::optional<consensus::PeerId> owner_of(const DemoOptions& options, const SceneBody& body) {
@@ -88,8 +82,8 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       physics_(options.ablation.around(make_physics(
           options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
       // In virtual time all but the peers' own times are true ones.
-      signals_(transport,
-               options.over_network() ? options.peer_options().dating : consensus::Dating::Stamp),
+      signals_(transport, options.over_network() ? options.peer_options().timestamps
+                                                 : consensus::TimestampSource::Sender),
       referee_(scenario.make_referee(scene_)),
       clock_ahead_(clock_ahead(options, number)) {
   record_.id = id;
@@ -190,10 +184,10 @@ void Participant::begin(consensus::SessionTime now) {
   // Two-step coupling moves bodies before the step.
   moved_.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
-  const double cpu_before = thread_cpu_s();
+  const double cpu_before = pbd::thread_cpu_seconds();
   peer_->before_step(now + clock_ahead_);
   if (pull_) pull_->pull(now + clock_ahead_);
-  record_.cpu_s += thread_cpu_s() - cpu_before;
+  record_.cpu_s += pbd::thread_cpu_seconds() - cpu_before;
   if (watch_ != nullptr) watch_->told();
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];
   if (!has_exchanged() && peer_->stats().updates_received > 0) record_.first_exchange = now;
@@ -203,9 +197,9 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   using Clock = std::chrono::steady_clock;
   if (watch_ != nullptr) watch_->step(end);
   const Clock::time_point before = Clock::now();
-  const double cpu_before = thread_cpu_s();
+  const double cpu_before = pbd::thread_cpu_seconds();
   const pbd::StepReport& report = physics_->step(scene_, *peer_, seconds_of(end - now));
-  record_.cpu_s += thread_cpu_s() - cpu_before;
+  record_.cpu_s += pbd::thread_cpu_seconds() - cpu_before;
   const std::chrono::duration<double> elapsed = Clock::now() - before;
   if (watch_ != nullptr) watch_->solved();
   last_step_s_ = elapsed.count();
@@ -224,9 +218,9 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 
 void Participant::finish(consensus::SessionTime now) {
   if (watch_ != nullptr) watch_->finish(now);
-  const double cpu_before = thread_cpu_s();
+  const double cpu_before = pbd::thread_cpu_seconds();
   peer_->after_step(now + clock_ahead_);
-  record_.cpu_s += thread_cpu_s() - cpu_before;
+  record_.cpu_s += pbd::thread_cpu_seconds() - cpu_before;
   if (watch_ != nullptr) watch_->sent();
 }
 

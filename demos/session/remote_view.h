@@ -22,7 +22,7 @@ class RemoteView {
   explicit RemoteView(const Scene& scene);
 
   /// Look at a packet. What does not decode is passed over: refusing it is the session's business.
-  /// @param arrival  given: stamps are read by it, as with consensus::Dating::Receipt
+  /// @param arrival  given: stamps are read by it, as with consensus::TimestampSource::Arrival
   void look(consensus::PeerId from, std::span<const std::byte> packet,
             const std::optional<consensus::Arrival>& arrival = {});
   /// The peer's process is gone: its users hold nothing more.

@@ -49,7 +49,7 @@ void Rendezvous::drain(std::vector<consensus::Packet>& out) {
   SideChannel::drain(out);
   for (std::size_t i = first; i < out.size(); ++i) {
     std::optional<consensus::Arrival> arrival;
-    if (dating_ == consensus::Dating::Receipt) {
+    if (timestamps_ == consensus::TimestampSource::Arrival) {
       arrival = consensus::arrival_of(out[i], company_, now_);
     }
     view_.look(out[i].from, out[i].bytes, arrival);
@@ -62,7 +62,7 @@ bool Rendezvous::hear(const consensus::Packet& packet) {
   if (in.u32() != kHelloMagic) return false;
   consensus::SessionTime epoch = in.i64();
   const consensus::SessionTime said = in.i64();
-  if (epoch != 0 && dating_ == consensus::Dating::Receipt) {
+  if (epoch != 0 && timestamps_ == consensus::TimestampSource::Arrival) {
     const consensus::Arrival at = consensus::arrival_of(packet, company_, now_);
     epoch =
         consensus::shifted(epoch, consensus::SenderClocks::guess(said, at.received, at.round_trip));

@@ -23,10 +23,10 @@ namespace tandem::demos {
 class Rendezvous final : public SideChannel {
  public:
   /// Both must outlive it.
-  /// @param dating  by what the times of others are read
+  /// @param timestamps  by what the times of others are read
   Rendezvous(consensus::Transport& inner, RemoteView& view,
-             consensus::Dating dating = consensus::Dating::Stamp)
-      : SideChannel(inner), view_(view), dating_(dating) {}
+             consensus::TimestampSource timestamps = consensus::TimestampSource::Sender)
+      : SideChannel(inner), view_(view), timestamps_(timestamps) {}
 
   /// Speak where it is time, and decide. @param now  session time, ns
   void update(consensus::SessionTime now);
@@ -45,7 +45,7 @@ class Rendezvous final : public SideChannel {
   void say(consensus::PeerId to);
 
   RemoteView& view_;
-  consensus::Dating dating_;
+  consensus::TimestampSource timestamps_;
   std::vector<consensus::PeerStatus> company_;  ///< at the last update()
   std::optional<consensus::SessionTime> epoch_;
   std::map<consensus::PeerId, consensus::SessionTime> heard_;  ///< epoch of each peer; 0 = none

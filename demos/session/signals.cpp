@@ -61,13 +61,13 @@ bool Signals::hear(const consensus::Packet& packet) {
 
 consensus::SessionTime Signals::dated(const consensus::Packet& packet, consensus::SessionTime time,
                                       consensus::SessionTime said) const {
-  if (dating_ == consensus::Dating::Stamp) return time;
+  if (timestamps_ == consensus::TimestampSource::Sender) return time;
   const consensus::Arrival at = consensus::arrival_of(packet, peers(), now_);
   return consensus::shifted(time, consensus::SenderClocks::guess(said, at.received, at.round_trip));
 }
 
 bool Signals::knows(const Signal& signal) const {
-  if (dating_ == consensus::Dating::Stamp) return false;  // the same time then
+  if (timestamps_ == consensus::TimestampSource::Sender) return false;  // the same time then
   return std::any_of(known_.begin(), known_.end(), [&](const Signal& known) {
     return known.code == signal.code && known.time - signal.time < kSameSignal &&
            signal.time - known.time < kSameSignal;

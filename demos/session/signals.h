@@ -24,10 +24,12 @@ class Signals final : public SideChannel, public SignalSink {
   static constexpr consensus::SessionTime kSameSignal = 2'000'000'000;  ///< ns
 
   /// Must outlive it.
-  /// @param dating  by what the times of others are read: on receipt, what waited for its link is
+  /// @param timestamps  by what the times of others are read: on receipt, what waited for its link
+  /// is
   ///   as late, and what two peers tell within kSameSignal is one signal
-  explicit Signals(consensus::Transport& inner, consensus::Dating dating = consensus::Dating::Stamp)
-      : SideChannel(inner), dating_(dating) {}
+  explicit Signals(consensus::Transport& inner,
+                   consensus::TimestampSource timestamps = consensus::TimestampSource::Sender)
+      : SideChannel(inner), timestamps_(timestamps) {}
 
   /// Tell newcomers. @param now  ns, session time
   void update(consensus::SessionTime now);
@@ -48,7 +50,7 @@ class Signals final : public SideChannel, public SignalSink {
       return a.time != b.time ? a.time < b.time : a.code < b.code;
     }
   };
-  consensus::Dating dating_;
+  consensus::TimestampSource timestamps_;
   std::set<Signal, InTime> known_;
   std::set<Signal, InTime> taken_;
   std::map<consensus::PeerId, std::size_t> told_;  ///< new ones, by who told them first

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tandem/consensus/budget.h"
+#include "tandem/pbd/token_bucket.h"
 
 namespace tandem::net {
 
@@ -34,12 +34,12 @@ class MemberBudget {
     bytes_.spend(static_cast<double>(bytes));
   }
   std::uint64_t refused() const { return messages_.refused() + bytes_.refused(); }
-  /// Over it again and again for as long as consensus::Budget::kPatience.
+  /// Over it again and again for as long as pbd::TokenBucket::kPatience.
   bool abused() const { return messages_.abused() || bytes_.abused(); }
 
  private:
-  consensus::Budget messages_{kMessages, kMessagesAtOnce};
-  consensus::Budget bytes_{kBytes, kBytesAtOnce};
+  pbd::TokenBucket messages_{kMessages, kMessagesAtOnce};
+  pbd::TokenBucket bytes_{kBytes, kBytesAtOnce};
 };
 
 }  // namespace tandem::net

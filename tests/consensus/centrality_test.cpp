@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "../../consensus/src/votes.h"
+#include "../../consensus/src/agree/votes.h"
 #include "consensus/random.h"
 #include "support/catch.h"
 

@@ -39,8 +39,8 @@ Bytes everything() {
   Bytes bytes;
   encode_compact(states, 3, 4096, bytes);
   const std::vector<SharedId> ids = {{1, 2}, {3, 4}};
-  encode_names(3, 10, ids, bytes);
-  encode(NamesWanted{4}, bytes);
+  encode_indices(3, 10, ids, bytes);
+  encode(IndicesWanted{4}, bytes);
   encode(Alive{5}, bytes);
   SpringUpdate spring = some_spring(dice);
   std::vector<SpringUpdate> others;
@@ -70,14 +70,14 @@ Bytes record(const std::vector<std::pair<std::uint64_t, unsigned>>& fields, unsi
 CodecResult decoded(const Bytes& bytes) {
   DecodedPacket packet;
   packet.compact.resize(3);
-  packet.names.resize(2);
+  packet.assignments.resize(2);
   packet.anchors.resize(2);
   packet.alive.resize(1);
-  packet.names_wanted.resize(1);
+  packet.indices_wanted.resize(1);
   const CodecResult result = decode(bytes, packet);
   if (!result.ok()) {
-    CHECK((packet.compact.empty() && packet.names.empty() && packet.anchors.empty() &&
-           packet.alive.empty() && packet.names_wanted.empty()));
+    CHECK((packet.compact.empty() && packet.assignments.empty() && packet.anchors.empty() &&
+           packet.alive.empty() && packet.indices_wanted.empty()));
   }
   return result;
 }
@@ -180,7 +180,7 @@ TEST_CASE("compact: records that cannot be are refused by name", "[consensus][fa
 TEST_CASE("compact: names of nothing and beyond the last index are refused", "[consensus][fault]") {
   const std::vector<SharedId> ids = {{1, 2}, {3, 4}};
   Bytes bytes;
-  encode_names(3, 65534, ids, bytes);
+  encode_indices(3, 65534, ids, bytes);
   CHECK(decoded(bytes).ok());
   bytes[10] = std::byte{0xff};  // first = 65535
   CHECK(decoded(bytes).fault == PacketFault::BadId);
@@ -240,7 +240,7 @@ TEST_CASE("compact: whatever mutated bytes hold, what comes out is within bounds
       REQUIRE(anchor.anchor_w.norm() < 1e7);
       REQUIRE(anchor.anchor_velocity.norm() < 1e5);
     }
-    for (const NameUpdate& name : packet.names) REQUIRE(name.id.valid());
+    for (const IndexAssignment& name : packet.assignments) REQUIRE(name.id.valid());
   }
   CHECK(accepted > 10000);
   CHECK(refusals > 10000);

@@ -249,19 +249,19 @@ TEST_CASE("compact: names, requests and signs of life survive the round trip", "
   std::vector<SharedId> ids;
   for (int i = 0; i < 50; ++i) ids.push_back({dice.bits(), dice.bits() | 1});
   Bytes bytes;
-  encode_names(9, 65486, ids, bytes);
-  encode(NamesWanted{77}, bytes);
+  encode_indices(9, 65486, ids, bytes);
+  encode(IndicesWanted{77}, bytes);
   encode(Alive{-123}, bytes);
   DecodedPacket packet;
   REQUIRE(decode(bytes, packet).ok());
-  REQUIRE(packet.names.size() == 50);
+  REQUIRE(packet.assignments.size() == 50);
   for (std::size_t i = 0; i < 50; ++i) {
-    CHECK(packet.names[i].table == 9);
-    CHECK(packet.names[i].index == 65486 + i);
-    CHECK(packet.names[i].id == ids[i]);
+    CHECK(packet.assignments[i].table == 9);
+    CHECK(packet.assignments[i].index == 65486 + i);
+    CHECK(packet.assignments[i].id == ids[i]);
   }
-  REQUIRE(packet.names_wanted.size() == 1);
-  CHECK(packet.names_wanted[0].table == 77);
+  REQUIRE(packet.indices_wanted.size() == 1);
+  CHECK(packet.indices_wanted[0].table == 77);
   REQUIRE(packet.alive.size() == 1);
   CHECK(packet.alive[0].stamp == -123);
 }
@@ -336,13 +336,13 @@ TEST_CASE("compact: anchors are cut where the packet ends, and none is lost", "[
 TEST_CASE("compact: names fill what there is room for", "[consensus]") {
   const std::vector<SharedId> ids(40, SharedId{1, 2});
   for (std::size_t room = 0; room < 600; ++room) {
-    const std::size_t count = names_in(room);
+    const std::size_t count = indices_in(room);
     Bytes bytes;
-    encode_names(1, 0, std::span(ids).first(count + 1), bytes);
+    encode_indices(1, 0, std::span(ids).first(count + 1), bytes);
     REQUIRE(bytes.size() > room);
     if (count == 0) continue;
     bytes.clear();
-    encode_names(1, 0, std::span(ids).first(count), bytes);
+    encode_indices(1, 0, std::span(ids).first(count), bytes);
     REQUIRE(bytes.size() <= room);
   }
 }

@@ -4,6 +4,7 @@
 // What one-pass is compared with: two steps as published, none.
 #include <cmath>
 
+#include "../../demos/session/published_rules.h"
 #include "consensus/peer_fixture.h"
 #include "consensus/stub_transport.h"
 #include "support/catch.h"

@@ -45,7 +45,7 @@ struct Stream {
   }
 };
 
-TEST_CASE("dating: stamps of a steady link are dated exactly, but for half the asymmetry",
+TEST_CASE("timestamps: stamps of a steady link are dated exactly, but for half the asymmetry",
           "[consensus][analytic]") {
   Stream steady;
   Stream uneven{.there = 0.04, .back = 0.02};
@@ -55,7 +55,7 @@ TEST_CASE("dating: stamps of a steady link are dated exactly, but for half the a
   }
 }
 
-TEST_CASE("dating: jitter is filtered, drift followed, and what is between stamps kept",
+TEST_CASE("timestamps: jitter is filtered, drift followed, and what is between stamps kept",
           "[consensus]") {
   Stream stream{.jitter = 0.005, .drift = 1e-4};
   double worst = 0.0;
@@ -73,8 +73,9 @@ TEST_CASE("dating: jitter is filtered, drift followed, and what is between stamp
   CHECK(worst < 1.5e-3);
 }
 
-TEST_CASE("dating: what was stuck on its way moves nothing, a clock that was set is found again",
-          "[consensus]") {
+TEST_CASE(
+    "timestamps: what was stuck on its way moves nothing, a clock that was set is found again",
+    "[consensus]") {
   Stream stream;
   for (int i = 0; i < 120; ++i) stream.send();
   for (int i = 0; i < 30; ++i) CHECK(stream.send(3.0 - kTick * i) == Approx(0.0).margin(1e-8));
@@ -86,7 +87,7 @@ TEST_CASE("dating: what was stuck on its way moves nothing, a clock that was set
   }
 }
 
-TEST_CASE("dating: no number that is sent overflows", "[consensus][fault]") {
+TEST_CASE("timestamps: no number that is sent overflows", "[consensus][fault]") {
   constexpr SessionTime kLeast = std::numeric_limits<SessionTime>::min();
   constexpr SessionTime kMost = std::numeric_limits<SessionTime>::max();
   const std::vector<SessionTime> stamps = {-kMaxStamp, kMaxStamp, 0, kStart, -1, kMaxStamp - 1};
@@ -116,7 +117,8 @@ struct Outcome {
 
 /// Three peers, one of whom carries a ball around at 0.9 m/s.
 /// @param hours  between their clocks, which drift by 100 ppm then
-Outcome carry(const LinkOptions& there, const LinkOptions& back, Dating dating, double hours) {
+Outcome carry(const LinkOptions& there, const LinkOptions& back, TimestampSource timestamps,
+              double hours) {
   Crowd crowd(there);
   crowd.build = build_table;
   const double slowest = -1e-4;
@@ -127,7 +129,7 @@ Outcome carry(const LinkOptions& there, const LinkOptions& back, Dating dating, 
     crowd.network.transport(id);
     crowd.network.set_clock(id, ahead, 1e6 * drift);
     PeerOptions options;
-    options.dating = dating;
+    options.timestamps = timestamps;
     crowd.add(id, options).clock = [=](SessionTime time) {
       return time + ahead + std::llround(drift * static_cast<double>(time - kStart));
     };
@@ -144,7 +146,7 @@ Outcome carry(const LinkOptions& there, const LinkOptions& back, Dating dating, 
   };
   crowd.run(3.0);
   for (const auto& member : crowd.members) {
-    if (dating == Dating::Receipt || hours == 0.0) CHECK(member->tethers() == 1);
+    if (timestamps == TimestampSource::Arrival || hours == 0.0) CHECK(member->tethers() == 1);
   }
   Outcome out;
   crowd.after = [&](Member&) { out.apart = std::max(out.apart, spread(crowd, kCarried)); };
@@ -157,11 +159,11 @@ Outcome carry(const LinkOptions& there, const LinkOptions& back, Dating dating, 
   return out;
 }
 
-TEST_CASE("dating: with clocks hours apart copies agree as with a common one", "[consensus]") {
+TEST_CASE("timestamps: with clocks hours apart copies agree as with a common one", "[consensus]") {
   const int profile = GENERATE(1, 3, 5);
   const LinkOptions link = network_profile(profile);
-  const Outcome common = carry(link, link, Dating::Stamp, 0.0);
-  const Outcome received = carry(link, link, Dating::Receipt, 3.0);
+  const Outcome common = carry(link, link, TimestampSource::Sender, 0.0);
+  const Outcome received = carry(link, link, TimestampSource::Arrival, 3.0);
   INFO("profile " << profile << ": " << 1e3 * common.apart << " mm, " << 1e3 * received.apart
                   << " mm on receipt; settled " << 1e3 * common.settled << ", "
                   << 1e3 * received.settled);
@@ -169,16 +171,16 @@ TEST_CASE("dating: with clocks hours apart copies agree as with a common one", "
   CHECK(received.apart < 1.05 * common.apart + 1e-3);
   CHECK(received.settled < common.settled + 1e-3);
   // Else nothing is shown by it.
-  CHECK(carry(link, link, Dating::Stamp, 3.0).apart > 0.05);
+  CHECK(carry(link, link, TimestampSource::Sender, 3.0).apart > 0.05);
 }
 
-TEST_CASE("dating: unequal ways cost half of their difference in time", "[consensus]") {
+TEST_CASE("timestamps: unequal ways cost half of their difference in time", "[consensus]") {
   LinkOptions there;
   there.latency = 0.06;
   LinkOptions back;
   back.latency = 0.02;
-  const Outcome common = carry(there, back, Dating::Stamp, 0.0);
-  const Outcome received = carry(there, back, Dating::Receipt, 3.0);
+  const Outcome common = carry(there, back, TimestampSource::Sender, 0.0);
+  const Outcome received = carry(there, back, TimestampSource::Arrival, 3.0);
   INFO(1e3 * common.apart << " mm, " << 1e3 * received.apart << " mm on receipt");
   // 20 ms at 0.9 m/s, and at 2.7 m/s^2 over the spring's 0.1 s.
   CHECK(received.apart < common.apart + 0.02 * (0.9 + 0.27));
@@ -186,12 +188,13 @@ TEST_CASE("dating: unequal ways cost half of their difference in time", "[consen
   CHECK(received.settled < 2e-3);
 }
 
-TEST_CASE("dating: farewells and silence end what a peer with another clock held", "[consensus]") {
+TEST_CASE("timestamps: farewells and silence end what a peer with another clock held",
+          "[consensus]") {
   const bool says_so = GENERATE(true, false);
   Crowd crowd(network_profile(4));
   crowd.build = build_table;
   PeerOptions options;
-  options.dating = Dating::Receipt;
+  options.timestamps = TimestampSource::Arrival;
   for (PeerId id = 1; id <= 3; ++id) {
     const SessionTime ahead = static_cast<SessionTime>(id - 1) * kHour;
     crowd.network.transport(id);

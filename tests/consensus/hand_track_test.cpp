@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Internal: where a user's hand may go from where it was.
-#include "../../consensus/src/hand_track.h"
+#include "../../consensus/src/input/hand_track.h"
 
 #include <cmath>
 #include <numbers>

@@ -12,7 +12,7 @@
 #include "consensus/stub_transport.h"
 #include "consensus/updates.h"
 #include "support/catch.h"
-#include "tandem/consensus/budget.h"
+#include "tandem/pbd/token_bucket.h"
 
 namespace tandem::consensus::member_budget_test {
 namespace {
@@ -85,7 +85,7 @@ struct Target {
 
 TEST_CASE("budget: so much a second, so much at once, and abuse is what goes on", "[consensus]") {
   constexpr SessionTime kSecond = 1'000'000'000;
-  Budget budget(10.0, 5.0);
+  pbd::TokenBucket budget(10.0, 5.0);
   int admitted = 0;
   for (int i = 0; i < 100; ++i) {
     if (!budget.admits(0)) continue;

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "tandem/consensus/virtual_link.h"
+#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::consensus::testing {
 

@@ -54,6 +54,52 @@ TEST_CASE("resync: an assembly that cannot get through is put there whole, by th
   CHECK(stretched < 0.1);
 }
 
+/// Passes a peer's targets on, and looks how far they are from bodies that were just put somewhere.
+class TargetsOfPlaced final : public pbd::TargetSource {
+ public:
+  explicit TargetsOfPlaced(Peer& peer) : peer_(peer) {}
+  double farthest = 0.0;  ///< m
+
+  void collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
+               std::vector<pbd::PoseTarget>& out) override {
+    const std::size_t before = out.size();
+    peer_.collect(world, dt, options, out);
+    const std::uint64_t placed = peer_.stats().bodies_placed;
+    for (std::size_t i = before; i < out.size() && placed > seen_; ++i) {
+      const Vec3& x = world.pose(out[i].body).position;
+      farthest = std::max(farthest, (out[i].pose.position - x).norm());
+    }
+    seen_ = placed;
+  }
+
+ private:
+  Peer& peer_;
+  std::uint64_t seen_ = 0;
+};
+
+TEST_CASE("resync: what is put somewhere along with another is not drawn back", "[consensus]") {
+  // Looked at in the order of their ids. The first is held and gives way to nobody, so that it has
+  // a target already when the second is put elsewhere and takes it along.
+  const std::size_t first = SharedId::from_name("a") < SharedId::from_name("b") ? 0 : 1;
+  Crowd crowd(network_profile(1));
+  crowd.build = [](Member& member) {
+    build_rod(member, member.transport.self() == 1 ? 0.26 : -0.26);
+  };
+  Member& leader = crowd.add(1, {.authority_ramp = 0.0});
+  Member& follower = crowd.add(2, {.authority_ramp = 0.0});
+  leader.peer->grab({.body = leader.bodies[first].id,
+                     .anchor_w = leader.x(first),
+                     .stiffness = 1.0,
+                     .damping = 1.0});
+  TargetsOfPlaced targets(*follower.peer);
+  follower.world->set_target_source(&targets);
+  crowd.run(5.0);
+  follower.world->set_target_source(nullptr);
+  CHECK(follower.peer->stats().bodies_placed >= 2);
+  CHECK(spread(crowd, 0) < 1e-3);
+  CHECK(targets.farthest < 0.01);
+}
+
 TEST_CASE("resync: the fewer give way, whatever their ids", "[consensus]") {
   const PeerId odd = GENERATE(PeerId{1}, PeerId{3});
   Crowd crowd(network_profile(3));

@@ -264,7 +264,7 @@ TEST_CASE("sending: an index never means another body than it was given to", "[c
   };
   const auto names = [&](std::uint32_t table, std::uint16_t first, std::vector<SharedId> ids) {
     std::vector<std::byte> bytes;
-    encode_names(table, first, ids, bytes);
+    encode_indices(table, first, ids, bytes);
     transport.inbox.push_back({1, bytes});
   };
   const auto heard = [&](int i) { return peer.heard(id_of(i), 1).has_value(); };
@@ -300,7 +300,7 @@ TEST_CASE("sending: an index never means another body than it was given to", "[c
   DecodedPacket packet;
   for (const auto& bytes : transport.posted) {
     REQUIRE(decode(bytes, packet).ok());
-    asked += static_cast<int>(packet.names_wanted.size());
+    asked += static_cast<int>(packet.indices_wanted.size());
   }
   CHECK((asked >= 1 && asked <= 3));
 }

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "tandem/consensus/virtual_link.h"
-
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -10,6 +8,7 @@
 
 #include "consensus/network_fixture.h"
 #include "support/catch.h"
+#include "tandem/virtual_network/virtual_network.h"
 
 namespace virtual_link_test {
 

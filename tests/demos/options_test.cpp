@@ -220,10 +220,12 @@ TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
   CHECK(refusal({"--clock", "system"}) == "--clock system needs --listen or --connect");
   CHECK(refusal({"--listen", "1", "--clock", "none"}) ==
         "--clock none needs --key or --insecure over a network");
-  CHECK(parse({"--listen", "1", "--key", "k", "--clock", "none"}).peer_options().dating ==
-        consensus::Dating::Receipt);
-  CHECK(parse({"--clock", "none"}).peer_options().dating == consensus::Dating::Receipt);
-  CHECK(parse({"--clock", "spread=3"}).peer_options().dating == consensus::Dating::Stamp);
+  CHECK(parse({"--listen", "1", "--key", "k", "--clock", "none"}).peer_options().timestamps ==
+        consensus::TimestampSource::Arrival);
+  CHECK(parse({"--clock", "none"}).peer_options().timestamps ==
+        consensus::TimestampSource::Arrival);
+  CHECK(parse({"--clock", "spread=3"}).peer_options().timestamps ==
+        consensus::TimestampSource::Sender);
   CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
   CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
         "--insecure has no meaning with --key");

@@ -7,8 +7,8 @@
 #include "scenes/cubes.h"
 #include "session/remote_view.h"
 #include "support/catch.h"
-#include "tandem/consensus/virtual_link.h"
 #include "tandem/pbd/bytes.h"
+#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos::rendezvous_test {
 namespace {
@@ -25,8 +25,8 @@ Scene small_scene() {
 
 struct Node {
   Node(consensus::VirtualNetwork& network, consensus::PeerId id, const Scene& scene,
-       consensus::Dating dating = consensus::Dating::Stamp)
-      : view(scene), rendezvous(network.transport(id), view, dating) {}
+       consensus::TimestampSource timestamps = consensus::TimestampSource::Sender)
+      : view(scene), rendezvous(network.transport(id), view, timestamps) {}
   void poll(SessionTime now) {
     rendezvous.drain(packets);
     rendezvous.update(now);
@@ -72,8 +72,8 @@ TEST_CASE("rendezvous: without a common time the epoch is one moment all the sam
   constexpr SessionTime kAhead = 7'200'000 * kMs;
   for (consensus::PeerId id = 1; id <= 2; ++id) network.transport(id);
   network.set_clock(2, kAhead);
-  Node a(network, 1, scene, consensus::Dating::Receipt);
-  Node b(network, 2, scene, consensus::Dating::Receipt);
+  Node a(network, 1, scene, consensus::TimestampSource::Arrival);
+  Node b(network, 2, scene, consensus::TimestampSource::Arrival);
   for (SessionTime now = 0; now < 3000 * kMs; now += 16 * kMs) {
     network.advance_to(now);
     // Round trips are those of states.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "consensus/peer_fixture.h"
+#include "session/published_rules.h"
 #include "support/bodies.h"
 #include "support/catch.h"
 

@@ -46,6 +46,9 @@ consumer consensus "$prefix" fcl ccd octomap tinyobjloader Asio
 without consensus FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 without consensus Asio "$asio"
 
+consumer virtual_network "$prefix" fcl ccd octomap tinyobjloader Asio
+without virtual_network Asio "$asio"
+
 consumer collision "$prefix" tinyobjloader Asio
 without collision Asio "$asio"
 without collision tinyobjloader "$obj"
@@ -65,7 +68,7 @@ without c Asio "$asio"
 
 # The same without CMake, and from a tree that was moved.
 mv "$prefix" "$scratch/moved"
-for component in pbd collision obj consensus net c; do
+for component in pbd collision obj consensus virtual_network net c; do
   source=$here/$component.cpp
   language=(c++ -std=c++20 -Wno-missing-field-initializers)
   if [[ $component == c ]]; then

@@ -13,7 +13,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh" shared shared "$@"
 users=$root/build/release
 [[ -x $users/bin/pbd_test ]] || fail "preset release has not been built"
 
-cmake --build "$build" --target tandem_net tandem_obj c_test
+cmake --build "$build" --target tandem_net tandem_virtual_network tandem_obj c_test
 ctest --test-dir "$build" -R '^c_test$' --no-tests=error --output-on-failure
 
 prefix=$scratch/prefix
@@ -65,7 +65,7 @@ for compiler in c++ clang++; do
     "$compiler" -std=c++20 -O1 -fvisibility=hidden -fvisibility-inlines-hidden $link \
       "$here/shared.cpp" -o "$scratch/shared" -I"$root/tests" \
       $(PKG_CONFIG_PATH=$folder/pkgconfig pkg-config --cflags --libs tandem-net \
-        tandem-obj) -Wl,-rpath,"$folder" || fail "$compiler does not build it"
+        tandem-virtual_network tandem-obj) -Wl,-rpath,"$folder" || fail "$compiler does not build it"
     "$scratch/shared" >"$scratch/log" ||
       fail_with_log "types or exceptions do not get through ($compiler $link)"
   done
@@ -79,7 +79,7 @@ done
 # By pkg-config likewise: of other packages' files there is Eigen's alone.
 mkdir "$scratch/pc"
 cp "$folder"/pkgconfig/*.pc "$(pkg-config --variable=pcfiledir eigen3)/eigen3.pc" "$scratch/pc"
-for component in pbd collision obj consensus net c; do
+for component in pbd collision obj consensus virtual_network net c; do
   PKG_CONFIG_LIBDIR=$scratch/pc pkg-config --cflags --libs "tandem-$component" >"$scratch/log" 2>&1 ||
     fail_with_log "tandem-$component wants more than Eigen"
 done

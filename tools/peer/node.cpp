@@ -96,7 +96,7 @@ class Node {
         meetings_(config, *network_, log),
         words_(network_->transport()),
         trace_(open_trace(scenario, config.session, config.session.peer_id, number(), words_)),
-        signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().dating),
+        signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().timestamps),
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
     peer_.set_observer(&divergence_);

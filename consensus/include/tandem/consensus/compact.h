@@ -51,17 +51,17 @@ TANDEM_API std::size_t encode_anchors(std::span<const SpringUpdate> springs, std
                                       std::vector<SpringUpdate>& others,
                                       std::vector<std::byte>& out);
 
-inline constexpr std::size_t kNamesHeaderBytes = kHeaderBytes + 4 + 2;  ///< table, first index
+inline constexpr std::size_t kIndicesHeaderBytes = kHeaderBytes + 4 + 2;  ///< table, first index
 inline constexpr std::size_t kIdBytes = 16;
 /// Ids that fit into a message of so many bytes; 0 where none does.
-constexpr std::size_t names_in(std::size_t bytes) {
-  return bytes < kNamesHeaderBytes ? 0 : (bytes - kNamesHeaderBytes) / kIdBytes;
+constexpr std::size_t indices_in(std::size_t bytes) {
+  return bytes < kIndicesHeaderBytes ? 0 : (bytes - kIndicesHeaderBytes) / kIdBytes;
 }
 /// Append a message with the names of consecutive indices. @pre 1 to kMaxRecords ids, none zero;
 /// first + ids.size() <= 65536
-TANDEM_API void encode_names(std::uint32_t table, std::uint16_t first,
-                             std::span<const SharedId> ids, std::vector<std::byte>& out);
-TANDEM_API void encode(const NamesWanted& wanted, std::vector<std::byte>& out);
+TANDEM_API void encode_indices(std::uint32_t table, std::uint16_t first,
+                               std::span<const SharedId> ids, std::vector<std::byte>& out);
+TANDEM_API void encode(const IndicesWanted& wanted, std::vector<std::byte>& out);
 TANDEM_API void encode(const Alive& alive, std::vector<std::byte>& out);
 
 }  // namespace tandem::consensus

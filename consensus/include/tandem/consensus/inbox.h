@@ -127,7 +127,6 @@ class TANDEM_API Inbox {
 
   SessionTime max_age_ns_;
   SessionTime max_future_ns_;
-  SessionTime teleport_interval_ns_;
   PlausibilityOptions plausibility_;
   std::vector<Body> bodies_;  ///< by id
   std::vector<Peer> peers_;   ///< by id

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "tandem/consensus/coupling.h"
 #include "tandem/consensus/inbox.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/consensus/predictor.h"
@@ -34,18 +33,32 @@ enum class InputMode : std::uint8_t {
   Hard,
 };
 
+/// What remote states do to the bodies here. OnePass is what this library is about; the others are
+/// what it is compared with, on the same engine and behind the same prediction and rules of
+/// influence. Bodies that have an owner from the start (ShareDef::owner) follow their owner in all
+/// of them: like a user's spring they are an input, not a matter of agreement.
+enum class Coupling : std::uint8_t {
+  OnePass,  ///< remote states are targets in the solver's pass
+  TwoStep,  ///< the paper's scheme: average first, [friston] Secs. 4.2 and 4.6, then a plain step
+  None,     ///< states are sent and never used: what copies do that only users' springs join
+  /// Transactional: a body belongs to one peer, the others put it where its owner has it. It passes
+  /// to whoever acts on it last, by a request and a grant, a round trip after the act; what nobody
+  /// has asked for is the lowest id's.
+  SingleOwner,
+};
+
 enum class StateFormat : std::uint8_t {
   Full,     ///< as StateUpdate has it, 93 bytes
   Compact,  ///< rounded, about 27 bytes where a body moves and 14 where it rests, see compact.h
 };
 
 /// What stamps of others are read by.
-enum class Dating : std::uint8_t {
-  Stamp,  ///< as they are: all clocks show the session's time
+enum class TimestampSource : std::uint8_t {
+  Sender,  ///< as they are: all clocks show the session's time
   /// By when they come, half a round trip before: no two clocks need to agree, see SenderClocks.
   /// The transport says when and how long; where it does not, they are dated by the step that finds
   /// them, and no way is assumed.
-  Receipt,
+  Arrival,
 };
 
 /// Which states are sent, to each of the others, and in what form. docs/network.md has the rules.
@@ -56,8 +69,6 @@ struct TANDEM_API SendOptions {
   /// comes first, then what the other side expects most wrongly, then what rests.
   /// Where nothing but defaults is set here, all is sent and the transport sorts it out.
   double kbit_per_s = 0.0;
-  /// Bytes that a packet costs beside what is in it; those of UdpTransport over IPv4.
-  double packet_overhead = 74.0;
   /// m: a state is sent where the last one that was sent, carried on by its velocity (and gravity,
   /// where nothing touches it), is off by more; 0 = every time.
   double tolerance = 0.0;
@@ -74,7 +85,7 @@ struct TANDEM_API SendOptions {
 
 struct TANDEM_API PeerOptions {
   double update_hz = 60.0;  ///< states sent each second, > 0
-  Dating dating = Dating::Stamp;
+  TimestampSource timestamps = TimestampSource::Sender;
   SendOptions sending;
   InfluenceOptions influence;
   PredictorKind predictor = PredictorKind::Replay;
@@ -110,19 +121,10 @@ struct TANDEM_API PeerOptions {
   double spring_timeout = 1.0;
   /// s: an anchor is carried on by its velocity no longer than this; 0 = not at all.
   double max_anchor_extrapolation = 0.3;
-  /// s: time constant of the low-pass on anchor velocities.
-  double anchor_velocity_filter = 0.025;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
-
-/// The options with the prediction and the share of the paper's prototype, and nothing beside them,
-/// whatever the coupling: positions carried by their velocity, orientations not at all (Sec. 4.2,
-/// Eq. 3), the baseline share (more while this peer alone knows the user's constraint, Sec. 3.2;
-/// all of an owner's, Sec. 6.3) that halves with age as Sec. 3.3 asks for, which gives no law; no
-/// initiative, no arbitration, full authority at once. Shares are per 1/60 s as elsewhere.
-TANDEM_API PeerOptions with_published_rules(PeerOptions options);
 
 /// A body that all peers know under one id.
 struct TANDEM_API ShareDef {

@@ -11,16 +11,7 @@ namespace tandem::consensus {
 /// people handle, and generous; a peer within all of them may still lie.
 struct TANDEM_API PlausibilityOptions {
   double max_speed = 200.0;  ///< m/s
-  double max_spin = 1000.0;  ///< rad/s
-  /// m and rad: what agreement, or something hit, may do at once.
-  double jump = 0.25;
-  double turn = 1.0;
-  double max_acceleration = 1000.0;       ///< m/s^2, of what happens between two states
-  double max_spin_acceleration = 1000.0;  ///< rad/s^2
-  double max_hit = 100.0;                 ///< m/s, change of velocity at once
-  /// s: jumps that the sender tells of (UpdateFlags::teleported) are believed no more often. A
-  /// state after a silence as long as InboxOptions::max_age is not judged by what was before.
-  double teleport_interval = 0.2;
+  double jump = 0.25;        ///< m: what agreement, or something hit, may do at once
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -28,8 +19,9 @@ struct TANDEM_API PlausibilityOptions {
 
 /// Whether a body can have come from `last` to `next`, a later state by the same sender, given
 /// nothing but their stamps: |next - last| <= jump + (2 v + v_agreed) dt + 1/2 a dt^2 with v the
-/// larger of both speeds, orientations likewise, and speeds within their limits. Agreement adds up
-/// to `jump` and `turn` in each 1/60 s. Cost O(1).
+/// larger of both speeds and a = 1000 m/s^2, orientations likewise with 1 rad and 1000 rad/s^2, no
+/// hit of more than 100 m/s, no spin above 1000 rad/s, and speeds within their limit. Agreement
+/// adds up to `jump` in each 1/60 s. Cost O(1).
 TANDEM_API bool plausible(const StateUpdate& last, const StateUpdate& next,
                           const PlausibilityOptions& limits);
 /// What can be said of a state alone.

@@ -25,14 +25,8 @@ struct TANDEM_API RobustOptions {
   double max_velocity_correction = 50.0;  ///< m/s
   double max_spin_correction = 200.0;     ///< rad/s
 
-  // Of users' springs, own ones as well: all peers must simulate the same.
-  // The first three of each spring, and of all that one user has on one body together.
-  double max_pull = 1000.0;       ///< m/s^2: force over the mass of the body
-  double max_stiffness = 1e5;     ///< 1/s^2: stiffness over the mass of the body
-  double max_damping = 2000.0;    ///< 1/s: damping over the mass of the body
-  double max_reach = 100.0;       ///< m, from a remote hand to where it holds; further is let go
-  double max_hand_speed = 100.0;  ///< m/s, of remote hands
-  int max_springs_per_body = 16;  ///< of one other peer
+  /// Of one other peer. How strong users' springs may be is the same for all, docs/network.md.
+  int max_springs_per_body = 16;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;

@@ -20,8 +20,8 @@ struct TANDEM_API Arrival {
   SessionTime received = 0;
   SessionTime round_trip = -1;  ///< -1: not known
 };
-/// @param company  whom the transport knows     @param now  ns, where the transport does not say
-TANDEM_API Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> company,
+/// @param peers  whom the transport knows     @param now  ns, where the transport does not say
+TANDEM_API Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> peers,
                               SessionTime now);
 
 /// What the clocks of others show, told from when their packets come: for sessions without a common

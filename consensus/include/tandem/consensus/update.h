@@ -86,7 +86,7 @@ struct TANDEM_API CompactState {
 };
 
 /// What the sender calls a body. Within one table an index never changes its meaning.
-struct TANDEM_API NameUpdate {
+struct TANDEM_API IndexAssignment {
   std::uint32_t table = 0;
   std::uint16_t index = 0;
   SharedId id;
@@ -94,7 +94,7 @@ struct TANDEM_API NameUpdate {
 
 /// The sender does not know (any more) what was said: the names of indices, or of what rests. It
 /// asks for all of it again.
-struct TANDEM_API NamesWanted {
+struct TANDEM_API IndicesWanted {
   std::uint32_t table = 0;  ///< of those states
 };
 
@@ -118,8 +118,8 @@ struct TANDEM_API DecodedPacket {
   std::vector<Leave> leaves;
   std::vector<OwnershipUpdate> ownership;
   std::vector<CompactState> compact;
-  std::vector<NameUpdate> names;
-  std::vector<NamesWanted> names_wanted;
+  std::vector<IndexAssignment> assignments;
+  std::vector<IndicesWanted> indices_wanted;
   std::vector<Alive> alive;
   std::vector<AnchorUpdate> anchors;
 

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "agree/agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "common/body_state.h"
+#include "tandem/consensus/influence.h"
+#include "tandem/pbd/cpu_timer.h"
+
+namespace tandem::consensus {
+
+void Agreement::aggregate() {
+  const pbd::CpuTimer timer(data_.stats.aggregate_s);
+  targets_.clear();
+  targeted_.clear();
+  wanted_.clear();
+  apart_ = false;
+  if (replay_ != nullptr) replay_->begin();
+  const PeerId self = data_.self();
+  for (std::size_t i = 0; i < data_.bodies.size(); ++i) {
+    SharedBody& shared = data_.bodies[i];
+    const auto newest = data_.inbox.newest_at(i);
+    const pbd::Vec3 asked = std::exchange(shared.asked, pbd::Vec3::Zero());
+    if (!data_.world.contains(shared.def.body)) continue;
+    const bool unheard = data_.options.coupling == Coupling::None && !shared.def.owner.has_value();
+    if (unheard || shared.def.owner == self) {
+      found_.states.clear();
+      hard_.drag(shared, found_.states);
+      continue;
+    }
+    estimator_.estimate(shared, newest, replays(), found_);
+    for (const Stamped& owners : found_.prescribed) {
+      replay_->prescribe(
+          {.slot = shared.def.body.index, .from = owners.state, .stamp = owners.stamp});
+    }
+    if (hard_.drag(shared, found_.states) || found_.states.empty()) continue;
+    ++data_.stats.bodies_aggregated;
+    want(shared, asked);
+  }
+  if (replay_ != nullptr) {
+    if (apart_) {
+      replay_->update(data_.stats.replay);
+    } else {
+      replay_->drop();
+    }
+  }
+  for (Wanted& wanted : wanted_) aim(wanted);
+}
+
+void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
+  const std::uint32_t slot = shared.def.body.index;
+  const pbd::BodyState& own = data_.world.states()[slot];
+  if (found_.votes) trust_.weigh_votes(own, found_.states);
+  Wanted wanted{.shared = &shared, .placed = shared.placed, .asked = asked};
+  pbd::PoseTarget& target = wanted.target;
+  target.body = shared.def.body;
+  target.motion = found_.motion;
+  if (!fuse(own.pose, found_.states, target)) return;
+  wanted.heaviest = std::ranges::max_element(found_.states, {}, &PeerEstimate::weight)->peer;
+  if (found_.by_hand || !replays()) {
+    wanted_.push_back(wanted);
+    return;
+  }
+  // How far what is said of its stamp may have moved since.
+  double way = 0.0;
+  bool apart = false;
+  SessionTime oldest = data_.now;
+  for (const Stamped& there : found_.stamped) {
+    const double age = std::max(0.0, seconds(data_.now - there.stamp));
+    way = std::max(way, age * std::max(speed(own.twist), speed(there.state.twist)));
+    apart = apart || there.apart;
+    oldest = std::min(oldest, there.stamp);
+  }
+  if (target.share < 1.0) {
+    const double share = data_.options.replay.share;
+    target.share = found_.leaders.empty() ? share : std::max(share, kFollowing);
+  }
+  if (way <= data_.options.replay.tolerance) {
+    // What somebody has put there since is not where it rested.
+    if (!apart || data_.history.placed_since(slot, oldest)) return;
+    stay(data_.history.state_at(slot, oldest), target);
+  } else {
+    const SessionTime known = data_.history.frame(data_.history.first()).time;
+    for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
+      const Stamped& there = found_.stamped[i];
+      if (there.stamp < known) continue;  // nobody knows any more
+      replay_->add({.slot = slot,
+                    .peer = found_.states[i].peer,
+                    .stamp = there.stamp,
+                    .weight = weight_of_share(found_.states[i].share),
+                    .state = there.state});
+    }
+    wanted.replayed = true;
+    wanted.oldest = oldest;
+    apart_ = apart_ || apart;
+  }
+  wanted_.push_back(wanted);
+}
+
+void Agreement::stay(const pbd::BodyState& then, pbd::PoseTarget& target) {
+  for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
+    found_.states[i].pose = found_.stamped[i].state.pose;
+    found_.states[i].twist = found_.stamped[i].state.twist;
+  }
+  pbd::PoseTarget fused;
+  fuse(then.pose, found_.states, fused);
+  const pbd::BodyState mean = mean_with(then, fused);
+  target.pose = mean.pose;
+  target.twist = mean.twist;
+  target.use_rotation_error = false;
+}
+
+void Agreement::ease_in(const pbd::BodyState& own, Wanted& wanted) const {
+  pbd::PoseTarget& target = wanted.target;
+  if (target.share >= 1.0) return;
+  const pbd::Vec3 gap = target.pose.position - own.pose.position;
+  const double distance = gap.norm();
+  if (!(distance > 0.0)) return;
+  const double age = std::max(data_.step_dt, seconds(data_.now - wanted.oldest));
+  const double faster = (target.twist.linear - own.twist.linear).norm();  // m/s
+  const double growth = 2.0 * std::max(distance / age, faster) * data_.step_dt / age;
+  const double most = std::max(0.0, wanted.asked.dot(gap) / distance) + growth * data_.step_dt;
+  const double full = share_per_step(target.share, data_.step_dt) * distance;
+  if (full > most) target.share *= most / full;
+}
+
+void Agreement::aim(Wanted& wanted) {
+  SharedBody& shared = *wanted.shared;
+  pbd::PoseTarget& target = wanted.target;
+  const pbd::BodyState& own = data_.world.states()[shared.def.body.index];
+  // Another body has taken it along to where the leader has both: what it missed before is over.
+  // What is replayed is measured only now.
+  if (!wanted.replayed && wanted.placed != shared.placed) return;
+  if (wanted.replayed) {
+    const pbd::Correction* const missing = replay_->find(shared.def.body.index);
+    if (missing == nullptr) return;
+    const pbd::BodyState mean = moved(own, *missing);
+    target.pose = mean.pose;
+    target.twist = mean.twist;
+    target.use_rotation_error = false;
+    if (!shared.def.orientation) target.pose.orientation = own.pose.orientation;
+  }
+  trust_.limit(own, wanted);
+  if (wanted.replayed) ease_in(own, wanted);
+  shared.asked =
+      share_per_step(target.share, data_.step_dt) * (target.pose.position - own.pose.position);
+  targets_.push_back(target);
+  targeted_.push_back(&shared);
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "agree/estimator.h"
+
+#include <algorithm>
+
+#include "agree/pose_arbiter.h"
+#include "common/body_state.h"
+#include "tandem/consensus/influence.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// A peer that does not own a body is heard with no more than this, whatever it claims.
+constexpr double kMaxSharedInfluence = 0.5;
+/// The same of one that leads: nobody else acts on the body.
+constexpr double kMaxLeadersInfluence = 0.8;
+
+/// Of a mean at a stamp: who does not own a body does not have all of it.
+constexpr double kMaxOfMean = 0.9999;
+
+/// rad: closer orientations are an average's business, and further apart nothing is left of a
+/// weight, see PoseArbiter.
+constexpr double kNoDoubt = 0.5;
+constexpr double kNoMean = 1.2;
+
+/// m: a newcomer that is put so far away tells of a jump.
+constexpr double kFarAway = 0.1;
+
+}  // namespace
+
+Estimator::Listening Estimator::listening_to(const SharedBody& shared,
+                                             std::span<const Inbox::Received> newest, bool replays,
+                                             bool by_hand) const {
+  return {// Two peers know no majority, and pay for none.
+          .several =
+              data_.options.robust.outvote && newest.size() >= 2 && !shared.def.owner.has_value(),
+          .carried = by_hand || !replays,
+          .hands = trust_.believes_hands(newest.size()),
+          .own_lead = shared.initiative.strength(),
+          .own_announced = std::min(data_.announced(shared), kMaxSharedInfluence),
+          .own_confidence = data_.confidence()};
+}
+
+void Estimator::estimate(SharedBody& shared, std::span<const Inbox::Received> newest, bool replays,
+                         Estimates& out) {
+  out.clear();
+  if (newest.empty()) return;
+  if (data_.changes_hands(shared)) {
+    estimate_owner(shared, newest, out);
+    return;
+  }
+  // What a spring that only its own peer knows does to the body cannot be replayed.
+  const bool hands = trust_.believes_hands(newest.size());
+  out.by_hand =
+      data_.springs.holds_alone(shared.def.body) || std::ranges::any_of(newest, [&](const auto& r) {
+        return r.update.flags.owner_driven &&
+               (shared.def.owner.has_value() ? shared.def.owner == r.peer : hands);
+      });
+  const Listening listening = listening_to(shared, newest, replays, out.by_hand);
+  heaviest_ = 0.0;
+  for (std::size_t i = 0; i < newest.size(); ++i) hear(shared, newest, i, listening, replays, out);
+  if (listening.own_lead == 0.0 && data_.options.arbitration) {
+    placement_.give_way(shared, newest, out, listening.several);
+  }
+  if (!listening.several) return;
+  out.votes = out.leaders.empty();
+  if (!out.votes) keep_leaders(out);
+}
+
+void Estimator::hear(SharedBody& shared, std::span<const Inbox::Received> newest, std::size_t i,
+                     const Listening& listening, bool replays, Estimates& out) {
+  const PeerId from = newest[i].peer;
+  const StateUpdate& update = remote_.as_meant(newest[i], shared);
+  Hearing hearing{.owner = shared.def.owner == from ||
+                           (!shared.def.owner.has_value() && hard_at_sender(update)),
+                  .claimed = static_cast<double>(update.influence),
+                  .age = seconds(data_.now - update.stamp)};
+  const bool owner = hearing.owner;
+  if (shared.def.owner.has_value() && !owner) return;
+  hearing.leads = update.flags.leads && listening.own_lead == 0.0 &&
+                  (!listening.several || trust_.believes_lead(shared, from));
+  Prediction prediction;
+  const Stamped stamped = remote_.compare(shared, update, prediction);
+  const double most = hearing.leads ? kMaxLeadersInfluence : kMaxSharedInfluence;
+  hearing.share = effective_share(data_.options.influence,
+                                  owner ? 1.0 : std::min(hearing.claimed, most), hearing.age);
+  if (hearing.share > 0.0 && !owner) {
+    hearing.share = share_beside(shared, newest, i, hearing, prediction.rotation.norm(), listening);
+  }
+  if (!(hearing.share > 0.0)) return;
+  const bool teleports = owner && update.flags.teleported && update.stamp > shared.landed;
+  const bool newcomer = !owner && !shared.joined && listening.own_confidence < 1.0 &&
+                        hearing.claimed > listening.own_announced;
+  if (listening.carried || teleports || newcomer) prediction = remote_.carry(shared, from, update);
+  const pbd::BodyState there = moved(data_.world.states()[shared.def.body.index], prediction);
+  remote_.observe(shared, from, update, prediction);
+  if (teleports || newcomer) {
+    follow(shared, update, there, prediction, teleports);
+  } else if (!owner) {
+    if (hearing.leads || (listening.hands && update.flags.owner_driven)) {
+      out.leaders.push_back(from);
+    }
+    if (hearing.claimed > 0.0 || hearing.leads) {
+      out.claims.push_back(
+          {.peer = from, .way = prediction.translation, .turn = prediction.rotation});
+    }
+  }
+  if (out.by_hand && owner && replays) {
+    out.prescribed.push_back({.stamp = update.stamp, .state = {update.pose, update.twist}});
+  }
+  out.states.push_back(
+      {.peer = from, .pose = there.pose, .twist = there.twist, .share = hearing.share});
+  out.stamped.push_back(stamped);
+  if (hearing.share > heaviest_) out.motion = prediction.motion;
+  heaviest_ = std::max(heaviest_, hearing.share);
+}
+
+void Estimator::follow(SharedBody& shared, const StateUpdate& update, const pbd::BodyState& there,
+                       const Prediction& prediction, bool teleports) {
+  placement_.place(shared, there);
+  if (teleports) {
+    shared.landed = update.stamp;
+    return;
+  }
+  // A newcomer takes over what it hears as it is. Drawn there, its copies would get caught on
+  // what lies in between, and would pull at the others' once they listen.
+  shared.joined = true;
+  if (prediction.translation.squaredNorm() > kFarAway * kFarAway) {
+    shared.jumped = SharedBody::kJumpTold;
+  }
+}
+
+double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::Received> newest,
+                               std::size_t i, const Hearing& hearing, double angle,
+                               const Listening& listening) {
+  const bool leads = hearing.leads;
+  // At the stamp the own state is as old, and decays as much.
+  const double mine = listening.carried
+                          ? listening.own_confidence
+                          : weight_of_share(effective_share(data_.options.influence,
+                                                            listening.own_announced, hearing.age));
+  double weight = (1.0 - listening.own_lead) * weight_of_share(hearing.share) / mine;
+  if (data_.options.arbitration && listening.own_confidence >= 1.0) {  // a newcomer leads nobody
+    // Compared at the stamp: what spins fast turns far within the age of an update.
+    bool follows = leads || newest[i].peer < data_.self();
+    if (listening.several && !leads) {
+      if (angle > kNoDoubt) follows = trust_.outvoted_at_stamp(shared, newest, i);
+      if (!follows && angle > kNoMean) ++data_.report_of(newest[i].peer).outliers;
+    }
+    weight = PoseArbiter::weight(weight, angle, follows && listening.own_lead == 0.0);
+  }
+  if (!listening.carried) return std::min(share_of_weight(weight), kMaxOfMean);
+  // It leads, and does not own.
+  const double guessed =
+      std::min(share_of_weight(weight), leads ? kMaxLeadersInfluence : kMaxSharedInfluence);
+  if (!data_.options.influence.limits_guesses) return guessed;
+  return std::min(guessed, std::max(leads ? kFollowing : 0.0, stable_share(hearing.age)));
+}
+
+void Estimator::keep_leaders(Estimates& out) {
+  // The others only know an earlier state of it, and whoever says something false is one of them.
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.states.size(); ++i) {
+    const bool leads = std::ranges::find(out.leaders, out.states[i].peer) != out.leaders.end();
+    if (out.states[i].share < 1.0 && !leads) continue;
+    out.states[kept] = out.states[i];
+    out.stamped[kept++] = out.stamped[i];
+  }
+  out.states.resize(kept);
+  out.stamped.resize(kept);
+}
+
+void Estimator::estimate_owner(SharedBody& shared, std::span<const Inbox::Received> newest,
+                               Estimates& out) {
+  const PeerId owner = shared.tenure.owner;
+  if (owner == 0 || owner == data_.self()) return;
+  const pbd::BodyState& own = data_.world.state(shared.def.body);
+  for (const Inbox::Received& received : newest) {
+    const StateUpdate& update = remote_.as_meant(received, shared);
+    // Until the new owner has the grant nobody owns the body, and it moves as it does here.
+    if (received.peer != owner || update.influence < 1.0F) continue;
+    const Prediction prediction = remote_.carry(shared, owner, update);
+    const pbd::BodyState there = moved(own, prediction);
+    out.states.push_back({.peer = owner, .pose = there.pose, .twist = there.twist, .share = 1.0});
+    remote_.observe(shared, owner, update, prediction);
+    return;
+  }
+}
+
+bool Estimator::hard_at_sender(const StateUpdate& update) const {
+  return data_.options.mode == InputMode::Hard && update.flags.owner_driven &&
+         update.influence >= 1.0F;
+}
+
+}  // namespace tandem::consensus

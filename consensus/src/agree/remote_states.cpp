@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "agree/remote_states.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/body_state.h"
+#include "tandem/consensus/compact.h"
+#include "tandem/pbd/math.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// rad: how far rounding turns a body at most. Half a quantum in each of three components c moves
+/// the largest, L >= 1/2, by at most (|a| + |b| + |c|) / L <= 3 of it, and turns by twice the
+/// length of all four: 2 sqrt(3 + 9) half quanta.
+constexpr double kRoundedAngle = 3.4641016151377544 * kOrientationQuantum;
+
+/// Nearer to zero by at most `limit`.
+double shrunk(double value, double limit) {
+  return std::copysign(std::max(0.0, std::abs(value) - limit), value);
+}
+
+/// Lengths as well: they are what a rotation and a distance are made from.
+bool finite(const Prediction& p) {
+  return std::isfinite(p.translation.squaredNorm()) && std::isfinite(p.rotation.squaredNorm()) &&
+         std::isfinite(p.twist.linear.squaredNorm()) &&
+         std::isfinite(p.twist.angular.squaredNorm());
+}
+
+}  // namespace
+
+RemoteStates::RemoteStates(PeerData& data)
+    : data_(data),
+      predictor_(data.options.own_predictor != nullptr
+                     ? data.options.own_predictor
+                     : make_predictor(data.options.predictor, data.options.prediction)),
+      as_stamped_(make_predictor(PredictorKind::None)) {}
+
+const StateUpdate& RemoteStates::as_meant(const Inbox::Received& received,
+                                          const SharedBody& shared) {
+  const StateUpdate& update = received.update;
+  const bool oriented = update.oriented && shared.def.orientation;
+  const bool rests = update.flags.resting || (update.rounded && is_slow(update.twist));
+  if (!rests && oriented) return update;
+  meant_ = update;
+  meant_.stamp = data_.inbox.holds_until(received);
+  const pbd::Pose own = data_.history.state_at(shared.def.body.index, meant_.stamp).pose;
+  if (!oriented) meant_.pose.orientation = own.orientation;
+  if (!rests || !update.rounded) return meant_;
+  // What rounds to the same is the same: else every resting body would be drawn to the lattice.
+  for (int i = 0; i < 3; ++i) {
+    const double apart = update.pose.position[i] - own.position[i];
+    meant_.pose.position[i] = own.position[i] + shrunk(apart, 0.5 * kPositionQuantum);
+  }
+  if (oriented) {
+    const pbd::Vec3 turn = pbd::rotation_between(own.orientation, update.pose.orientation);
+    const double angle = turn.norm();
+    const double left = angle > 0.0 ? shrunk(angle, kRoundedAngle) / angle : 0.0;
+    meant_.pose.orientation = pbd::rotated(own.orientation, left * turn);
+  }
+  return meant_;
+}
+
+Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& update,
+                              Prediction& missing) const {
+  const pbd::BodyState then =
+      data_.history.state_beside(shared.def.body.index, update.stamp, update.twist);
+  Stamped there{update.stamp, {update.pose, update.twist}};
+  if (!update.oriented || !shared.def.orientation) {
+    there.state.pose.orientation = then.pose.orientation;
+  }
+  const pbd::Correction apart = gap(then, there.state);
+  missing = {.translation = apart.translation, .rotation = apart.rotation, .twist = apart.twist};
+  const double age = seconds(data_.now - update.stamp);
+  const double way = apart.translation.norm() + kLeverArm * apart.rotation.norm();
+  there.apart = way + age * speed(apart.twist) > data_.options.replay.tolerance;
+  return there;
+}
+
+Prediction RemoteStates::carry(SharedBody& shared, PeerId from, const StateUpdate& update) {
+  const OwnMotion own(data_.history, shared.def.body.index);
+  const PredictionContext context = context_of(shared, from);
+  Prediction prediction = predictor_->predict(update, own, context);
+  // No number of an application's own gets into a world unseen.
+  if (!finite(prediction)) prediction = as_stamped_->predict(update, own, context);
+  if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
+  return prediction;
+}
+
+void RemoteStates::observe(SharedBody& shared, PeerId from, const StateUpdate& update,
+                           const Prediction& prediction) {
+  if (observer_ == nullptr) return;
+  const OwnMotion own(data_.history, shared.def.body.index);
+  observer_->on_estimate({from, update, own, context_of(shared, from), prediction,
+                          data_.world.pose(shared.def.body).position + prediction.translation,
+                          seconds(data_.now - update.stamp)});
+}
+
+PredictionContext RemoteStates::context_of(SharedBody& shared, PeerId from) {
+  const double scale = data_.world.all_props()[shared.def.body.index].gravity_scale;
+  return {.now = data_.now,
+          .gravity = scale * data_.world.gravity(),
+          .memory = predictor_->remembers() ? &heard_from(shared, from).memory : nullptr};
+}
+
+Heard& RemoteStates::heard_from(SharedBody& shared, PeerId peer) const {
+  auto it = std::ranges::lower_bound(shared.heard, peer, {}, &Heard::peer);
+  if (it == shared.heard.end() || it->peer != peer) {
+    it = shared.heard.insert(it, {.peer = peer, .last = data_.now, .memory = {}});
+  } else if (seconds(data_.now - it->last) > data_.options.influence.max_age) {
+    *it = {.peer = peer, .last = data_.now, .memory = {}};  // away, or started again
+  }
+  it->last = data_.now;
+  return *it;
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "input/initiative.h"
+
+#include <algorithm>
+
+#include "common/session_time.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// s: what followers need, once the news is there, to come close enough to be listened to.
+constexpr double kSettling = 0.15;
+/// s: over which the leader begins to listen again.
+constexpr double kFading = 0.15;
+/// Who leads one body, as others say; a transport connects no more peers than that.
+constexpr std::size_t kMaxOthers = 1024;
+
+}  // namespace
+
+void Initiative::update(const Acting& acting, double round_trip, SessionTime now) {
+  if (acting.other) {
+    end();
+    return;
+  }
+  if (acting.own) {
+    acted_ = now;
+    until_ = now + to_ns(round_trip + kSettling);
+    flies_ = true;
+    strength_ = 1.0;
+    return;
+  }
+  if (acted_ == 0) return;
+  // Where it touches something first, copies part that were together.
+  if (flies_ && acting.contact) until_ = std::max(until_, now + to_ns(round_trip + kSettling));
+  flies_ = flies_ && !acting.contact;
+  // In flight nothing happens that the followers did not hear of.
+  if (flies_) until_ = std::max(until_, now);
+  strength_ = std::clamp(1.0 - 1e-9 * static_cast<double>(now - until_) / kFading, 0.0, 1.0);
+  if (strength_ == 0.0) end();
+}
+
+void Initiative::hear(PeerId peer, bool leads, SessionTime stamp) {
+  const auto it = std::find_if(others_.begin(), others_.end(),
+                               [peer](const auto& other) { return other.first == peer; });
+  if (!leads) {
+    if (it != others_.end()) others_.erase(it);
+    return;
+  }
+  const SessionTime since = it != others_.end() ? it->second : stamp;
+  if (it == others_.end()) {
+    // Who is gone says no more that it does not lead.
+    if (others_.size() >= kMaxOthers) others_.erase(others_.begin());
+    others_.emplace_back(peer, stamp);
+  }
+  // The later one knows of the earlier. Two of the same moment may both give way, never neither:
+  // each is heard a little after it acted.
+  if (acted_ != 0 && since > acted_) end();
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+
+#include "tandem/pbd/tether.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::consensus {
+
+/// How strong some springs are together, or what is left of it.
+struct SpringStrength {
+  double force = 0.0;
+  double stiffness = 0.0;
+  double damping = 0.0;
+
+  void add(const pbd::Tether::Def& def) {
+    force += def.max_force;
+    stiffness += def.stiffness;
+    damping += def.damping;
+  }
+};
+
+/// How strong users' springs may be, own ones as well: all peers must simulate the same.
+class SpringLimits {
+ public:
+  // The first three of each spring, and of all that one user has on one body together.
+  static constexpr double kMaxPull = 1000.0;      ///< m/s^2: force over the mass of the body
+  static constexpr double kMaxStiffness = 1e5;    ///< 1/s^2: stiffness over the mass of the body
+  static constexpr double kMaxDamping = 2000.0;   ///< 1/s: damping over the mass of the body
+  static constexpr double kMaxDistance = 100.0;   ///< m, from a remote hand to where it holds
+  static constexpr double kMaxHandSpeed = 100.0;  ///< m/s, of remote hands
+
+  explicit SpringLimits(const pbd::World& world) : world_(world) {}
+
+  /// Cut a spring by itself. @return whether anything was
+  bool limit(pbd::Tether::Def& def) const {
+    const double mass = mass_of(def.body);
+    const pbd::Tether::Def asked = def;
+    const double speed = def.anchor_velocity.norm();
+    if (speed > kMaxHandSpeed) def.anchor_velocity *= kMaxHandSpeed / speed;
+    def.stiffness = std::min(def.stiffness, kMaxStiffness * mass);
+    def.damping = std::min(def.damping, kMaxDamping * mass);
+    def.max_force = std::min(def.max_force, kMaxPull * mass);
+    // A force that is never reached is no limit worth telling of.
+    return speed > kMaxHandSpeed || def.stiffness < asked.stiffness || def.damping < asked.damping;
+  }
+  bool too_far(const pbd::Tether::Def& def) const {
+    const pbd::Pose& pose = world_.pose(def.body);
+    const pbd::Vec3 held = pose.position + pose.orientation * def.anchor_l;
+    return !((def.anchor_w - held).squaredNorm() <= kMaxDistance * kMaxDistance);
+  }
+  /// What is left of each where one user has all of these on one body, as they are limited each by
+  /// itself.
+  SpringStrength share_of(pbd::BodyId body, const SpringStrength& sum) const {
+    const double mass = mass_of(body);
+    const auto part = [mass](double limit, double asked) {
+      return asked > limit * mass ? limit * mass / asked : 1.0;
+    };
+    return {.force = part(kMaxPull, sum.force),
+            .stiffness = part(kMaxStiffness, sum.stiffness),
+            .damping = part(kMaxDamping, sum.damping)};
+  }
+  static void apply(const SpringStrength& share, pbd::Tether::Def& def) {
+    def.max_force *= share.force;
+    def.stiffness = std::max(def.stiffness * share.stiffness, pbd::Tether::kMinStiffness);
+    def.damping *= share.damping;
+  }
+
+ private:
+  /// What is light is as a rule part of something that is not.
+  double mass_of(pbd::BodyId body) const { return std::max(world_.props(body).mass, 1.0); }
+
+  const pbd::World& world_;
+};
+
+}  // namespace tandem::consensus

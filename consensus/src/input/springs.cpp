@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "input/springs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "common/session_time.h"
+#include "tandem/pbd/validate.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// ns: a removed spring is remembered this long against late messages.
+constexpr SessionTime kTombstone = 5'000'000'000;
+
+/// s: a hand that was not moved for longer stands still.
+constexpr double kStill = 0.05;
+
+std::uint32_t first_id(SessionTime now) {
+  const auto id = static_cast<std::uint32_t>(now / 1'000'000);
+  return id == 0 ? 1 : id;
+}
+
+}  // namespace
+
+Springs::Springs(pbd::World& world, const PeerOptions& options)
+    : world_(world), options_(options), limits_(world), tethers_(world.add_block<pbd::Tethers>()) {}
+
+Springs::~Springs() {
+  try {
+    world_.remove_block(tethers_);
+  } catch (const std::invalid_argument&) {
+    // The world was moved or assigned to, and its blocks are somewhere else or gone.
+  }
+}
+
+GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
+  auto place = own_.end();
+  // The numbers wrap: zero is nobody's, and one that is still in use is not given twice.
+  for (;; ++next_) {
+    if (next_ == 0) next_ = 1;
+    place = std::ranges::lower_bound(own_, next_, {}, &Own::spring);
+    if (place == own_.end() || place->spring != next_) break;
+  }
+  const InputMode mode = def.mode.value_or(options_.mode);
+  pbd::ConstraintId tether;
+  pbd::Tether::Def limited;
+  if (mode == InputMode::Hard) {
+    pbd::detail::require_finite(def.attachment_l, "GrabDef", "attachment_l");
+    pbd::detail::require_finite(def.anchor_w, "GrabDef", "anchor_w");
+  } else {
+    pbd::Tether::Def wanted{.body = body,
+                            .anchor_l = def.attachment_l,
+                            .anchor_w = def.anchor_w,
+                            .stiffness = def.stiffness,
+                            .damping = def.damping,
+                            .max_force = def.max_force};
+    limits_.limit(wanted);  // as the others do
+    tether = tethers_.add(world_, wanted);
+    limited = wanted;
+  }
+  own_.insert(place, {.spring = next_,
+                      .revision = 1,
+                      .def = def,
+                      .body = body,
+                      .mode = mode,
+                      .tether = tether,
+                      .limited = limited});
+  return {next_++};
+}
+
+Springs::Own& Springs::find(GrabId id) {
+  const auto it = std::ranges::lower_bound(own_, id.spring, {}, &Own::spring);
+  if (it == own_.end() || it->spring != id.spring) {
+    pbd::detail::refuse("Peer: grab", "one of this peer's springs, not released yet",
+                        std::to_string(id.spring));
+  }
+  return *it;
+}
+
+void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
+  Own& own = find(id);
+  pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
+  if (own.moved != 0 && now > own.moved) {
+    const double dt = seconds(now - own.moved);
+    const pbd::Vec3 measured = (anchor_w - own.def.anchor_w) / dt;
+    const double blend = 1.0 - std::exp(-dt / kAnchorVelocityFilter);
+    own.velocity += blend * (measured - own.velocity);
+  }
+  own.def.anchor_w = anchor_w;
+  own.moved = now;
+}
+
+void Springs::release(GrabId id, SessionTime now) {
+  Own& own = find(id);
+  ++own.revision;
+  if (own.announced) pending_.push_back(own.message(SpringEvent::Remove, now));
+  if (tethers_.contains(own.tether)) tethers_.remove(own.tether);
+  own_.erase(own_.begin() + (&own - own_.data()));
+}
+
+SpringUpdate Springs::Own::message(SpringEvent event, SessionTime now) const {
+  return {.spring = spring,
+          .revision = revision,
+          .event = event,
+          .body = def.body,
+          .attachment_l = def.attachment_l,
+          .anchor_w = def.anchor_w,
+          .anchor_velocity = velocity,
+          .stiffness = def.stiffness,
+          .damping = def.damping,
+          .max_force = def.max_force,
+          .stamp = moved != 0 ? moved : now};
+}
+
+void Springs::let_go(Remote& remote, SessionTime when) {
+  if (remote.live) remote.ended = when;
+  if (pulls(remote)) tethers_.remove(remote.tether);
+  if (std::exchange(remote.live, false)) share_out(remote.peer, remote.def.body);
+}
+
+bool Springs::make_room(PeerId from) {
+  // Sorted by peer: the longest run. Of that peer what is let go already, then the oldest number.
+  std::span<Remote> longest;
+  for (std::size_t i = 0; i < remote_.size();) {
+    const std::span<Remote> run = of(remote_[i].peer);
+    if (run.size() > longest.size()) longest = run;
+    i += run.size();
+  }
+  if (longest.size() <= of(from).size() + 1) return false;
+  auto victim = std::ranges::find(longest, false, &Remote::live);
+  if (victim == longest.end()) victim = longest.begin();
+  let_go(*victim, victim->heard);
+  remote_.erase(remote_.begin() + (&*victim - remote_.data()));
+  return true;
+}
+
+void Springs::share_out(PeerId from, pbd::BodyId body) {
+  if (!world_.contains(body)) return;
+  const auto on_body = [&](const Remote& r) { return r.live && r.def.body == body; };
+  SpringStrength sum;
+  for (const Remote& r : of(from)) {
+    if (on_body(r)) sum.add(r.def);
+  }
+  const SpringStrength share = limits_.share_of(body, sum);
+  for (Remote& r : of(from)) {
+    if (on_body(r)) r.share = share;
+  }
+}
+
+std::vector<Springs::Remote>::iterator Springs::place_of(PeerId peer, std::uint32_t spring) {
+  return std::lower_bound(
+      remote_.begin(), remote_.end(), std::pair(peer, spring),
+      [](const Remote& r, const auto& key) { return std::pair(r.peer, r.last.spring) < key; });
+}
+
+std::span<Springs::Remote> Springs::of(PeerId peer) {
+  return {std::ranges::lower_bound(remote_, peer, {}, &Remote::peer),
+          std::ranges::upper_bound(remote_, peer, {}, &Remote::peer)};
+}
+
+Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
+                                  SessionTime now) {
+  auto it = place_of(from, update.spring);
+  const bool known = it != remote_.end() && it->peer == from && it->last.spring == update.spring;
+  if (known) {
+    // Nothing goes back. A removal has a revision of its own, so that what follows late is told
+    // from a spring that was let go for the silence of its peer, which now goes on. Only a creation
+    // later than all that was heard is another spring, of a successor under the same peer's id.
+    const bool later = update.stamp > it->last.stamp;
+    const bool successor = later && update.event == SpringEvent::Create;
+    if (update.revision < it->last.revision && !successor) return Verdict::Taken;
+    if (update.revision == it->last.revision && !later) return Verdict::Taken;
+  } else {
+    if (of(from).size() >= kMaxPerPeer) return Verdict::Refused;
+    if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return Verdict::Taken;
+    if (remote_.size() >= kMaxOfAll && !make_room(from)) return Verdict::Refused;
+    it = remote_.insert(place_of(from, update.spring), {.peer = from});
+  }
+  const bool moved_body = known && it->live && it->last.body != update.body;
+  if (moved_body || update.event == SpringEvent::Remove) let_go(*it, update.stamp);
+  it->last = update;
+  it->heard = now;
+  if (update.event == SpringEvent::Remove) return Verdict::Taken;
+  if (!it->live) it->began = update.stamp;
+  pbd::Tether::Def& def = it->def = {.body = body,
+                                     .anchor_l = update.attachment_l,
+                                     .anchor_w = update.anchor_w,
+                                     .anchor_velocity = update.anchor_velocity,
+                                     .stiffness = update.stiffness,
+                                     .damping = update.damping,
+                                     .max_force = update.max_force};
+  const bool limited = limits_.limit(def);
+  if (!(def.stiffness >= pbd::Tether::kMinStiffness) || !(def.max_force > 0.0) ||
+      limits_.too_far(def) ||
+      (!it->live && held_by(from, body) >= options_.robust.max_springs_per_body)) {
+    let_go(*it, now);
+    return Verdict::Refused;
+  }
+  if (!it->live || moved_body) it->hand.clear();
+  it->hand.add(update.stamp, def.anchor_w, def.anchor_velocity);
+  if (it->live) {
+    tethers_.set(world_, it->tether, def);
+  } else {
+    it->tether = tethers_.add(world_, def);
+    it->live = true;
+  }
+  share_out(from, body);
+  return limited ? Verdict::Limited : Verdict::Taken;
+}
+
+const SpringUpdate* Springs::last_of(PeerId from, std::uint32_t spring) {
+  const auto it = place_of(from, spring);
+  const bool known = it != remote_.end() && it->peer == from && it->last.spring == spring;
+  return known ? &it->last : nullptr;
+}
+
+void Springs::drop_peer(PeerId from, SessionTime now) {
+  for (Remote& remote : remote_) {
+    if (remote.peer != from) continue;
+    let_go(remote, now);
+    // Remembered, above all revisions: messages that were overtaken by the farewell revive nothing.
+    remote.last.revision = std::numeric_limits<std::uint32_t>::max();
+    remote.last.stamp = std::max(remote.last.stamp, now);
+    remote.heard = now;
+  }
+}
+
+void Springs::forget_body(pbd::BodyId body, SessionTime now) {
+  for (Remote& remote : remote_) {
+    if (pulls(remote) && remote.def.body == body) let_go(remote, now);
+  }
+  while (true) {
+    const auto own = std::ranges::find(own_, body, &Own::body);
+    if (own == own_.end()) return;
+    release({own->spring}, now);
+  }
+}
+
+void Springs::prepare(SessionTime now) {
+  // Ids go on from the clock (ms), so that a peer that was started again is not taken for its
+  // predecessor, whose springs the others still remember.
+  if (next_ == 0) next_ = first_id(now);
+  const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
+  for (Remote& remote : remote_) {
+    if (remote.live && now - remote.heard > timeout) let_go(remote, now);
+    if (!pulls(remote)) continue;
+    tethers_.set(world_, remote.tether, pull_at(remote, now));
+  }
+  std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
+  for (Own& own : own_) {
+    if (!tethers_.contains(own.tether)) continue;
+    double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
+    if (since > kStill) {
+      // The others must hear that it stands, and that it still holds.
+      own.velocity.setZero();
+      own.moved = now;
+      since = 0.0;
+    }
+    pbd::Tether::Def def = tethers_.def(own.tether);
+    def.stiffness = own.limited.stiffness;
+    def.damping = own.limited.damping;
+    def.max_force = own.limited.max_force;
+    SpringStrength sum;
+    for (const Own& other : own_) {
+      if (other.body == own.body && tethers_.contains(other.tether)) sum.add(other.limited);
+    }
+    SpringLimits::apply(limits_.share_of(own.body, sum), def);
+    // Between two moves it goes on here as it does at the others.
+    def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity;
+    def.anchor_velocity = own.velocity;
+    tethers_.set(world_, own.tether, def);
+  }
+}
+
+pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const {
+  pbd::Tether::Def def = remote.def;
+  SpringLimits::apply(remote.share, def);
+  const HandTrack& hand = remote.hand;
+  if (time <= hand.newest()) {
+    const HandTrack::Motion then = hand.at(time);
+    def.anchor_w = then.position;
+    def.anchor_velocity = then.velocity;
+    return def;
+  }
+  carry_on(hand.motion(), seconds(time - hand.newest()), def);
+  return def;
+}
+
+void Springs::carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const {
+  const double ahead = std::min(age, options_.max_anchor_extrapolation);
+  def.anchor_w = hand.position + ahead * (hand.velocity + 0.5 * ahead * hand.acceleration);
+  def.anchor_velocity = hand.velocity + ahead * hand.acceleration;
+  // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
+  if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
+}
+
+void Springs::others_at(SessionTime time, std::vector<pbd::Tether::Def>& out) const {
+  for (const Remote& remote : remote_) {
+    const bool over = !remote.live && time >= remote.ended;
+    if (over || time < remote.began) continue;
+    if (!world_.contains(remote.def.body)) continue;
+    out.push_back(pull_at(remote, time));
+  }
+}
+
+void Springs::pulls(std::vector<pbd::Tether::Def>& out) const {
+  std::vector<pbd::ConstraintId> all;
+  rows(all);
+  for (const pbd::ConstraintId row : all) out.push_back(tethers_.def(row));
+}
+
+void Springs::rows(std::vector<pbd::ConstraintId>& out) const {
+  for (const Own& own : own_) {
+    if (tethers_.contains(own.tether)) out.push_back(own.tether);
+  }
+  for (const Remote& remote : remote_) {
+    if (pulls(remote)) out.push_back(remote.tether);
+  }
+}
+
+void Springs::record(std::vector<Pull>& out) const {
+  out.clear();
+  for (const Own& own : own_) {
+    if (tethers_.contains(own.tether)) out.push_back({tethers_.def(own.tether), own.told.motion()});
+  }
+}
+
+void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
+                       std::vector<SpringUpdate>& events) {
+  events.insert(events.end(), pending_.begin(), pending_.end());
+  pending_.clear();
+  for (Own& own : own_) {
+    if (own.mode != InputMode::Soft) continue;
+    own.told.add(own.moved != 0 ? own.moved : now, own.def.anchor_w, own.velocity);
+    if (!own.announced) {
+      events.push_back(own.message(SpringEvent::Create, now));
+      own.announced = true;
+    } else {
+      states.push_back(own.message(SpringEvent::Change, now));
+    }
+  }
+}
+
+bool Springs::holds(pbd::BodyId body) const {
+  const auto mine = [&](const Own& own) {
+    return own.body == body && (own.mode == InputMode::Hard || tethers_.contains(own.tether));
+  };
+  const auto theirs = [&](const Remote& r) { return pulls(r) && r.def.body == body; };
+  return std::ranges::any_of(own_, mine) || std::ranges::any_of(remote_, theirs);
+}
+
+void Springs::mark(std::vector<std::uint8_t>& grips) const {
+  const auto set = [&](pbd::BodyId body, Grip grip) {
+    if (world_.contains(body)) grips[body.index] |= grip;
+  };
+  for (const Own& own : own_) {
+    if (own.mode == InputMode::Hard || tethers_.contains(own.tether)) {
+      set(own.body, own.mode == InputMode::Soft ? kShared : kAlone);
+    }
+  }
+  for (const Remote& remote : remote_) {
+    if (pulls(remote)) set(remote.def.body, kRemote);
+  }
+}
+
+int Springs::held_by(PeerId peer, pbd::BodyId body) const {
+  return static_cast<int>(std::ranges::count_if(
+      remote_, [&](const Remote& r) { return r.peer == peer && pulls(r) && r.def.body == body; }));
+}
+
+bool Springs::holds_alone(pbd::BodyId body) const {
+  return std::any_of(own_.begin(), own_.end(),
+                     [&](const Own& o) { return o.mode != InputMode::Soft && o.body == body; });
+}
+
+void Springs::hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) const {
+  for (const Own& own : own_) {
+    if (own.mode != InputMode::Hard || own.body != body) continue;
+    const double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
+    const double ahead = since > kStill ? 0.0 : std::max(since, 0.0);
+    out.push_back({own.def.attachment_l, own.def.anchor_w + ahead * own.velocity});
+  }
+}
+
+}  // namespace tandem::consensus

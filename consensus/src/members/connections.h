@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "members/index_tables.h"
+#include "tandem/consensus/peer.h"
+
+namespace tandem::consensus {
+
+/// Bytes of the longest packet that decode() takes and the transport does.
+inline std::size_t packet_limit(const Transport& transport, Delivery delivery) {
+  return std::min(kMaxPacketBytes, transport.max_packet_bytes(delivery));
+}
+
+/// Who is there, and the way to them.
+class Connections {
+ public:
+  static constexpr PeerId kToAll = 0;
+
+  Connections(Transport& transport, PeerStats& stats) : transport_(transport), stats_(stats) {}
+
+  /// Ask the transport who is there.
+  void refresh() {
+    peers_ = transport_.peers();
+    std::erase_if(newcomers_, [this](PeerId id) {
+      return std::ranges::none_of(
+          peers_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });
+    });
+    // Whoever comes back says its indices again.
+    std::erase_if(connected_, [this](PeerId id) {
+      const auto at = std::ranges::lower_bound(peers_, id, {}, &PeerStatus::id);
+      if (at != peers_.end() && at->id == id && at->connected) return false;
+      indices_.forget(id);
+      return true;
+    });
+    for (const PeerStatus& peer : peers_) {
+      const auto at = std::lower_bound(connected_.begin(), connected_.end(), peer.id);
+      const bool known = at != connected_.end() && *at == peer.id;
+      if (peer.connected && !known) {
+        // Who was there before the first states were sent hears those.
+        if (has_sent_) newcomers_.push_back(peer.id);
+        connected_.insert(at, peer.id);
+      }
+    }
+  }
+  /// All that the transport knows, by id, as of the last refresh().
+  std::span<const PeerStatus> peers() const { return peers_; }
+  /// Of these, ascending.
+  std::span<const PeerId> connected() const { return connected_; }
+  /// Of these, who came after the first states had been sent, and is to be told everything.
+  std::span<const PeerId> newcomers() const { return newcomers_; }
+  /// They have been.
+  void greeted() { newcomers_.clear(), has_sent_ = true; }
+
+  /// What the others call their bodies; kept for those who are connected.
+  IndexTables& indices() { return indices_; }
+
+  /// Encode one message and post it, to everybody where `to` is kToAll.
+  template <class Message>
+  void post(PeerId to, const Message& message, Delivery delivery) {
+    packet_.clear();
+    encode(message, packet_);
+    post_packet(to, delivery);
+  }
+  /// The same of any number of records, in packets that the transport takes.
+  /// @return bytes of all packets, with `overhead` for each
+  template <class Record>
+  double post_records(PeerId to, std::span<const Record> records, std::size_t record_bytes,
+                      Delivery delivery, double overhead = 0.0) {
+    // What decode() takes, and what the transport does.
+    const std::size_t packet = packet_limit(transport_, delivery);
+    const std::size_t most = std::min(kMaxRecords, records_in(packet, record_bytes));
+    double bytes = 0.0;
+    while (!records.empty()) {
+      const std::size_t count = std::min(most, records.size());
+      packet_.clear();
+      encode(records.first(count), packet_);
+      bytes += static_cast<double>(packet_.size()) + overhead;
+      post_packet(to, delivery);
+      records = records.subspan(count);
+    }
+    return bytes;
+  }
+
+ private:
+  void post_packet(PeerId to, Delivery delivery) {
+    if (to == kToAll && packet_.empty()) return;
+    const std::span<const PeerId> receivers = to == kToAll ? connected() : std::span(&to, 1);
+    for (const PeerId peer : receivers) {
+      if (transport_.post(peer, packet_, delivery)) stats_.bytes_sent += packet_.size();
+    }
+  }
+
+  Transport& transport_;
+  PeerStats& stats_;
+  std::vector<PeerStatus> peers_;
+  std::vector<PeerId> connected_;
+  std::vector<PeerId> newcomers_;
+  bool has_sent_ = false;
+  IndexTables indices_;
+  std::vector<std::byte> packet_;
+};
+
+}  // namespace tandem::consensus

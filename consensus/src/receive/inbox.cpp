@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/consensus/inbox.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "common/session_time.h"
+#include "tandem/pbd/validate.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// Beyond this a limit is as good as none; in ns it still fits a SessionTime with ease.
+constexpr double kLongestTime = 1e8;  // s, about three years
+
+/// ns: jumps that the sender tells of (UpdateFlags::teleported) are believed no more often. A state
+/// after a silence as long as InboxOptions::max_age is not judged by what was before.
+constexpr SessionTime kTeleportInterval = 200'000'000;
+
+/// The entry with an id, of entries by ascending id; null where there is none.
+template <class Entries, class Id>
+auto* find(Entries& entries, const Id& id) {
+  const auto at = std::ranges::lower_bound(entries, id, {}, [](const auto& e) { return e.id; });
+  return at != entries.end() && at->id == id ? &*at : nullptr;
+}
+
+InboxOptions validated(const InboxOptions& options) {
+  options.validate();
+  return options;
+}
+
+}  // namespace
+
+void InboxOptions::validate() const {
+  const auto check = [](double value, const char* field) {
+    pbd::detail::require(value >= 0.0 && value <= kLongestTime, "InboxOptions", field, value,
+                         "from 0 to 1e8 s");
+  };
+  check(max_age, "max_age");
+  check(max_future, "max_future");
+  plausibility.validate();
+}
+
+void InboxCounters::count(InboxVerdict verdict) {
+  constexpr std::uint64_t InboxCounters::*kCounters[] = {
+      &InboxCounters::accepted,   &InboxCounters::duplicate,   &InboxCounters::late,
+      &InboxCounters::expired,    &InboxCounters::future,      &InboxCounters::implausible,
+      &InboxCounters::unknown_id, &InboxCounters::unknown_peer};
+  ++(this->*kCounters[static_cast<std::size_t>(verdict)]);
+}
+
+std::uint64_t InboxCounters::dropped() const {
+  return duplicate + late + expired + future + implausible + unknown_id + unknown_peer;
+}
+
+Inbox::Inbox(const InboxOptions& options)
+    : max_age_ns_(to_ns(validated(options).max_age)),
+      max_future_ns_(to_ns(options.max_future)),
+      plausibility_(options.plausibility) {}
+
+void Inbox::add_id(const SharedId& id) {
+  if (!id.valid()) pbd::detail::refuse("Inbox::add_id: id", "not all zeros");
+  const auto at = std::ranges::lower_bound(bodies_, id, {}, &Body::id);
+  if (at != bodies_.end() && at->id == id) return;
+  bodies_.insert(at, Body{.id = id});
+}
+
+void Inbox::remove_id(const SharedId& id) {
+  std::erase_if(bodies_, [&](const Body& body) { return body.id == id; });
+}
+
+bool Inbox::contains(const SharedId& id) const { return find(bodies_, id) != nullptr; }
+
+void Inbox::add_peer(PeerId peer) {
+  if (peer == 0) pbd::detail::refuse("Inbox::add_peer: peer", "not 0", "0");
+  auto at = std::ranges::lower_bound(peers_, peer, {}, &Peer::id);
+  if (at == peers_.end() || at->id != peer) at = peers_.insert(at, Peer{.id = peer});
+  at->present = true;
+}
+
+void Inbox::remove_peer(PeerId peer) {
+  Peer* const found = find(peers_, peer);
+  if (found == nullptr) return;
+  found->present = false;
+  found->alive = 0;
+  for (Body& body : bodies_) {
+    std::erase_if(body.newest, [&](const Received& r) { return r.peer == peer; });
+  }
+}
+
+void Inbox::forget_peer(PeerId peer) {
+  remove_peer(peer);
+  std::erase_if(peers_, [peer](const Peer& p) { return p.id == peer; });
+}
+
+InboxVerdict Inbox::offer(PeerId from, const StateUpdate& update, SessionTime now) {
+  const InboxVerdict verdict = judge(from, update, now);
+  totals_.count(verdict);
+  if (Peer* const peer = find(peers_, from)) peer->counters.count(verdict);
+  return verdict;
+}
+
+InboxVerdict Inbox::judge(PeerId from, const StateUpdate& update, SessionTime now) {
+  const Peer* const peer = find(peers_, from);
+  if (peer == nullptr || !peer->present) return InboxVerdict::UnknownPeer;
+  const bool in_order = next_ < bodies_.size() && bodies_[next_].id == update.id;
+  Body* const body = in_order ? &bodies_[next_] : find(bodies_, update.id);
+  if (body == nullptr) return InboxVerdict::UnknownId;
+  next_ = static_cast<std::size_t>(body - bodies_.data()) + 1;
+  // Sums on the side of the trusted clock: a stamp at the end of the range must not overflow.
+  if (update.stamp > now + max_future_ns_) return InboxVerdict::Future;
+  // What rests is said once and may have waited long for a link.
+  if (!update.flags.resting && update.stamp < now - max_age_ns_) return InboxVerdict::Expired;
+  return store(*body, from, update, now);
+}
+
+InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, SessionTime now) {
+  const auto at = std::ranges::lower_bound(body.newest, from, {}, &Received::peer);
+  if (at == body.newest.end() || at->peer != from) {
+    if (!plausible(update, plausibility_)) return InboxVerdict::Implausible;
+    body.newest.insert(at, Received{.peer = from, .update = update, .arrival = now});
+    return InboxVerdict::Accepted;
+  }
+  if (update.stamp == at->update.stamp) return InboxVerdict::Duplicate;
+  if (update.stamp < at->update.stamp) return InboxVerdict::Late;
+  if (!plausible(at->update, update, plausibility_)) {
+    const bool told = update.flags.teleported && plausible(update, plausibility_);
+    const bool again = at->jumped != 0 && now - at->jumped < kTeleportInterval;
+    if (!told || again) return InboxVerdict::Implausible;
+    at->jumped = now;
+  }
+  at->update = update;
+  at->arrival = now;
+  return InboxVerdict::Accepted;
+}
+
+std::span<const Inbox::Received> Inbox::newest(const SharedId& id) const {
+  const Body* const body = find(bodies_, id);
+  if (body == nullptr) return {};
+  return body->newest;
+}
+
+bool Inbox::note_alive(PeerId from, SessionTime stamp, SessionTime now) {
+  Peer* const peer = find(peers_, from);
+  if (peer == nullptr || !peer->present || stamp > now + max_future_ns_) return false;
+  const bool was_silent = peer->alive != 0 && peer->alive < now - max_age_ns_;
+  if (stamp <= peer->alive) return false;
+  peer->alive = stamp;
+  return was_silent;
+}
+
+SessionTime Inbox::holds_until(const Received& received) const {
+  if (!received.update.flags.resting) return received.update.stamp;
+  const Peer* const peer = find(peers_, received.peer);
+  return peer == nullptr ? received.update.stamp : std::max(received.update.stamp, peer->alive);
+}
+
+std::size_t Inbox::prune(SessionTime now) {
+  std::size_t dropped = 0;
+  for (Body& body : bodies_) {
+    dropped += std::erase_if(body.newest, [&](const Received& r) {
+      return holds_until(r) < now - max_age_ns_ || r.update.stamp > now + max_future_ns_;
+    });
+  }
+  return dropped;
+}
+
+InboxCounters Inbox::counters(PeerId peer) const {
+  const Peer* const found = find(peers_, peer);
+  return found == nullptr ? InboxCounters{} : found->counters;
+}
+
+}  // namespace tandem::consensus

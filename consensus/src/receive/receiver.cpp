@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "receive/receiver.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "tandem/pbd/cpu_timer.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
+constexpr SessionTime kMaxAhead = 1'000'000'000;
+
+/// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
+/// silent for the longest is forgotten for a new one. Who acts is heard in each step.
+constexpr std::size_t kMaxPeers = 1024;
+
+/// Of updates as often as our own, or as 60 a second, all bodies, all springs that one may have and
+/// some more, twice; four updates at once. A member who says more is read no further, and after a
+/// while dropped.
+constexpr double kMinRate = 60.0;
+constexpr double kTimes = 2.0;
+constexpr double kMore = static_cast<double>(Springs::kMaxPerPeer) + 32.0;
+constexpr double kUpdatesAtOnce = 4.0;
+/// s: between two own steps, for what may be read at once.
+constexpr double kLongestGap = 0.5;
+
+/// What a packet costs to take in, in states.
+double work_of(const DecodedPacket& packet) {
+  const std::size_t light = packet.assignments.size() + packet.indices_wanted.size() +
+                            packet.alive.size() + packet.leaves.size() + packet.ownership.size();
+  const std::size_t springs = packet.springs.size() + packet.anchors.size();
+  return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + springs) +
+         0.25 * static_cast<double>(light);
+}
+
+/// So many times as many bodies as are shared here, and so many more, others may have.
+constexpr std::size_t kTimesIndices = 4;
+constexpr std::size_t kMoreIndices = 4096;
+
+}  // namespace
+
+CodecResult Receiver::parse(const Packet& packet) {
+  const pbd::CpuTimer timer(data_.stats.parse_s);
+  return decode(packet.bytes, incoming_);
+}
+
+void Receiver::receive() {
+  packets_.clear();
+  unknown_.clear();
+  ownership_.clear();
+  wants_all_.clear();
+  data_.transport.drain(packets_);
+  if (data_.options.timestamps == TimestampSource::Arrival && !packets_.empty())
+    senders_ = data_.transport.peers();
+  for (const Packet& packet : packets_) take_packet(packet);
+  // States that have expired since count for nothing, nor does who sent them.
+  data_.inbox.prune(data_.now);
+}
+
+void Receiver::take_packet(const Packet& packet) {
+  if (packet.from == 0) return;  // no peer has this id
+  ++data_.stats.packets_received;
+  Met& sender = meet(packet.from);
+  pbd::TokenBucket& budget = sender.budget;
+  if (!budget.admits(data_.now)) {
+    ++data_.report_of(packet.from).over_budget;
+    if (budget.abused()) {
+      budget.forgive();
+      data_.transport.drop(packet.from, "says more than a member may, see docs/network.md");
+    }
+    return;
+  }
+  const CodecResult result = parse(packet);
+  if (!result.ok()) {
+    ++data_.stats.packets_rejected;
+    data_.transport.drop(packet.from, "undecodable packet: " + result.reason());
+    return;
+  }
+  data_.stats.updates_received += incoming_.states.size();
+  budget.spend(work_of(incoming_));
+  const pbd::CpuTimer process(data_.stats.process_s);
+  keep_allowed(packet.from, packet.role);
+  if (data_.options.timestamps == TimestampSource::Arrival) date(packet);
+  take_in(sender);
+}
+
+void Receiver::date(const Packet& packet) {
+  const auto [received, round_trip] = arrival_of(packet, senders_, data_.now);
+  if (const auto newest = newest_stamp(incoming_)) {
+    shift_stamps(incoming_, sender_clocks_.hear(packet.from, *newest, received, round_trip));
+    return;
+  }
+  // Anchors are stamped when they are moved, and farewells and events may have waited for a link:
+  // they say little about the clock.
+  const auto known = sender_clocks_.shift(packet.from);
+  shift_stamps(incoming_, known ? *known
+                                : SenderClocks::guess(newest_stamp_of_others(incoming_), received,
+                                                      round_trip));
+}
+
+void Receiver::set_budget(pbd::TokenBucket& budget) const {
+  const double update = static_cast<double>(data_.bodies.size()) + kMore;
+  const double rate = kTimes * std::max(kMinRate, data_.options.update_hz) * update;
+  // Who steps seldom reads at once what came meanwhile.
+  const double since = std::min(data_.step_dt, kLongestGap);
+  budget.set(rate, std::max(kUpdatesAtOnce * update, rate * since));
+}
+
+void Receiver::keep_allowed(PeerId from, Role role) {
+  if (role == Role::Share) return;
+  std::size_t denied = 0;
+  const auto deny = [&denied](auto& records) {
+    denied += records.size();
+    records.clear();
+  };
+  deny(incoming_.states);
+  deny(incoming_.compact);
+  deny(incoming_.ownership);
+  incoming_.assignments.clear();
+  if (role == Role::Watch) {
+    deny(incoming_.springs);
+    deny(incoming_.anchors);
+  }
+  if (denied > 0) data_.report_of(from).not_allowed += denied;
+}
+
+Receiver::Met& Receiver::meet(PeerId from) {
+  auto at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
+  if (at == met_.end() || at->peer != from) {
+    if (met_.size() >= kMaxPeers) {
+      const auto silent = std::ranges::min_element(met_, {}, &Met::last);
+      forget(silent->peer);
+      met_.erase(silent);
+      at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
+    }
+    at = met_.insert(at, {.peer = from});
+    at->budget =
+        pbd::TokenBucket(0.0, std::numeric_limits<double>::max());  // filled by set_budget()
+  }
+  set_budget(at->budget);
+  at->last = data_.now;
+  return *at;
+}
+
+void Receiver::part_from(PeerId peer) {
+  data_.inbox.remove_peer(peer);
+  connections_.indices().forget(peer);
+  for (SharedBody& shared : data_.bodies) {
+    std::erase_if(shared.heard, [peer](const Heard& heard) { return heard.peer == peer; });
+  }
+  data_.springs.drop_peer(peer, data_.now);
+}
+
+void Receiver::forget(PeerId peer) {
+  part_from(peer);
+  data_.inbox.forget_peer(peer);
+  sender_clocks_.forget(peer);
+  std::erase_if(data_.reports, [peer](const auto& report) { return report.peer == peer; });
+}
+
+void Receiver::take_in(Met& sender) {
+  const PeerId from = sender.peer;
+  const SessionTime farewell = sender.farewell;
+  data_.inbox.add_peer(from);
+  data_.report_of(from);
+  // Nothing asks for states where nothing is agreed upon and nobody drives a body.
+  const bool unheard = data_.options.coupling == Coupling::None && !data_.bodies.have_owners();
+  for (const StateUpdate& update : incoming_.states) {
+    if (!unheard) take_in_state(from, update, farewell);
+  }
+  if (!unheard) take_in_compact(from, farewell);
+  take_in_springs(from);
+  take_in_anchors(from);
+  for (const OwnershipUpdate& update : incoming_.ownership) ownership_.push_back({from, update});
+  if (!incoming_.leaves.empty()) {
+    part_from(from);
+    // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
+    // successor.
+    sender.farewell = std::min(data_.now + kMaxAhead, incoming_.leaves.back().stamp);
+  }
+}
+
+void Receiver::take_in_springs(PeerId from) {
+  for (const SpringUpdate& update : incoming_.springs) {
+    const SharedBody* shared = data_.bodies.find(update.body);
+    if (shared == nullptr || !data_.world.contains(shared->def.body)) {
+      ++data_.stats.springs_refused;
+      ++data_.report_of(from).springs_refused;
+      continue;
+    }
+    receive_spring(from, update, shared->def.body);
+  }
+}
+
+void Receiver::take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell) {
+  // Overtaken by the farewell; what is stamped later comes from a successor.
+  if (update.stamp <= farewell) return;
+  if (data_.inbox.offer(from, update, data_.now) != InboxVerdict::UnknownId) return;
+  ++data_.stats.unknown_ids;
+  if (unknown_.size() < Peer::kMaxUnknown) unknown_.push_back({from, update});
+}
+
+void Receiver::take_in_compact(PeerId from, SessionTime farewell) {
+  const std::size_t most = kTimesIndices * data_.bodies.size() + kMoreIndices;
+  for (const IndexAssignment& name : incoming_.assignments)
+    connections_.indices().learn(from, name, most);
+  bool missed = false;
+  SessionTime alive = 0;
+  for (CompactState& state : incoming_.compact) {
+    alive = std::max(alive, state.update.stamp);
+    const SharedId* const id = connections_.indices().find(from, state);
+    if (id == nullptr) {
+      missed = true;
+      ++data_.stats.unknown_indices;
+      continue;
+    }
+    state.update.id = *id;
+    take_in_state(from, state.update, farewell);
+  }
+  data_.stats.updates_received += incoming_.compact.size();
+  bool asks =
+      !incoming_.compact.empty() && connections_.indices().should_ask(from, missed, data_.now);
+  for (const StateUpdate& update : incoming_.states) alive = std::max(alive, update.stamp);
+  for (const Alive& message : incoming_.alive) alive = std::max(alive, message.stamp);
+  const bool selects = !incoming_.compact.empty() || !incoming_.alive.empty();
+  if (alive > farewell && data_.inbox.note_alive(from, alive, data_.now) && selects) asks = true;
+  if (asks) {
+    const std::uint32_t table = incoming_.compact.empty() ? 0 : incoming_.compact.back().table;
+    connections_.post(from, IndicesWanted{table}, Delivery::Reliable);
+  }
+  if (!incoming_.indices_wanted.empty()) wants_all_.push_back(from);
+}
+
+void Receiver::take_in_anchors(PeerId from) {
+  for (const AnchorUpdate& anchor : incoming_.anchors) {
+    const SpringUpdate* const known = data_.springs.last_of(from, anchor.spring);
+    // Of a spring whose creation has not come, or that is gone.
+    if (known == nullptr || known->event == SpringEvent::Remove) continue;
+    const SharedBody* shared = data_.bodies.find(known->body);
+    if (shared == nullptr || !data_.world.contains(shared->def.body)) continue;
+    SpringUpdate update = *known;
+    update.event = SpringEvent::Change;
+    update.anchor_w = anchor.anchor_w;
+    update.anchor_velocity = anchor.anchor_velocity;
+    update.stamp = anchor.stamp;
+    receive_spring(from, update, shared->def.body);
+  }
+}
+
+void Receiver::receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body) {
+  const Springs::Verdict verdict = data_.springs.receive(from, update, body, data_.now);
+  if (verdict == Springs::Verdict::Taken) return;
+  PeerReport& report = data_.report_of(from);
+  if (verdict == Springs::Verdict::Limited) {
+    ++report.springs_limited;
+  } else {
+    ++report.springs_refused;
+    ++data_.stats.springs_refused;
+  }
+}
+
+}  // namespace tandem::consensus

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "members/connections.h"
+#include "peer_data.h"
+#include "tandem/consensus/sender_clocks.h"
+#include "tandem/consensus/update.h"
+#include "tandem/pbd/token_bucket.h"
+
+namespace tandem::consensus {
+
+/// Takes in what has come: packets are decoded, checked, dated and sorted into inbox and springs.
+class Receiver {
+ public:
+  /// What another peer says of who owns a body.
+  struct OwnershipNews {
+    PeerId from = 0;
+    OwnershipUpdate update;
+  };
+
+  Receiver(PeerData& data, Connections& connections) : data_(data), connections_(connections) {}
+
+  void receive();
+
+  // Of the last receive().
+  std::span<const UnknownState> unknown() const { return unknown_; }
+  std::span<const OwnershipNews> ownership() const { return ownership_; }
+  /// Who lacks indices, or states.
+  std::span<const PeerId> wants_all() const { return wants_all_; }
+
+ private:
+  /// Another peer since it was first heard.
+  struct Met {
+    PeerId peer = 0;
+    SessionTime last = 0;  ///< ns, when it was heard last
+    pbd::TokenBucket budget;
+    /// Stamp of its farewell; the beginning of time where it has not left.
+    SessionTime farewell = std::numeric_limits<SessionTime>::min();
+  };
+
+  void take_packet(const Packet& packet);
+  CodecResult parse(const Packet& packet);
+  /// Shift the stamps of incoming_ to the own clock.
+  void date(const Packet& packet);
+  /// What one member may have this peer do: budget, in what work_of() counts.
+  void set_budget(pbd::TokenBucket& budget) const;
+  /// Take out of incoming_ what that role may not say.
+  void keep_allowed(PeerId from, Role role);
+  /// Note that a peer was heard; make room for it. Valid until the next call.
+  Met& meet(PeerId from);
+  /// What a peer has said counts no more.
+  void part_from(PeerId peer);
+  void forget(PeerId peer);
+  void take_in(Met& sender);
+  void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell);
+  void take_in_compact(PeerId from, SessionTime farewell);
+  void take_in_springs(PeerId from);
+  void take_in_anchors(PeerId from);
+  void receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body);
+
+  PeerData& data_;
+  Connections& connections_;
+  SenderClocks sender_clocks_;
+  std::vector<Met> met_;  ///< by id
+  std::vector<UnknownState> unknown_;
+  std::vector<OwnershipNews> ownership_;
+  std::vector<PeerId> wants_all_;
+
+  // Scratch, kept for its capacity.
+  std::vector<Packet> packets_;
+  std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on arrival
+  DecodedPacket incoming_;
+};
+
+}  // namespace tandem::consensus

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/consensus/sender_clocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/session_time.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// ns: further from what is known a sample is of another clock, or of a packet that was stuck.
+constexpr SessionTime kAstray = 250'000'000;
+/// So many in a row, and where they are late over so many ns (a queue that is let go is over
+/// sooner), are of another clock.
+constexpr std::size_t kAstrayCount = 8;
+constexpr SessionTime kAstrayFor = 1'000'000'000;
+/// ns: as long the shift follows at once.
+constexpr SessionTime kAtOnce = 1'000'000'000;
+/// ns: no round trip is longer.
+constexpr SessionTime kLongestWay = 10'000'000'000;
+
+/// a - b, within `most` of 0, for times within kMaxStamp of 0.
+SessionTime difference(SessionTime a, SessionTime b, SessionTime most = kMaxStamp) {
+  const SessionTime half = a / 2 - b / 2;
+  if (half > most / 2 - 1) return most;
+  if (half < 1 - most / 2) return -most;
+  return a - b;
+}
+
+/// Received less stamped, so that a round trip more or less fits.
+SessionTime lateness(SessionTime received, SessionTime stamp) {
+  return difference(received, stamp, kMaxStamp - 2 * kLongestWay);
+}
+
+/// Look at what is stamped when it is sent.
+template <class Packet, class Look>
+void stamps_of_sending(Packet& packet, const Look& look) {
+  for (auto& state : packet.states) look(state.stamp);
+  for (auto& state : packet.compact) look(state.update.stamp);
+  for (auto& alive : packet.alive) look(alive.stamp);
+}
+
+/// And at everything else.
+template <class Packet, class Look>
+void other_stamps(Packet& packet, const Look& look) {
+  for (auto& spring : packet.springs) look(spring.stamp);
+  for (auto& leave : packet.leaves) look(leave.stamp);
+  for (auto& ownership : packet.ownership) look(ownership.stamp);
+  for (auto& anchor : packet.anchors) look(anchor.stamp);
+}
+
+}  // namespace
+
+Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> peers, SessionTime now) {
+  const bool said = packet.received != std::numeric_limits<SessionTime>::min();
+  const auto sender = std::ranges::find(peers, packet.from, &PeerStatus::id);
+  return {.received = said ? packet.received : now,
+          .round_trip = sender != peers.end() ? sender->round_trip : -1};
+}
+
+SessionTime shifted(SessionTime stamp, SessionTime shift) {
+  if (shift > 0 && stamp > kMaxStamp - shift) return kMaxStamp;
+  if (shift < 0 && stamp < -kMaxStamp - shift) return -kMaxStamp;
+  return stamp + shift;
+}
+
+void shift_stamps(DecodedPacket& packet, SessionTime shift) {
+  const auto move = [shift](SessionTime& stamp) { stamp = shifted(stamp, shift); };
+  stamps_of_sending(packet, move);
+  other_stamps(packet, move);
+}
+
+std::optional<SessionTime> newest_stamp(const DecodedPacket& packet) {
+  std::optional<SessionTime> newest;
+  stamps_of_sending(
+      packet, [&newest](SessionTime stamp) { newest = newest ? std::max(*newest, stamp) : stamp; });
+  return newest;
+}
+
+SessionTime newest_stamp_of_others(const DecodedPacket& packet) {
+  SessionTime newest = -kMaxStamp;
+  other_stamps(packet, [&newest](SessionTime stamp) { newest = std::max(newest, stamp); });
+  return newest == -kMaxStamp ? 0 : newest;
+}
+
+void SenderClocks::restart(Sender& sender, SessionTime late, SessionTime half,
+                           SessionTime received) {
+  sender.shift = late - half;
+  sender.began = sender.last = received;
+  sender.count = 0;
+  sender.astray = 0;
+}
+
+void SenderClocks::close(Sender& sender, SessionTime half, SessionTime received) {
+  const SessionTime late =
+      sender.first + std::llround(sender.sum / static_cast<double>(sender.packets));
+  const SessionTime off = difference(late - half, sender.shift);
+  if (sender.count > 0 && std::abs(off) > kAstray) {
+    if (sender.astray++ == 0) sender.astray_since = received;
+    const bool over = off < 0 || difference(received, sender.astray_since) >= kAstrayFor;
+    if (sender.astray < kAstrayCount || !over) return;
+    restart(sender, late, half, received);
+  }
+  sender.astray = 0;
+  sender.late[sender.count++ % kWindow] = late;
+  std::array<SessionTime, kWindow> sorted = sender.late;
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sender.count, kWindow));
+  const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
+  std::nth_element(sorted.begin(), middle, end);
+  const auto missing = static_cast<double>(difference(*middle - half, sender.shift));
+  const auto passed =
+      static_cast<double>(std::max<SessionTime>(difference(received, sender.last), 0));
+  const auto age = static_cast<double>(difference(received, sender.began));
+  sender.last = std::max(sender.last, received);
+  // At first the mean of all medians, then one that forgets.
+  const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
+  double step = std::min(part, 1.0) * missing;
+  if (difference(received, sender.began) > kAtOnce)
+    step = std::clamp(step, -kSlew * passed, kSlew * passed);
+  sender.shift += std::llround(step);
+}
+
+SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime received,
+                               SessionTime round_trip) {
+  const SessionTime half = std::clamp(round_trip, SessionTime{0}, kLongestWay) / 2;
+  received = std::clamp(received, -kMaxStamp, kMaxStamp);
+  const SessionTime late = lateness(received, newest);
+  auto at = std::ranges::lower_bound(senders_, from, {}, &Sender::peer);
+  if (at == senders_.end() || at->peer != from) {
+    at = senders_.insert(at, Sender{.peer = from, .knows_way = round_trip >= 0});
+    restart(*at, late, half, received);
+  }
+  Sender& sender = *at;
+  if (round_trip >= 0 && !sender.knows_way) {
+    sender.knows_way = true;
+    restart(sender, sender.shift, half, received);
+  }
+  // Packets of one moment are one sample: of many, those of the last window might be a few steps.
+  if (sender.packets > 0 && sender.stamp != newest) {
+    close(sender, half, received);
+    sender.packets = 0;
+  }
+  if (sender.packets == 0) {
+    sender.stamp = newest;
+    sender.first = late;
+    sender.sum = 0.0;
+  }
+  ++sender.packets;
+  sender.sum += static_cast<double>(difference(late, sender.first));
+  return sender.shift;
+}
+
+std::optional<SessionTime> SenderClocks::shift(PeerId from) const {
+  const auto at = std::ranges::lower_bound(senders_, from, {}, &Sender::peer);
+  if (at == senders_.end() || at->peer != from) return std::nullopt;
+  return at->shift;
+}
+
+SessionTime SenderClocks::guess(SessionTime newest, SessionTime received, SessionTime round_trip) {
+  received = std::clamp(received, -kMaxStamp, kMaxStamp);
+  return lateness(received, newest) - std::clamp(round_trip, SessionTime{0}, kLongestWay) / 2;
+}
+
+}  // namespace tandem::consensus

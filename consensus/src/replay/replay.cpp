@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "replay/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/body_state.h"
+#include "common/session_time.h"
+#include "tandem/consensus/influence.h"
+#include "tandem/pbd/cpu_timer.h"
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/validate.h"
+
+namespace tandem::consensus {
+namespace {
+
+constexpr double kAll = std::numeric_limits<double>::infinity();
+
+/// Frames: states of one peer that are no further apart are taken in together. They came in several
+/// packets, and bodies that touch must not be moved one after the other: a pile of 900 cubes had
+/// them up to 17 mm, one frame's way, behind.
+constexpr std::size_t kTogether = 3;
+
+/// The state of another peer where its stamp lies between own frames: the difference to the own
+/// motion is carried to the frame.
+pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
+  const SessionTime time = history.frame(news.frame).time;
+  if (time == news.stamp) return news.state;
+  const double dt = seconds(time - news.stamp);
+  const pbd::BodyState then = history.state_beside(news.slot, news.stamp, news.state.twist);
+  const pbd::BodyState own = history.state_at(news.slot, time);
+  pbd::Correction apart = gap(then, news.state);
+  apart.translation += dt * apart.twist.linear;
+  apart.rotation += dt * apart.twist.angular;
+  return moved(own, apart);
+}
+
+}  // namespace
+
+using pbd::detail::require;
+
+void ReplayOptions::validate() const {
+  require(share > 0.0 && share <= 1.0, "ReplayOptions", "share", share, "above 0 and at most 1");
+  require(budget >= 1.0, "ReplayOptions", "budget", budget, "at least 1");
+  require(substeps >= 0 && substeps <= 1000, "ReplayOptions", "substeps", substeps,
+          "from 0 to 1000");
+  require(tolerance >= 0.0 && std::isfinite(tolerance), "ReplayOptions", "tolerance", tolerance,
+          "finite and >= 0 m");
+}
+
+std::size_t Replay::awake() const {
+  std::size_t count = 0;
+  const std::span<const pbd::BodyProps> props = world_.all_props();
+  for (std::uint32_t slot = 0; slot < props.size(); ++slot) {
+    count += props[slot].type == pbd::BodyType::Dynamic && world_.awake_at(slot) ? 1 : 0;
+  }
+  return count;
+}
+
+void Replay::set_solver(const pbd::SolverOptions& options) {
+  if (solver_.has_value() && options == solved_with_) return;
+  solved_with_ = options;
+  pbd::SolverOptions own = options;
+  own.measure_stages = false;
+  if (options_.substeps > 0) own.substeps = options_.substeps;
+  solver_.emplace(own);
+}
+
+void Replay::update(ReplayStats& stats) {
+  if (news_.empty() || history_.empty() || !possible()) {
+    drop();
+    return;
+  }
+  const pbd::CpuTimer timer(stats.seconds);
+  bring_together();
+  if (schedule_.is_due(history_, start_, awake(), options_.budget)) {
+    if (!start()) {
+      ++stats.without;
+      return drop();
+    }
+    ++stats.fresh;
+    schedule_.begun();
+  } else if (!slots_.empty() && schedule_.steps_along() && reached_ + 1 == history_.last()) {
+    ++stats.postponed;
+  } else {
+    ++stats.without;
+    return drop();
+  }
+  for (; reached_ < history_.last(); ++reached_) {
+    if (!step_from(reached_, stats)) return drop();
+  }
+  if (schedule_.is_fresh()) blend(reached_);
+  for (std::uint32_t slot = 0; slot < slots_.size(); ++slot) {
+    if (!slots_[slot].covered) continue;
+    slots_[slot].gap = gap(history_.newest(slot), copy_.world().states()[slot]);
+  }
+}
+
+void Replay::keep() {
+  if (!possible() || history_.empty()) return;
+  copies_ = snapshots_.keep(history_.last(), world_, awake() == 0, springs_);
+}
+
+void Replay::bring_together() {
+  for (News& news : news_) news.frame = history_.nearest(news.stamp);
+  std::sort(news_.begin(), news_.end(), [](const News& a, const News& b) {
+    return a.peer != b.peer ? a.peer < b.peer
+                            : (a.frame != b.frame ? a.frame > b.frame : a.slot < b.slot);
+  });
+  // What a peer has not said lately is as it expects others to expect it: the replay fills it in.
+  start_ = history_.last();
+  auto kept = news_.begin();
+  for (auto first = news_.begin(); first != news_.end();) {
+    const auto last = std::find_if(first, news_.end(), [&](const News& news) {
+      return news.peer != first->peer || news.frame + kTogether < first->frame;
+    });
+    const std::size_t frame = std::prev(last)->frame;
+    start_ = std::min(start_, frame);
+    const PeerId peer = first->peer;
+    for (; first != last; ++first, ++kept) {
+      if (kept != first) *kept = *first;
+      kept->frame = frame;
+    }
+    while (first != news_.end() && first->peer == peer) ++first;
+  }
+  news_.erase(kept, news_.end());
+  // Worlds are kept from when they are first asked for: until then a replay begins where it can.
+  while (start_ < history_.last() && snapshots_.find(start_, history_.last()) == nullptr) ++start_;
+  for (News& news : news_) news.frame = std::max(news.frame, start_);
+}
+
+bool Replay::start() {
+  const Snapshots::Snapshot* const snapshot = snapshots_.find(start_, history_.last());
+  if (snapshot == nullptr || !copy_.assign(snapshot->world.world())) return false;
+  const auto by_frame = [](const News& a, const News& b) {
+    return a.frame != b.frame ? a.frame < b.frame
+                              : (a.slot != b.slot ? a.slot < b.slot : a.peer < b.peer);
+  };
+  pbd::World& world = copy_.world();
+  const auto gone = [&](std::uint32_t slot) {
+    return !world.body_at(slot).valid() || world.body_at(slot) != world_.body_at(slot);
+  };
+  std::erase_if(news_, [&](const News& news) { return gone(news.slot); });
+  std::erase_if(prescribed_, [&](const Prescribed& body) { return gone(body.slot); });
+  std::sort(news_.begin(), news_.end(), by_frame);
+  next_ = 0;
+  reached_ = start_;
+  const SessionTime begins = history_.frame(start_).time;
+  slots_.assign(world_.slot_count(), {});
+  for (const News& news : news_) {
+    slots_[news.slot].covered = true;
+    if (!world.awake_at(news.slot)) {
+      copy_.set_state(news.slot, world.states()[news.slot], true);
+    }
+    // What was put there since has no past that the others share.
+    if (history_.since(news.slot) > begins) prescribe({.slot = news.slot});
+  }
+  tethers_.begin(world_, world, snapshot->rows, begins);
+  return true;
+}
+
+bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
+  blend(frame);
+  apply_inputs(frame);
+  const SessionTime time = history_.frame(frame).time;
+  const double dt = seconds(history_.frame(frame + 1).time - time);
+  tethers_.apply(copy_.world(), time);
+  if (hook_ != nullptr) hook_->before_step(copy_.world(), time, dt);
+  const pbd::StepReport& report = solver_->step(copy_.world(), dt);
+  ++stats.steps;
+  stats.body_steps += static_cast<std::uint64_t>(report.awake);
+  return report.status == pbd::StepStatus::Ok;
+}
+
+void Replay::blend(std::size_t frame) {
+  while (next_ < news_.size() && news_[next_].frame == frame) {
+    const std::uint32_t slot = news_[next_].slot;
+    double& weight = slots_[slot].weight;
+    const pbd::BodyState before = copy_.world().states()[slot];
+    estimates_.clear();
+    double total = 0.0;
+    for (; next_ < news_.size() && news_[next_].frame == frame && news_[next_].slot == slot;
+         ++next_) {
+      const News& news = news_[next_];
+      const pbd::BodyState state = at_frame(history_, news);
+      // Against all that was blended before, as fuse() has it against the local state.
+      double part = std::isinf(weight) ? 0.0 : news.weight / weight;
+      if (std::isinf(news.weight)) part = kAll;
+      estimates_.push_back({.peer = news.peer,
+                            .pose = state.pose,
+                            .twist = state.twist,
+                            .share = share_of_weight(part)});
+      total += news.weight;
+    }
+    pbd::PoseTarget target;
+    if (!fuse(before.pose, estimates_, target)) continue;
+    weight += total;
+    copy_.displace(slot, mean_with(before, target));
+  }
+}
+
+void Replay::apply_inputs(std::size_t number) {
+  pbd::World& world = copy_.world();
+  const WorldHistory::Frame& frame = history_.frame(number);
+  if (world.gravity() != frame.gravity) world.set_gravity(frame.gravity);
+  for (const WorldHistory::State& placed : frame.placed) {
+    copy_.set_state(placed.slot, placed.state, true);
+  }
+  for (const WorldHistory::Push& pushed : frame.pushed) {
+    pbd::BodyState state = world.states()[pushed.slot];
+    state.twist.linear += pushed.twist.linear;
+    state.twist.angular += pushed.twist.angular;
+    copy_.set_state(pushed.slot, state, true);
+  }
+  for (const Prescribed& body : prescribed_) {
+    if (!body.from.has_value()) {
+      copy_.set_state(body.slot, history_.state_at(body.slot, frame.time), true);
+      continue;
+    }
+    const double dt = seconds(frame.time - body.stamp);
+    copy_.set_state(body.slot, carried(*body.from, dt), true);
+  }
+  for (const WorldHistory::Force& force : frame.forces) {
+    const pbd::BodyId body = world.body_at(force.slot);
+    if (!body.valid() || world.props(body).type != pbd::BodyType::Dynamic) continue;
+    world.apply_force(body, force.wrench.force);
+    world.apply_torque(body, force.wrench.torque);
+  }
+}
+
+}  // namespace tandem::consensus

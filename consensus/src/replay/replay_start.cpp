@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "replay/replay_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/session_time.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// Steps of one body that are always allowed for: where little moves all of it is replayed anew in
+/// each step. Tennis at profile 5 goes on for 24 strokes in 20 s so, and for 11 without.
+constexpr double kMinSteps = 32.0;
+
+/// Steps in which the last replay may be stepped along. With other peers' replays at other stamps
+/// 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, and 87 without a limit.
+constexpr int kOldest = 3;
+
+/// Which period of `length` s a time is in: all peers count the same ones.
+SessionTime period_of(SessionTime time, double length) {
+  constexpr SessionTime kSecond = 1'000'000'000;
+  constexpr SessionTime kPerSecond = 960;
+  const SessionTime rest = time % kSecond * kPerSecond + kSecond / 2;
+  const SessionTime units = std::max(1LL, std::llround(length * kPerSecond));
+  return (time / kSecond * kPerSecond + rest / kSecond) / units;
+}
+
+}  // namespace
+
+bool Snapshots::keep(std::size_t frame, const pbd::World& world, bool rests,
+                     const Springs& springs) {
+  // A world that sleeps is what it was.
+  if (rests && rests_) return true;
+  rests_ = rests;
+  resting_since_ = frame;
+  if (snapshots_.empty()) snapshots_.resize(4);
+  Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
+  snapshot.frame = frame;
+  snapshot.taken = snapshot.world.assign(world);
+  snapshot.rows.clear();
+  springs.rows(snapshot.rows);
+  return snapshot.taken;
+}
+
+const Snapshots::Snapshot* Snapshots::find(std::size_t frame, std::size_t last) {
+  if (snapshots_.empty()) return nullptr;
+  if (rests_) frame = std::min(frame, resting_since_);
+  const Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
+  if (snapshot.taken && snapshot.frame == frame) return &snapshot;
+  const std::size_t age = last - frame;
+  if (age >= snapshots_.size()) {
+    std::vector<Snapshot> more(age + 4);
+    for (Snapshot& old : snapshots_) {
+      if (old.taken) std::swap(more[old.frame % more.size()], old);
+    }
+    snapshots_ = std::move(more);
+  }
+  return nullptr;
+}
+
+bool ReplaySchedule::is_due(const WorldHistory& history, std::size_t start, std::size_t awake,
+                            double budget) {
+  const std::size_t now = history.last();
+  const auto bodies = static_cast<double>(std::max<std::size_t>(awake, 1));
+  budget = std::max(budget, kMinSteps / bodies);
+  const auto age = static_cast<double>(now - start);
+  if (age <= budget) return true;
+  // One in `every` steps, stepped along in between, costs age + every - 1.
+  double every = std::ceil((age - 1.0) / std::max(budget - 1.0, 1e-9));
+  if (every > kOldest + 1.0) every = std::ceil((age + kOldest) / budget);
+  const double step = seconds(history.frame(now).time - history.frame(now - 1).time);
+  const SessionTime period = period_of(history.frame(start).time, every * step);
+  return std::exchange(period_, period) != period;
+}
+
+bool ReplaySchedule::steps_along() { return ++old_ <= kOldest; }
+
+}  // namespace tandem::consensus

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tandem/consensus/compact.h"
+#include "tandem/pbd/bytes.h"
+
+// What the parts of the codec share: update*.cpp and compact*.cpp.
+namespace tandem::consensus {
+
+enum class MessageKind : std::uint8_t {
+  States = 1,
+  Springs = 2,
+  Leave = 3,
+  Ownership = 4,
+  CompactStates = 5,
+  Indices = 6,
+  IndicesWanted = 7,
+  Alive = 8,
+  Anchors = 9
+};
+
+inline constexpr std::size_t kIndicesWantedBytes = 4;
+inline constexpr std::size_t kAliveBytes = 8;
+
+/// Of the components of an orientation in full: fixed-point numbers of 32 bits.
+inline constexpr double kQuatScale = 1073741824.0;  // 2^30
+/// @pre |component| < 2
+inline std::int32_t to_fixed(double component) {
+  return static_cast<std::int32_t>(std::lround(component * kQuatScale));
+}
+inline double from_fixed(std::int32_t value) { return value / kQuatScale; }
+
+inline CodecResult fault(PacketFault kind, const char* detail) { return {kind, detail, 0}; }
+
+/// Magic, version, kind, count.
+void write_header(std::vector<std::byte>& out, MessageKind kind, std::size_t count);
+/// Overwrite two bytes.
+void put_u16(std::vector<std::byte>& out, std::size_t at, std::size_t value);
+/// check() of an anchor as a spring has it.
+CodecResult check_anchor(const AnchorUpdate& anchor);
+/// check() without the id.
+CodecResult check_state(const StateUpdate& update);
+
+/// What follows the header of a message of `count` records; appended.
+CodecResult decode_compact(pbd::ByteReader& in, std::size_t count, std::vector<CompactState>& out);
+CodecResult decode_anchors(pbd::ByteReader& in, std::size_t count, std::vector<AnchorUpdate>& out);
+CodecResult decode_indices(pbd::ByteReader& in, std::size_t count,
+                           std::vector<IndexAssignment>& out);
+
+}  // namespace tandem::consensus

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tandem/pbd/random.h"
+#include "tandem/virtual_network/virtual_network.h"
+
+namespace tandem::consensus {
+
+/// A packet on the way.
+struct Flight {
+  SessionTime due = 0;
+  PeerId from = 0;
+  PeerId to = 0;
+  std::uint64_t number = 0;  ///< within its link
+  SessionTime posted = 0;
+  Delivery delivery = Delivery::Newest;
+  std::vector<std::byte> bytes;
+};
+
+/// All packets on the way, the earliest first. Ties go by ids and never by the order in which links
+/// were served, which depends on how the time was cut up.
+class Air {
+ public:
+  bool empty() const { return heap_.empty(); }
+  SessionTime next_due() const { return heap_.front().due; }
+  void push(Flight flight);
+  Flight pop();
+  /// Take out everything on the way between two peers, in this direction; earliest first.
+  std::vector<Flight> take(PeerId from, PeerId to);
+
+ private:
+  std::vector<Flight> heap_;
+};
+
+/// One direction between two peers: a queue, a line of finite bandwidth, and chance.
+class Link {
+ public:
+  Link(PeerId from, PeerId to, const LinkOptions& options, std::uint64_t seed, SessionTime now);
+
+  bool open() const { return !cut_ && closed_.empty(); }
+  /// Why the sender's side is not open; empty where it is.
+  std::string reason() const { return closed_.empty() && cut_ ? "link cut" : closed_; }
+  const LinkCounters& counters() const { return counters_; }
+  std::size_t max_state_bytes() const { return options_.max_state_bytes; }
+  std::uint64_t bytes_posted() const { return bytes_posted_; }
+  std::uint64_t bytes_delivered() const { return bytes_delivered_; }
+  /// Whether something waits; it starts at free_at().
+  bool waits() const { return open() && !waiting_.empty(); }
+  SessionTime free_at() const { return busy_until_; }
+
+  bool post(SessionTime now, std::span<const std::byte> bytes, Delivery delivery, Air& air);
+  /// Start all transmissions that begin up to `time`.
+  void send_waiting(SessionTime time, Air& air);
+  void count_delivered(const Flight& flight);
+  /// ns, from post() to arrival, of states, smoothed; -1: none has come.
+  double delay() const { return delay_; }
+
+  void set_options(SessionTime now, const LinkOptions& options, Air& air);
+  void cut(SessionTime now, Air& air);
+  /// Shut for good, until heal(); nothing that was posted arrives any more.
+  void close(SessionTime now, std::string reason, Air& air);
+  void heal(SessionTime now, Air& air);
+
+ private:
+  struct Waiting {
+    std::vector<std::byte> bytes;
+    Delivery delivery = Delivery::Newest;
+    SessionTime posted = 0;
+  };
+
+  std::size_t waiting_bytes(Delivery delivery) const;
+  bool make_room(std::size_t size);
+  void launch(Waiting packet, SessionTime departure, Air& air);
+  void fly(SessionTime due, SessionTime posted, Delivery delivery, std::vector<std::byte> bytes,
+           Air& air);
+  void recall(SessionTime now, Air& air);
+  /// End of the burst of loss that a packet leaves in; no later than `departure` outside.
+  SessionTime burst_end(SessionTime departure);
+
+  PeerId from_;
+  PeerId to_;
+  LinkOptions options_;
+  pbd::SplitMix64 random_;
+  pbd::SplitMix64 bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
+  SessionTime burst_begin_;
+  SessionTime burst_end_;
+  bool cut_ = false;
+  std::string closed_;
+  std::deque<Waiting> waiting_;
+  SessionTime busy_until_;     ///< when the last packet has left the sender
+  SessionTime last_reliable_;  ///< when the last reliable packet arrives
+  std::uint64_t sent_ = 0;
+  LinkCounters counters_;
+  double delay_ = -1.0;
+  std::uint64_t bytes_posted_ = 0;
+  std::uint64_t bytes_delivered_ = 0;
+};
+
+}  // namespace tandem::consensus
