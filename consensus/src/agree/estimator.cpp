@@ -50,6 +50,7 @@ void Estimator::estimate(SharedBody& shared, std::span<const Inbox::Received> ne
     estimate_owner(shared, newest, out);
     return;
   }
+  if (rests_where_all_have_it(shared, newest)) return;
   // What a spring that only its own peer knows does to the body cannot be replayed.
   const bool hands = trust_.believes_hands(newest.size());
   out.by_hand =
@@ -66,6 +67,22 @@ void Estimator::estimate(SharedBody& shared, std::span<const Inbox::Received> ne
   if (!listening.several) return;
   out.votes = out.leaders.empty();
   if (!out.votes) keep_leaders(out);
+}
+
+bool Estimator::rests_where_all_have_it(const SharedBody& shared,
+                                        std::span<const Inbox::Received> newest) const {
+  const std::uint32_t slot = shared.def.body.index;
+  if (data_.world.awake_at(slot) || data_.confidence() < 1.0) return false;
+  const pbd::Pose& own = data_.world.states()[slot].pose;
+  return std::ranges::all_of(newest, [&](const Inbox::Received& received) {
+    const StateUpdate& there = received.update;
+    if (there.rounded || there.flags.owner_driven) return false;
+    if (speed(there.twist) > 0.0) return false;
+    const double way = (there.pose.position - own.position).norm();
+    // rad: twice the distance of unit quaternions that are near.
+    const double turn = 2.0 * (there.pose.orientation.coeffs() - own.orientation.coeffs()).norm();
+    return way + kLeverArm * turn <= data_.options.replay.tolerance;
+  });
 }
 
 void Estimator::hear(SharedBody& shared, std::span<const Inbox::Received> newest, std::size_t i,

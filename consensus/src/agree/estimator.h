@@ -47,6 +47,9 @@ class Estimator {
 
   Listening listening_to(const SharedBody& shared, std::span<const Inbox::Received> newest,
                          bool replays, bool by_hand) const;
+  /// Then nothing is to be agreed on.
+  bool rests_where_all_have_it(const SharedBody& shared,
+                               std::span<const Inbox::Received> newest) const;
   void hear(SharedBody& shared, std::span<const Inbox::Received> newest, std::size_t i,
             const Listening& listening, bool replays, Estimates& out);
   /// What the `share` of newest[i], whose sender does not own the body, is beside the own state.
