@@ -17,7 +17,8 @@ namespace tandem::consensus {
 
 /// The stages of one peer, in the order of docs/ARCHITECTURE.md; what they do is in their files,
 /// and in which order, in peer.cpp.
-struct __attribute__((visibility("hidden"))) Peer::Impl {
+class __attribute__((visibility("hidden"))) Peer::Impl {
+ public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
 
   PeerData data;
