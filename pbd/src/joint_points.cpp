@@ -8,7 +8,7 @@ namespace tandem::pbd {
 namespace {
 
 /// m [r]x
-Mat3 times_skew(const Mat3& m, const Vec3& r) {
+[[gnu::always_inline]] inline Mat3 times_skew(const Mat3& m, const Vec3& r) {
   Mat3 out;
   out.col(0) = r.z() * m.col(1) - r.y() * m.col(2);
   out.col(1) = r.x() * m.col(2) - r.z() * m.col(0);
@@ -17,7 +17,8 @@ Mat3 times_skew(const Mat3& m, const Vec3& r) {
 }
 
 /// a += sign [r]x^T m
-void add_skew_times(const Vec3& r, const Mat3& m, double sign, double* a) {
+[[gnu::always_inline]] inline void add_skew_times(const Vec3& r, const Mat3& m, double sign,
+                                                  double* a) {
   const double x = sign * r.x();
   const double y = sign * r.y();
   const double z = sign * r.z();
