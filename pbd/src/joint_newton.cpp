@@ -113,7 +113,8 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
   }
   if (state.channel == Channel::Real) {
     for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-      slots_[s].inertia = block::inverse(slots_[s].inv_inertia);
+      slots_[s].inertia = slots_[s].inv_inertia;
+      block::invert(slots_[s].inertia);
     }
     stiffen(part, ctx);
   }

@@ -76,10 +76,13 @@ void JointSystem::evaluate_points(const JointGraph::Part& part,
       continue;
     }
     const SixDofJointDef& def = records[plan.joint].def;
-    const JointPlace place =
-        JointPlace::of(def, body_of(def.a, ctx.bodies, ground), body_of(def.b, ctx.bodies, ground));
+    const SolverBody& a = body_of(def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(def.b, ctx.bodies, ground);
+    const Vec3 r_a = rotate(a.q, def.frame_a.anchor);
+    const Vec3 r_b = rotate(b.q, def.frame_b.anchor);
     for (int i = 0; i < 3; ++i) {
-      right[i] = -(place.d[i] - node.target[i]) - node.at[i] * node.lambda[i];
+      const double d = (b.x[i] + r_b[i]) - (a.x[i] + r_a[i]);
+      right[i] = -(d - node.target[i]) - node.at[i] * node.lambda[i];
     }
   }
 }

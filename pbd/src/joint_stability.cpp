@@ -132,8 +132,8 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
         slot.stiffness.row(i).setZero();
         slot.stiffness.col(i).setZero();
       }
-      slot.inv_inertia =
-          block::inverse(slot.inertia + (kStiffShare + kStiffDamping) * slot.stiffness);
+      slot.inv_inertia = slot.inertia + (kStiffShare + kStiffDamping) * slot.stiffness;
+      block::invert(slot.inv_inertia);
       const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
       body.q = turned(body.q, dtheta);
       body.dtheta += dtheta;
