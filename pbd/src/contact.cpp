@@ -209,10 +209,15 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
     repeat_first_row(rows);
     m.kernels->prepare(rows, m.options.evenness, numbers);
   };
+  const auto block = [&](std::size_t k) {
+    return places.subspan(std::min(k, blocks - 1) * kLanes, kLanes);
+  };
   ctx.workers->for_chunks(m.rows.size(), Impl::kGrain / kLanes,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
-                              prepare(m.rows[k], places.subspan(k * kLanes, kLanes));
+                              m.prefetch_contacts(block(k + 2));
+                              m.prefetch_bodies(block(k + 1), ctx.bodies);
+                              prepare(m.rows[k], block(k));
                             }
                           });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "contact_convergence.h"
@@ -81,6 +82,28 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
         __builtin_prefetch(body + 8);
       }
     }
+  }
+
+  /// The same for the contacts that a block is to be made of, and for their bodies once these are
+  /// known.
+  void prefetch_contacts(std::span<const std::uint32_t> block) const {
+    for (const std::uint32_t i : block) {
+      if (i == ContactOrder::kNone) break;
+      prefetch_all(contacts[i]);
+    }
+  }
+  void prefetch_bodies(std::span<const std::uint32_t> block,
+                       std::span<const SolverBody> bodies) const {
+    for (const std::uint32_t i : block) {
+      if (i == ContactOrder::kNone) break;
+      prefetch_all(bodies[contacts[i].manifold.body_a]);
+      prefetch_all(bodies[contacts[i].manifold.body_b]);
+    }
+  }
+  template <class T>
+  static void prefetch_all(const T& object) {
+    const auto* bytes = reinterpret_cast<const char*>(&object);
+    for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
   }
 
   /// Call visit(rows) for the blocks of rows of the context's group, shared out among workers.

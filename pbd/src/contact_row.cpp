@@ -46,18 +46,10 @@ void repeat_first(std::size_t count, Members&... members) {
   (repeat_first_of(count, members), ...);
 }
 
-Vec3 vector_of(const LaneArray<3>& lanes, std::size_t lane) {
-  return {lanes[0][lane], lanes[1][lane], lanes[2][lane]};
-}
-
 /// m, world, from the centre of mass. Balls have theirs in the middle, which does not turn.
-Vec3 anchor_of(const SolverBody& body, const Vec3& anchor_l) {
-  return anchor_l.isZero(0.0) ? anchor_l : rotate(body.q, anchor_l);
-}
-
-/// m, between two points (world) of which one is on each body.
-double gap_between(const Manifold& m, const Vec3& p_a, const Vec3& p_b) {
-  return m.normal.dot(p_b - p_a) - m.radius_a - m.radius_b;
+[[gnu::always_inline]] inline Vec3 anchor_of(const SolverBody& body, const Vec3& anchor_l) {
+  const bool turns = anchor_l.x() != 0.0 || anchor_l.y() != 0.0 || anchor_l.z() != 0.0;
+  return turns ? rotate(body.q, anchor_l) : anchor_l;
 }
 
 }  // namespace
@@ -78,27 +70,32 @@ BodyNumbers numbers_of(std::span<SolverBody> bodies) {
 }
 
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
-  return gap_between(m, a.x + anchor_of(a, m.points[i].anchor_a_l),
-                     b.x + anchor_of(b, m.points[i].anchor_b_l));
+  const Vec3 arm_a = anchor_of(a, m.points[i].anchor_a_l);
+  const Vec3 arm_b = anchor_of(b, m.points[i].anchor_b_l);
+  // Number by number: vectors that are written so and read in pairs make the processor wait.
+  const auto apart = [&](int k) {
+    return m.normal[k] * ((b.x[k] + arm_b[k]) - (a.x[k] + arm_a[k]));
+  };
+  return ((apart(0) + apart(1)) + apart(2)) - m.radius_a - m.radius_b;
 }
 
-ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b,
-                    std::array<double, 4>* gaps) {
+ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b) {
   // Half-way between the two anchors, or below the centre of the one that is round, which its
   // normal must not turn (a ball would speed up as it rolls).
   const bool round_a = m.radius_a > 0.0;
   const bool round_b = m.radius_b > 0.0;
   const double share_b = round_a == round_b ? 0.5 : (round_b ? 1.0 : 0.0);
   ContactArms arms;
-  const Vec3 between = b.x - a.x;
   for (int i = 0; i < m.count; ++i) {
     const Vec3 anchor_a = anchor_of(a, m.points[i].anchor_a_l);
     const Vec3 anchor_b = anchor_of(b, m.points[i].anchor_b_l);
-    if (gaps != nullptr) (*gaps)[i] = gap_between(m, a.x + anchor_a, b.x + anchor_b);
-    const Vec3 r_a = anchor_a + m.radius_a * m.normal;
-    const Vec3 r_b = anchor_b - m.radius_b * m.normal;
-    arms.a[i] = r_a + share_b * (between + r_b - r_a);
-    arms.b[i] = arms.a[i] - between;
+    for (int k = 0; k < 3; ++k) {  // as in gap_of()
+      const double between = b.x[k] - a.x[k];
+      const double r_a = anchor_a[k] + m.radius_a * m.normal[k];
+      const double r_b = anchor_b[k] - m.radius_b * m.normal[k];
+      arms.a[i][k] = r_a + share_b * (between + r_b - r_a);
+      arms.b[i][k] = arms.a[i][k] - between;
+    }
   }
   return arms;
 }
@@ -171,9 +168,13 @@ void repeat_first_row(ContactRows& rows) {
 }
 
 Vec3 friction_of(const ContactRows& rows, std::size_t lane) {
-  const Vec3 t1 = vector_of(rows.t1, lane);
-  const Vec3 t2 = vector_of(rows.normal, lane).cross(t1);
-  return rows.slide[0][lane] * t1 + rows.slide[1][lane] * t2;
+  const auto along = [&](std::size_t k) {  // as in gap_of()
+    const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+    const double t2 =
+        rows.normal[l][lane] * rows.t1[m][lane] - rows.normal[m][lane] * rows.t1[l][lane];
+    return rows.slide[0][lane] * rows.t1[k][lane] + rows.slide[1][lane] * t2;
+  };
+  return {along(0), along(1), along(2)};
 }
 
 double share_to_carry(const ContactRows& rows, std::size_t lane, double growth) {

@@ -37,8 +37,6 @@ struct ContactArms {
   std::array<Vec3, 4> a;
   std::array<Vec3, 4> b;
 };
-/// @param gaps  set to those of the points, see gap_of(), where it is not null
-ContactArms arms_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b,
-                    std::array<double, 4>* gaps = nullptr);
+ContactArms arms_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b);
 
 }  // namespace tandem::pbd

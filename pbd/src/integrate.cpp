@@ -50,20 +50,23 @@ bool has_axes(const Mat3& inv_inertia) {
 
 }  // namespace
 
-Mat3 inverse_inertia_w(const Quat& q, const BodyProps& props) {
+void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result) {
   const std::array<bool, 3>& locked = props.locks.angular;
-  if (!locked[0] && !locked[1] && !locked[2]) return tensor_to_world(q, props.inverse_inertia_l);
+  if (!locked[0] && !locked[1] && !locked[2]) {
+    tensor_to_world(q, props.inverse_inertia_l, result);
+    return;
+  }
   Mat3 inertia = tensor_to_world(q, props.inertia_l);
   for (int axis = 0; axis < 3; ++axis) {
     if (!locked[static_cast<std::size_t>(axis)]) continue;
     inertia.row(axis).setZero();
     inertia.col(axis).setZero();
   }
-  return inverse_where_free(inertia);
+  result = inverse_where_free(inertia);
 }
 
 void refresh_inertia(SolverBody& body, const BodyProps& props) {
-  body.inv_inertia_w = inverse_inertia_w(body.q, props);
+  inverse_inertia_w(body.q, props, body.inv_inertia_w);
 }
 
 void take_out(const std::array<bool, 3>& locked, Vec3& vector) {
@@ -141,7 +144,9 @@ void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {
   body.w += inverse_h * body.dtheta;
   if (!body.dtheta.isZero(0.0) && !props.locks.any() && has_axes(body.inv_inertia_w)) {
     const Mat3 axes = body.q.toRotationMatrix();
-    const Vec3 momentum = block::times(block::inverse(body.inv_inertia_w), body.w);
+    Mat3 inertia_w = body.inv_inertia_w;
+    block::invert(inertia_w);
+    const Vec3 momentum = block::times(inertia_w, body.w);
     const Vec3 spin_l = block::times(props.inverse_inertia_l, axes.transpose() * momentum);
     body.w = block::times(axes, spin_l);
   }

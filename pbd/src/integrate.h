@@ -25,7 +25,7 @@ inline Quat turned(const Quat& q, const Vec3& r) {
 
 /// Inverse inertia in the world at the orientation q: of the axes that are not locked, as if a
 /// torque about the others were always met by an equal one.
-Mat3 inverse_inertia_w(const Quat& q, const BodyProps& props);
+void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result);
 
 /// That of the body's orientation.
 void refresh_inertia(SolverBody& body, const BodyProps& props);

@@ -82,11 +82,10 @@ inline void invert(double* a, int n) {
   a[5] = a[7] = s * c12;
 }
 
-/// The inertia of an inverse inertia, on the axes that are free.
-inline Eigen::Matrix3d inverse(Eigen::Matrix3d symmetric) {
-  invert3(symmetric.data());
-  return symmetric;
-}
+/// The inertia of an inverse inertia, on the axes that are free, or the other way round. In place:
+/// a matrix that is handed out is read in pairs of numbers that were written one by one, which
+/// makes the processor wait for as long as inverting it takes.
+[[gnu::always_inline]] inline void invert(Eigen::Matrix3d& symmetric) { invert3(symmetric.data()); }
 
 /// m v, in line.
 [[gnu::always_inline]] inline Eigen::Vector3d times(const Eigen::Matrix3d& m,

@@ -111,7 +111,13 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].alone = body.dtheta.isZero(0.0);
     slots_[s].carried = false;
   }
-  if (state.channel == Channel::Real) stiffen(part, ctx);
+  if (state.channel == Channel::Real) {
+    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+      slots_[s].inertia = slots_[s].inv_inertia;
+      block::invert(slots_[s].inertia);
+    }
+    stiffen(part, ctx);
+  }
   if (!part.points) weigh(part, records);
 }
 

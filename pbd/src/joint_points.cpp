@@ -8,7 +8,7 @@ namespace tandem::pbd {
 namespace {
 
 /// m [r]x
-Mat3 times_skew(const Mat3& m, const Vec3& r) {
+[[gnu::always_inline]] inline Mat3 times_skew(const Mat3& m, const Vec3& r) {
   Mat3 out;
   out.col(0) = r.z() * m.col(1) - r.y() * m.col(2);
   out.col(1) = r.x() * m.col(2) - r.z() * m.col(0);
@@ -17,7 +17,8 @@ Mat3 times_skew(const Mat3& m, const Vec3& r) {
 }
 
 /// a += sign [r]x^T m
-void add_skew_times(const Vec3& r, const Mat3& m, double sign, double* a) {
+[[gnu::always_inline]] inline void add_skew_times(const Vec3& r, const Mat3& m, double sign,
+                                                  double* a) {
   const double x = sign * r.x();
   const double y = sign * r.y();
   const double z = sign * r.z();
@@ -75,10 +76,13 @@ void JointSystem::evaluate_points(const JointGraph::Part& part,
       continue;
     }
     const SixDofJointDef& def = records[plan.joint].def;
-    const JointPlace place =
-        JointPlace::of(def, body_of(def.a, ctx.bodies, ground), body_of(def.b, ctx.bodies, ground));
+    const SolverBody& a = body_of(def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(def.b, ctx.bodies, ground);
+    const Vec3 r_a = rotate(a.q, def.frame_a.anchor);
+    const Vec3 r_b = rotate(b.q, def.frame_b.anchor);
     for (int i = 0; i < 3; ++i) {
-      right[i] = -(place.d[i] - node.target[i]) - node.at[i] * node.lambda[i];
+      const double d = (b.x[i] + r_b[i]) - (a.x[i] + r_a[i]);
+      right[i] = -(d - node.target[i]) - node.at[i] * node.lambda[i];
     }
   }
 }

@@ -30,9 +30,9 @@ inline double nearest_turn(double angle, double near) {
 struct JointPlace {
   Vec3 r_a, r_b;  ///< m, from the centres of mass to the anchors
   Vec3 d;         ///< m, from the anchor of a to that of b
-  Quat basis_a;   ///< axes of frame a to world
 
-  static JointPlace of(const SixDofJointDef& def, const SolverBody& a, const SolverBody& b) {
+  [[gnu::always_inline]] static JointPlace of(const SixDofJointDef& def, const SolverBody& a,
+                                              const SolverBody& b) {
     JointPlace place;
     place.r_a = rotate(a.q, def.frame_a.anchor);
     place.r_b = rotate(b.q, def.frame_b.anchor);

@@ -60,7 +60,7 @@ bool JointSystem::adds_energy(const JointGraph::Part& part, const SubstepContext
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     const Slot& slot = slots_[s];
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    const Mat3 inertia = block::inverse(body.inv_inertia_w);
+    const Mat3& inertia = slot.inertia;
     const Vec3 v = slot.v + rate * slot.sum_dx;
     const Vec3 w = slot.w + rate * slot.sum_dtheta;
     before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(inertia * slot.w);
@@ -132,8 +132,8 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
         slot.stiffness.row(i).setZero();
         slot.stiffness.col(i).setZero();
       }
-      slot.inv_inertia = block::inverse(block::inverse(slot.inv_inertia) +
-                                        (kStiffShare + kStiffDamping) * slot.stiffness);
+      slot.inv_inertia = slot.inertia + (kStiffShare + kStiffDamping) * slot.stiffness;
+      block::invert(slot.inv_inertia);
       const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
       body.q = turned(body.q, dtheta);
       body.dtheta += dtheta;
@@ -188,7 +188,7 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     const Vec3 dv = rate * slot.sum_dx;
     const Vec3 dw = rate * slot.sum_dtheta;
-    const Mat3 inertia = block::inverse(body.inv_inertia_w);
+    const Mat3& inertia = slot.inertia;
     // The inertia turns with the body, the angular momentum does not.
     const Vec3 start = block::times(inertia, slot.w);
     const Vec3 momentum = start + block::times(inertia, dw);

@@ -249,7 +249,9 @@ void World::add_impulse(std::uint32_t index, const Wrench& impulse, const char* 
   Vec3 change = props.inverse_mass * impulse.force;
   take_out(props.locks.linear, change);
   twist.linear += change;
-  twist.angular += inverse_inertia_w(states_[index].pose.orientation, props) * impulse.torque;
+  Mat3 inverse_inertia;
+  inverse_inertia_w(states_[index].pose.orientation, props, inverse_inertia);
+  twist.angular += inverse_inertia * impulse.torque;
   check_twist(twist, what);
   wake({index, slots_.generation(index)});
   states_[index].twist = twist;

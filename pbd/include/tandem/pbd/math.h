@@ -53,10 +53,35 @@ inline Mat3 skew(const Vec3& a) {
   return m;
 }
 
-/// Tensor given in the local frame of q, expressed in the world.
+/// Tensor given in the local frame of q, expressed in the world: R T R^T. Number by number and in
+/// place, as numbers that are written one by one and read in pairs make the processor wait; in the
+/// order of Eigen's products, so that the bits are theirs.
+inline void tensor_to_world(const Quat& q, const Mat3& tensor_l, Mat3& tensor_w) {
+  const double x2 = 2.0 * q.x(), y2 = 2.0 * q.y(), z2 = 2.0 * q.z();
+  const double wx = x2 * q.w(), wy = y2 * q.w(), wz = z2 * q.w();
+  const double xx = x2 * q.x(), xy = y2 * q.x(), xz = z2 * q.x();
+  const double yy = y2 * q.y(), yz = z2 * q.y(), zz = z2 * q.z();
+  const double r[3][3] = {{1.0 - (yy + zz), xy - wz, xz + wy},
+                          {xy + wz, 1.0 - (xx + zz), yz - wx},
+                          {xz - wy, yz + wx, 1.0 - (xx + yy)}};
+  const auto sum = [](int row, double a, double b, double c) {
+    return row < 2 ? (a + b) + c : a + (b + c);
+  };
+  for (int i = 0; i < 3; ++i) {
+    double rt[3];
+    for (int j = 0; j < 3; ++j) {
+      rt[j] = sum(i, r[i][0] * tensor_l(0, j), r[i][1] * tensor_l(1, j), r[i][2] * tensor_l(2, j));
+    }
+    for (int j = 0; j < 3; ++j) {
+      tensor_w(i, j) = sum(i, rt[0] * r[j][0], rt[1] * r[j][1], rt[2] * r[j][2]);
+    }
+  }
+}
+
 inline Mat3 tensor_to_world(const Quat& q, const Mat3& tensor_l) {
-  const Mat3 r = q.toRotationMatrix();
-  return r * tensor_l * r.transpose();
+  Mat3 tensor_w;
+  tensor_to_world(q, tensor_l, tensor_w);
+  return tensor_w;
 }
 
 /// Inverse of a symmetric tensor on the axes that are free. An axis is locked where the diagonal is
