@@ -32,6 +32,8 @@ struct UdpNodeOptions {
   bool relay = true;          ///< for others, and by others
   double relay_kbit = 256.0;  ///< from each peer, for others
   Clock clock = Clock::Session;
+  /// DatagramPath::max_datagram() of the path with this number; empty: what fits into another one.
+  std::function<std::size_t(std::uint64_t path)> path_limit;
   std::int64_t start = 0;       // the time at construction
   std::int64_t correction = 0;  // session time minus that, to begin with
 };
