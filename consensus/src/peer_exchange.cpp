@@ -63,16 +63,12 @@ class JointMarker final : public pbd::LinkVisitor {
 
 }  // namespace
 
-CodecResult Peer::Impl::parse(const Packet& packet) {
-  const CpuTimer timer(stats_.parse_s);
-  return decode(packet.bytes, incoming_);
-}
-
 void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   unknown_.clear();
   transport_.drain(packets_);
   if (options_.dating == Dating::Receipt && !packets_.empty()) senders_ = transport_.peers();
+  CpuLaps cpu;
   for (const Packet& packet : packets_) {
     if (packet.from == 0) continue;  // no peer has this id
     ++stats_.packets_received;
@@ -85,7 +81,8 @@ void Peer::Impl::receive(SessionTime now) {
       }
       continue;
     }
-    const CodecResult result = parse(packet);
+    const CodecResult result = decode(packet.bytes, incoming_);
+    cpu.add(stats_.parse_s);
     if (!result.ok()) {
       ++stats_.packets_rejected;
       transport_.drop(packet.from, "undecodable packet: " + result.reason());
@@ -93,10 +90,10 @@ void Peer::Impl::receive(SessionTime now) {
     }
     stats_.updates_received += incoming_.states.size();
     budget.spend(work_of(incoming_));
-    const CpuTimer process(stats_.process_s);
     keep_allowed(packet.from, packet.role);
     if (options_.dating == Dating::Receipt) date(packet, now);
     take_in(packet.from, now);
+    cpu.add(stats_.process_s);
   }
   // States that have expired since count for nothing, nor does who sent them.
   inbox_.prune(now);

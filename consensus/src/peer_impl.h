@@ -150,7 +150,6 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void set_budget(Budget& budget) const;
   /// Take out of incoming_ what that role may not say.
   void keep_allowed(PeerId from, Role role);
-  CodecResult parse(const Packet& packet);
   /// Shift the stamps of incoming_ to the own clock.
   void date(const Packet& packet, SessionTime now);
   /// Another peer since it was first heard.
