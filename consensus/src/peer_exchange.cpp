@@ -69,34 +69,51 @@ void Peer::Impl::receive(SessionTime now) {
   transport_.drain(packets_);
   if (options_.dating == Dating::Receipt && !packets_.empty()) senders_ = transport_.peers();
   CpuLaps cpu;
-  for (const Packet& packet : packets_) {
-    if (packet.from == 0) continue;  // no peer has this id
-    ++stats_.packets_received;
-    Budget& budget = meet(packet.from, now).budget;
-    if (!budget.admits(now)) {
-      ++report_of(packet.from).over_budget;
-      if (budget.abused()) {
-        budget.forgive();
-        transport_.drop(packet.from, "says more than a member may, see docs/network.md");
+  std::size_t next = 0;
+  while (next < packets_.size()) {
+    std::size_t count = 0;
+    for (; next < packets_.size() && count < batch_.size(); ++next) {
+      if (decode_admitted(packets_[next], batch_[count].content, now)) {
+        batch_[count++].packet = &packets_[next];
       }
-      continue;
     }
-    const CodecResult result = decode(packet.bytes, incoming_);
     cpu.add(stats_.parse_s);
-    if (!result.ok()) {
-      ++stats_.packets_rejected;
-      transport_.drop(packet.from, "undecodable packet: " + result.reason());
-      continue;
+    for (Decoded& decoded : std::span(batch_).first(count)) {
+      const Packet& packet = *decoded.packet;
+      // Forgotten for others whose packets came after it.
+      if (!std::ranges::binary_search(met_, packet.from, {}, &Met::peer)) continue;
+      std::swap(incoming_, decoded.content);
+      keep_allowed(packet.from, packet.role);
+      if (options_.dating == Dating::Receipt) date(packet, now);
+      take_in(packet.from, now);
     }
-    stats_.updates_received += incoming_.states.size();
-    budget.spend(work_of(incoming_));
-    keep_allowed(packet.from, packet.role);
-    if (options_.dating == Dating::Receipt) date(packet, now);
-    take_in(packet.from, now);
     cpu.add(stats_.process_s);
   }
   // States that have expired since count for nothing, nor does who sent them.
   inbox_.prune(now);
+}
+
+bool Peer::Impl::decode_admitted(const Packet& packet, DecodedPacket& out, SessionTime now) {
+  if (packet.from == 0) return false;  // no peer has this id
+  ++stats_.packets_received;
+  Budget& budget = meet(packet.from, now).budget;
+  if (!budget.admits(now)) {
+    ++report_of(packet.from).over_budget;
+    if (budget.abused()) {
+      budget.forgive();
+      transport_.drop(packet.from, "says more than a member may, see docs/network.md");
+    }
+    return false;
+  }
+  const CodecResult result = decode(packet.bytes, out);
+  if (!result.ok()) {
+    ++stats_.packets_rejected;
+    transport_.drop(packet.from, "undecodable packet: " + result.reason());
+    return false;
+  }
+  stats_.updates_received += out.states.size();
+  budget.spend(work_of(out));
+  return true;
 }
 
 void Peer::Impl::date(const Packet& packet, SessionTime now) {

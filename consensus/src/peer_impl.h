@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -148,6 +149,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   void receive(SessionTime now);
   /// What one member may have this peer do: budget of what Work counts.
   void set_budget(Budget& budget) const;
+  /// False where its sender may not say so much, or it is no packet.
+  bool decode_admitted(const Packet& packet, DecodedPacket& out, SessionTime now);
   /// Take out of incoming_ what that role may not say.
   void keep_allowed(PeerId from, Role role);
   /// Shift the stamps of incoming_ to the own clock.
@@ -351,6 +354,13 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   std::vector<Packet> packets_;
   std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on receipt
   DecodedPacket incoming_;
+  struct Decoded {
+    const Packet* packet = nullptr;
+    DecodedPacket content;
+  };
+  /// So many are decoded before they are looked at: a reading of the processor's clock, for each of
+  /// the two, costs as much as a state (benchmarks/network/receive_cost).
+  std::array<Decoded, 16> batch_;
   std::vector<PeerEstimate> estimates_;
   std::vector<Stamped> stamped_;  ///< of estimates_
   std::vector<Wanted> wanted_;
