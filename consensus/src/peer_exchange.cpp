@@ -18,6 +18,12 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 /// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
 /// silent for the longest is forgotten for a new one. Who acts is heard in each step.
 constexpr std::size_t kMostPeers = 1024;
+/// ns: no packet is under way for longer. Whose packets all seem to be, or come from the future,
+/// has another clock; so many in a row over so many ns show it, where single ones have waited for a
+/// link.
+constexpr SessionTime kLongestWay = 10'000'000'000;
+constexpr int kAstrayCount = 8;
+constexpr SessionTime kAstrayFor = 1'000'000'000;
 
 /// Of updates as often as our own, or as 60 a second, all bodies, all springs that one may have and
 /// some more, twice; four updates at once. A member who says more is read no further, and after a
@@ -67,6 +73,7 @@ void Peer::Impl::receive(SessionTime now) {
   packets_.clear();
   unknown_.clear();
   transport_.drain(packets_);
+  senders_.clear();
   if (options_.dating == Dating::Receipt && !packets_.empty()) senders_ = transport_.peers();
   CpuLaps cpu;
   std::size_t next = 0;
@@ -80,11 +87,12 @@ void Peer::Impl::receive(SessionTime now) {
     cpu.add(stats_.parse_s);
     for (Decoded& decoded : std::span(batch_).first(count)) {
       const Packet& packet = *decoded.packet;
+      const auto met = std::ranges::lower_bound(met_, packet.from, {}, &Met::peer);
       // Forgotten for others whose packets came after it.
-      if (!std::ranges::binary_search(met_, packet.from, {}, &Met::peer)) continue;
+      if (met == met_.end() || met->peer != packet.from) continue;
       std::swap(incoming_, decoded.content);
       keep_allowed(packet.from, packet.role);
-      if (options_.dating == Dating::Receipt) date(packet, now);
+      if (options_.dating == Dating::Receipt || is_of_another_clock(*met, now)) date(packet, now);
       take_in(packet.from, now);
     }
     cpu.add(stats_.process_s);
@@ -116,7 +124,24 @@ bool Peer::Impl::decode_admitted(const Packet& packet, DecodedPacket& out, Sessi
   return true;
 }
 
+bool Peer::Impl::is_of_another_clock(Met& met, SessionTime now) {
+  const auto newest = newest_stamp(incoming_);
+  if (!newest) return met.astray >= kAstrayCount;
+  const bool astray = *newest < now - kLongestWay || *newest > now + to_ns(options_.max_future);
+  if (!astray) {
+    if (met.astray > 0) sender_clocks_.forget(met.peer);
+    met.astray = 0;
+  } else if (met.astray == 0) {
+    met.astray = 1;
+    met.astray_since = now;
+  } else if (met.astray < kAstrayCount - 1 || now - met.astray_since >= kAstrayFor) {
+    met.astray = std::min(met.astray + 1, kAstrayCount);
+  }
+  return met.astray >= kAstrayCount;
+}
+
 void Peer::Impl::date(const Packet& packet, SessionTime now) {
+  if (senders_.empty()) senders_ = transport_.peers();
   const auto [received, round_trip] = arrival_of(packet, senders_, now);
   if (const auto newest = newest_stamp(incoming_)) {
     shift_stamps(incoming_, sender_clocks_.hear(packet.from, *newest, received, round_trip));

@@ -160,7 +160,12 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
     PeerId peer = 0;
     SessionTime last = 0;  ///< ns, when it was heard last
     Budget budget;
+    int astray = 0;                ///< packets in a row with stamps of another time
+    SessionTime astray_since = 0;  ///< ns
   };
+  /// Whether the stamps in incoming_ say nothing of session time, as where its sender's clock was
+  /// set and it started again.
+  bool is_of_another_clock(Met& met, SessionTime now);
   /// Note that a peer was heard; make room for it. Valid until the next call.
   Met& meet(PeerId from, SessionTime now);
   /// What a peer has said counts no more.
@@ -352,7 +357,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;
-  std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on receipt
+  std::vector<PeerStatus> senders_;  ///< of packets_, where any is dated on receipt
   DecodedPacket incoming_;
   struct Decoded {
     const Packet* packet = nullptr;

@@ -19,6 +19,9 @@ namespace {
 using namespace testing;
 
 constexpr SessionTime kHour = 3'600'000'000'000;
+constexpr SessionTime kMinute = 60'000'000'000;
+constexpr SessionTime kMonth = 30 * 24 * kHour;
+constexpr SessionTime kSince = 300 * kMonth;  ///< since a day in the past
 
 /// Packets of one sender, 60 each second, by a clock that is `ahead` of the receiver's and drifts.
 struct Stream {
@@ -168,8 +171,8 @@ TEST_CASE("dating: with clocks hours apart copies agree as with a common one", "
   // 1 ms of jitter that is left, at 0.9 m/s, and what it makes of the hand's acceleration.
   CHECK(received.apart < 1.05 * common.apart + 1e-3);
   CHECK(received.settled < common.settled + 1e-3);
-  // Else nothing is shown by it.
-  CHECK(carry(link, link, Dating::Stamp, 3.0).apart > 0.05);
+  // Else nothing is shown by it. (Hours would be told from ways.)
+  CHECK(carry(link, link, Dating::Stamp, 2.0 / 3600.0).apart > 0.05);
 }
 
 TEST_CASE("dating: unequal ways cost half of their difference in time", "[consensus]") {
@@ -223,6 +226,59 @@ TEST_CASE("dating: farewells and silence end what a peer with another clock held
   CHECK(crowd[0].tethers() == 1);
   CHECK(crowd[0].x(kCarried).z() > 0.3);
   CHECK(spread(crowd, kCarried) < 2e-3);
+}
+
+TEST_CASE(
+    "dating: a peer that starts again after its clock was set acts again within three seconds",
+    "[consensus][fault]") {
+  // As over TCP: session time begins with the system clock of each process, and is steady from then
+  // on, so that what is set while they run moves nothing.
+  const SessionTime step = GENERATE(-kMonth, -kMinute, kMinute, kMonth);
+  Crowd crowd(network_profile(4));
+  crowd.build = build_table;
+  const auto set_clock = [&](Member* member, SessionTime ahead) {
+    crowd.network.set_clock(member->transport.self(), kSince + ahead);
+    member->clock = [ahead](SessionTime time) { return time + kSince + ahead; };
+  };
+  for (PeerId id = 1; id <= 3; ++id) {
+    crowd.network.transport(id);
+    crowd.add(id);
+    set_clock(crowd.members.back().get(), 0);
+  }
+  const auto grab = [&](Member& member) {
+    return member.peer->grab({.body = member.bodies[kCarried].id,
+                              .anchor_w = member.x(kCarried) + Vec3(0.0, 0.0, 0.4),
+                              .stiffness = 300.0,
+                              .damping = 25.0,
+                              .max_force = 50.0});
+  };
+  crowd.run(2.0);
+  // One of three, then another one, so that in the end they have three clocks.
+  for (const std::size_t i : {std::size_t{2}, std::size_t{0}}) {
+    Member& member = crowd[i];
+    crowd.crash(member);
+    crowd.run(1.5);
+    set_clock(&member, i == 2 ? step : 2 * step);
+    crowd.restart(member);
+    crowd.run(3.0);
+    // It pulls, and all see it; another one pulls, and it sees that.
+    for (Member* user : {&member, &crowd[1]}) {
+      INFO("step " << 1e-9 * static_cast<double>(step) << " s, restarted " << i << ", pulls "
+                   << user->transport.self());
+      const double before = crowd[1].x(kCarried).z();
+      const auto spring = grab(*user);
+      crowd.run(1.5);
+      for (const auto& each : crowd.members) CHECK(each->tethers() == 1);
+      CHECK(crowd[1].x(kCarried).z() > before + 0.2);
+      CHECK(spread(crowd, kCarried) < 5e-3);
+      user->peer->release(spring);
+      crowd.run(2.0);
+      for (const auto& each : crowd.members) CHECK(each->tethers() == 0);
+    }
+    CHECK(spread(crowd, kCarried) < 5e-3);
+    CHECK(spread(crowd, kCube) < 5e-3);
+    CHECK(spread(crowd, kFree) < 5e-3);
+  }
 }
 
 }  // namespace
