@@ -16,7 +16,8 @@ namespace {
 constexpr SessionTime kMaxAhead = 1'000'000'000;
 
 /// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
-/// silent for the longest is forgotten for a new one. Who acts is heard in each step.
+/// silent for the longest is forgotten for a new one, of those that are heard now the newest. Who
+/// acts is heard in each step.
 constexpr std::size_t kMostPeers = 1024;
 /// ns: no packet is under way for longer. Whose packets all seem to be, or come from the future,
 /// has another clock; so many in a row over so many ns show it, where single ones have waited for a
@@ -185,12 +186,13 @@ Peer::Impl::Met& Peer::Impl::meet(PeerId from, SessionTime now) {
   auto at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
   if (at == met_.end() || at->peer != from) {
     if (met_.size() >= kMostPeers) {
-      const auto silent = std::ranges::min_element(met_, {}, &Met::last);
+      const auto silent = std::ranges::min_element(
+          met_, {}, [](const Met& met) { return std::pair(met.last, -met.since); });
       forget(silent->peer, now);
       met_.erase(silent);
       at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
     }
-    at = met_.insert(at, {.peer = from, .last = now, .budget = {}});
+    at = met_.insert(at, {.peer = from, .since = now, .last = now, .budget = {}});
     at->budget = Budget(0.0, std::numeric_limits<double>::max());  // filled by set_budget()
   }
   set_budget(at->budget);

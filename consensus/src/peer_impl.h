@@ -158,7 +158,8 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   /// Another peer since it was first heard.
   struct Met {
     PeerId peer = 0;
-    SessionTime last = 0;  ///< ns, when it was heard last
+    SessionTime since = 0;  ///< ns, when it was heard first,
+    SessionTime last = 0;   ///< and when last
     Budget budget;
     int astray = 0;                ///< packets in a row with stamps of another time
     SessionTime astray_since = 0;  ///< ns
