@@ -17,8 +17,8 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 
 /// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
 /// silent for the longest is forgotten for a new one, of those that are heard now the newest. Who
-/// acts is heard in each step. All that is said of a body is compared with all the rest: where 17
-/// ids come in each step, for good, 256 cost 0.3 ms a step, 1024 5 ms (member_budget_test,
+/// acts is heard in each step. All that is said of a body is compared with all the rest: where 100
+/// ids come in each step, for good, 256 cost 0.5 ms a step and 1024 4.6 ms (member_budget_test,
 /// [.measure]).
 constexpr std::size_t kMostPeers = 256;
 /// ns: no packet is under way for longer. Whose packets all seem to be, or come from the future,

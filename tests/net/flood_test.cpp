@@ -3,9 +3,12 @@
 //
 // What strangers without the session key can do to who wants to join: nothing, in virtual time.
 #include <malloc.h>
+#include <time.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "handshake_wire.h"
@@ -200,6 +203,44 @@ TEST_CASE(
   }
   CHECK(replays > 18'000);
   CHECK(world.node(1).strangers().refused == 0);
+}
+
+// What a datagram of a stranger costs, for docs/network.md: never a test's business.
+TEST_CASE("measure: processor time of a stranger's datagram", "[.measure]") {
+  const auto seconds = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  World world({.delay = kMs});
+  world.start(1);
+  const Address from = stranger(1);
+  world.watch(from);
+  Dice dice(4);
+  Bytes hello;
+  encode({.type = HandshakeType::Hello, .nonce = dice.next()}, hello);
+  world.node(1).on_datagram(hello, from, world.now);
+  world.run(2 * kMs);
+  const auto challenge = decode_handshake(world.arrived(address_of(1), from).front());
+  std::vector<std::uint8_t> noise(258);
+  for (auto& byte : noise) byte = static_cast<std::uint8_t>(dice.next());
+  Bytes proof;
+  encode({.type = HandshakeType::Initiate,
+          .nonce = challenge->nonce,
+          .cookie = challenge->cookie,
+          .noise = noise},
+         proof);
+  Bytes junk = proof;
+  junk[20] ^= std::byte{1};
+  for (const auto& [name, datagram] :
+       {std::pair("question", hello), std::pair("proof, bad cookie", junk),
+        std::pair("proof, good cookie, no key", proof)}) {
+    constexpr int kTimes = 20'000;
+    const double start = seconds();
+    for (int i = 0; i < kTimes; ++i) world.node(1).on_datagram(datagram, from, world.now);
+    std::printf("%s: %.2f us\n", name, 1e6 * (seconds() - start) / kTimes);
+    (void)world.arrived(address_of(1), from);
+  }
 }
 
 }  // namespace flood_test
