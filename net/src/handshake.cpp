@@ -247,8 +247,8 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
     ++counters_.bad_proof;
     return {};
   }
-  // Only who receives at an address and has a session key can use up a limit: the others have cost a
-  // few hashes so far, the rest is curve arithmetic.
+  // Only who receives at an address and has a session key can use up a limit: the others have cost
+  // a few hashes so far, the rest is curve arithmetic.
   if (!proofs_.allow(from, now)) {
     ++counters_.limited;
     return {};
