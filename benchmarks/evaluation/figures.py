@@ -113,26 +113,6 @@ def over_time(results, out):
     _save(figure, out, "evaluation_over_time")
 
 
-def prediction(results, out):
-    figure, all_axes = plt.subplots(1, 5, figsize=(13, 3.6), sharey=True)
-    for axes, name in zip(all_axes, CLASSES):
-        for scenario, colour in zip(SCENARIOS, COLOURS):
-            variant = "soft" if scenario == "piano" else "default"
-            for kind, style in (("prediction", "-o"), ("euler", ":x")):
-                path = f"classes.{name}.{kind}_error_m.p95"
-                y = [mean(results.get((scenario, variant, p)), path, 1e3) for p in range(1, 6)]
-                y = [max(v, 1e-4) if v is not None else float("nan") for v in y]
-                axes.plot(range(1, 6), y, style, color=colour, ms=3, lw=1,
-                          label=f"{scenario}{'' if style == '-o' else ', Euler'}")
-        axes.set(yscale="log", title=name, xlabel="profile")
-        axes.grid(axis="y", lw=0.3)
-    all_axes[0].set_ylabel("p95, mm")
-    all_axes[-1].legend(fontsize=6, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    figure.suptitle("Error of the prediction, default and Euler from the same states "
-                    "(paper: Figure 11)", fontsize=10)
-    _save(figure, out, "evaluation_prediction")
-
-
 def latency(results, out):
     figure, axes = plt.subplots(figsize=(7, 3))
     merged = {p: [r for s in SCENARIOS for r in results.get((s, "default", p), [])]
@@ -205,10 +185,9 @@ def draw(results, out):
     divergence(results, out, "divergence_box_deg", "degrees", 1, "evaluation_rotation",
                "Divergence of rotation: blue ours, grey without agreement; dashes are p99")
     over_time(results, out)
-    prediction(results, out)
     latency(results, out)
     acceleration(results, out)
     jitter(results, out)
     return ("evaluation_divergence", "evaluation_rotation", "evaluation_over_time",
-            "evaluation_prediction", "evaluation_link", "evaluation_latency",
+            "evaluation_link", "evaluation_latency",
             "evaluation_acceleration", "evaluation_jitter")

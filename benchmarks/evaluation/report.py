@@ -20,7 +20,7 @@ COLUMNS = (
                                     "divergence_shared_moving_m", "divergence_box_deg")
        for q in ("p50", "p95", "p99", "max")]
     + [f"classes.{c}.{m}.{q}" for c in CLASSES
-       for m in ("divergence_m", "divergence_deg", "prediction_error_m", "euler_error_m")
+       for m in ("divergence_m", "divergence_deg")
        for q in ("p50", "p95", "p99", "max", "count")]
     + [f"link_ms.{q}" for q in ("mean", "std", "p50", "p99")]
     + [f"effective_latency_ms.{q}" for q in ("mean", "std", "p99")]
@@ -127,22 +127,6 @@ def stretch_lines(results):
     return table(["scenario", "profile", "one: p50, mm", "p95, mm", "p99, mm",
                   "over alone: p50 / p95 / p99", "several: p50, mm", "p95, mm", "p99, mm",
                   "over alone: p50 / p95 / p99"], lines)
-
-
-def prediction_lines(results):
-    lines = []
-    for s in SCENARIOS:
-        for p in (1, 3, 5):
-            cells = results.get((s, "soft" if s == "piano" else "default", p))
-            if not cells:
-                continue
-            line = [s, str(p)]
-            for c in CLASSES:
-                both = ["/".join(short(mean(cells, f"classes.{c}.{kind}_error_m.{q}", 1e3))
-                                 for kind in ("prediction", "euler")) for q in ("p50", "p95")]
-                line.append("-" if both == ["-/-", "-/-"] else ", ".join(both))
-            lines.append(line)
-    return table(["scenario", "profile", *CLASSES], lines)
 
 
 def latency_lines(results):
@@ -338,13 +322,6 @@ def write(results, out, docs):
         "stretches the springs by 1 cm, with or without a network; the springs of the piano are "
         "known to one peer each, and each drags the whole load of its own world.",
         "", *stretch_lines(results), "",
-        "## Prediction", "",
-        "Paper: almost identical to divergence (its Figure 11). Euler's prediction is judged by the "
-        "same states of the same run; the piano sends its springs here. Between two steps of its "
-        "sender a body is taken to be on the cubic that has both velocities, or, where it was hit, "
-        "on the two straight lines that meet.",
-        "Each: p50 ours/Euler, p95 ours/Euler, in mm.", "", *prediction_lines(results),
-        *figure("evaluation_prediction", "error of the prediction"),
         "## Latency", "", *latency_lines(results),
         *figure("evaluation_link", "latency of the link"),
         *figure("evaluation_latency", "effective latency"),

@@ -206,13 +206,8 @@ HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::
     return {.reply = reply_, .session = {}};
   }
   if (packet->type == HandshakeType::Initiate && packet->version == kUdpVersion) {
-    // Only who receives at an address can use up its limit.
     if (!good_cookie(*packet, from, now)) {
       ++counters_.bad_cookie;
-      return {};
-    }
-    if (!proofs_.allow(from, now)) {
-      ++counters_.limited;
       return {};
     }
     return on_initiate(*packet, from, now);
@@ -250,6 +245,12 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
   auto proof = open(packet);
   if (!proof) {
     ++counters_.bad_proof;
+    return {};
+  }
+  // Only who receives at an address and has a session key can use up a limit: the others have cost
+  // a few hashes so far, the rest is curve arithmetic.
+  if (!proofs_.allow(from, now)) {
+    ++counters_.limited;
     return {};
   }
   const Introduction& remote = proof->remote;

@@ -72,4 +72,31 @@ class PathValidation {
   bool answered_ = false;
 };
 
+/// A third peer says that a peer is elsewhere. While nothing comes from where it was, it is asked
+/// there: where both ends have moved at the same time, neither hears the other before one knows.
+/// What it answers comes from a new address, and is asked about as any packet that does.
+class PathRumour {
+ public:
+  static constexpr std::int64_t kQuiet =
+      PathValidation::kResend;  ///< packets of a step come sooner
+
+  PathRumour(const Address& address, std::int64_t now)
+      : address_(address), due_(now), end_(now + PathValidation::kLife) {}
+
+  const Address& address() const { return address_; }
+  bool due(std::int64_t now) const { return now >= due_; }
+  std::int64_t next_due() const { return due_; }
+  void asked(std::int64_t now) {
+    due_ = now + gap_;
+    gap_ *= 2;
+  }
+  bool is_over(std::int64_t now) const { return now > end_; }
+
+ private:
+  Address address_;
+  std::int64_t due_;
+  std::int64_t end_;
+  std::int64_t gap_ = PathValidation::kResend;
+};
+
 }  // namespace tandem::net

@@ -69,7 +69,12 @@ void UdpNode::open(const Session& session, const Address& address, bool began_he
   if (!began_here) forget_unconfirmed();
   UdpConnectionOptions link = options_.connection;
   // In other datagrams, whose length is not ours to choose.
-  if (address.port == 0) link.max_datagram = std::min(link.max_datagram, kMaxRelayed);
+  if (address.port == 0) {
+    const bool known = is_path(address) && options_.path_limit != nullptr;
+    link.max_datagram = std::min(
+        link.max_datagram,
+        known ? std::max(options_.path_limit(path_number(address)), kMaxRelayed) : kMaxRelayed);
+  }
   Connection connection{.link = std::make_unique<UdpConnection>(session, link, began_here, now),
                         .address = address,
                         .began_here = began_here,

@@ -106,6 +106,7 @@ class UdpConnection {
   bool confirmed() const { return confirmed_; }
   /// Nothing has come for so long that it may have gone.
   bool silent(std::int64_t now) const { return now - last_heard_ > options_.idle_timeout / 2; }
+  std::int64_t last_heard() const { return last_heard_; }
   const Session& session() const { return session_; }
   const Channels& channels() const { return channels_; }
   const Congestion& congestion() const { return congestion_; }

@@ -59,6 +59,7 @@ void UdpNode::on_told(Connection& connection, const KnownPeer& known, std::int64
   if (known.peer == 0 || known.peer == options_.handshake.self || known.peer == teller) return;
   if (!is_relayed(connection.address)) acquaintances_.note(known.peer, teller, now);
   if (!is_host(known.address)) return;
+  if (Connection* there = attached(known.peer)) note_rumour(*there, known.address, now);
   for (Dial& dial : dials_) {
     if (dial.address != known.address) continue;
     dial.told_at = now;

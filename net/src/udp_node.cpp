@@ -204,11 +204,7 @@ std::int64_t UdpNode::next_due(std::int64_t now) {
   std::int64_t due = INT64_MAX;
   for (const auto& [receiver, connection] : connections_) {
     due = std::min(due, connection.link->next_due(now));
-    if (connection.moving) {
-      const std::int64_t step = connection.moving->next_due(UdpConnection::kQuestionBytes,
-                                                            connection.link->path_patience());
-      due = std::min(due, std::max({now, connection.question_due, step}));
-    }
+    due = std::min(due, path_due(connection, now));
     if (connection.attached) due = std::min(due, std::max(now, connection.tell_due));
   }
   for (const Dial& dial : dials_) {

@@ -32,6 +32,8 @@ struct UdpNodeOptions {
   bool relay = true;          ///< for others, and by others
   double relay_kbit = 256.0;  ///< from each peer, for others
   Clock clock = Clock::Session;
+  /// DatagramPath::max_datagram() of the path with this number; empty: what fits into another one.
+  std::function<std::size_t(std::uint64_t path)> path_limit;
   std::int64_t start = 0;       // the time at construction
   std::int64_t correction = 0;  // session time minus that, to begin with
 };
@@ -150,6 +152,7 @@ class UdpNode {
     consensus::PeerId told_to = 0;          // from whom on
     std::int64_t round_trip = -1;           // of the last exchange of clocks
     std::optional<PathValidation> moving;   // packets come from another address
+    std::optional<PathRumour> rumour;       // others say that it is elsewhere
     std::int64_t question_due = INT64_MIN;  // who copies packets does not make us ask all the time
   };
   struct Record {
@@ -174,7 +177,11 @@ class UdpNode {
                  std::size_t bytes, std::int64_t now);
   /// What the packet from there asks about its way, or answers.
   void answer_path(Connection& connection, const Address& from, std::int64_t now);
+  void note_rumour(Connection& connection, const Address& to, std::int64_t now);
   void poll_path(Connection& connection, std::int64_t now);
+  void poll_rumour(Connection& connection, std::int64_t now);
+  /// When poll_path() may do something, if nothing comes before.
+  static std::int64_t path_due(const Connection& connection, std::int64_t now);
   void move(Connection& connection, std::int64_t now);
   std::uint64_t random_token() const;
   /// Where this peer is, to all others.

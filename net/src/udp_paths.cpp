@@ -38,9 +38,40 @@ void UdpNode::answer_path(Connection& connection, const Address& from, std::int6
   }
 }
 
+void UdpNode::note_rumour(Connection& connection, const Address& to, std::int64_t now) {
+  if (!may_move(connection, to) || to == connection.address) return;
+  if (!connection.rumour) connection.rumour.emplace(to, now);
+}
+
+void UdpNode::poll_rumour(Connection& connection, std::int64_t now) {
+  auto& rumour = connection.rumour;
+  if (!rumour) return;
+  if (rumour->is_over(now)) return rumour.reset();
+  if (now < path_due(connection, now)) return;
+  // No token: whether it is there, the question shows that it asks when it has this.
+  const auto sealed = connection.link->seal_challenge(kNoToken, now);
+  if (!sealed.empty()) transmit(sealed, rumour->address());
+  rumour->asked(now);
+  connection.question_due = now + PathValidation::kResend;
+}
+
+std::int64_t UdpNode::path_due(const Connection& connection, std::int64_t now) {
+  std::int64_t due = 0;
+  if (connection.moving) {
+    due = connection.moving->next_due(UdpConnection::kQuestionBytes,
+                                      connection.link->path_patience());
+  } else if (connection.rumour) {
+    due =
+        std::max(connection.rumour->next_due(), connection.link->last_heard() + PathRumour::kQuiet);
+  } else {
+    return INT64_MAX;
+  }
+  return std::max({now, connection.question_due, due});
+}
+
 void UdpNode::poll_path(Connection& connection, std::int64_t now) {
   auto& moving = connection.moving;
-  if (!moving) return;
+  if (!moving) return poll_rumour(connection, now);
   if (moving->has_succeeded(connection.link->path_patience(), now)) return move(connection, now);
   if (moving->has_failed(now)) return moving.reset();
   if (now < connection.question_due || !moving->due(UdpConnection::kQuestionBytes, now)) return;
@@ -59,6 +90,10 @@ void UdpNode::poll_path(Connection& connection, std::int64_t now) {
 void UdpNode::move(Connection& connection, std::int64_t now) {
   const Address old = std::exchange(connection.address, connection.moving->address());
   connection.moving.reset();
+  connection.rumour.reset();
+  // Where the others are may have been told to where it was.
+  connection.told_to = 0;
+  connection.tell_due = now;
   // Another port alone is the same way, through the same NAT (RFC 9000, Sec. 9.4).
   if (old.ip != connection.address.ip) connection.link->begin_path(now);
   ++moves_;

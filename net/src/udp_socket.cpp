@@ -101,7 +101,8 @@ std::int64_t UdpSocket::now() {
       .count();
 }
 
-UdpNodeOptions UdpSocket::started(UdpNodeOptions node) {
+UdpNodeOptions UdpSocket::started(UdpNodeOptions node) const {
+  node.path_limit = [this](std::uint64_t path) { return paths_[path]->max_datagram(); };
   node.start = now();
   node.correction = system_correction(node.start);
   return node;

@@ -53,7 +53,7 @@ class UdpSocket {
   };
 
   static std::int64_t now();
-  static UdpNodeOptions started(UdpNodeOptions node);
+  UdpNodeOptions started(UdpNodeOptions node) const;
   void follow_system_clock(std::int64_t time);
   void bind();
   void run();

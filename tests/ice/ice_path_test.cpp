@@ -4,6 +4,7 @@
 // Two peers on this host. NATs, STUN and TURN: tests/net/ice.sh.
 #include "tandem/ice/ice_path.h"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -72,6 +73,21 @@ TEST_CASE("ice: two peers that know each other's description have a session", "[
     return !got.empty();
   }));
   CHECK(got.front().bytes == message);
+  // Straight, so that what the way carries is found out as over a socket.
+  CHECK(here->max_datagram() == 1472);
+  CHECK(eventually([&] {
+    (void)a.post(2, std::vector<std::byte>(100), consensus::Delivery::Newest);
+    (void)b.post(1, std::vector<std::byte>(100), consensus::Delivery::Newest);
+    return a.max_packet_bytes(consensus::Delivery::Newest) == 1426 &&
+           b.max_packet_bytes(consensus::Delivery::Newest) == 1426;
+  }));
+  const std::vector<std::byte> state(1426, std::byte{5});
+  CHECK(eventually([&] {
+    (void)a.post(2, state, consensus::Delivery::Newest);
+    got.clear();
+    b.drain(got);
+    return std::ranges::any_of(got, [&](const auto& each) { return each.bytes == state; });
+  }));
 }
 
 TEST_CASE("ice: options that are not valid are named", "[ice][fault]") {

@@ -5,6 +5,7 @@
 # Two peers in two homes, each behind a NAT of its own, that nobody has opened: network namespaces, with
 # a host between them on which coturn is STUN and TURN server.
 #   tests/net/ice.sh BIN stun    NATs that keep a port for all targets: they meet straight
+#   tests/net/ice.sh BIN move    as stun, and then both get other addresses at the same time
 #   tests/net/ice.sh BIN turn    NATs that take another port for each target: they meet by the server
 #   tests/net/ice.sh BIN none    as turn, without a TURN server: they must not meet
 # Exits with 77 where this machine cannot do it, and says what is missing.
@@ -49,7 +50,7 @@ for side in 1 2; do
   ip -n "$net" route add 198.51.100.$side/32 dev nat$side
   ip netns exec "$nat" sysctl -qw net.ipv4.ip_forward=1
   random=
-  [[ $way == stun ]] || random=" random"
+  [[ $way == stun || $way == move ]] || random=" random"
   ip netns exec "$nat" nft -f - 2>"$folder/why" <<RULES || skip "this kernel has no NAT: $(head -1 "$folder/why")"
 table ip nat {
   chain leaving {
@@ -136,3 +137,27 @@ if [[ $way == turn ]] && ! grep -q relay <<<"$route"; then
   echo "they met without the relay: these NATs let too much through for this test" >&2
   exit 1
 fi
+[[ $way == move ]] || exit 0
+
+# Neither hears the other any more, and nobody else is in the session: each loses it with the reason,
+# makes a new description where its way has failed, and they meet again.
+for side in 1 2; do
+  ip -n "tandem-nat$side-$$" addr add 198.51.100.1$side/32 dev ext
+  ip -n "tandem-nat$side-$$" addr delete 198.51.100.$side/32 dev ext
+  ip -n "tandem-nat$side-$$" route replace default via 192.0.2.1 dev ext onlink
+  ip -n "$net" route add 198.51.100.1$side/32 dev nat$side
+done
+met_again() { [[ $(grep -c 'event=peer_connected' "$folder/log$1") -ge 2 ]]; }
+for ((i = 0; i < 160; ++i)); do
+  if met_again 1 && met_again 2; then break; fi
+  sleep 0.5
+done
+grep -hE 'event=(ice|peer_)' "$folder"/log[12]
+grep -q 'event=peer_lost.*nothing heard' "$folder/log1" || {
+  echo "the first session did not end for silence" >&2
+  exit 1
+}
+met_again 1 && met_again 2 || {
+  echo "the peers did not meet again" >&2
+  exit 1
+}

@@ -165,6 +165,56 @@ TEST_CASE("membership: an id that was chosen is kept by who is there, a derived 
   CHECK(ask(liar) == Verdict::Welcome);
 }
 
+TEST_CASE("membership: an honest owner of an id is back within two seconds, whoever wants it",
+          "[net][fault]") {
+  const bool lists = GENERATE(false, true);
+  const auto own = crypto::make_key_pair(seeded(900));
+  // Derived, as ids are where nobody says otherwise; or listed.
+  const PeerId id = lists ? PeerId{2} : derived_id(own.public_key);
+  World world({.delay = 20 * kMs});
+  world.change = [&](UdpNodeOptions& options) {
+    if (options.handshake.self == id) options.handshake.identity = own;
+    if (lists) {
+      options.handshake.trusted[id] = own.public_key;
+      options.handshake.trusted[1] = identity_of(1).public_key;
+    }
+  };
+  world.move(id, address_of(2));
+  world.start(1);
+  HandshakeConfig liar;
+  liar.self = id;
+  liar.incarnation = ~std::uint64_t{0};
+  liar.scene_hash = kScene;
+  liar.session_key = secret(1000);
+  liar.identity = crypto::make_key_pair(seeded(9));
+  liar.complete(id);
+  std::optional<HandshakeInitiator> attempt;
+  std::uint64_t attempts = 0;
+  world.watch(address_of(40));
+  world.each_step = [&] {
+    if (!attempt || attempt->state() == HandshakeInitiator::State::Refused) {
+      attempt.emplace(liar, seeded(++attempts), 7, world.now);
+    }
+    const Bytes question = copy(attempt->poll(world.now));
+    if (!question.empty()) world.node(1).on_datagram(question, address_of(40), world.now);
+    for (const Bytes& answer : world.arrived(address_of(1), address_of(40))) {
+      attempt->on_datagram(answer, world.now);
+    }
+  };
+  // It is there before the owner is, and while it is away for a short and for a long time.
+  world.run(kSecond);
+  std::uint64_t incarnation = 1;
+  for (const std::int64_t away : {std::int64_t{0}, 100 * kMs, 10 * kSecond}) {
+    world.stop(id);
+    world.run(away);
+    world.start(id, ++incarnation).dial(address_of(1), world.now);
+    world.run(2 * kSecond);
+    CHECK(linked(world, 1, id));
+    CHECK(world.node(1).connections() == 1);
+  }
+  CHECK(attempts > 20);
+}
+
 TEST_CASE("membership: what waits for one process goes to no other that has its id",
           "[net][fault]") {
   World world({.delay = 10 * kMs});

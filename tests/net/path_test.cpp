@@ -228,4 +228,134 @@ TEST_CASE("path: who forwards faster than the network is no way while there is a
   CHECK(world.node(1).connections() == 1);
 }
 
+TEST_CASE("path: two that move at the same time find each other by a third one, and lose nothing",
+          "[net][fault]") {
+  const double loss = GENERATE(0.0, 0.1);
+  World world({.delay = 20 * kMs, .jitter = 5 * kMs, .loss = loss});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.start(3).dial(address_of(1), 0);
+  Talk talk(world);
+  world.run(2 * kSecond);
+  REQUIRE(linked(world, 1, 2));
+  REQUIRE(linked(world, 1, 3));
+  REQUIRE(linked(world, 2, 3));
+  world.each_step = [&] { talk.step(); };
+  world.run(kSecond);
+  const auto challenged = [&] {
+    return world.node(1).strangers().challenged + world.node(2).strangers().challenged;
+  };
+  const auto before = challenged();
+  for (const std::uint8_t host : {std::uint8_t{20}, std::uint8_t{30}}) {
+    talk.forget_gap();
+    world.move(1, elsewhere(host));
+    world.move(2, elsewhere(host + 1));
+    world.run(4 * kSecond);
+    CHECK(linked(world, 1, 2));
+    CHECK(linked(world, 1, 3));
+    CHECK(linked(world, 2, 3));
+    CHECK(world.node(1).relay_of(2) == 0);
+    // The third one follows them as any other, tells, and then they do so. It has sent nothing that
+    // tells it the round trip, so it waits half a second for originals. Where what it tells is
+    // lost, it tells again after 2 s; idle_timeout, after which they would begin anew, is 5 s.
+    INFO("ms without a state " << talk.gap() / kMs);
+    CHECK(talk.gap() < (loss == 0.0 ? 1100 : 3500) * kMs);
+  }
+  talk.end = world.now;
+  world.run(2 * kSecond);
+  CHECK(talk.is_complete());
+  CHECK(challenged() == before);  // in the same connection
+  CHECK(world.node(1).moves() == 2);
+  CHECK(world.node(2).moves() == 2);
+}
+
+TEST_CASE("path: two alone that move at the same time part with a reason, and resume when dialled",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  Talk talk(world);
+  world.run(kSecond);
+  REQUIRE(linked(world, 1, 2));
+  world.each_step = [&] { talk.step(); };
+  world.run(kSecond);
+  world.move(1, elsewhere(20));
+  world.move(2, elsewhere(21));
+  world.run(6 * kSecond);
+  for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
+    const auto other = status(world.node(peer), 3 - peer);
+    CHECK_FALSE(other.connected);
+    CHECK(other.reason == "connection lost: nothing heard for 5000 ms");
+    CHECK(world.node(peer).moves() == 0);
+  }
+  // Nobody can tell them: somebody has to dial. What waited is sent then, each once and in order.
+  world.node(2).dial(elsewhere(20), world.now);
+  world.run(2 * kSecond);
+  CHECK(linked(world, 1, 2));
+  talk.end = world.now;
+  world.run(2 * kSecond);
+  CHECK(talk.is_complete());
+}
+
+TEST_CASE("path: two alone that move at the same time are one again where one of them comes back",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  Talk talk(world);
+  world.run(kSecond);
+  world.each_step = [&] { talk.step(); };
+  const auto before = world.node(1).strangers().challenged;
+  world.move(1, elsewhere(20));
+  world.move(2, elsewhere(21));
+  world.run(3 * kSecond);
+  world.move(1, address_of(1));
+  world.run(kSecond);
+  CHECK(linked(world, 1, 2));
+  talk.end = world.now;
+  world.run(2 * kSecond);
+  CHECK(talk.is_complete());
+  CHECK(world.node(1).strangers().challenged == before);
+}
+
+TEST_CASE("path: who says that others are elsewhere moves nobody and has little sent",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.start(3).dial(address_of(1), 0);
+  world.run(2 * kSecond);
+  const auto bytes_to = [&](std::uint8_t host) {
+    return world.path(address_of(1), elsewhere(host)).bytes();
+  };
+  // 3 lies: first of a peer that is heard, then of one that has fallen silent.
+  Talk talk(world);
+  world.each_step = [&] { talk.step(); };
+  world.run(kSecond);
+  talk.forget_gap();
+  world.each_step = [&] {
+    talk.step();
+    world.node(1).told(
+        3, {.peer = 2, .address = elsewhere(static_cast<std::uint8_t>(50 + world.now / kMs % 100))},
+        world.now);
+  };
+  world.run(3 * kSecond);
+  std::uint64_t sent = 0;
+  for (std::uint8_t host = 50; host < 150; ++host) sent += bytes_to(host);
+  CHECK(sent == 0);
+  CHECK(talk.gap() < 60 * kMs);
+  cut(world, 1, 2);
+  world.run(4 * kSecond);
+  for (std::uint8_t host = 50; host < 150; ++host) sent += bytes_to(host);
+  CHECK(sent > 0);
+  CHECK(sent < 50 * 100);  // ten questions a second at most, of less than 100 bytes with headers
+  CHECK(world.node(1).moves() == 0);
+  cut(world, 1, 2, true);
+  world.run(kSecond);
+  CHECK(linked(world, 1, 2));
+  talk.end = world.now;
+  world.run(2 * kSecond);
+  CHECK(talk.is_complete());
+}
+
 }  // namespace path_test

@@ -104,6 +104,62 @@ TEST_CASE("udp node: a peer whose clock was set back is let in once its predeces
   CHECK(linked(world, 1, 2));
 }
 
+TEST_CASE("udp node: whoever starts again after its clock was set acts again within three seconds",
+          "[net][clock][fault]") {
+  constexpr std::int64_t kDay = 86'400 * kSecond;
+  const std::int64_t step = GENERATE(-30 * kDay, -60 * kSecond, 60 * kSecond, 30 * kDay);
+  constexpr std::int64_t kSince = 20'000 * kDay;  // 1970
+  World world({.delay = 20 * kMs, .jitter = 4 * kMs});
+  std::map<PeerId, std::int64_t> set;
+  world.change = [&](UdpNodeOptions& options) {
+    options.correction = kSince + set[options.handshake.self];
+    options.handshake.incarnation =
+        static_cast<std::uint64_t>(options.correction + options.start) + 1;
+  };
+  for (PeerId peer = 1; peer <= 3; ++peer) {
+    UdpNode& node = world.start(peer);
+    for (PeerId other = 1; other < peer; ++other) node.dial(address_of(other), 0);
+  }
+  world.run(5 * kSecond);
+  const SessionTime began = world.node(2).session_now(world.now) - world.now;
+  std::int64_t moved = 0;
+  std::map<std::pair<PeerId, PeerId>, std::uint64_t> heard;
+  world.each_step = [&] {
+    moved = std::max(moved, std::abs(world.node(2).session_now(world.now) - world.now - began));
+    for (PeerId peer = 1; peer <= 3; ++peer) {
+      for (PeerId other = 1; other <= 3 && world.now % (16 * kMs) == 0; ++other) {
+        if (other != peer) {
+          (void)world.node(peer).post(other, number(1), Delivery::Newest, world.now);
+        }
+      }
+      std::vector<Packet> packets;
+      world.node(peer).drain(packets);
+      for (const Packet& packet : packets) ++heard[{packet.from, peer}];
+    }
+  };
+  // A member, and then the one whose clock it is; set by so much more each time.
+  for (const PeerId peer : {PeerId{3}, PeerId{1}}) {
+    set[peer] += peer == 3 ? step : 2 * step;
+    UdpNode& node = world.start(peer);  // without a word, and at once
+    for (PeerId other = 1; other <= 3; ++other) {
+      if (other != peer) node.dial(address_of(other), world.now);
+    }
+    world.run(3 * kSecond);
+    heard.clear();
+    for (PeerId other = 1; other <= 3; ++other) {
+      if (other == peer) continue;
+      CHECK(linked(world, peer, other));
+      CHECK(std::abs(world.node(peer).session_now(world.now) -
+                     world.node(other).session_now(world.now)) < 5 * kMs);
+    }
+    world.run(kSecond);
+    CHECK(heard.size() == 6);
+    for (const auto& [ends, count] : heard) CHECK(count > 55);
+  }
+  // Nobody else's time has moved, but by the drift that is allowed for.
+  CHECK(moved < 10 * kMs);
+}
+
 TEST_CASE("udp node: of two processes with one id the later one stays", "[net][fault]") {
   World world({.delay = 20 * kMs});
   world.start(1);

@@ -65,15 +65,23 @@ bool connected(const UdpTransport& transport, PeerId peer) {
 /// One end of a pipe in memory; what one sends the other has received when send() returns.
 class Pipe final : public DatagramPath {
  public:
-  static std::pair<std::shared_ptr<Pipe>, std::shared_ptr<Pipe>> make() {
+  /// @param said  max_datagram(); what is longer than `borne` is lost
+  static std::pair<std::shared_ptr<Pipe>, std::shared_ptr<Pipe>> make(std::size_t said = 1200,
+                                                                      std::size_t borne = 1300) {
     auto ends = std::pair(std::make_shared<Pipe>(), std::make_shared<Pipe>());
+    for (Pipe* end : {ends.first.get(), ends.second.get()}) {
+      end->said_ = said;
+      end->borne_ = borne;
+    }
     ends.first->other_ = ends.second;
     ends.second->other_ = ends.first;
     return ends;
   }
   void send(std::span<const std::byte> datagram) override {
-    if (const auto other = other_.lock()) other->deliver(datagram);
+    const auto other = other_.lock();
+    if (other && datagram.size() <= borne_) other->deliver(datagram);
   }
+  std::size_t max_datagram() const override { return said_; }
   void receive(Receive receive) override {
     const std::scoped_lock lock(mutex_);
     receive_ = std::move(receive);
@@ -84,6 +92,8 @@ class Pipe final : public DatagramPath {
     const std::scoped_lock lock(mutex_);
     if (receive_) receive_(datagram);
   }
+  std::size_t said_ = 0;
+  std::size_t borne_ = 0;
   std::weak_ptr<Pipe> other_;
   std::mutex mutex_;
   Receive receive_;
@@ -194,9 +204,38 @@ TEST_CASE("udp path: peers meet over a way that is no address, and a third one t
     for (const Packet& packet : packets) got += packet.bytes == message ? 1 : 0;
     return got == 2;
   }));
+  // Of this way nothing is known but that it carries what all do.
+  CHECK(b->max_packet_bytes(Delivery::Newest) == 1154);
   b.reset();
   CHECK(eventually([&] { return !connected(a, 2); }));
   CHECK_THROWS_AS(a.connect(nullptr), std::invalid_argument);
+}
+
+TEST_CASE("udp path: how long datagrams may be is found out where a way says that it cuts none",
+          "[net][socket]") {
+  // One that bears 1400 bytes, whatever it says; another one says less than all ways bear.
+  auto [here, there] = Pipe::make(1472, 1400);
+  UdpTransport a(options(1));
+  UdpTransport b(options(2));
+  a.connect(here);
+  b.connect(there);
+  REQUIRE(eventually([&] { return connected(a, 2) && connected(b, 1); }));
+  const auto longest = [](const UdpTransport& of) { return of.max_packet_bytes(Delivery::Newest); };
+  // Found to 16 bytes; 46 of them are headers.
+  CHECK(eventually([&] {
+    (void)a.post(2, std::vector<std::byte>(100), Delivery::Newest);
+    (void)b.post(1, std::vector<std::byte>(100), Delivery::Newest);
+    return longest(a) > 1400 - 46 - 16 && longest(b) > 1400 - 46 - 16;
+  }));
+  CHECK(longest(a) <= 1400 - 46);
+  CHECK(longest(b) <= 1400 - 46);
+  auto [low, high] = Pipe::make(100, 1400);
+  UdpTransport c(options(1));
+  UdpTransport d(options(2));
+  c.connect(low);
+  d.connect(high);
+  REQUIRE(eventually([&] { return connected(c, 2) && connected(d, 1); }));
+  CHECK(longest(c) == 1154);
 }
 
 TEST_CASE("udp path: a host that changes its network goes on, with real sockets",

@@ -38,9 +38,13 @@ class MeetingWay final : public net::DatagramPath {
     receive_ = std::move(receive);
     if (path_) path_->receive(receive_);
   }
+  std::size_t max_datagram() const override {
+    const std::scoped_lock lock(mutex_);
+    return path_ ? path_->max_datagram() : DatagramPath::max_datagram();
+  }
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::shared_ptr<ice::IcePath> path_;
   Receive receive_;
 };

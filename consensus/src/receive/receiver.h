@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <array>
 #include <limits>
 #include <span>
 #include <vector>
@@ -37,14 +38,27 @@ class Receiver {
   /// Another peer since it was first heard.
   struct Met {
     PeerId peer = 0;
-    SessionTime last = 0;  ///< ns, when it was heard last
+    SessionTime since = 0;  ///< ns, when it was heard first,
+    SessionTime last = 0;   ///< and when last
     pbd::TokenBucket budget;
+    int astray = 0;                ///< packets in a row with stamps of another time
+    SessionTime astray_since = 0;  ///< ns
     /// Stamp of its farewell; the beginning of time where it has not left.
     SessionTime farewell = std::numeric_limits<SessionTime>::min();
   };
 
-  void take_packet(const Packet& packet);
-  CodecResult parse(const Packet& packet);
+  /// A packet that was admitted, and what is in it.
+  struct Decoded {
+    const Packet* packet = nullptr;
+    DecodedPacket content;
+  };
+
+  /// False where its sender may not say so much, or it is no packet.
+  bool decode_admitted(const Packet& packet, DecodedPacket& out);
+  void take_packet(Decoded& decoded);
+  /// Whether the stamps in incoming_ say nothing of session time, as where its sender's clock was
+  /// set and it started again.
+  bool is_of_another_clock(Met& met);
   /// Shift the stamps of incoming_ to the own clock.
   void date(const Packet& packet);
   /// What one member may have this peer do: budget, in what work_of() counts.
@@ -73,8 +87,11 @@ class Receiver {
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;
-  std::vector<PeerStatus> senders_;  ///< of packets_, where they are dated on arrival
+  std::vector<PeerStatus> senders_;  ///< of packets_, where any is dated on arrival
   DecodedPacket incoming_;
+  /// So many are decoded before they are looked at: a reading of the processor's clock, for each of
+  /// the two, costs as much as a state (benchmarks/network/receive_cost).
+  std::array<Decoded, 16> batch_;
 };
 
 }  // namespace tandem::consensus

@@ -3,6 +3,7 @@
 #include "tandem/ice/ice_path.h"
 
 #include <netdb.h>
+#include <netinet/in.h>
 #include <nice/agent.h>
 #include <sys/socket.h>
 
@@ -21,6 +22,7 @@ struct GlibUnref {
   void operator()(NiceAgent* agent) const { g_object_unref(agent); }
   void operator()(GMainContext* context) const { g_main_context_unref(context); }
   void operator()(GMainLoop* loop) const { g_main_loop_unref(loop); }
+  void operator()(GSocket* socket) const { g_object_unref(socket); }
   void operator()(NiceCandidate* candidate) const { nice_candidate_free(candidate); }
   void operator()(gchar* text) const { g_free(text); }
 };
@@ -30,6 +32,7 @@ using GlibOwned = std::unique_ptr<T, GlibUnref>;
 namespace {
 
 constexpr guint kComponent = 1;
+constexpr std::size_t kWhole = 1472;   // bytes, an Ethernet frame
 constexpr guint kClosePatience = 500;  // ms, for TURN servers to hear that a relay is given back
 
 void free_candidates(GSList* list) {
@@ -54,6 +57,21 @@ std::string numeric(const net::HostPort& address) {
   ::freeaddrinfo(found);
   if (named != 0) throw std::runtime_error("IcePath: cannot look up " + address.host);
   return text.data();
+}
+
+/// Nothing that is sent from this socket is cut into pieces, or dropped for what others have said
+/// of the way. False where this system cannot.
+bool forbid_fragments(int socket) {
+#ifdef __linux__
+  const int v6 = IPV6_PMTUDISC_PROBE;
+  const int v4 = IP_PMTUDISC_PROBE;
+  const bool is_v6 = ::setsockopt(socket, IPPROTO_IPV6, IPV6_MTU_DISCOVER, &v6, sizeof v6) == 0;
+  const bool is_v4 = ::setsockopt(socket, IPPROTO_IP, IP_MTU_DISCOVER, &v4, sizeof v4) == 0;
+  return is_v6 || is_v4;
+#else
+  static_cast<void>(socket);
+  return false;
+#endif
 }
 
 void require(bool ok, const char* field, const std::string& value, const char* rule) {
@@ -156,6 +174,19 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
     }
     return std::string(nice_candidate_type_to_string(local->type)) + " to " +
            nice_candidate_type_to_string(remote->type);
+  }
+
+  /// Straight to the other host, and nothing is cut into pieces.
+  bool is_whole() const {
+    NiceCandidate* local = nullptr;
+    NiceCandidate* remote = nullptr;
+    if (nice_agent_get_selected_pair(agent_.get(), stream_, kComponent, &local, &remote) == FALSE ||
+        local->type == NICE_CANDIDATE_TYPE_RELAYED || remote->type == NICE_CANDIDATE_TYPE_RELAYED) {
+      return false;
+    }
+    const GlibOwned<GSocket> socket(
+        nice_agent_get_selected_socket(agent_.get(), stream_, kComponent));
+    return socket && forbid_fragments(g_socket_get_fd(socket.get()));
   }
 
   void connect(std::string_view text) {
@@ -287,6 +318,9 @@ void IcePath::connect(std::string_view remote) { impl_->connect(remote); }
 std::string IcePath::route() const { return impl_->route(); }
 void IcePath::send(std::span<const std::byte> datagram) { impl_->send(datagram); }
 void IcePath::receive(Receive receive) { impl_->receive(std::move(receive)); }
+std::size_t IcePath::max_datagram() const {
+  return impl_->is_whole() ? kWhole : DatagramPath::max_datagram();
+}
 
 std::string_view to_string(IcePath::State state) {
   switch (state) {

@@ -54,7 +54,11 @@ enum class StateFormat : std::uint8_t {
 
 /// What stamps of others are read by.
 enum class TimestampSource : std::uint8_t {
-  Sender,  ///< as they are: all clocks show the session's time
+  /// As they are: all clocks show the session's time. Of a sender all of whose stamps have been
+  /// more
+  /// than 10 s old or further ahead than PeerOptions::max_future for a second (its clock was set,
+  /// and it started again) they are read as with Arrival, until they are right again.
+  Sender,
   /// By when they come, half a round trip before: no two clocks need to agree, see SenderClocks.
   /// The transport says when and how long; where it does not, they are dated by the step that finds
   /// them, and no way is assumed.

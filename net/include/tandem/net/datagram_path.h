@@ -10,9 +10,9 @@
 
 namespace tandem::net {
 
-/// A way to one peer for whole datagrams of at most 1300 bytes that is no address of
-/// UdpTransport's socket: what ICE has found (tandem::ice), a tunnel, a test. It may lose, reorder
-/// and repeat, and it is trusted with nothing: what goes over it is sealed.
+/// A way to one peer for whole datagrams, of at most 1300 bytes or max_datagram(), that is no
+/// address of UdpTransport's socket: what ICE has found (tandem::ice), a tunnel, a test. It may
+/// lose, reorder and repeat, and it is trusted with nothing: what goes over it is sealed.
 class TANDEM_API DatagramPath {
  public:
   using Receive = std::function<void(std::span<const std::byte> datagram)>;
@@ -24,6 +24,10 @@ class TANDEM_API DatagramPath {
   /// From now on what comes is given to `receive`, on any thread, one at a time; it never waits. An
   /// empty one: to nobody, and after this returns no call of the one before is running.
   virtual void receive(Receive receive) = 0;
+  /// Bytes of a datagram up to which it is worth searching for what the way carries, asked for each
+  /// connection once, on any thread: more than the 1200 to begin with only where nothing cuts
+  /// datagrams into pieces on the way.
+  virtual std::size_t max_datagram() const { return 1200; }
 };
 
 }  // namespace tandem::net

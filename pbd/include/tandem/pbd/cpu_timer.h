@@ -30,4 +30,19 @@ class CpuTimer {
   double start_;
 };
 
+/// The same of pieces of work in turn, with one reading for each: a reading costs as much as what
+/// there is to do with a small packet.
+class CpuLaps {
+ public:
+  /// Adds what was spent since the last reading.
+  void add(double& sum) {
+    const double now = thread_cpu_seconds();
+    sum += now - last_;
+    last_ = now;
+  }
+
+ private:
+  double last_ = thread_cpu_seconds();
+};
+
 }  // namespace tandem::pbd

@@ -63,6 +63,9 @@ class TANDEM_API IcePath final : public net::DatagramPath {
 
   void send(std::span<const std::byte> datagram) override;
   void receive(Receive receive) override;
+  /// 1472 on a way straight to the other host where this system can be told to cut nothing into
+  /// pieces; 1200 through a TURN server, which may.
+  std::size_t max_datagram() const override;
 
  private:
   class Impl;
