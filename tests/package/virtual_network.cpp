@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include "tandem/virtual_network/virtual_network.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdio>
 #include <vector>
-
-#include "tandem/virtual_network/virtual_network.h"
 
 // A packet that takes 50 ms.
 int main() {
