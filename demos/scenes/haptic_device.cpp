@@ -75,7 +75,10 @@ pbd::Vec3 HapticDevice::controlled(const pbd::Vec3& hand, const pbd::Vec3& motor
   if (missing <= 0.0 || square <= 0.0) return motors;
   // More than half of m / cycle, and the damping alone turns the pen back.
   const double damping = std::min(missing / (cycle * square), 0.5 * options_.mass / cycle);
-  const pbd::Vec3 result = cut(motors - damping * mean, options_.force_limit);
+  pbd::Vec3 result = cut(motors - damping * mean, options_.force_limit);
+  // What damping cannot take out the motors must not give: they do not push the pen along.
+  const double given = cycle * result.dot(mean);
+  if (given > energy_) result -= result.dot(mean) / square * mean;
   taken_out_ += cycle * (motors - result).dot(mean);
   return result;
 }
