@@ -8,7 +8,6 @@ from stats import get, mean, values
 
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 COLOURS = ("#4477aa", "#66ccee", "#228833", "#ccbb44", "#ee6677")
-CLASSES = ("resting", "touching", "free", "held", "owned")
 
 
 def _save(figure, out, name):

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "tandem/pbd/cpu_timer.h"
+
 namespace tandem::bench {
 
 inline double seconds(clockid_t clock) {
@@ -17,7 +19,7 @@ inline double seconds(clockid_t clock) {
 /// s, of this machine's clock.
 inline double wall_seconds() { return seconds(CLOCK_MONOTONIC); }
 /// s, that the calling thread has computed.
-inline double thread_seconds() { return seconds(CLOCK_THREAD_CPUTIME_ID); }
+inline double thread_seconds() { return pbd::thread_cpu_seconds(); }
 
 /// The value below which the share q (0 to 1) of the values lies; 0 where there is none.
 inline double quantile(std::vector<double> values, double q) {

@@ -4,7 +4,6 @@
 // What one member may cost the others, whatever it sends: counted in what is looked at, and in
 // bytes that are kept.
 #include <malloc.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include "consensus/stub_transport.h"
 #include "consensus/updates.h"
 #include "support/catch.h"
+#include "tandem/pbd/cpu_timer.h"
 #include "tandem/pbd/token_bucket.h"
 
 namespace tandem::consensus::member_budget_test {
@@ -296,11 +296,6 @@ TEST_CASE("peer: a million ids leave no more behind than two mebibytes", "[conse
 
 // What the limits above come to in time, for docs/network.md: never a test's business.
 TEST_CASE("measure: processor time of a step under what one member sends", "[.measure]") {
-  const auto seconds = [] {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  };
   const auto tiny = StubTransport::packet_of(Leave{.stamp = 1});
   std::vector<std::byte> states;
   PeerId invented = 1'000;
@@ -367,9 +362,9 @@ TEST_CASE("measure: processor time of a step under what one member sends", "[.me
     for (int i = 0; i < 150; ++i) {
       target.line.deliver(kHonest, target.state());
       attack(target);
-      const double start = seconds();
+      const double start = pbd::thread_cpu_seconds();
       target.run(1, [](int) {});
-      steps.push_back(1e3 * (seconds() - start));
+      steps.push_back(1e3 * (pbd::thread_cpu_seconds() - start));
     }
     std::ranges::sort(steps);
     const double more = static_cast<double>(in_use()) - static_cast<double>(before);

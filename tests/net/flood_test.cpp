@@ -3,7 +3,6 @@
 //
 // What strangers without the session key can do to who wants to join: nothing, in virtual time.
 #include <malloc.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -14,6 +13,7 @@
 #include "handshake_wire.h"
 #include "sim_world.h"
 #include "support/catch.h"
+#include "tandem/pbd/cpu_timer.h"
 
 namespace flood_test {
 
@@ -207,11 +207,6 @@ TEST_CASE(
 
 // What a datagram of a stranger costs, for docs/network.md: never a test's business.
 TEST_CASE("measure: processor time of a stranger's datagram", "[.measure]") {
-  const auto seconds = [] {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  };
   World world({.delay = kMs});
   world.start(1);
   const Address from = stranger(1);
@@ -236,9 +231,9 @@ TEST_CASE("measure: processor time of a stranger's datagram", "[.measure]") {
        {std::pair("question", hello), std::pair("proof, bad cookie", junk),
         std::pair("proof, good cookie, no key", proof)}) {
     constexpr int kTimes = 20'000;
-    const double start = seconds();
+    const double start = pbd::thread_cpu_seconds();
     for (int i = 0; i < kTimes; ++i) world.node(1).on_datagram(datagram, from, world.now);
-    std::printf("%s: %.2f us\n", name, 1e6 * (seconds() - start) / kTimes);
+    std::printf("%s: %.2f us\n", name, 1e6 * (pbd::thread_cpu_seconds() - start) / kTimes);
     (void)world.arrived(address_of(1), from);
   }
 }

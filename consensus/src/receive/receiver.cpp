@@ -20,12 +20,6 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 /// ids come in each step, for good, 256 cost 0.5 ms a step and 1024 4.6 ms (member_budget_test,
 /// [.measure]).
 constexpr std::size_t kMaxPeers = 256;
-/// ns: no packet is under way for longer. Whose packets all seem to be, or come from the future,
-/// has another clock; so many in a row over so many ns show it, where single ones have waited for a
-/// link.
-constexpr SessionTime kSlowestWay = 10'000'000'000;
-constexpr int kOtherClockCount = 8;
-constexpr SessionTime kOtherClockFor = 1'000'000'000;
 
 /// Of updates as often as our own, or as 60 a second, all bodies, all springs that one may have and
 /// some more, twice; four updates at once. A member who says more is read no further, and after a
@@ -116,20 +110,21 @@ void Receiver::take_packet(Decoded& decoded) {
 
 bool Receiver::is_of_another_clock(Met& met) {
   const auto newest = newest_stamp(incoming_);
-  if (!newest) return met.astray >= kOtherClockCount;
+  if (!newest) return met.astray >= SenderClocks::kAstrayCount;
   const SessionTime now = data_.now;
   const bool astray =
-      *newest < now - kSlowestWay || *newest > now + to_ns(data_.options.max_future);
+      *newest < now - SenderClocks::kLongestWay || *newest > now + to_ns(data_.options.max_future);
   if (!astray) {
     if (met.astray > 0) sender_clocks_.forget(met.peer);
     met.astray = 0;
   } else if (met.astray == 0) {
     met.astray = 1;
     met.astray_since = now;
-  } else if (met.astray < kOtherClockCount - 1 || now - met.astray_since >= kOtherClockFor) {
-    met.astray = std::min(met.astray + 1, kOtherClockCount);
+  } else if (met.astray < SenderClocks::kAstrayCount - 1 ||
+             now - met.astray_since >= SenderClocks::kAstrayFor) {
+    met.astray = std::min(met.astray + 1, SenderClocks::kAstrayCount);
   }
-  return met.astray >= kOtherClockCount;
+  return met.astray >= SenderClocks::kAstrayCount;
 }
 
 void Receiver::date(const Packet& packet) {

@@ -13,14 +13,8 @@ namespace {
 
 /// ns: further from what is known a sample is of another clock, or of a packet that was stuck.
 constexpr SessionTime kAstray = 250'000'000;
-/// So many in a row, and where they are late over so many ns (a queue that is let go is over
-/// sooner), are of another clock.
-constexpr std::size_t kAstrayCount = 8;
-constexpr SessionTime kAstrayFor = 1'000'000'000;
 /// ns: as long the shift follows at once.
 constexpr SessionTime kAtOnce = 1'000'000'000;
-/// ns: no round trip is longer.
-constexpr SessionTime kLongestWay = 10'000'000'000;
 
 /// a - b, within `most` of 0, for times within kMaxStamp of 0.
 SessionTime difference(SessionTime a, SessionTime b, SessionTime most = kMaxStamp) {
@@ -32,7 +26,7 @@ SessionTime difference(SessionTime a, SessionTime b, SessionTime most = kMaxStam
 
 /// Received less stamped, so that a round trip more or less fits.
 SessionTime lateness(SessionTime received, SessionTime stamp) {
-  return difference(received, stamp, kMaxStamp - 2 * kLongestWay);
+  return difference(received, stamp, kMaxStamp - 2 * SenderClocks::kLongestWay);
 }
 
 /// Look at what is stamped when it is sent.

@@ -41,6 +41,12 @@ class TANDEM_API SenderClocks {
   static constexpr std::size_t kWindow = 128;
   static constexpr double kSettling = 2.0;  ///< s
   static constexpr double kSlew = 0.01;     ///< s per s
+  /// So many samples in a row that fit nothing before, and where they are late over so many ns (a
+  /// queue that is let go is over sooner), are of another clock.
+  static constexpr int kAstrayCount = 8;
+  static constexpr SessionTime kAstrayFor = 1'000'000'000;
+  /// ns: no round trip is longer.
+  static constexpr SessionTime kLongestWay = 10'000'000'000;
 
   /// A packet has come.
   /// @param newest      ns, its newest stamp among those that are stamped when they are sent
@@ -64,7 +70,7 @@ class TANDEM_API SenderClocks {
     SessionTime last = 0;          ///< ns, own clock, of the last sample
     bool knows_way = false;        ///< a round trip was known
     std::size_t count = 0;         ///< samples ever
-    std::size_t astray = 0;        ///< samples in a row that fit nothing before
+    int astray = 0;                ///< samples in a row that fit nothing before
     SessionTime astray_since = 0;  ///< ns, own clock
     SessionTime stamp = 0;         ///< of the packets that came last
     double sum = 0.0;              ///< ns, of these, how much later than `first`

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Rows on velocities: what is made of them once a step and once a substep, and a turn of a sweep.
+// This is most of a sweep.
+#pragma once
+
+#include "contact_pair.h"
+
+namespace tandem::pbd::kernel {
+
+template <class A, bool faces>
+[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, double evenness,
+                              BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const Pair<A> pair(rows, at, bodies);
+  Responses<V> m{};
+  m.add(V(1.0), pair.a, pair.arm_a, pair.n, pair.t1, pair.t2);
+  m.add(V(1.0), pair.b, pair.arm_b, pair.n, pair.t1, pair.t2);
+  store(m.press_n, rows.press_n, at);
+  store(m.grip.m11, rows.grip[0], at);
+  store(m.grip.m12, rows.grip[1], at);
+  store(m.grip.m22, rows.grip[2], at);
+  store(m.slip_1n, rows.slip_n[0], at);
+  store(m.slip_2n, rows.slip_n[1], at);
+  if constexpr (faces) {
+    const std::array<V, 5> press{m.n1, m.n2, m.w11, m.w12, m.w22};
+    for (std::size_t i = 0; i < press.size(); ++i) store(press[i], rows.press_w[i], at);
+    const std::array<V, 3> grip{m.grip.m1n, m.grip.m2n, m.grip.mnn};
+    for (std::size_t i = 0; i < grip.size(); ++i) store(grip[i], rows.grip_w[i], at);
+    const std::array<V, 7> slip{m.slip_11, m.slip_12, m.slip_21, m.slip_22,
+                                m.slip_nn, m.slip_n1, m.slip_n2};
+    for (std::size_t i = 0; i < slip.size(); ++i) store(slip[i], rows.slip_w[i], at);
+    const Face<V> face(rows, at);
+    Face<V> plain = face;
+    for (V& idle : plain.idle.p) idle = V(0.0);
+    const Sym4<V> B = plain.mobility(m);
+    const V scale = xsimd::sqrt(V(evenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
+    for (std::size_t i = 0; i < 4; ++i) store(scale * face.idle[i], rows.idle[i], at);
+  }
+}
+
+/// What begin() finds, as bits.
+struct Begun {
+  unsigned sunk = 0;
+  bool bounces = false;
+};
+
+template <class A, bool faces>
+[[gnu::flatten]] Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule,
+                             BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  constexpr std::size_t points = faces ? 4 : 1;
+  const V zero(0.0), one(1.0), h(rule.h);
+  const Pair<A> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity(), spin = pair.spin();
+  const V vn = dot(pair.n, velocity), w1 = dot(pair.t1, spin), w2 = dot(pair.t2, spin);
+  // One rotation of the normal serves all points.
+  const V3<V> n_a = pair.a.to_local(pair.n), n_b = pair.b.to_local(pair.n);
+  const V apart = dot(pair.n, pair.b.x() - pair.a.x()) - load<V>(rows.radii, at);
+
+  V impulse[points];
+  for (std::size_t i = 0; i < points; ++i) {
+    impulse[i] = load<V>(rows.impulse[i], at);
+    if (rule.first) impulse[i] *= h;
+  }
+  const auto total = [&] {
+    if constexpr (faces) {
+      return (impulse[0] + impulse[1]) + (impulse[2] + impulse[3]);
+    } else {
+      return impulse[0];
+    }
+  };
+  const V pressed = total();
+  const V carried = load<V>(rows.carried, at);
+  if (rule.first) {
+    store(zero, rows.pressed, at);
+    store(zero, rows.fastest, at);
+  } else {
+    const V stopped = xsimd::select(pressed > zero, load<V>(rows.approach, at), zero);
+    store(load<V>(rows.pressed, at) + pressed, rows.pressed, at);
+    store(most(load<V>(rows.fastest, at), stopped), rows.fastest, at);
+  }
+  // What still closes where it carries has not been stopped: see kGrowth.
+  V closing = zero - vn;
+  if constexpr (faces) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const V e = vn + w1 * load<V>(rows.s[i], at) + w2 * load<V>(rows.r[i], at);
+      closing = xsimd::select(impulse[i] > zero, most(closing, zero - e), closing);
+    }
+  }
+  const V limit = rule.first ? carried * pressed
+                             : V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
+  const Mask<V> over = (pressed > limit) & (closing <= V(rule.growth));
+  const V share = xsimd::select(over, limit / pressed, one);
+
+  const V count = load<V>(rows.points, at);
+  const V restitution = load<V>(rows.restitution, at);
+  const bool elastic = xsimd::any(restitution > zero);
+  V fastest = zero;
+  Mask<V> sunk = zero != zero, bounces = zero != zero;
+  for (std::size_t i = 0; i < points; ++i) {
+    const Mask<V> there = count > V(static_cast<double>(i));
+    const V gap =
+        apart + dot(n_b, load<V>(rows.anchor_b[i], at)) - dot(n_a, load<V>(rows.anchor_a[i], at));
+    const V opened = most(V(rule.push_gain) * gap / h, V(-rule.push_speed));
+    store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
+    sunk = sunk | (there & (gap < V(-rule.push_slop)));
+    impulse[i] = xsimd::select(gap < V(rule.warm_start_gap), share * impulse[i], zero);
+    store(impulse[i], rows.impulse[i], at);
+    V approach = zero - vn;
+    if constexpr (faces) {
+      approach -= w1 * load<V>(rows.s[i], at) + w2 * load<V>(rows.r[i], at);
+    }
+    fastest = most(fastest, xsimd::select(there, approach, zero));
+    V bounce = zero;
+    if (elastic) {
+      // Restitution e is the ratio of energies, e^2, of what semi-implicit Euler conserves in free
+      // fall, v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not depend on h.
+      const Mask<V> back = there & (restitution > zero) & (approach > V(rule.bounce_speed));
+      const V a = load<V>(rows.fall, at);
+      const V twice = approach * approach + (a + a) * most(gap, zero) + a * h * approach;
+      const V half = V(0.5) * a * h;
+      const V speed = half + xsimd::sqrt(half * half + restitution * restitution * twice);
+      bounce = xsimd::select(back, speed, zero);
+      bounces = bounces | back;
+    }
+    store(bounce, rows.bounce[i], at);
+  }
+  store(fastest, rows.approach, at);
+  const V now = total();
+  store(now, rows.carried, at);
+  const V friction = xsimd::select(now > zero, share, zero);
+  store(friction * load<V>(rows.slide[0], at), rows.slide[0], at);
+  store(friction * load<V>(rows.slide[1], at), rows.slide[1], at);
+  if constexpr (faces) store(friction * load<V>(rows.twist, at), rows.twist, at);
+  return {bits_of<V>(sunk, at), xsimd::any(bounces)};
+}
+
+template <class A, bool faces>
+[[gnu::flatten]] void warm_start(const ContactRows& rows, std::size_t at, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  Pair<A> pair(rows, at, bodies);
+  V press = load<V>(rows.impulse[0], at);
+  V3<V> couple{press, press, press};
+  if constexpr (faces) {
+    V p1(0.0), p2(0.0);
+    p1 = press * load<V>(rows.s[0], at);
+    p2 = press * load<V>(rows.r[0], at);
+    for (std::size_t i = 1; i < 4; ++i) {
+      const V z = load<V>(rows.impulse[i], at);
+      press += z;
+      p1 += z * load<V>(rows.s[i], at);
+      p2 += z * load<V>(rows.r[i], at);
+    }
+    couple = load<V>(rows.twist, at) * pair.n + p1 * pair.t1 + p2 * pair.t2;
+  }
+  const V3<V> force =
+      press * pair.n + load<V>(rows.slide[0], at) * pair.t1 + load<V>(rows.slide[1], at) * pair.t2;
+  pair.template apply<faces>(rows, kAllLanes, force, couple);
+}
+
+template <class A>
+[[gnu::flatten]] void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
+                                   LaneMask asked, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const V zero(0.0);
+  Pair<A> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity();
+  V z = load<V>(rows.impulse[0], at);
+  V e = dot(pair.n, velocity);
+  // See solve_faces().
+  const V closing = most(load<V>(rows.bias[0], at), zero);
+  Mask<V> active = z > zero;
+  if (pass == ContactPass::Motion) {
+    e += closing;
+    active = active | (e < zero);
+  } else {
+    if (rows.bounces) e -= load<V>(rows.bounce[0], at);
+  }
+  const Mask<V> meant = lanes_of<V>(asked, at);
+  active = active & meant;
+  const V before = load<V>(rows.change, at);
+  if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
+  e = xsimd::select(active, e, zero);
+  const Responses<V> m = responses<V, false>(rows, at);
+  const V change = xsimd::abs(least(e, m.press_n * z));
+  store(xsimd::select(meant, change, before), rows.change, at);
+  const V friction = load<V>(rows.friction, at);
+  const Mask<V> rubs = active & (friction > zero);
+  const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
+  const V scale = V(1.0) / (m.grip.m11 * m.grip.m22 - m.grip.m12 * m.grip.m12);
+  V f1 = load<V>(rows.slide[0], at), f2 = load<V>(rows.slide[1], at);
+  V pressed = zero, rubbed_1 = zero, rubbed_2 = zero;  // N s, changes so far
+  for (int turn = 0; turn < turns; ++turn) {
+    V dz = solve_point(m.press_n, z, e);
+    if (turn > 0) dz = xsimd::select(rubs, dz, zero);
+    z += dz;
+    pressed += dz;
+    if (xsimd::none(rubs)) break;
+    // Friction sees what the normal has just done, and the normal what it does.
+    const V v1 = slip_1 + m.slip_1n * pressed + (m.grip.m11 * rubbed_1 + m.grip.m12 * rubbed_2);
+    const V v2 = slip_2 + m.slip_2n * pressed + (m.grip.m12 * rubbed_1 + m.grip.m22 * rubbed_2);
+    V s1 = f1 - scale * (m.grip.m22 * v1 - m.grip.m12 * v2);
+    V s2 = f2 - scale * (m.grip.m11 * v2 - m.grip.m12 * v1);
+    const V limit = friction * z;
+    const V length = xsimd::sqrt(s1 * s1 + s2 * s2);
+    const V share = xsimd::select(length > limit, limit / length, V(1.0));
+    s1 = xsimd::select(rubs, xsimd::select(limit > zero, share * s1, zero), f1);
+    s2 = xsimd::select(rubs, xsimd::select(limit > zero, share * s2, zero), f2);
+    const V d1 = s1 - f1, d2 = s2 - f2;
+    f1 = s1;
+    f2 = s2;
+    rubbed_1 += d1;
+    rubbed_2 += d2;
+    if (turn + 1 < turns) e += m.press_n * dz + (m.slip_1n * d1 + m.slip_2n * d2);
+  }
+  store(z, rows.impulse[0], at);
+  store(f1, rows.slide[0], at);
+  store(f2, rows.slide[1], at);
+  const V3<V> force = pressed * pair.n + rubbed_1 * pair.t1 + rubbed_2 * pair.t2;
+  pair.template apply<false>(rows, bits_of<V>(active, at), force, force);
+}
+
+template <class A>
+[[gnu::flatten]] void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
+                                  LaneMask asked, BodyNumbers bodies) {
+  using V = xsimd::batch<double, A>;
+  const V zero(0.0);
+  Pair<A> pair(rows, at, bodies);
+  const V3<V> velocity = pair.velocity(), spin = pair.spin();
+  const Face<V> face(rows, at);
+  const V vn = dot(pair.n, velocity), w1 = dot(pair.t1, spin), w2 = dot(pair.t2, spin);
+  Four<V> z, e;
+  Mask<V> active = zero != zero;
+  for (std::size_t i = 0; i < 4; ++i) {
+    z[i] = load<V>(rows.impulse[i], at);
+    active = active | (z[i] > zero);
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const V closing = most(load<V>(rows.bias[i], at), zero);
+    e[i] = vn + w1 * face.s[i] + w2 * face.r[i];
+    if (pass == ContactPass::Motion) {
+      e[i] += closing;
+      active = active | (face.there[i] & (e[i] < zero));
+    } else {
+      // A point that carries nothing may still close what is left of its gap. A row that carries
+      // nothing at all has no say.
+      e[i] += xsimd::select(z[i] > zero, zero, closing);
+      if (rows.bounces) e[i] -= load<V>(rows.bounce[i], at);
+    }
+  }
+  const Mask<V> meant = lanes_of<V>(asked, at);
+  active = active & meant;
+  const V before = load<V>(rows.change, at);
+  if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
+  const V idle = dot(face.idle, z);
+  for (std::size_t i = 0; i < 4; ++i) {
+    e[i] = xsimd::select(active & face.there[i], e[i] + idle * face.idle[i], zero);
+  }
+  const Responses<V> m = responses<V, true>(rows, at);
+  const Sym4<V> B = face.mobility(m);
+  // How far the points are from 0 <= z _|_ e >= 0.
+  const Four<V> alone{{B.m00 * z[0], B.m11 * z[1], B.m22 * z[2], B.m33 * z[3]}};
+  V change = zero;
+  for (std::size_t i = 0; i < 4; ++i) {
+    change = most(change, xsimd::abs(least(e[i], alone[i])));
+  }
+  store(xsimd::select(meant, change, before), rows.change, at);
+
+  const V friction = load<V>(rows.friction, at);
+  const Mask<V> rubs = active & (friction > zero);
+  const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
+  const V slip_n = dot(pair.n, spin);
+  const Grip<V>& grip = m.grip;
+  const V determinant = grip.m11 * grip.m22 - grip.m12 * grip.m12;
+  const V scale = V(1.0) / determinant;
+  const V inverse_twist = xsimd::select(grip.mnn > zero, V(1.0) / grip.mnn, zero);
+  const Four<V> reach{{load<V>(rows.reach[0], at), load<V>(rows.reach[1], at),
+                       load<V>(rows.reach[2], at), load<V>(rows.reach[3], at)}};
+  Slide<V> slide{load<V>(rows.slide[0], at), load<V>(rows.slide[1], at), load<V>(rows.twist, at)};
+  V fn = zero, c1 = zero, c2 = zero;  // N s, N m s: what the normals did so far
+  Slide<V> rubbed{zero, zero, zero};
+  for (int turn = 0; turn < turns; ++turn) {
+    Four<V> dz = solve_lcp<V>(face.there, B, z, e);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (turn > 0) dz[i] = xsimd::select(rubs, dz[i], zero);
+      z[i] += dz[i];
+    }
+    fn += sum(dz);
+    c1 += dot(face.s, dz);
+    c2 += dot(face.r, dz);
+    if (xsimd::none(rubs)) break;
+    // Friction sees what the normals have just done, and they what it does.
+    const V v1 = slip_1 + (m.slip_1n * fn + m.slip_11 * c1 + m.slip_12 * c2) +
+                 (grip.m11 * rubbed.f1 + grip.m12 * rubbed.f2 + grip.m1n * rubbed.tn);
+    const V v2 = slip_2 + (m.slip_2n * fn + m.slip_21 * c1 + m.slip_22 * c2) +
+                 (grip.m12 * rubbed.f1 + grip.m22 * rubbed.f2 + grip.m2n * rubbed.tn);
+    const V wn = slip_n + (m.slip_nn * fn + m.slip_n1 * c1 + m.slip_n2 * c2) +
+                 (grip.m1n * rubbed.f1 + grip.m2n * rubbed.f2 + grip.mnn * rubbed.tn);
+    Slide<V> next{slide.f1 - scale * (grip.m22 * v1 - grip.m12 * v2),
+                  slide.f2 - scale * (grip.m11 * v2 - grip.m12 * v1),
+                  slide.tn - inverse_twist * wn};
+    keep_within<V>(grip, determinant, {friction * sum(z), friction * dot(z, reach)}, next);
+    next = {xsimd::select(rubs, next.f1, slide.f1), xsimd::select(rubs, next.f2, slide.f2),
+            xsimd::select(rubs, next.tn, slide.tn)};
+    const Slide<V> d{next.f1 - slide.f1, next.f2 - slide.f2, next.tn - slide.tn};
+    slide = next;
+    rubbed = {rubbed.f1 + d.f1, rubbed.f2 + d.f2, rubbed.tn + d.tn};
+    if (turn + 1 == turns) break;
+    const V back_n = m.slip_1n * d.f1 + m.slip_2n * d.f2 + m.slip_nn * d.tn;
+    const V back_1 = m.slip_11 * d.f1 + m.slip_21 * d.f2 + m.slip_n1 * d.tn;
+    const V back_2 = m.slip_12 * d.f1 + m.slip_22 * d.f2 + m.slip_n2 * d.tn;
+    const Four<V> response = B * dz;
+    for (std::size_t i = 0; i < 4; ++i) {
+      e[i] += response[i] + (back_n + back_1 * face.s[i] + back_2 * face.r[i]);
+    }
+  }
+  for (std::size_t i = 0; i < 4; ++i) store(z[i], rows.impulse[i], at);
+  store(slide.f1, rows.slide[0], at);
+  store(slide.f2, rows.slide[1], at);
+  store(slide.tn, rows.twist, at);
+  pair.template apply<true>(rows, bits_of<V>(active, at),
+                            fn * pair.n + rubbed.f1 * pair.t1 + rubbed.f2 * pair.t2,
+                            rubbed.tn * pair.n + c1 * pair.t1 + c2 * pair.t2);
+}
+
+}  // namespace tandem::pbd::kernel
