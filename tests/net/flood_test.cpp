@@ -231,9 +231,9 @@ TEST_CASE("measure: processor time of a stranger's datagram", "[.measure]") {
        {std::pair("question", hello), std::pair("proof, bad cookie", junk),
         std::pair("proof, good cookie, no key", proof)}) {
     constexpr int kTimes = 20'000;
-    const double start = pbd::thread_cpu_seconds();
+    const double start = tandem::pbd::thread_cpu_seconds();
     for (int i = 0; i < kTimes; ++i) world.node(1).on_datagram(datagram, from, world.now);
-    std::printf("%s: %.2f us\n", name, 1e6 * (pbd::thread_cpu_seconds() - start) / kTimes);
+    std::printf("%s: %.2f us\n", name, 1e6 * (tandem::pbd::thread_cpu_seconds() - start) / kTimes);
     (void)world.arrived(address_of(1), from);
   }
 }
