@@ -22,9 +22,10 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/exports.map.in" "${PROJECT_BINARY_DIR}
 # tandem_module(<name> SOURCES ... [PUBLIC_LINK ...] [PRIVATE_LINK ...] [ABSENT_HEADERS ...])
 #
 # A library of the product: target tandem_<name>, alias tandem::<name>, public headers in
-# include/tandem/<name>/. It is installed with an export set of its own, so that a consumer of one
-# module needs the dependencies of that module only. ABSENT_HEADERS, by their file names, belong to
-# something that this build leaves out: they are not installed.
+# include/tandem/<namespace>/, where the namespace has its name unless it adds to another's. It is
+# installed with an export set of its own, so that a consumer of one module needs the dependencies of
+# that module only. ABSENT_HEADERS, by their file names, belong to something that this build leaves
+# out: they are not installed.
 function(tandem_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC_LINK;PRIVATE_LINK;ABSENT_HEADERS")
   if(arg_UNPARSED_ARGUMENTS)
@@ -94,7 +95,7 @@ endfunction()
 # checked as well.
 function(_tandem_header_check name)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}/include"
-       "${CMAKE_CURRENT_SOURCE_DIR}/include/tandem/${name}/*.h")
+       "${CMAKE_CURRENT_SOURCE_DIR}/include/tandem/*/*.h")
   set(sources)
   foreach(header IN LISTS headers)
     string(MAKE_C_IDENTIFIER "${header}" unit)

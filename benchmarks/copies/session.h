@@ -11,8 +11,8 @@
 
 #include "copies/copy.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::peers_bench {
 

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 #include "measures/json.h"
 #include "session/geometry.h"
 #include "site.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 
 namespace {
 

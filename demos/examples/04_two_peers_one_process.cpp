@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 using namespace tandem;
 

@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 using namespace tandem;
 

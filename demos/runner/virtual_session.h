@@ -9,7 +9,7 @@
 #include "scenes/scenario.h"
 #include "session/actor.h"
 #include "session/options.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 #include "trace/peer_trace.h"
 
 namespace tandem::demos {

@@ -15,7 +15,7 @@
 #include "session/physics.h"
 #include "session/session_key.h"
 #include "tandem/consensus/peer.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 
 namespace tandem::demos {
 

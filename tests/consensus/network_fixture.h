@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 
 namespace tandem::consensus::testing {
 

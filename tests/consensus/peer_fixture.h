@@ -11,10 +11,10 @@
 
 #include "support/toy_contacts.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/solver.h"
 #include "tandem/pbd/tether.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 /// Peers with one shared body each, in one process and in virtual time.
 namespace tandem::consensus::testing {

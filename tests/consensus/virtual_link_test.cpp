@@ -8,7 +8,7 @@
 
 #include "consensus/network_fixture.h"
 #include "support/catch.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 
 namespace virtual_link_test {
 

@@ -12,7 +12,7 @@
 #include "scenes/cubes.h"
 #include "session/physics.h"
 #include "support/catch.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 
 namespace tandem::demos::bullet_peer_test {
 namespace {

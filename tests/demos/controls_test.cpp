@@ -7,8 +7,8 @@
 #include "scenes/replay.h"
 #include "session/signals.h"
 #include "support/catch.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos::controls_test {
 namespace {

@@ -5,8 +5,8 @@
 #include "peer/divergence_gauge.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos::fidget_test {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "support/catch.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/bytes.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos::link_words_test {
 namespace {

@@ -7,8 +7,8 @@
 #include "scenes/cubes.h"
 #include "session/remote_view.h"
 #include "support/catch.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/bytes.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos::rendezvous_test {
 namespace {

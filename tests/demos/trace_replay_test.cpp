@@ -15,7 +15,7 @@
 #include "scenes/tennis.h"
 #include "session/actor.h"
 #include "support/catch.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 #include "trace/peer_trace.h"
 #include "trace_support.h"
 

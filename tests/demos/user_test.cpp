@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "support/catch.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/solver.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::demos::user_test {
 namespace {

@@ -13,12 +13,12 @@
 #include "support/bodies.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/consensus/peer.h"
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/net/tcp.h"
 #include "tandem/obj/load_obj.h"
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/solver.h"
 #include "tandem/pbd/tether.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 using namespace tandem;
 using tandem::testing::refusal;

@@ -22,7 +22,7 @@ for component in runtime dev; do
 done
 mapfile -t libraries < <(find "$prefix" -name 'libtandem_*.so' | sort)
 folder=$(dirname "${libraries[0]}")
-[[ ${#libraries[@]} -eq 6 ]] || fail "these are not six libraries: ${libraries[*]}"
+[[ ${#libraries[@]} -eq 7 ]] || fail "these are not seven libraries: ${libraries[*]}"
 
 # By their names: the version, the binary interface's, the linker's.
 version=$(sed -n 's/^project(tandem VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")

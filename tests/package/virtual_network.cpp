@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 
 #include <array>
 #include <cstddef>

@@ -8,7 +8,7 @@
 
 #include "convert.h"
 #include "guard.h"
-#include "tandem/virtual_network/virtual_network.h"
+#include "tandem/consensus/virtual_network.h"
 #include "transport_impl.h"
 
 using namespace tandem;

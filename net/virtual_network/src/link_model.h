@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/random.h"
-#include "tandem/virtual_network/virtual_network.h"
 
 namespace tandem::consensus {
 
