@@ -20,7 +20,7 @@ sys.dont_write_bytecode = True
 sys.path[:0] = [str(HERE), str(HERE / "evaluation")]
 
 try:
-    import matplotlib  # noqa: F401
+    import matplotlib, scour  # noqa: E401, F401
 except ImportError:
     # Another Python of this machine may be able to draw.
     if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():

@@ -19,7 +19,7 @@ export PYTHONDONTWRITEBYTECODE=1
 # The first Python that can draw; without one there are no plots.
 python=python3
 for candidate in python3 /usr/bin/python3; do
-  if "$candidate" -c 'import matplotlib' 2>/dev/null; then
+  if "$candidate" -c 'import matplotlib, scour' 2>/dev/null; then
     python=$candidate
     break
   fi

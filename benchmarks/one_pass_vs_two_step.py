@@ -28,7 +28,7 @@ SECTIONS = ["couplings", "pareto", "stability", "extreme", "influence", "predict
 import pages
 
 try:
-    import matplotlib  # noqa: F401
+    import matplotlib, scour  # noqa: E401, F401
 except ImportError:
     # Another Python of this machine may be able to draw.
     if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():

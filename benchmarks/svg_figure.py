@@ -3,9 +3,11 @@
 """Figures of the pages: no window, small files, and the same bytes for the same numbers."""
 import io
 import re
+import shutil
 from pathlib import Path
 
 import matplotlib
+from scour import scour
 
 matplotlib.use("Agg")
 matplotlib.rcParams["svg.hashsalt"] = "tandem"
@@ -13,11 +15,21 @@ matplotlib.rcParams["svg.fonttype"] = "none"  # letters, not their outlines
 matplotlib.rcParams["path.simplify_threshold"] = 0.5
 import matplotlib.pyplot as plt  # noqa: E402
 
+# What docs/ carries: 300 KB in all. The other figures are left with the results.
+IN_DOCS = ("evaluation_divergence", "evaluation_latency", "evaluation_link", "work_precision")
+
+_SMALL = scour.sanitizeOptions()
+_SMALL.digits = _SMALL.cdigits = 4
+_SMALL.strip_ids = _SMALL.shorten_ids = _SMALL.group_create = _SMALL.remove_metadata = True
+_SMALL.indent_type, _SMALL.newlines, _SMALL.quiet = "none", False, True
+
 _NUMBER = re.compile(r"-?\d+\.\d{2,}")
 
 
 def save_svg(figure, path):
     """Write a figure, its coordinates rounded to a tenth of a point."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     plt.close(figure)
@@ -29,4 +41,12 @@ def save_svg(figure, path):
     # Only what draws: headers name a version of XML, and of matplotlib.
     body = [line if line.startswith("<?xml") or "<dc:" in line else _NUMBER.sub(rounded, line)
             for line in lines]
-    Path(path).write_text("\n".join(body))
+    path.write_text(scour.scourString("\n".join(body), _SMALL))
+
+
+def on_page(drawn, docs, caption):
+    """The page's line for a figure that has been drawn."""
+    if drawn.stem not in IN_DOCS:
+        return f"Figure, drawn with the results: `{drawn.name}` ({caption})."
+    shutil.copyfile(drawn, docs / drawn.name)
+    return f"![{caption}]({drawn.name})"

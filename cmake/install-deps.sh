@@ -32,7 +32,7 @@ for argument in "$@"; do
       with_view
       command -v chromium >/dev/null || packages+=(chromium)
       ;;
-    --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib) ;;
+    --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib python3-scour) ;;
     --with-ice) packages+=(libnice-dev coturn nftables iproute2) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2

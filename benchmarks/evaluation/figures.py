@@ -187,6 +187,3 @@ def draw(results, out):
     latency(results, out)
     acceleration(results, out)
     jitter(results, out)
-    return ("evaluation_divergence", "evaluation_rotation", "evaluation_over_time",
-            "evaluation_link", "evaluation_latency",
-            "evaluation_acceleration", "evaluation_jitter")

@@ -3,12 +3,12 @@
 """Tables (CSV and docs/evaluation.md) and figures from the results of the matrix."""
 import csv
 import json
-import shutil
 
 import figures
 import must_hold
 import pages
 from stats import get, interval, mean, over, short, text, values
+from svg_figure import on_page
 
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 CLASSES = ("resting", "touching", "free", "held", "owned")
@@ -270,17 +270,15 @@ def write(results, out, docs):
         writer = csv.DictWriter(file, ("what", "measured", "bound", "holds"))
         writer.writeheader()
         writer.writerows(rows)
-    names = figures.draw(results, out / "figures")
+    figures.draw(results, out / "figures")
     docs.mkdir(parents=True, exist_ok=True)
-    for name in names:
-        shutil.copyfile(out / "figures" / f"{name}.svg", docs / f"{name}.svg")
     seeds = max((len(v) for v in results.values()), default=0)
     runs = sum(len(v) for v in results.values())
     first = min((r["seed"] for v in results.values() for r in v), default=1)
     yes = sum(r["holds"] is True for r in rows)
 
     def figure(name, caption):
-        return ["", f"![{caption}]({name}.svg)", ""]
+        return ["", on_page(out / "figures" / f"{name}.svg", docs, caption), ""]
 
     lines = [
         "# Evaluation", "",

@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 
 import demo_runs
 import stats
-from svg_figure import plt, save_svg
+from svg_figure import on_page, plt, save_svg
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -284,7 +284,8 @@ def report(results: Path, docs: Path) -> str:
     if not rows:
         return "## What each part is worth\n\nNot measured."
     effects = _effects(rows)
-    _draw(rows, effects, docs / "ablation.svg")
+    figure = results / "figures" / "ablation.svg"
+    _draw(rows, effects, figure)
     lines = ["## What each part is worth", "",
              "Each run does without one part (`--ablate`), with the same inputs and seeds as the whole. "
              "Ratios without / with: above 1 the part helps; geometric mean over cells (scenes at "
@@ -303,7 +304,7 @@ def report(results: Path, docs: Path) -> str:
                   f"cubes | {100 * cost:.1f} % | {'yes' if cost <= 0.1 else 'no'} |",
                   f"| nothing where nothing is shared | {100 * idle:.3f} % | "
                   f"{'yes' if idle < 1e-3 else 'no'} |", ""]
-    lines += ["![parts](ablation.svg)", "",
+    lines += [on_page(figure, docs, "effects of all parts in all cells"), "",
               "| without | what it is | " + " | ".join(MEASURES.values())
               + " | energy, J | price |", "|---|---|" + "---|" * (len(MEASURES) + 2),
               "| - | nothing |" + " |" * len(MEASURES) + f" {_energy(rows, WHOLE)} | |"]

@@ -6,7 +6,7 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
 import stats
-from svg_figure import plt, save_svg
+from svg_figure import on_page, plt, save_svg
 
 NAME = "extreme.csv"
 SERIES = "extreme_series.csv"
@@ -69,7 +69,7 @@ def _read(path):
         return list(csv.DictReader(file))
 
 
-def _draw(rows, docs):
+def _draw(rows, path):
     # Where geometry differs little is seen but that it does.
     shown = ("S4 wall 10 cm nearer", "floor 10 cm lower")
     rows = [r for r in rows if r["group"] != "geometry" or r["scene"] in shown]
@@ -96,7 +96,7 @@ def _draw(rows, docs):
     handles, labels = axes[0][0].get_legend_handles_labels()
     spare[0].legend(handles[::-1], labels[::-1], loc="center", frameon=False, fontsize=8,
                     title="mm over s", title_fontsize=8)
-    save_svg(figure, docs / "extreme.svg")
+    save_svg(figure, path)
 
 
 def _numbers(rows, column, **which):
@@ -252,7 +252,8 @@ def _topology(rows):
 
 def report(results, docs):
     rows, costs = _read(results / NAME), _read(results / COST)
-    _draw(_read(results / SERIES), docs)
+    figure = results / "figures" / "extreme.svg"
+    _draw(_read(results / SERIES), figure)
     loses = _loses(rows)
     lines = [
         "## Stiff and extreme, with two and more peers", "",
@@ -266,7 +267,7 @@ def report(results, docs):
         "most of the last second (overlap: its mean). What is apart because walls and floors are, stays "
         "so; a held body is apart by as much as the hand has moved while the news was on its way.", "",
         *_scenes(rows), "",
-        "![Difference of the copies over time, mm, at profile 5](extreme.svg)", "",
+        on_page(figure, docs, "difference of the copies over time, mm, at profile 5"), "",
         "Difference of the copies over time at profile 5, one seed, mm (180 degrees: degrees), cut at "
         "0.01.", "",
         "Leaving out geometry, one pass ends further apart than two steps by more than a tenth and 0.1 "

@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm, TwoSlopeNorm
 
 import demo_runs
 import stats
-from svg_figure import plt, save_svg
+from svg_figure import on_page, plt, save_svg
 
 INFLUENCES = ("0.02", "0.05", "0.1", "0.2", "0.5", "0.98")
 PROFILES = (1, 2, 3, 4, 5)
@@ -155,7 +155,8 @@ def report(results: Path, docs: Path) -> str:
     rows = demo_runs.read(results / "influence.csv")
     if not rows:
         return "## Influence\n\nNot measured."
-    _draw(rows, docs / "influence.svg")
+    figure = results / "figures" / "influence.svg"
+    _draw(rows, figure)
     ours = _of(rows, scheme="one-pass")
     theirs = _of(rows, scheme="two-step")
     stable = [sum(r["stable"] == "1" for r in rs) for rs in (ours, theirs)]
@@ -175,7 +176,7 @@ def report(results: Path, docs: Path) -> str:
         f"{'yes' if carried < 1e-9 else 'no'} |",
         f"| users achieve no less than with two steps | {100 * done[0]:.1f} % and "
         f"{100 * done[1]:.1f} % | {'yes' if done[0] >= done[1] - 0.005 else 'no'} |", "",
-        "![influence](influence.svg)", "",
+        on_page(figure, docs, "maps over influence and profile"), "",
         "Ranges over influence, link and seed, one pass; energies are sums over both peers and the "
         "run. The solver's account is one pass's alone: two steps move bodies behind its back.", "",
         "| scenario | " + " | ".join(f"{n}, J" for n in ENERGY.values())

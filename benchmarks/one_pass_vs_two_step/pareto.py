@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import demo_runs
 import stats
-from svg_figure import plt, save_svg
+from svg_figure import on_page, plt, save_svg
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -308,14 +308,15 @@ def report(results: Path, docs: Path) -> str:
     if not demos and not scenes:
         return "## Error against run time\n\nNot measured."
     profiles = [str(p) for p in PROFILES]
+    figures = [results / "figures" / name for name in ("pareto.svg", "pareto_scenes.svg")]
     _figure(demos, list(SECONDS), [(p, [e]) for p in profiles
                                    for e in (("all_p95_mm", "all p95"),
                                              ("overlap_max_mm", "overlap max"))],
-            docs / "pareto.svg")
+            figures[0])
     constraint = [("overlap_mean_mm", "overlap mean"), ("apart_late_mm", "apart, second half")]
     _figure(scenes, [s + ", hands" for s in SCENES],
             [(p, e) for p in profiles for e in ([("apart_mm", "apart, whole run")], constraint)],
-            docs / "pareto_scenes.svg")
+            figures[1])
     of_demos = verdicts(demos, DEMO_ERRORS, PAIRS)
     of_scenes = verdicts(scenes, SCENE_ERRORS, PAIRS[:2])
     everything = {**of_demos, **of_scenes}
@@ -352,8 +353,8 @@ def report(results: Path, docs: Path) -> str:
                          if p == PAIRS[2] and e in keep and v[1] > 1.0)
             lines.append(f"| lower {name} than two steps before Bullet at equal time | lower in "
                          f"{better} of {m}, higher in {bad} | {'yes' if better == m else 'no'} |")
-    lines += ["", "![fronts of the demos](pareto.svg)", "",
-              "![fronts of the small scenes](pareto_scenes.svg)", ""]
+    lines += ["", on_page(figures[0], docs, "fronts of the demos"), "",
+              on_page(figures[1], docs, "fronts of the small scenes"), ""]
     for pair in PAIRS:
         here = {k: v for k, v in of_demos.items() if k[0] == pair}
         if here:

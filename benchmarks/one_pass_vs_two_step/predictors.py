@@ -8,7 +8,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import demo_runs
 import stats
-from svg_figure import plt, save_svg
+from svg_figure import on_page, plt, save_svg
 
 PREDICTORS = ("none", "euler", "second-order", "replay")
 COLOURS = ("#8e8e8e", "#1f5fa8", "#7fb2e5", "#c0392b")
@@ -128,7 +128,8 @@ def report(results: Path, docs: Path) -> str:
     if not rows:
         return "## Which prediction with which share\n\nNot measured."
     table = _table(rows)
-    _draw(table, docs / "predictors.svg")
+    figure = results / "figures" / "predictors.svg"
+    _draw(table, figure)
     cells = [(s, p) for s in SECONDS for p in PROFILES if any(k[:2] == (s, p) for k in table)]
     first = {}
     for scheme in SCHEMES:
@@ -158,7 +159,7 @@ def report(results: Path, docs: Path) -> str:
         good = sum(v is not None for v in found)
         lines.append(f"| every combination stable, {scheme} | {good} of {len(found)} | "
                      f"{'yes' if good == len(found) else 'no'} |")
-    lines += ["", "![predictors](predictors.svg)", ""]
+    lines += ["", on_page(figure, docs, "divergence over share, by predictor"), ""]
     if unstable:
         lines += ["Not stable: " + "; ".join(
             f"{scheme}, {scenario}, profile {profile}, {predictor} at " + ", ".join(shares)

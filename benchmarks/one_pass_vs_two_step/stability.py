@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from matplotlib.colors import LogNorm
 
-from svg_figure import plt, save_svg
+from svg_figure import on_page, plt, save_svg
 
 NAME = "stability.csv"
 SCHEMES = {
@@ -64,7 +64,7 @@ def _uneven(rows):
     return lines
 
 
-def _draw(rows, scenes, docs):
+def _draw(rows, scenes, path):
     shown = ["one-pass", "two-step", "one-pass-plain", "two-step-plain"]
     figure, axes = plt.subplots(len(shown), len(scenes), figsize=(2.2 * len(scenes), 7.6),
                                 sharex=True, sharey=True, constrained_layout=True)
@@ -92,7 +92,7 @@ def _draw(rows, scenes, docs):
             if i + 1 == len(shown):
                 axis.set_xlabel("delay, frames", fontsize=8)
     figure.colorbar(image, ax=axes, label="half-life of a disagreement, frames", shrink=0.6)
-    save_svg(figure, docs / "stability.svg")
+    save_svg(figure, path)
 
 
 def text_of(kept, scheme):
@@ -105,7 +105,8 @@ def report(results, docs):
     scenes = list(dict.fromkeys(r["scene"] for r in rows))
     uneven = _uneven(rows)
     rows = [r for r in rows if _even(r)]
-    _draw(rows, scenes, docs)
+    figure = results / "figures" / "stability.svg"
+    _draw(rows, scenes, figure)
     stable, cases, within, most = defaultdict(int), defaultdict(int), defaultdict(int), 0
     kept = defaultdict(list)
     for r in rows:
@@ -138,7 +139,7 @@ def report(results, docs):
         lines.append(f"| {text} | " + " | ".join(
             f"{stable[scheme, s]} ({within[scheme, s]})" for s in scenes) + f" | {text_of(kept, scheme)} |")
     lines += uneven
-    lines += ["", "![Half-life of a disagreement over share and delay; red is not stable](stability.svg)",
-              "", "Both peers with the same share; red is not stable. Doing nothing would be stable "
+    lines += ["", on_page(figure, docs, "half-life of a disagreement over share and delay"), "",
+              "Both peers with the same share; red is not stable. Doing nothing would be stable "
               "as well: the colour is how long a disagreement takes to halve."]
     return "\n".join(lines)
