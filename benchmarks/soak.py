@@ -151,8 +151,8 @@ def judge(args, peers, ends):
     faults = sum(peer.metric("tandem_faults_total") for peer in peers)
     rejected = sum(sum(peer.metrics_of_all("tandem_packets_rejected_total")) for peer in peers)
     return [
-        ("memory, most growth of a peer", f"{first:.1f} to {last:.1f} MiB", "<= 1 MiB more",
-         growth <= 1.0),
+        ("memory, most growth of a peer", f"{first:.1f} to {last:.1f} MiB",
+         f"<= {args.growth:g} MiB more", growth <= args.growth),
         ("descriptors after the first fifth",
          ", ".join(str(looks[-1][2]) for looks in after.values()), "constant",
          max(descriptors) == 1),
@@ -192,6 +192,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--budget", type=float, default=2000.0, help="kbit/s of each link")
     parser.add_argument("--apart", type=float, default=0.1, help="m, bound of divergence's p99")
+    parser.add_argument("--growth", type=float, default=1.0, help="MiB, bound of resident memory's")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         peers, ends = run(args, Path(folder))
