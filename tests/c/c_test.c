@@ -28,6 +28,56 @@ static void falls_as_it_must(void) {
   tandem_world_destroy(world);
 }
 
+/* A body of 1 kg and 0.4 kg m^2: what pushes it is its change of motion. */
+static void pushes_change_motion(void) {
+  tandem_world* world = make_world(0);
+  CHECK(tandem_world_set_gravity(world, (tandem_vec3){0, 0, 0}, NULL) == TANDEM_OK);
+  const tandem_body body = add_body(world, TANDEM_DYNAMIC, 0.0, 0.0);
+  const tandem_vec3 aside = {0.0, 1.0, 0.0};
+  CHECK(tandem_body_apply_force(world, body, (tandem_vec3){3.0, 0, 0}, NULL, NULL) == TANDEM_OK);
+  CHECK(tandem_body_apply_torque(world, body, (tandem_vec3){0, 0, 6.0}, NULL) == TANDEM_OK);
+  for (int i = 0; i < 2; ++i) tandem_world_step(world, kStep, NULL, NULL); /* in the first alone */
+  tandem_state state;
+  CHECK(tandem_body_state(world, body, &state, NULL) == TANDEM_OK);
+  CHECK(fabs(state.twist.linear.x - 3.0 * kStep) < 1e-12);
+  CHECK(fabs(state.twist.angular.z - 6.0 * kStep / 0.4) < 1e-9);
+
+  const tandem_twist still = {{0, 0, 0}, {0, 0, 0}};
+  CHECK(tandem_body_set_twist(world, body, &still, NULL) == TANDEM_OK);
+  CHECK(tandem_body_set_pose(world, body, &(tandem_pose){{0, 0, 0}, {0, 0, 0, 1}}, NULL) ==
+        TANDEM_OK);
+  CHECK(tandem_body_apply_impulse(world, body, (tandem_vec3){2.0, 0, 0}, &aside, NULL) ==
+        TANDEM_OK);
+  CHECK(tandem_body_state(world, body, &state, NULL) == TANDEM_OK);
+  CHECK(fabs(state.twist.linear.x - 2.0) < 1e-12);
+  CHECK(fabs(state.twist.angular.z + 2.0 / 0.4) < 1e-12); /* arm x impulse = y x x = -z */
+  CHECK(tandem_body_apply_impulse(world, body, (tandem_vec3){NAN, 0, 0}, NULL, NULL) ==
+        TANDEM_INVALID_ARGUMENT);
+  tandem_world_destroy(world);
+}
+
+/* A kinematic body is where it was sent after one step; the states of many are those of each. */
+static void many_are_where_each_is(void) {
+  tandem_world* world = make_world(0);
+  const tandem_body bodies[2] = {add_body(world, TANDEM_KINEMATIC, 1.0, 0.0),
+                                 add_body(world, TANDEM_DYNAMIC, 2.0, 5.0)};
+  const tandem_pose there = {{1.0, 0.5, 0.0}, {0, 0, 0, 1}};
+  CHECK(tandem_body_move_to(world, bodies[0], &there, NULL) == TANDEM_OK);
+  CHECK(tandem_body_move_to(world, bodies[1], &there, NULL) == TANDEM_INVALID_ARGUMENT);
+  tandem_world_step(world, kStep, NULL, NULL);
+  tandem_state states[2];
+  CHECK(tandem_body_states(world, bodies, 2, states, NULL) == TANDEM_OK);
+  CHECK(fabs(states[0].pose.position.y - 0.5) < 1e-12);
+  for (int i = 0; i < 2; ++i) {
+    tandem_state alone;
+    CHECK(tandem_body_state(world, bodies[i], &alone, NULL) == TANDEM_OK);
+    CHECK(memcmp(&alone, &states[i], sizeof alone) == 0);
+  }
+  const tandem_body gone[2] = {bodies[0], TANDEM_NO_BODY};
+  CHECK(tandem_body_states(world, gone, 2, states, NULL) == TANDEM_INVALID_ARGUMENT);
+  tandem_world_destroy(world);
+}
+
 static void comes_to_rest_on_the_ground(void) {
   tandem_world* world = make_world(1);
   const tandem_body ground = add_body(world, TANDEM_STATIC, 0.0, 0.0);
@@ -173,6 +223,8 @@ static void snapshot_brings_its_events_back(void) {
 int main(void) {
   CHECK(tandem_c_version() == TANDEM_C_VERSION);
   falls_as_it_must();
+  pushes_change_motion();
+  many_are_where_each_is();
   comes_to_rest_on_the_ground();
   hinge_with_a_motor_turns();
   shapes_weigh_what_they_are();

@@ -87,6 +87,46 @@ static void two_peers_meet_in_the_middle(void) {
   tandem_network_destroy(network);
 }
 
+/* A hand that moves takes its body along at both; once it has left it holds nothing. */
+static void a_hand_moves_and_leaves(void) {
+  const tandem_link link = {.latency = 0.03};
+  const int64_t start = 1000000000, step = 16666667;
+  tandem_network* network = tandem_network_create(&link, 1, start, NULL);
+  site a = make_site(tandem_network_transport(network, 1, NULL), 0.0);
+  site b = make_site(tandem_network_transport(network, 2, NULL), 0.0);
+  tandem_grab_def grab;
+  uint32_t id = 0;
+  tandem_grab_def_init(&grab);
+  grab.body = tandem_shared_id_of("cube");
+  CHECK(tandem_peer_grab(a.peer, &grab, &id, NULL) == TANDEM_OK);
+  for (int64_t k = 0; k < 240; ++k) {
+    const int64_t now = start + k * step;
+    tandem_network_advance(network, now, NULL);
+    const tandem_vec3 hand = {k < 60 ? (double)k / 60.0 : 1.0, 0.0, 0.0};
+    CHECK(tandem_peer_move(a.peer, id, hand, now, NULL) == TANDEM_OK);
+    step_site(&a, now, now + step);
+    step_site(&b, now, now + step);
+  }
+  CHECK(fabs(place(&a) - 1.0) < 0.01 && fabs(place(&b) - 1.0) < 0.01);
+
+  /* Neither hears of the other's body any more: pushed away, it does not come back. */
+  CHECK(tandem_peer_leave(a.peer, start + 240 * step, NULL) == TANDEM_OK);
+  CHECK(tandem_peer_unshare(b.peer, grab.body, NULL) == TANDEM_OK);
+  CHECK(tandem_peer_unshare(b.peer, grab.body, NULL) == TANDEM_INVALID_ARGUMENT);
+  const tandem_pose away = {{3.0, 0.0, 0.0}, {0, 0, 0, 1}};
+  const tandem_twist still = {{0, 0, 0}, {0, 0, 0}};
+  CHECK(tandem_body_set_pose(b.world, b.body, &away, NULL) == TANDEM_OK);
+  CHECK(tandem_body_set_twist(b.world, b.body, &still, NULL) == TANDEM_OK);
+  for (int64_t k = 240; k < 300; ++k) {
+    tandem_network_advance(network, start + k * step, NULL);
+    step_site(&b, start + k * step, start + (k + 1) * step);
+  }
+  CHECK(fabs(place(&b) - 3.0) < 1e-9);
+  destroy_site(&a);
+  destroy_site(&b);
+  tandem_network_destroy(network);
+}
+
 /* A wire of the program's own: what one posts waits here for the other. */
 enum { kSlots = 64, kBytes = 2048 };
 typedef struct wire {
@@ -228,6 +268,7 @@ static void packets_are_no_longer_than_was_said(void) {
 
 void peers_share(void) {
   two_peers_meet_in_the_middle();
+  a_hand_moves_and_leaves();
   a_transport_of_ones_own_carries_a_session();
   packets_are_no_longer_than_was_said();
 }
