@@ -54,7 +54,7 @@ COUNTED = ("tandem::demos::(anonymous namespace)::TandemPhysics::step(tandem::de
 STAGES = {
     "step": "TandemPhysics::step",
     "take over targets": "Solver::Impl::collect_targets",
-    "agree velocities": "Solver::Impl::agree_velocities",
+    "agree velocities": "Targets::agree_velocities",
     "displace": "Solver::Impl::agree()",
     "peer before the step": "Peer::before_step",
     "of it, replays": "Replay::update",
