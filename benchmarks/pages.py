@@ -18,11 +18,14 @@ def _cells(line):
 
 def write(path, text):
     """Write a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name,
-    called after the heading that they stand under; the page links to them."""
+    called after the heading that they stand under; the page links to them. Files that `text` links to
+    already, since it was kept from the last time, stay as they are."""
     path = Path(path)
     folder = path.with_suffix("")
+    kept = set(re.findall(rf"\({re.escape(folder.name)}/([^)]*\.csv)\)", text))
     for old in folder.glob("*.csv") if folder.is_dir() else ():
-        old.unlink()
+        if old.name not in kept:
+            old.unlink()
     out, table, names, heading = [], [], {}, "table"
 
     def end_table():
@@ -30,9 +33,12 @@ def write(path, text):
         if len(rows) <= MOST_ROWS:
             out.extend(table)
         else:
-            names[heading] = names.get(heading, 0) + 1
-            number = f"_{names[heading]}" if names[heading] > 1 else ""
-            file = folder / f"{heading}{number}.csv"
+            while True:
+                names[heading] = names.get(heading, 0) + 1
+                number = f"_{names[heading]}" if names[heading] > 1 else ""
+                file = folder / f"{heading}{number}.csv"
+                if file.name not in kept:
+                    break
             folder.mkdir(parents=True, exist_ok=True)
             with file.open("w", newline="") as stream:
                 writer = csv.writer(stream, lineterminator="\n")

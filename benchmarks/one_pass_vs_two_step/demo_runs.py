@@ -88,10 +88,13 @@ def _run(binaries, folder, cell, keys):
             + ["--script", str(_inputs(folder, cell)), "--json", out.name],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False, text=True)
         text = Path(out.name).read_text()
-    if not text:
-        raise RuntimeError(f"{cell}: {done.stderr.strip()}")
-    result = json.loads(text)
     row = {k: str(cell[k]) for k in keys}
+    if not text:
+        # 1: it broke on the way, as where numbers run away. Anything else is asked for wrongly.
+        if done.returncode != 1:
+            raise RuntimeError(f"{cell}: {done.stderr.strip()}")
+        return row | dict.fromkeys(COLUMNS) | {"stable": 0}
+    result = json.loads(text)
     row["stable"] = int(result["stable"])
     row["success"] = success(cell["scenario"], result["outcome"])
     for name, (path, factor) in MEASURES.items():

@@ -5,11 +5,41 @@
 #include <cmath>
 #include <utility>
 
+#include "agree/agreement.h"
+#include "couple/ownership.h"
 #include "couple/two_step.h"
-#include "peer_impl.h"
+#include "input/activity.h"
+#include "members/connections.h"
+#include "peer_data.h"
+#include "receive/receiver.h"
+#include "replay/replay.h"
+#include "send/sender.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
+
+/// The stages of one peer, in the order of docs/ARCHITECTURE.md; what they do is in their files,
+/// and in which order, below.
+class __attribute__((visibility("hidden"))) Peer::Impl {
+ public:
+  Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
+
+  PeerData data;
+  Connections connections;
+  std::unique_ptr<Replay> replay;  ///< null: a predictor carries all states to now
+  Trust trust;
+  Activity activity;
+  Receiver receiver;
+  Ownership ownership;
+  RemoteStates remote;
+  Placement placement;
+  Estimator estimator;
+  HardInputs hard;
+  Agreement agreement;
+  Sender sender;
+  SessionTime last_before = 0;  ///< ns, of the last before_step()
+};
+
 namespace {
 
 /// s: nobody steps so slowly.
@@ -57,18 +87,16 @@ void average_before_step(PeerData& data, const Agreement& agreement) {
 }  // namespace
 
 using pbd::detail::require;
+using pbd::detail::require_in;
 
 void SendOptions::validate() const {
-  const auto in = [](const char* field, double value, double low, double high, const char* rule) {
-    require(value >= low && value <= high, "SendOptions", field, value, rule);
-  };
   require(kbit_per_s == 0.0 || (kbit_per_s >= 8.0 && kbit_per_s <= 1e9), "SendOptions",
           "kbit_per_s", kbit_per_s, "0 or from 8 to 1e9");
-  in("tolerance", tolerance, 0.0, 1e3, "from 0 to 1000 m");
+  require_in(0.0, 1e3, "SendOptions", "tolerance", tolerance, "m");
   require(angle_tolerance > 0.0 && angle_tolerance <= 10.0, "SendOptions", "angle_tolerance",
           angle_tolerance, "above 0 and at most 10 rad");
-  in("refresh", refresh, 0.0, 3600.0, "from 0 to 3600 s");
-  in("rest_refresh", rest_refresh, 0.0, 3600.0, "from 0 to 3600 s");
+  require_in(0.0, 3600.0, "SendOptions", "refresh", refresh, "s");
+  require_in(0.0, 3600.0, "SendOptions", "rest_refresh", rest_refresh, "s");
 }
 
 void PeerOptions::validate() const {
@@ -78,18 +106,16 @@ void PeerOptions::validate() const {
   replay.validate();
   robust.validate();
   plausibility.validate();
-  require(update_hz >= 1e-3 && update_hz <= 10000.0, "PeerOptions", "update_hz", update_hz,
-          "from 0.001 to 10000");
+  require_in(1e-3, 1e4, "PeerOptions", "update_hz", update_hz);
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",
           authority_ramp, "finite and >= 0 s");
-  require(max_future >= 0.0 && max_future <= 86400.0, "PeerOptions", "max_future", max_future,
-          "from 0 to 86400 s");
   // Times in nanoseconds are 64 bit: a day is as good as never, and fits.
   constexpr double kLongest = 86400.0;
+  require_in(0.0, kLongest, "PeerOptions", "max_future", max_future, "s");
   require(spring_timeout > 0.0 && spring_timeout <= kLongest, "PeerOptions", "spring_timeout",
           spring_timeout, "above 0 and at most 86400 s");
-  require(max_anchor_extrapolation >= 0.0 && max_anchor_extrapolation <= kLongest, "PeerOptions",
-          "max_anchor_extrapolation", max_anchor_extrapolation, "from 0 to 86400 s");
+  require_in(0.0, kLongest, "PeerOptions", "max_anchor_extrapolation", max_anchor_extrapolation,
+             "s");
 }
 
 Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& options)

@@ -20,6 +20,7 @@ class OneChannel final : public Physics {
 
   const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) override {
     report_ = physics_->step(scene, peer, dt);
+    if (report_.status != pbd::StepStatus::Ok) return report_;  // numbers have run away
     const double before = scene.world->kinetic_energy();
     for (const SceneBody& shared : scene.bodies) {
       const pbd::Correction done = scene.world->correction(shared.body);

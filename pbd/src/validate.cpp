@@ -41,6 +41,13 @@ void require(bool ok, std::string_view kind, std::string_view field, double valu
   if (!ok) refuse(std::string(kind).append(": ").append(field), rule, value);
 }
 
+void require_in(double low, double high, std::string_view kind, std::string_view field,
+                double value, std::string_view unit) {
+  std::string rule = "from " + value_text(low) + " to " + value_text(high);
+  if (!unit.empty()) rule.append(" ").append(unit);
+  require(value >= low && value <= high, kind, field, value, rule);
+}
+
 void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {
   for (int i = 0; i < 3; ++i) require(std::isfinite(value[i]), kind, field, value[i], "finite");
 }

@@ -165,10 +165,7 @@ MeanRotation mean_of_many(const Quat& local, std::span<const PeerEstimate> estim
 }  // namespace
 
 bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target) {
-  const auto by_peer = [](const PeerEstimate& a, const PeerEstimate& b) { return a.peer < b.peer; };
-  if (!std::is_sorted(estimates.begin(), estimates.end(), by_peer)) {
-    std::sort(estimates.begin(), estimates.end(), by_peer);
-  }
+  std::ranges::sort(estimates, {}, &PeerEstimate::peer);
   const Tally tally = weigh(estimates);
   if (tally.used == 0) return false;
 

@@ -34,11 +34,9 @@ double share_per_step(double share, double dt) {
 double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }
 
 void InfluenceOptions::validate() const {
-  require(baseline >= 0.0 && baseline <= 1.0, "InfluenceOptions", "baseline", baseline,
-          "from 0 to 1");
-  require(held_alone >= 0.0 && held_alone <= 1.0, "InfluenceOptions", "held_alone", held_alone,
-          "from 0 to 1");
-  require(leading >= 0.0 && leading <= 1.0, "InfluenceOptions", "leading", leading, "from 0 to 1");
+  pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "baseline", baseline);
+  pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "held_alone", held_alone);
+  pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "leading", leading);
   require(std::isfinite(half_life) && half_life > 0.0, "InfluenceOptions", "half_life", half_life,
           "finite and above 0 s");
   require(max_age > 0.0 && max_age <= 1e8, "InfluenceOptions", "max_age", max_age,

@@ -35,11 +35,9 @@ bool is_free(const StateUpdate& update) {
 Prediction to_state(const StateUpdate& update, const MotionSample& own, const Vec3& position,
                     const pbd::Twist& twist, double age) {
   const pbd::Quat there = pbd::rotated(update.pose.orientation, age * update.twist.angular);
-  return {.translation = position - own.pose.position,
-          .rotation = pbd::rotation_between(own.pose.orientation, there),
-          .twist = difference(twist, own.twist),
-          .motion = update.flags.owner_driven ? pbd::TargetMotion::Inertial
-                                              : pbd::TargetMotion::WithBody};
+  const bool by_hand = update.flags.owner_driven;
+  return {gap({own.pose, own.twist}, {{position, there}, twist}),
+          by_hand ? pbd::TargetMotion::Inertial : pbd::TargetMotion::WithBody};
 }
 
 /// Carries a state on by itself, to the order of its kind.

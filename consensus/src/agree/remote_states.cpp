@@ -64,18 +64,17 @@ const StateUpdate& RemoteStates::as_meant(const Inbox::Received& received,
 }
 
 Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& update,
-                              Prediction& missing) const {
+                              pbd::Correction& missing) const {
   const pbd::BodyState then =
       data_.history.state_beside(shared.def.body.index, update.stamp, update.twist);
   Stamped there{update.stamp, {update.pose, update.twist}};
   if (!update.oriented || !shared.def.orientation) {
     there.state.pose.orientation = then.pose.orientation;
   }
-  const pbd::Correction apart = gap(then, there.state);
-  missing = {.translation = apart.translation, .rotation = apart.rotation, .twist = apart.twist};
+  missing = gap(then, there.state);
   const double age = seconds(data_.now - update.stamp);
-  const double way = apart.translation.norm() + kLeverArm * apart.rotation.norm();
-  there.apart = way + age * speed(apart.twist) > data_.options.replay.tolerance;
+  const double way = missing.translation.norm() + kLeverArm * missing.rotation.norm();
+  there.apart = way + age * speed(missing.twist) > data_.options.replay.tolerance;
   return there;
 }
 

@@ -18,7 +18,8 @@ class RemoteStates {
   /// nearest to the own copy. Valid until the next call.
   const StateUpdate& as_meant(const Inbox::Received& received, const SharedBody& shared);
   /// A state, and what the own one of its stamp misses to it.
-  Stamped compare(const SharedBody& shared, const StateUpdate& update, Prediction& missing) const;
+  Stamped compare(const SharedBody& shared, const StateUpdate& update,
+                  pbd::Correction& missing) const;
   /// A state carried to now by the predictor.
   Prediction carry(SharedBody& shared, PeerId from, const StateUpdate& update);
   /// Tell the observer of an estimate.

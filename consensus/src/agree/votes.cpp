@@ -74,8 +74,7 @@ bool outvoted(std::span<const Claim> claims, std::size_t i, PeerId self) {
 }
 
 bool LeadClaims::founded(PeerId peer, bool holds, SessionTime now) {
-  const auto it = std::find_if(held_.begin(), held_.end(),
-                               [peer](const auto& entry) { return entry.first == peer; });
+  const auto it = std::ranges::find(held_, peer, [](const auto& entry) { return entry.first; });
   if (holds) {
     if (it == held_.end()) {
       std::erase_if(held_, [now](const auto& entry) { return now - entry.second > kLongest; });

@@ -23,9 +23,9 @@ inline pbd::Correction gap(const pbd::BodyState& from, const pbd::BodyState& to)
           difference(to.twist, from.twist)};
 }
 
-/// `state` after `part` of what it misses; a Correction or a Prediction.
-template <class Gap>
-pbd::BodyState moved(const pbd::BodyState& state, const Gap& gap, double part = 1.0) {
+/// `state` after `part` of what it misses.
+inline pbd::BodyState moved(const pbd::BodyState& state, const pbd::Correction& gap,
+                            double part = 1.0) {
   return {{state.pose.position + part * gap.translation,
            pbd::rotated(state.pose.orientation, part * gap.rotation)},
           {state.twist.linear + part * gap.twist.linear,
@@ -46,6 +46,15 @@ inline pbd::BodyState mean_with(const pbd::BodyState& own, const pbd::PoseTarget
                                difference(fused.twist, own.twist)},
                fused.share);
 }
+
+/// rad: twice the sine of half the angle, which for small ones is the angle.
+inline double small_angle(const pbd::Quat& a, const pbd::Quat& b) {
+  return 2.0 * (a.conjugate() * b).vec().norm();
+}
+
+/// m, rad: what rests stays within these of one place.
+inline constexpr double kRestDistance = 5e-4;
+inline constexpr double kRestAngle = 2e-3;
 
 /// Slow enough to be at rest.
 inline bool is_slow(const pbd::Twist& twist) {

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "couple/two_step.h"
 
+#include "common/body_state.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/math.h"
 
@@ -18,8 +19,8 @@ struct Limits {
 /// [friston] Sec. 4.6.
 constexpr Limits kThresholds{
     .distance = 1e-3, .angle = 0.017453292519943295, .speed = 1e-2, .angular_speed = 1e-2};
-/// As pbd::SolverOptions and the solver's targets have them.
-constexpr Limits kSlow{.distance = 1e-3, .angle = 0.0175, .speed = 0.01, .angular_speed = 0.02};
+/// As the solver's targets have them.
+constexpr Limits kAgrees{.distance = 1e-3, .angle = 0.0175};
 constexpr double kRestAfter = 0.5;  // s
 
 pbd::Vec3 rotation_to(const pbd::World& world, const pbd::PoseTarget& target) {
@@ -35,18 +36,15 @@ bool within(const pbd::World& world, const pbd::PoseTarget& target, const Limits
 }  // namespace
 
 bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, double& still) {
-  const auto slow = [](const pbd::Twist& twist) {
-    return twist.linear.norm() < kSlow.speed && twist.angular.norm() < kSlow.angular_speed;
-  };
-  const bool agrees = within(world, target, kSlow);
-  still = agrees && slow(world.twist(target.body)) && slow(target.twist) ? still + dt : 0.0;
+  const bool slow = is_slow(world.twist(target.body)) && is_slow(target.twist);
+  still = slow && within(world, target, kAgrees) ? still + dt : 0.0;
   return still >= kRestAfter;
 }
 
 pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
                               bool thresholds) {
   // What sleeps and agrees is no reason to wake it: as the solver's own targets have it.
-  if (!world.awake(target.body) && within(world, target, kSlow)) return {};
+  if (!world.awake(target.body) && within(world, target, kAgrees)) return {};
   const double share = share_per_step(target.share, dt);  // of each difference
   const Limits limits = thresholds && share < 1.0 ? kThresholds : Limits{};
   const pbd::BodyState own = world.state(target.body);

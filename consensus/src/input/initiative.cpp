@@ -41,8 +41,7 @@ void Initiative::update(const Acting& acting, double round_trip, SessionTime now
 }
 
 void Initiative::hear(PeerId peer, bool leads, SessionTime stamp) {
-  const auto it = std::find_if(others_.begin(), others_.end(),
-                               [peer](const auto& other) { return other.first == peer; });
+  const auto it = std::ranges::find(others_, peer, [](const auto& other) { return other.first; });
   if (!leads) {
     if (it != others_.end()) others_.erase(it);
     return;

@@ -3,6 +3,7 @@
 #include "members/index_tables.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tandem::consensus {
 namespace {
@@ -10,34 +11,27 @@ namespace {
 /// ns: names come reliably and may be late by some resends.
 constexpr SessionTime kIndexPatience = 500'000'000;
 
-template <class Tables>
-auto* table_of(Tables& tables, PeerId from) {
-  const auto it = std::ranges::find_if(tables, [from](const auto& t) { return t.peer == from; });
-  return it != tables.end() ? &*it : nullptr;
-}
-
 }  // namespace
 
+IndexTables::Table& IndexTables::table_of(PeerId from) {
+  const auto at = std::ranges::find(tables_, from, &Table::peer);
+  return at != tables_.end() ? *at : tables_.emplace_back(Table{.peer = from, .names = {}});
+}
+
 void IndexTables::learn(PeerId from, const IndexAssignment& name, std::size_t most) {
-  Table* table = table_of(tables_, from);
-  if (table == nullptr) {
-    tables_.push_back({.peer = from, .number = name.table, .names = {}});
-    table = &tables_.back();
-  } else if (table->number != name.table) {
-    table->number = name.table;
-    table->names.clear();
-  }
-  const auto at = std::ranges::lower_bound(table->names, name.index, {}, &Name::index);
-  if (at != table->names.end() && at->index == name.index) {
+  Table& table = table_of(from);
+  if (std::exchange(table.number, name.table) != name.table) table.names.clear();
+  const auto at = std::ranges::lower_bound(table.names, name.index, {}, &Name::index);
+  if (at != table.names.end() && at->index == name.index) {
     at->id = name.id;
-  } else if (table->names.size() < most) {
-    table->names.insert(at, {name.index, name.id});
+  } else if (table.names.size() < most) {
+    table.names.insert(at, {name.index, name.id});
   }
 }
 
 const SharedId* IndexTables::find(PeerId from, const CompactState& state) const {
-  const Table* const table = table_of(tables_, from);
-  if (table == nullptr || table->number != state.table) return nullptr;
+  const auto table = std::ranges::find(tables_, from, &Table::peer);
+  if (table == tables_.end() || table->number != state.table) return nullptr;
   // Where all have been told, a name is at the place of its index.
   const auto& names = table->names;
   if (state.index < names.size() && names[state.index].index == state.index) {
@@ -52,19 +46,11 @@ void IndexTables::forget(PeerId from) {
 }
 
 bool IndexTables::should_ask(PeerId from, bool missed, SessionTime now) {
-  Table* table = table_of(tables_, from);
-  if (table == nullptr) {
-    if (!missed) return false;
-    tables_.push_back({.peer = from, .names = {}});
-    table = &tables_.back();
-  }
-  if (!missed) {
-    table->missing_since = 0;
-    return false;
-  }
-  if (table->missing_since == 0) table->missing_since = now;
-  if (now - table->missing_since < kIndexPatience) return false;
-  table->missing_since = now;
+  SessionTime& since = table_of(from).missing_since;
+  if (!missed) since = 0;
+  if (missed && since == 0) since = now;
+  if (!missed || now - since < kIndexPatience) return false;
+  since = now;
   return true;
 }
 

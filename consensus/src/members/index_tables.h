@@ -38,6 +38,9 @@ class IndexTables {
     SessionTime missing_since = 0;
   };
 
+  /// Made where there is none. Valid until the next one comes or goes.
+  Table& table_of(PeerId from);
+
   std::vector<Table> tables_;
 };
 

@@ -34,12 +34,8 @@ InboxOptions validated(const InboxOptions& options) {
 }  // namespace
 
 void InboxOptions::validate() const {
-  const auto check = [](double value, const char* field) {
-    pbd::detail::require(value >= 0.0 && value <= kLongestTime, "InboxOptions", field, value,
-                         "from 0 to 1e8 s");
-  };
-  check(max_age, "max_age");
-  check(max_future, "max_future");
+  pbd::detail::require_in(0.0, kLongestTime, "InboxOptions", "max_age", max_age, "s");
+  pbd::detail::require_in(0.0, kLongestTime, "InboxOptions", "max_future", max_future, "s");
   plausibility.validate();
 }
 

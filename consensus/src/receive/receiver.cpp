@@ -215,7 +215,6 @@ void Receiver::take_in(Met& sender) {
   }
   if (!unheard) take_in_compact(from, farewell);
   take_in_springs(from);
-  take_in_anchors(from);
   for (const OwnershipUpdate& update : incoming_.ownership) ownership_.push_back({from, update});
   if (!incoming_.leaves.empty()) {
     part_from(from);
@@ -226,14 +225,17 @@ void Receiver::take_in(Met& sender) {
 }
 
 void Receiver::take_in_springs(PeerId from) {
-  for (const SpringUpdate& update : incoming_.springs) {
-    const SharedBody* shared = data_.bodies.find(update.body);
-    if (shared == nullptr || !data_.world.contains(shared->def.body)) {
-      ++data_.stats.springs_refused;
-      ++data_.report_of(from).springs_refused;
-      continue;
-    }
-    receive_spring(from, update, shared->def.body);
+  for (const SpringUpdate& update : incoming_.springs) take_in_spring(from, update);
+  for (const AnchorUpdate& anchor : incoming_.anchors) {
+    const SpringUpdate* const known = data_.springs.last_of(from, anchor.spring);
+    // Of a spring whose creation has not come, or that is gone.
+    if (known == nullptr || known->event == SpringEvent::Remove) continue;
+    SpringUpdate update = *known;
+    update.event = SpringEvent::Change;
+    update.anchor_w = anchor.anchor_w;
+    update.anchor_velocity = anchor.anchor_velocity;
+    update.stamp = anchor.stamp;
+    take_in_spring(from, update);
   }
 }
 
@@ -276,24 +278,12 @@ void Receiver::take_in_compact(PeerId from, SessionTime farewell) {
   if (!incoming_.indices_wanted.empty()) wants_all_.push_back(from);
 }
 
-void Receiver::take_in_anchors(PeerId from) {
-  for (const AnchorUpdate& anchor : incoming_.anchors) {
-    const SpringUpdate* const known = data_.springs.last_of(from, anchor.spring);
-    // Of a spring whose creation has not come, or that is gone.
-    if (known == nullptr || known->event == SpringEvent::Remove) continue;
-    const SharedBody* shared = data_.bodies.find(known->body);
-    if (shared == nullptr || !data_.world.contains(shared->def.body)) continue;
-    SpringUpdate update = *known;
-    update.event = SpringEvent::Change;
-    update.anchor_w = anchor.anchor_w;
-    update.anchor_velocity = anchor.anchor_velocity;
-    update.stamp = anchor.stamp;
-    receive_spring(from, update, shared->def.body);
-  }
-}
-
-void Receiver::receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body) {
-  const Springs::Verdict verdict = data_.springs.receive(from, update, body, data_.now);
+void Receiver::take_in_spring(PeerId from, const SpringUpdate& update) {
+  const SharedBody* const shared = data_.bodies.find(update.body);
+  const bool here = shared != nullptr && data_.world.contains(shared->def.body);
+  const Springs::Verdict verdict =
+      here ? data_.springs.receive(from, update, shared->def.body, data_.now)
+           : Springs::Verdict::Refused;
   if (verdict == Springs::Verdict::Taken) return;
   PeerReport& report = data_.report_of(from);
   if (verdict == Springs::Verdict::Limited) {

@@ -73,9 +73,9 @@ class Receiver {
   void take_in(Met& sender);
   void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell);
   void take_in_compact(PeerId from, SessionTime farewell);
+  /// Springs as they are told in full, and anchors of known ones.
   void take_in_springs(PeerId from);
-  void take_in_anchors(PeerId from);
-  void receive_spring(PeerId from, const SpringUpdate& update, pbd::BodyId body);
+  void take_in_spring(PeerId from, const SpringUpdate& update);
 
   PeerData& data_;
   Connections& connections_;

@@ -45,8 +45,6 @@ using pbd::detail::require;
 void ReplayOptions::validate() const {
   require(share > 0.0 && share <= 1.0, "ReplayOptions", "share", share, "above 0 and at most 1");
   require(budget >= 1.0, "ReplayOptions", "budget", budget, "at least 1");
-  require(substeps >= 0 && substeps <= 1000, "ReplayOptions", "substeps", substeps,
-          "from 0 to 1000");
   require(tolerance >= 0.0 && std::isfinite(tolerance), "ReplayOptions", "tolerance", tolerance,
           "finite and >= 0 m");
 }
@@ -65,7 +63,6 @@ void Replay::set_solver(const pbd::SolverOptions& options) {
   solved_with_ = options;
   pbd::SolverOptions own = options;
   own.measure_stages = false;
-  if (options_.substeps > 0) own.substeps = options_.substeps;
   solver_.emplace(own);
 }
 

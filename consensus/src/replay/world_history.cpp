@@ -11,7 +11,8 @@
 namespace tandem::consensus {
 namespace {
 
-/// m/s: what changes by more from frame to frame was hit.
+/// m/s: what changes by more from frame to frame was hit. Where peers step at times of their own
+/// tennis at profile 5 (p95) is 3.3 mm apart, and 6.1 if that is not looked at.
 constexpr double kHit = 0.5;
 
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
@@ -88,8 +89,7 @@ void WorldHistory::note_inputs(const pbd::World& world) {
       frame.forces.push_back({slot, wrench});
     }
   }
-  std::sort(agreed_.begin(), agreed_.end(),
-            [](const State& a, const State& b) { return a.slot < b.slot; });
+  std::ranges::sort(agreed_, {}, &State::slot);
   auto agreed = agreed_.begin();
   const std::span<const pbd::BodyState> states = world.states();
   for (std::uint32_t slot = 0; slot < states.size(); ++slot) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/body_state.h"
 #include "common/session_time.h"
 #include "tandem/pbd/math.h"
 
@@ -17,9 +18,6 @@ using pbd::Vec3;
 
 /// s: an error in velocity counts as what it comes to by then.
 constexpr double kExpectedFor = 0.05;
-/// m, rad: what rests is said again where it has moved by so much since.
-constexpr double kRestDistance = 5e-4;
-constexpr double kRestAngle = 2e-3;
 /// m: the unit of errors where every state is sent and they only decide on the order.
 constexpr double kUnit = 1e-3;
 /// States that tell of a change, for some of them get lost.
@@ -92,33 +90,31 @@ void Outbox::tell_again(PeerId peer, SessionTime now) {
   }
 }
 
-void Outbox::forget_strangers(std::span<const PeerStatus> peers, PeerStats& stats) {
+void Outbox::forget_strangers(std::span<const PeerStatus> peers) {
   const auto gone = [peers](const auto& link) {
     const auto at = std::ranges::lower_bound(peers, link.to, {}, &PeerStatus::id);
     return at == peers.end() || at->id != link.to;
   };
   std::erase_if(links_, gone);
-  std::erase_if(stats.links, gone);
+  std::erase_if(stats_.links, gone);
 }
 
-Outbox::Link& Outbox::link_to(PeerId peer, PeerStats& stats) {
+Outbox::Link& Outbox::link_to(PeerId peer) {
   auto it = std::ranges::lower_bound(links_, peer, {}, &Link::to);
   if (it == links_.end() || it->to != peer) {
-    stats.links.insert(stats.links.begin() + (it - links_.begin()), LinkStats{.to = peer});
+    stats_.links.insert(stats_.links.begin() + (it - links_.begin()), LinkStats{.to = peer});
     it = links_.insert(it, Link{.to = peer, .sent = {}});
   }
   return *it;
 }
 
 void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingState> states,
-                  const AnchorMessages& anchors, const Interest* interest, SessionTime now,
-                  PeerStats& stats) {
+                  const AnchorMessages& anchors, const Interest* interest, SessionTime now) {
   // Times of the session never come again: no table of a predecessor has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
-  forget_strangers(peers, stats);
+  forget_strangers(peers);
   for (const PeerStatus& status : peers) {
-    Link& link = link_to(status.id, stats);
-    LinkStats& counters = stats.links[static_cast<std::size_t>(&link - links_.data())];
+    Link& link = link_to(status.id);
     if (!status.connected) {
       link.up = false;
       link.sent = {};
@@ -133,19 +129,18 @@ void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingSta
     }
     refill(link, now);
     link.sent.resize(indexed_.size());
-    look(link, states, interest, now, counters);
-    const std::uint64_t before = counters.bytes;
-    choose(link, states, take_anchors(link, anchors, now), counters);
-    if (options_.format == StateFormat::Compact) post_indices(link, states, stats, counters);
-    post_states(link, states, {}, true, now, stats, counters);
-    post_states(link, states, post_anchors(link, anchors, stats, counters), false, now, stats,
-                counters);
-    withdraw(link, stats, counters);
-    if (counters.bytes > before) link.posted = now;
+    look(link, states, interest, now);
+    const std::uint64_t before = counters_of(link).bytes;
+    choose(link, states, take_anchors(link, anchors, now));
+    if (options_.format == StateFormat::Compact) post_indices(link, states);
+    post_states(link, states, {}, true, now);
+    post_states(link, states, post_anchors(link, anchors), false, now);
+    withdraw(link);
+    if (counters_of(link).bytes > before) link.posted = now;
     if (options_.tolerance > 0.0 && seconds(now - link.posted) >= kAliveEvery) {
       packet_.clear();
       encode(Alive{now}, packet_);
-      post(link, Delivery::Newest, stats, counters);
+      post(link, Delivery::Newest);
       link.posted = now;
     }
   }
@@ -207,8 +202,9 @@ double Outbox::missed(const Sent& sent, const OutgoingState& state, SessionTime 
   double angle = kExpectedFor * (update.twist.angular - sent.twist.angular).norm();
   if (update.oriented) {
     const pbd::Quat expected = pbd::rotated(sent.pose.orientation, dt * sent.twist.angular);
-    angle += 2.0 * (expected.conjugate() * update.pose.orientation).vec().norm();
+    angle += small_angle(expected, update.pose.orientation);
   }
+  // What rests is said again where it has moved.
   if (update.flags.resting) return std::max(apart / kRestDistance, angle / kRestAngle);
   const double unit = options_.tolerance > 0.0 ? options_.tolerance : kUnit;
   return std::max(apart / unit, angle / options_.angle_tolerance);
@@ -250,7 +246,7 @@ bool Outbox::is_due(Sent& sent, const OutgoingState& state, bool limited, Sessio
 }
 
 void Outbox::look(Link& link, std::span<const OutgoingState> states, const Interest* interest,
-                  SessionTime now, LinkStats& stats) {
+                  SessionTime now) {
   due_.clear();
   withdrawn_.clear();
   for (Sent& sent : link.sent) sent.here = false;
@@ -268,7 +264,7 @@ void Outbox::look(Link& link, std::span<const OutgoingState> states, const Inter
     if (is_due(sent, state, link.kbit_per_s > 0.0, now, due)) {
       if (commits || !due.reliable) due_.push_back(due);
     } else {
-      ++stats.unchanged;
+      ++counters_of(link).unchanged;
     }
   }
   for (std::size_t index = 0; index < link.sent.size(); ++index) {
@@ -297,8 +293,7 @@ double Outbox::size_of(const StateUpdate& update) const {
   return update.oriented ? whole : whole - kOrientationBytes;
 }
 
-void Outbox::choose(Link& link, std::span<const OutgoingState> states, double along,
-                    LinkStats& stats) {
+void Outbox::choose(Link& link, std::span<const OutgoingState> states, double along) {
   if (link.kbit_per_s == 0.0 || due_.empty()) return;
   const double room = link.room - along;
   const double headers = kPacketOverhead + kMessageBytes;
@@ -321,7 +316,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
   if (with_headers(total, reliable) <= room) return;
   // What goes along with something else need not be worth the headers.
   if (along == 0.0 && room < kWorthwhile * kPacketOverhead) {
-    stats.deferred += due_.size();
+    counters_of(link).deferred += due_.size();
     due_.clear();
     return;
   }
@@ -339,9 +334,9 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
     reliable = asks_reliable;
     due_[kept++] = due;
   }
-  stats.deferred += due_.size() - kept;
+  counters_of(link).deferred += due_.size() - kept;
   due_.resize(kept);
-  std::sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.at < b.at; });
+  std::ranges::sort(due_, {}, &Due::at);
 }
 
 }  // namespace tandem::consensus

@@ -44,8 +44,8 @@ struct AnchorMessages {
 /// expects of the body now. Bodies that are due gather priority until they are sent.
 class Outbox {
  public:
-  Outbox(const SendOptions& options, Transport& transport)
-      : options_(options), transport_(transport) {}
+  Outbox(const SendOptions& options, Transport& transport, PeerStats& stats)
+      : options_(options), transport_(transport), stats_(stats) {}
 
   /// A number for a body that is new here, until renew().
   /// @pre fewer than kMaxIndices bodies are shared
@@ -62,8 +62,7 @@ class Outbox {
   /// @param anchors   go along where the budget allows, in turn where it does not for all of them
   /// @param interest  may be null
   void send(std::span<const PeerStatus> peers, std::span<const OutgoingState> states,
-            const AnchorMessages& anchors, const Interest* interest, SessionTime now,
-            PeerStats& stats);
+            const AnchorMessages& anchors, const Interest* interest, SessionTime now);
   /// Something else was sent to everybody, bytes with headers.
   void charge(double bytes);
   /// A peer lacks indices or states: it is told everything again.
@@ -107,8 +106,11 @@ class Outbox {
   };
 
   /// Forget whom the transport has forgotten.
-  void forget_strangers(std::span<const PeerStatus> peers, PeerStats& stats);
-  Link& link_to(PeerId peer, PeerStats& stats);
+  void forget_strangers(std::span<const PeerStatus> peers);
+  Link& link_to(PeerId peer);
+  LinkStats& counters_of(const Link& link) {
+    return stats_.links[static_cast<std::size_t>(&link - links_.data())];
+  }
   /// bytes
   double most_saved(const Link& link) const;
   void refill(Link& link, SessionTime now) const;
@@ -119,7 +121,7 @@ class Outbox {
   double take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now);
   /// Which states are due, into due_.
   void look(Link& link, std::span<const OutgoingState> states, const Interest* interest,
-            SessionTime now, LinkStats& stats);
+            SessionTime now);
   /// Whether the other side has a wrong influence. One that grows steadily is said now and then.
   static bool influence_differs(Sent& sent, float influence);
   /// Whether one state is due.
@@ -130,23 +132,21 @@ class Outbox {
   double missed(const Sent& sent, const OutgoingState& state, SessionTime now) const;
   /// Leave in due_ what the budget has room for, by ascending index.
   /// @param along  bytes that go in any case
-  void choose(Link& link, std::span<const OutgoingState> states, double along, LinkStats& stats);
+  void choose(Link& link, std::span<const OutgoingState> states, double along);
   /// Of bodies that are shared no longer, or do not concern the peer: that they rest is not
   /// promised any more.
-  void withdraw(Link& link, PeerStats& stats, LinkStats& counters);
-  void post_indices(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
-                    LinkStats& counters);
+  void withdraw(Link& link);
+  void post_indices(Link& link, std::span<const OutgoingState> states);
   /// All of taken_ but the last message, which is returned: states have room behind it.
-  std::span<const std::byte> post_anchors(Link& link, const AnchorMessages& anchors,
-                                          PeerStats& stats, LinkStats& counters);
+  std::span<const std::byte> post_anchors(Link& link, const AnchorMessages& anchors);
   void post_states(Link& link, std::span<const OutgoingState> states,
-                   std::span<const std::byte> anchors, bool reliable, SessionTime now,
-                   PeerStats& stats, LinkStats& counters);
-  bool post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters);
+                   std::span<const std::byte> anchors, bool reliable, SessionTime now);
+  bool post(Link& link, Delivery delivery);
   double size_of(const StateUpdate& update) const;
 
   SendOptions options_;
   Transport& transport_;
+  PeerStats& stats_;  ///< its links are those of links_
   std::uint32_t table_ = 0;
   std::vector<SharedId> indexed_;
   std::vector<Link> links_;  ///< by peer

@@ -8,18 +8,17 @@
 
 namespace tandem::consensus {
 
-bool Outbox::post(Link& link, Delivery delivery, PeerStats& stats, LinkStats& counters) {
+bool Outbox::post(Link& link, Delivery delivery) {
   if (!transport_.post(link.to, packet_, delivery)) return false;
-  stats.bytes_sent += packet_.size();
-  counters.bytes += packet_.size();
+  stats_.bytes_sent += packet_.size();
+  counters_of(link).bytes += packet_.size();
   if (link.kbit_per_s > 0.0) {
     link.room -= static_cast<double>(packet_.size()) + kPacketOverhead;
   }
   return true;
 }
 
-void Outbox::post_indices(Link& link, std::span<const OutgoingState> states, PeerStats& stats,
-                          LinkStats& counters) {
+void Outbox::post_indices(Link& link, std::span<const OutgoingState> states) {
   constexpr std::size_t kRun = 256;                        // ids of one message
   constexpr std::size_t kLongest = kIdBytes * (kRun + 1);  // bytes of it, about
   const std::size_t most = packet_limit(transport_, Delivery::Reliable);
@@ -28,7 +27,7 @@ void Outbox::post_indices(Link& link, std::span<const OutgoingState> states, Pee
   packet_.clear();
   places_.clear();
   const auto flush = [&] {
-    const bool told = packet_.empty() || post(link, Delivery::Reliable, stats, counters);
+    const bool told = packet_.empty() || post(link, Delivery::Reliable);
     for (const std::uint32_t index : places_) link.sent[index].indexed = told;
     packet_.clear();
     places_.clear();
@@ -58,20 +57,18 @@ void Outbox::post_indices(Link& link, std::span<const OutgoingState> states, Pee
   std::erase_if(due_, [&](const Due& due) { return !link.sent[states[due.at].index].indexed; });
 }
 
-std::span<const std::byte> Outbox::post_anchors(Link& link, const AnchorMessages& anchors,
-                                                PeerStats& stats, LinkStats& counters) {
+std::span<const std::byte> Outbox::post_anchors(Link& link, const AnchorMessages& anchors) {
   if (taken_.empty()) return {};
   for (std::size_t i = 0; i + 1 < taken_.size(); ++i) {
     const std::span<const std::byte> message = anchors[taken_[i]];
     packet_.assign(message.begin(), message.end());
-    post(link, Delivery::Newest, stats, counters);
+    post(link, Delivery::Newest);
   }
   return anchors[taken_.back()];
 }
 
 void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
-                         std::span<const std::byte> anchors, bool reliable, SessionTime now,
-                         PeerStats& stats, LinkStats& counters) {
+                         std::span<const std::byte> anchors, bool reliable, SessionTime now) {
   const bool compact = options_.format == StateFormat::Compact;
   places_.clear();
   compact_.clear();
@@ -103,7 +100,7 @@ void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
       encode(std::span<const StateUpdate>(full_).subspan(next, count), packet_);
     }
     if (packet_.empty() && count == 0) return;  // packets too short for any state
-    const bool gone = packet_.empty() || post(link, delivery, stats, counters);
+    const bool gone = packet_.empty() || post(link, delivery);
     packet_.clear();
     for (std::size_t k = next; k < next + count && gone; ++k) {
       const OutgoingState& state = states[places_[k]];
@@ -119,13 +116,13 @@ void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
       sent.jumped = sent.jumped > 0 ? static_cast<std::uint8_t>(sent.jumped - 1) : std::uint8_t{0};
       sent.priority = 0.0;
     }
-    counters.states += gone ? count : 0;
+    counters_of(link).states += gone ? count : 0;
     next += count;
   }
-  if (!packet_.empty()) post(link, delivery, stats, counters);  // anchors alone
+  if (!packet_.empty()) post(link, delivery);  // anchors alone
 }
 
-void Outbox::withdraw(Link& link, PeerStats& stats, LinkStats& counters) {
+void Outbox::withdraw(Link& link) {
   std::span<IndexedState> left(withdrawn_);
   while (!left.empty()) {
     packet_.clear();
@@ -136,7 +133,7 @@ void Outbox::withdraw(Link& link, PeerStats& stats, LinkStats& counters) {
       encode(std::span<const StateUpdate>(&left.front().update, 1), packet_);
     }
     if (count == 0) return;
-    if (!packet_.empty()) post(link, Delivery::Reliable, stats, counters);
+    if (!packet_.empty()) post(link, Delivery::Reliable);
     left = left.subspan(count);
   }
 }

@@ -11,17 +11,11 @@
 namespace tandem::consensus {
 namespace {
 
-// What rests: it has been slow and within these for kRestsFor.
-constexpr double kStaysWithin = 5e-4;  // m
-constexpr double kTurnsWithin = 2e-3;  // rad
-constexpr double kRestsFor = 0.25;     // s
+/// s: what has been slow and in one place for so long rests.
+constexpr double kRestsFor = 0.25;
 
 /// s: springs are told in full so often, for whom their creation has not reached; and to newcomers.
 constexpr double kSpringsEvery = 2.0;
-
-double angle_between(const pbd::Quat& a, const pbd::Quat& b) {
-  return 2.0 * (a.conjugate() * b).vec().norm();
-}
 
 }  // namespace
 
@@ -33,7 +27,7 @@ Sender::Sender(PeerData& data, Connections& connections, const Activity& activit
   if (data.options.coupling == Coupling::SingleOwner) {
     sending.rest_refresh = std::min(sending.rest_refresh, 0.5 * data.options.influence.max_age);
   }
-  outbox_ = std::make_unique<Outbox>(sending, data.transport);
+  outbox_ = std::make_unique<Outbox>(sending, data.transport, data.stats);
 }
 
 std::size_t Sender::most_bodies() const {
@@ -137,8 +131,8 @@ bool Sender::rests(SharedBody& shared, const pbd::BodyState& state) const {
   }
   const pbd::Pose& rest = shared.rest_pose;
   const bool stays = shared.rest_since != 0 &&
-                     (state.pose.position - rest.position).norm() < kStaysWithin &&
-                     angle_between(rest.orientation, state.pose.orientation) < kTurnsWithin;
+                     (state.pose.position - rest.position).norm() < kRestDistance &&
+                     small_angle(rest.orientation, state.pose.orientation) < kRestAngle;
   if (!stays) {
     shared.rest_pose = state.pose;
     shared.rest_since = data_.now;
@@ -202,7 +196,7 @@ void Sender::send_selected() {
   if (in_full) springs_told_ = now;
   if (!in_full) encode_own_anchors();
   outbox_->charge(post_springs());
-  outbox_->send(connections_.peers(), selectable_, anchors_, interest_, now, data_.stats);
+  outbox_->send(connections_.peers(), selectable_, anchors_, interest_, now);
   // Afterwards: bodies that have gone are then withdrawn.
   constexpr std::size_t kSpareIndices = 1024;
   renew_indices(2 * data_.bodies.size() + kSpareIndices);

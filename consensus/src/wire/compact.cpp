@@ -19,7 +19,7 @@ using pbd::ByteReader;
 using pbd::ByteWriter;
 using pbd::Quat;
 using pbd::Vec3;
-using Int3 = std::array<std::int32_t, 3>;
+using Int3 = Eigen::Vector3i;
 
 // Widths in bits, as docs/network.md has them.
 constexpr unsigned kIndexBits = 16;
@@ -31,7 +31,9 @@ constexpr unsigned kLinearBits = 17;
 constexpr unsigned kAngularBits = 16;
 constexpr unsigned kFloatBits = 32;
 constexpr unsigned kInfluenceBits = 16;
-constexpr unsigned kRareBits = 4;  // flags that few bodies have
+/// Flags that few bodies have, as pack() has them.
+constexpr unsigned kRareBits = 4;
+constexpr unsigned kRareFrom = 1;
 
 constexpr std::int32_t kNearGaps = 1 << kNearGapBits;
 constexpr std::int32_t kHalfCell = 1 << (kPositionBits - 1);  // in quanta
@@ -44,25 +46,25 @@ constexpr double kMaxSquares = 0.75 + 1e-4;
 
 /// What the wire makes of a state. Comparable, for records say what has changed.
 struct Lattice {
-  Int3 cell{};
-  Int3 offset{};  ///< quanta from the middle of the cell, -kHalfCell to kHalfCell - 1
+  Int3 cell = Int3::Zero();
+  Int3 offset = Int3::Zero();  ///< quanta from the middle of the cell, -kHalfCell to kHalfCell - 1
   unsigned largest = 0;
-  Int3 components{};
+  Int3 components = Int3::Zero();
   bool fast = false;  ///< velocities are floats
-  Int3 linear{};
-  Int3 angular{};
+  Int3 linear = Int3::Zero();
+  Int3 angular = Int3::Zero();
   std::uint16_t influence = 0;
 };
+
+std::int32_t whole_of(double value) { return static_cast<std::int32_t>(std::lround(value)); }
 
 /// @param cell  kept where the position lies in it
 Lattice to_lattice(const StateUpdate& update, const Int3& cell) {
   Lattice out;
   out.cell = cell;
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+  for (int k = 0; k < 3; ++k) {
     // Multiples of a power of two: exact.
-    const auto whole =
-        static_cast<std::int64_t>(std::llround(update.pose.position[i] / kPositionQuantum));
+    const std::int64_t whole = std::llround(update.pose.position[k] / kPositionQuantum);
     const auto offset_from = [whole](std::int32_t c) {
       return whole - std::int64_t{c} * (2 * kHalfCell);
     };
@@ -80,36 +82,25 @@ Lattice to_lattice(const StateUpdate& update, const Int3& cell) {
   // q and -q are the same turn. A norm that is a little off must not push components out of range.
   const double scale = std::copysign(1.0 / q.norm(), c[out.largest]) / kOrientationQuantum;
   for (unsigned i = 0, k = 0; i < 4; ++i) {
-    if (i != out.largest)
-      out.components[k++] = static_cast<std::int32_t>(std::lround(scale * c[i]));
+    if (i != out.largest) out.components[k++] = whole_of(scale * c[i]);
   }
   const double most_linear = (kMaxLinear + 0.5) * kLinearSpeedQuantum;
   const double most_angular = (kMaxAngular + 0.5) * kAngularSpeedQuantum;
   out.fast = !(update.twist.linear.cwiseAbs().maxCoeff() < most_linear &&
                update.twist.angular.cwiseAbs().maxCoeff() < most_angular);
-  for (int i = 0; i < 3 && !out.fast; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    out.linear[k] =
-        static_cast<std::int32_t>(std::lround(update.twist.linear[i] / kLinearSpeedQuantum));
-    out.angular[k] =
-        static_cast<std::int32_t>(std::lround(update.twist.angular[i] / kAngularSpeedQuantum));
+  for (int k = 0; k < 3 && !out.fast; ++k) {
+    out.linear[k] = whole_of(update.twist.linear[k] / kLinearSpeedQuantum);
+    out.angular[k] = whole_of(update.twist.angular[k] / kAngularSpeedQuantum);
   }
   out.influence = static_cast<std::uint16_t>(
       std::lround(static_cast<double>(update.influence) / kInfluenceQuantum));
   return out;
 }
 
-Vec3 position_of(const Int3& cell, const Int3& offset) {
-  Vec3 out;
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    out[i] = kCellEdge * cell[k] + kPositionQuantum * offset[k];
-  }
-  return out;
-}
+Vec3 scaled(const Int3& value, double quantum) { return quantum * value.cast<double>(); }
 
-Vec3 scaled(const Int3& value, double quantum) {
-  return quantum * Vec3(value[0], value[1], value[2]);
+Vec3 position_of(const Int3& cell, const Int3& offset) {
+  return scaled(cell, kCellEdge) + scaled(offset, kPositionQuantum);
 }
 
 /// @return whether the components can be those of a unit quaternion
@@ -120,7 +111,7 @@ bool orientation_of(unsigned largest, const Int3& components, Quat& out) {
   std::array<double, 4> c{};
   c[largest] = std::sqrt(1.0 - squares);
   for (unsigned i = 0, k = 0; i < 4; ++i) {
-    if (i != largest) c[i] = small[static_cast<int>(k++)];
+    if (i != largest) c[i] = small[k++];
   }
   out = Quat(c[0], c[1], c[2], c[3]);
   return true;
@@ -149,15 +140,10 @@ void round_with(const Lattice& lattice, StateUpdate& update) {
   update.rounded = true;
 }
 
-unsigned rare_bits(const UpdateFlags& flags) {
-  return (flags.held ? 1U : 0U) | (flags.owner_driven ? 2U : 0U) | (flags.teleported ? 4U : 0U) |
-         (flags.leads ? 8U : 0U);
-}
-
 /// What a record is relative to.
 struct Before {
   std::int32_t index = -1;  ///< of the record before
-  Int3 cell{};
+  Int3 cell = Int3::Zero();
   std::uint16_t influence = 0;  ///< the message's
 };
 
@@ -194,7 +180,7 @@ void write_record(Writer& out, const IndexedState& state, const Lattice& lattice
   const UpdateFlags& flags = state.update.flags;
   out.put(flags.resting ? 1 : 0, 1);
   out.put(flags.in_contact ? 1 : 0, 1);
-  const unsigned rare = rare_bits(flags);
+  const unsigned rare = pack(flags) >> kRareFrom & ((1U << kRareBits) - 1);
   out.put(rare != 0 ? 1 : 0, 1);
   if (rare != 0) out.put(rare, kRareBits);
   const bool other_influence = lattice.influence != before.influence;
@@ -221,7 +207,7 @@ void write_record(Writer& out, const IndexedState& state, const Lattice& lattice
 }
 
 Int3 get3(BitReader& in, unsigned bits) {
-  Int3 out{};
+  Int3 out;
   for (std::int32_t& component : out) component = static_cast<std::int32_t>(in.get_signed(bits));
   return out;
 }
@@ -242,15 +228,11 @@ CodecResult read_record(BitReader& in, Before& before, CompactState& out) {
   out.index = static_cast<std::uint16_t>(before.index);
   StateUpdate& update = out.update;
   update.rounded = true;
-  update.flags.resting = in.flag();
-  update.flags.in_contact = in.flag();
-  if (in.flag()) {
-    const std::uint64_t rare = in.get(kRareBits);
-    update.flags.held = (rare & 1) != 0;
-    update.flags.owner_driven = (rare & 2) != 0;
-    update.flags.teleported = (rare & 4) != 0;
-    update.flags.leads = (rare & 8) != 0;
-  }
+  const bool resting = in.flag();
+  const bool in_contact = in.flag();
+  if (in.flag()) update.flags = unpack(in.get(kRareBits) << kRareFrom);
+  update.flags.resting = resting;
+  update.flags.in_contact = in_contact;
   const bool other_influence = in.flag();
   update.influence = influence_of(
       other_influence ? static_cast<std::uint16_t>(in.get(kInfluenceBits)) : before.influence);
@@ -291,7 +273,7 @@ std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
   Before before;
   // Most have the same influence as the first.
   if (check_state(states[0].update).ok()) {
-    before.influence = to_lattice(states[0].update, {}).influence;
+    before.influence = to_lattice(states[0].update, before.cell).influence;
   }
   bytes.i64(states[0].update.stamp);
   bytes.u32(table);

@@ -93,10 +93,7 @@ void encode_indices(std::uint32_t table, std::uint16_t first, std::span<const Sh
   ByteWriter bytes(out);
   bytes.u32(table);
   bytes.u16(first);
-  for (const SharedId& id : ids) {
-    bytes.u64(id.high);
-    bytes.u64(id.low);
-  }
+  for (const SharedId& id : ids) write_id(bytes, id);
 }
 
 void encode(const IndicesWanted& wanted, std::vector<std::byte>& out) {
@@ -119,10 +116,7 @@ CodecResult decode_indices(ByteReader& in, std::size_t count, std::vector<IndexA
   if (first + count > 0x10000) return fault(PacketFault::BadId, "index: must be below 65536");
   for (std::size_t i = 0; i < count; ++i) {
     IndexAssignment& name = out.emplace_back();
-    name.table = table;
-    name.index = static_cast<std::uint16_t>(first + i);
-    name.id.high = in.u64();
-    name.id.low = in.u64();
+    name = {table, static_cast<std::uint16_t>(first + i), read_id(in)};
     if (!name.id.valid()) return fault(PacketFault::BadId, "id: must not be all zeros");
   }
   return {};

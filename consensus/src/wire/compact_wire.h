@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +36,30 @@ inline std::int32_t to_fixed(double component) {
   return static_cast<std::int32_t>(std::lround(component * kQuatScale));
 }
 inline double from_fixed(std::int32_t value) { return value / kQuatScale; }
+
+/// By bit. Compact states have four of them in this order as well.
+inline constexpr std::array kFlags = {&UpdateFlags::in_contact,   &UpdateFlags::held,
+                                      &UpdateFlags::owner_driven, &UpdateFlags::teleported,
+                                      &UpdateFlags::leads,        &UpdateFlags::resting};
+inline std::uint8_t pack(const UpdateFlags& flags) {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < kFlags.size(); ++i) bits |= (flags.*kFlags[i] ? 1U : 0U) << i;
+  return static_cast<std::uint8_t>(bits);
+}
+inline UpdateFlags unpack(std::uint64_t bits) {
+  UpdateFlags flags;
+  for (std::size_t i = 0; i < kFlags.size(); ++i) flags.*kFlags[i] = (bits >> i & 1) != 0;
+  return flags;
+}
+
+inline void write_id(pbd::ByteWriter& out, const SharedId& id) {
+  out.u64(id.high);
+  out.u64(id.low);
+}
+inline SharedId read_id(pbd::ByteReader& in) {
+  const std::uint64_t high = in.u64();
+  return {high, in.u64()};
+}
 
 inline CodecResult fault(PacketFault kind, const char* detail) { return {kind, detail, 0}; }
 

@@ -3,26 +3,17 @@
 #include "tandem/consensus/shared_id.h"
 
 #include <array>
+#include <charconv>
+#include <cinttypes>
 #include <cstddef>
+#include <cstdio>
 
 namespace tandem::consensus {
 namespace {
 
 constexpr std::size_t kDigits = 32;
-constexpr std::size_t kHyphens = 4;
-
-/// Whether the written form has a hyphen in front of digit `digit`.
-bool hyphen_before(std::size_t digit) {
-  return digit == 8 || digit == 12 || digit == 16 || digit == 20;
-}
-
-/// Value of a hexadecimal digit, or -1.
-int digit_value(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
+/// Where the written form has hyphens, the last one first.
+constexpr std::array<std::size_t, 4> kHyphens = {23, 18, 13, 8};
 
 /// id * (2^88 + 0x13b) modulo 2^128, from 32-bit pieces: no 128-bit type needed.
 SharedId times_fnv_prime(SharedId id) {
@@ -48,30 +39,28 @@ SharedId SharedId::from_name(std::string_view name) {
 }
 
 std::optional<SharedId> SharedId::parse(std::string_view text) {
-  const bool hyphens = text.size() == kDigits + kHyphens;
-  if (!hyphens && text.size() != kDigits) return std::nullopt;
-  SharedId id;
-  std::size_t at = 0;
-  for (std::size_t digit = 0; digit < kDigits; ++digit) {
-    if (hyphens && hyphen_before(digit) && text[at++] != '-') return std::nullopt;
-    const int value = digit_value(text[at++]);
-    if (value < 0) return std::nullopt;
-    std::uint64_t& half = digit < kDigits / 2 ? id.high : id.low;
-    half = (half << 4) | static_cast<std::uint64_t>(value);
+  std::string digits(text);
+  if (text.size() == kDigits + kHyphens.size()) {
+    // From behind, so that those in front stay where they are.
+    for (const std::size_t at : kHyphens) {
+      if (digits[at] != '-') return std::nullopt;
+      digits.erase(at, 1);
+    }
   }
+  if (digits.size() != kDigits) return std::nullopt;
+  SharedId id;
+  const char* const middle = digits.data() + kDigits / 2;
+  const char* const end = digits.data() + kDigits;
+  if (std::from_chars(digits.data(), middle, id.high, 16).ptr != middle) return std::nullopt;
+  if (std::from_chars(middle, end, id.low, 16).ptr != end) return std::nullopt;
   return id;
 }
 
 std::string SharedId::to_string() const {
-  constexpr std::array<char, 17> kHex = {"0123456789abcdef"};
-  std::string text;
-  text.reserve(kDigits + kHyphens);
-  for (std::size_t digit = 0; digit < kDigits; ++digit) {
-    if (hyphen_before(digit)) text.push_back('-');
-    const std::uint64_t half = digit < kDigits / 2 ? high : low;
-    const std::size_t shift = 60 - 4 * (digit % (kDigits / 2));
-    text.push_back(kHex[(half >> shift) & 0xf]);
-  }
+  std::array<char, kDigits + 1> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016" PRIx64 "%016" PRIx64, high, low);
+  std::string text(digits.data());
+  for (auto at = kHyphens.rbegin(); at != kHyphens.rend(); ++at) text.insert(*at, 1, '-');
   return text;
 }
 

@@ -16,23 +16,7 @@ using pbd::ByteWriter;
 using pbd::Quat;
 using pbd::Vec3;
 
-/// By bit.
-constexpr std::array kFlags = {&UpdateFlags::in_contact,   &UpdateFlags::held,
-                               &UpdateFlags::owner_driven, &UpdateFlags::teleported,
-                               &UpdateFlags::leads,        &UpdateFlags::resting};
 constexpr std::uint8_t kKnownFlags = (1U << kFlags.size()) - 1;
-
-std::uint8_t pack(const UpdateFlags& flags) {
-  unsigned bits = 0;
-  for (std::size_t i = 0; i < kFlags.size(); ++i) bits |= (flags.*kFlags[i] ? 1U : 0U) << i;
-  return static_cast<std::uint8_t>(bits);
-}
-
-UpdateFlags unpack(std::uint8_t bits) {
-  UpdateFlags flags;
-  for (std::size_t i = 0; i < kFlags.size(); ++i) flags.*kFlags[i] = (bits >> i & 1) != 0;
-  return flags;
-}
 
 // One record of each kind: how it is laid out.
 
@@ -47,18 +31,6 @@ Vec3 read_vec3_f32(ByteReader& in) {
   const double y = in.f32();
   const double z = in.f32();
   return {x, y, z};
-}
-
-void write_id(ByteWriter& out, const SharedId& id) {
-  out.u64(id.high);
-  out.u64(id.low);
-}
-
-SharedId read_id(ByteReader& in) {
-  SharedId id;
-  id.high = in.u64();
-  id.low = in.u64();
-  return id;
 }
 
 double read_fixed(ByteReader& in) { return from_fixed(static_cast<std::int32_t>(in.u32())); }

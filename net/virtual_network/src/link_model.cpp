@@ -13,6 +13,7 @@
 namespace tandem::consensus {
 
 using pbd::detail::require;
+using pbd::detail::require_in;
 
 namespace {
 
@@ -39,19 +40,14 @@ bool later(const Flight& a, const Flight& b) {
 
 void LinkOptions::validate() const {
   constexpr double kLongest = 3600.0;
-  require(latency >= 0.0 && latency <= kLongest, "LinkOptions", "latency", latency,
-          "from 0 to 3600 s");
-  require(jitter >= 0.0 && jitter <= kLongest, "LinkOptions", "jitter", jitter, "from 0 to 3600 s");
-  require(loss >= 0.0 && loss <= 0.99, "LinkOptions", "loss", loss, "from 0 to 0.99");
-  require(duplicate >= 0.0 && duplicate <= 1.0, "LinkOptions", "duplicate", duplicate,
-          "from 0 to 1");
-  require(reorder >= 0.0 && reorder <= 1.0, "LinkOptions", "reorder", reorder, "from 0 to 1");
-  require(reorder_delay >= 0.0 && reorder_delay <= kLongest, "LinkOptions", "reorder_delay",
-          reorder_delay, "from 0 to 3600 s");
-  require(bursts >= 0.0 && bursts <= 1000.0, "LinkOptions", "bursts", bursts,
-          "from 0 to 1000 per s");
-  require(burst_length >= 0.0 && burst_length <= kLongest, "LinkOptions", "burst_length",
-          burst_length, "from 0 to 3600 s");
+  require_in(0.0, kLongest, "LinkOptions", "latency", latency, "s");
+  require_in(0.0, kLongest, "LinkOptions", "jitter", jitter, "s");
+  require_in(0.0, 0.99, "LinkOptions", "loss", loss);
+  require_in(0.0, 1.0, "LinkOptions", "duplicate", duplicate);
+  require_in(0.0, 1.0, "LinkOptions", "reorder", reorder);
+  require_in(0.0, kLongest, "LinkOptions", "reorder_delay", reorder_delay, "s");
+  require_in(0.0, 1000.0, "LinkOptions", "bursts", bursts, "per s");
+  require_in(0.0, kLongest, "LinkOptions", "burst_length", burst_length, "s");
   require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "LinkOptions",
           "bandwidth", bandwidth, "0 or at least 1 bit/s");
   require(max_state_bytes >= 1 && max_state_bytes <= VirtualNetwork::kMaxPacketBytes, "LinkOptions",

@@ -61,11 +61,8 @@ struct TANDEM_API PredictorMemory {
   double frequency = 0.0;  ///< Hz, at which the acceleration changes
 };
 
-/// A remote state carried to now, as what the local body misses of it.
-struct TANDEM_API Prediction {
-  pbd::Vec3 translation = pbd::Vec3::Zero();  ///< m, target minus own position
-  pbd::Vec3 rotation = pbd::Vec3::Zero();     ///< rad, own to target orientation, world
-  pbd::Twist twist;                           ///< target minus own twist
+/// A remote state carried to now, as what the local body misses of it: target minus own.
+struct TANDEM_API Prediction : pbd::Correction {
   pbd::TargetMotion motion = pbd::TargetMotion::WithBody;
 };
 

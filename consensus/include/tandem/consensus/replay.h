@@ -34,8 +34,6 @@ struct TANDEM_API ReplayOptions {
   /// m: bodies that are no further from the mean, and by their velocities were not at the present
   /// either, are left alone. Rotations and spins count at a lever of 0.1 m.
   double tolerance = 2e-5;
-  /// Of a replayed step, 0 to 1000; 0 = as many as the world's own steps have.
-  int substeps = 0;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;

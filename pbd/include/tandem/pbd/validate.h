@@ -33,6 +33,9 @@ TANDEM_API std::string must_be(std::string_view field, std::string_view rule, do
 /// @throws std::invalid_argument "<kind>: <field> must be <rule>, is <value>" unless `ok`
 TANDEM_API void require(bool ok, std::string_view kind, std::string_view field, double value,
                         std::string_view rule);
+/// The same unless low <= value <= high: "<kind>: <field> must be from <low> to <high> <unit>, .."
+TANDEM_API void require_in(double low, double high, std::string_view kind, std::string_view field,
+                           double value, std::string_view unit = {});
 /// The same for a vector: all components finite.
 TANDEM_API void require_finite(const Vec3& value, std::string_view kind, std::string_view field);
 /// The same for an orientation: a quaternion of unit norm, within 1e-3.
