@@ -17,6 +17,10 @@ constexpr double kGyroscopicTolerance = 1e-14;
 /// rad: slower rotation has no gyroscopic effect worth a solve.
 constexpr double kSlowAngle = 1e-4;
 
+/// Eigen's v.squaredNorm(), with its bits, of a vector that has just been made: Eigen reads pairs
+/// of numbers that were written one by one, for which the processor waits.
+double squared_norm(const Vec3& v) { return v.x() * v.x() + v.y() * v.y() + v.z() * v.z(); }
+
 /// Turn q by the least rotation that brings the angular momentum back to where it was: the implicit
 /// midpoint rule keeps its size in the body's frame, so this keeps it in the world's.
 void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {

@@ -8,15 +8,9 @@
 
 namespace tandem::pbd {
 
-/// Eigen's v.squaredNorm(), with its bits, of a vector that has just been made: Eigen reads pairs
-/// of numbers that were written one by one, for which the processor waits.
-[[gnu::always_inline]] inline double squared_norm(const Vec3& v) {
-  return v.x() * v.x() + v.y() * v.y() + v.z() * v.z();
-}
-
 /// Rotation by the rotation vector r (rad, axis times angle).
 inline Quat exp_map(const Vec3& r) {
-  const double angle2 = squared_norm(r);
+  const double angle2 = r.squaredNorm();
   double real = 0.0;
   double scale = 0.0;  // sin(angle / 2) / angle
   if (angle2 < 1e-6) {
