@@ -151,6 +151,7 @@ void CollisionScene::Impl::collect_pairs(std::size_t begin, std::size_t end, dou
     if (const PairCache& cache = caches_[next.cache]; cache.valid) {
       prefetch(colliders_[next.high]);
       if (cache.patches != nullptr) prefetch(*cache.patches);
+      if (cache.triangles != nullptr) prefetch(*cache.triangles);
     }
     collect_pair(pairs[i], dt, worker, out);
   }

@@ -13,6 +13,10 @@ namespace tandem::collision {
 namespace {
 
 /// What the pair's material is.
+/// Eigen's l.dot(r), with its bits, of vectors that have just been made: Eigen reads pairs of
+/// numbers that were written one by one, for which the processor waits.
+double dot(const Vec3& l, const Vec3& r) { return l.x() * r.x() + l.y() * r.y() + l.z() * r.z(); }
+
 void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
   m.friction = combined_friction(a.def.material, b.def.material);
   m.restitution = combined_restitution(a.def.material, b.def.material);
@@ -50,14 +54,14 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
     const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
     const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
     const double margin =
-        reach.speculative + std::max(0.0, -normal.dot(reach.sweep)) + reach.turning;
+        reach.speculative + std::max(0.0, -dot(normal, reach.sweep)) + reach.turning;
     // Between the bodies' origins first: far from the world's origin no digits are lost.
     const double between =
-        normal.dot(b.body.position - a.body.position) - patch->radius_a - patch->radius_b - margin;
+        dot(normal, b.body.position - a.body.position) - patch->radius_a - patch->radius_b - margin;
     std::array<bool, ContactPatch::kMaxPoints> near{};
     bool any = false;
     for (int i = 0; i < patch->count; ++i) {
-      near[i] = between + (n_b.dot(patch->anchor_b_l[i]) - n_a.dot(patch->anchor_a_l[i])) < 0.0;
+      near[i] = between + (dot(n_b, patch->anchor_b_l[i]) - dot(n_a, patch->anchor_a_l[i])) < 0.0;
       any = any || near[i];
     }
     if (!any) continue;

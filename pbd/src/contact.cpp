@@ -327,6 +327,8 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
     }
   };
   impl_->for_rows(ctx, [&](const ContactRows& rows) {
+    const std::size_t soon = static_cast<std::size_t>(&rows - impl_->rows.data()) + Impl::kAhead;
+    if (soon < impl_->rows.size()) impl_->prefetch_results(impl_->rows[soon]);
     for (std::size_t lane = 0; lane < rows.count; ++lane) finish(rows, lane);
   });
 }

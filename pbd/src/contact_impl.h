@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "contact_convergence.h"
@@ -33,10 +34,11 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   std::vector<Contact> contacts;         ///< by ascending key
   std::vector<std::uint32_t> old_place;  ///< where each was in the last step, or kNone
   std::vector<std::uint32_t> sequence;   ///< contacts by Manifold::order; empty where it is by key
-  std::vector<std::uint32_t> changed;    ///< bodies that lost a load, until the next step
-  std::vector<ContactRows> rows;         ///< by place in the order
-  std::vector<std::uint8_t> pushed;      ///< by body: has v_push or w_push in this substep
-  std::vector<double> worst;             ///< m, by worker
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> ranks;  ///< scratch of put_in_sequence()
+  std::vector<std::uint32_t> changed;  ///< bodies that lost a load, until the next step
+  std::vector<ContactRows> rows;       ///< by place in the order
+  std::vector<std::uint8_t> pushed;    ///< by body: has v_push or w_push in this substep
+  std::vector<double> worst;           ///< m, by worker
   ContactSupport support;
   ContactStatics statics;
   ContactOrder order;
@@ -66,10 +68,12 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     };
     sequence.clear();
     if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) sequence.push_back(i);
-    std::sort(sequence.begin(), sequence.end(), [&](std::uint32_t l, std::uint32_t r) {
-      return before(contacts[l], contacts[r]) || (!before(contacts[r], contacts[l]) && l < r);
-    });
+    ranks.clear();  // beside each other: contacts lie all over the memory
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+      ranks.emplace_back(contacts[i].manifold.order, i);
+    }
+    std::sort(ranks.begin(), ranks.end());
+    for (const auto& [rank, contact] : ranks) sequence.push_back(contact);
   }
 
   /// What lies all over the memory is on its way when its turn comes.
@@ -98,6 +102,14 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
       if (i == ContactOrder::kNone) break;
       prefetch_all(bodies[contacts[i].manifold.body_a]);
       prefetch_all(bodies[contacts[i].manifold.body_b]);
+    }
+  }
+  /// What a block that is solved will write into its contacts.
+  void prefetch_results(const ContactRows& block) const {
+    for (std::size_t lane = 0; lane < block.count; ++lane) {
+      const auto* results = reinterpret_cast<const char*>(&contacts[block.contact[lane]].force);
+      __builtin_prefetch(results, 1);
+      __builtin_prefetch(results + 64, 1);
     }
   }
   template <class T>

@@ -102,7 +102,13 @@ inline void negate(double* a, int count) {
 /// out = a b, a: n x k, b: k x m.
 inline void multiply(const double* a, const double* b, int n, int k, int m, double* out) {
   if (n == 3 && k == 3 && m == 3) {
-    Map3{out}.noalias() = ConstMap3(a).lazyProduct(ConstMap3(b));
+    // In the order of Eigen's product. `b` has just been written, number by number.
+    for (int i = 0; i < 3; ++i) {
+      const double x = a[3 * i], y = a[3 * i + 1], z = a[3 * i + 2];
+      out[3 * i] = (x * b[0] + y * b[3]) + z * b[6];
+      out[3 * i + 1] = (x * b[1] + y * b[4]) + z * b[7];
+      out[3 * i + 2] = x * b[2] + (y * b[5] + z * b[8]);
+    }
     return;
   }
   for (int i = 0; i < n; ++i) {

@@ -46,8 +46,10 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
     const JointPlace place = JointPlace::of(record.def, a, b);
-    node.r_a = place.r_a;
-    node.r_b = place.r_b;
+    for (int i = 0; i < 3; ++i) {
+      node.r_a[i] = place.r_a[i];
+      node.r_b[i] = place.r_b[i];
+    }
     node.pull_a = node.pull_b = 0.0;
     add_pull(plan, node, h2 * record.state.force);
     if (channel == Channel::Real && !a.shared && !b.shared) {

@@ -107,8 +107,10 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
       const Vec3 kr = (k / r.squaredNorm()) * r;
       Slot& slot = slots_[s];
       for (int i = 0; i < 3; ++i) {
-        slot.stiffness(i, i) += k;
-        slot.stiffness.col(i) -= r[i] * kr;
+        for (int j = 0; j < 3; ++j) {
+          const double before = slot.stiffness(j, i);
+          slot.stiffness(j, i) = (i == j ? before + k : before) - r[i] * kr[j];
+        }
       }
       // About the link itself nothing is stiff.
       slot.dtheta += kStiffDamping * (k * turn - r.dot(turn) * kr);

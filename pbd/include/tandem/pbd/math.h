@@ -10,7 +10,9 @@ namespace tandem::pbd {
 
 /// Rotation by the rotation vector r (rad, axis times angle).
 inline Quat exp_map(const Vec3& r) {
-  const double angle2 = r.squaredNorm();
+  // As r.squaredNorm(), which reads pairs of numbers: where r has just been written one by one, the
+  // processor waits for them.
+  const double angle2 = r.x() * r.x() + r.y() * r.y() + r.z() * r.z();
   double real = 0.0;
   double scale = 0.0;  // sin(angle / 2) / angle
   if (angle2 < 1e-6) {
