@@ -100,6 +100,14 @@ for component in pbd collision scene obj consensus virtual_network net session c
     fail "$component does not build by pkg-config"
   "$scratch/plain" >/dev/null || fail "the consumer of $component by pkg-config fails"
 done
+# The first program of the README, as it stands there.
+awk '/^```cpp$/ {inside = 1; next} /^```$/ && inside {exit} inside' "$root/README.md" \
+  >"$scratch/readme.cpp"
+flags=$(PKG_CONFIG_PATH=$(echo "$scratch"/moved/lib*/pkgconfig) pkg-config --cflags --libs tandem-scene)
+# shellcheck disable=SC2086
+c++ -std=c++20 "$scratch/readme.cpp" -o "$scratch/readme" $flags ||
+  fail "the program of the README does not build"
+[[ $("$scratch/readme") == "the cube lies at 0.050 m" ]] || fail "the program of the README fails"
 mv "$scratch/moved" "$prefix"
 
 # The ladder of examples, and the tutorial as it stands: each says what it claims, and ends with 0

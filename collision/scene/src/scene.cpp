@@ -86,9 +86,10 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
     try {
       collision::ColliderDef surface = surface_of(def);
       surface.body = id;
-      surface.local.position = -solid.com;
+      const bool apart = !solid.com.isZero(0.0);
+      if (apart) surface.local.position = -solid.com;  // -0 would not be the same bits
       attach(surface);
-      if (!solid.com.isZero(0.0)) {
+      if (apart) {
         if (centres.size() <= id.index) centres.resize(id.index + 1);
         centres[id.index] = {id.generation, solid.com};
       }
