@@ -57,7 +57,7 @@ set(CPACK_COMPONENT_DEMOS_DESCRIPTION
     "Demonstrations, and a peer for long sessions.")
 # The demos' libraries are in no package yet when their dependencies are looked for.
 set(folders)
-foreach(module IN ITEMS pbd collision obj consensus virtual_network net ice c)
+foreach(module IN ITEMS pbd collision scene obj consensus virtual_network net session ice c)
   if(TARGET tandem_${module})
     get_target_property(folder tandem_${module} BINARY_DIR)
     list(APPEND folders "${folder}")

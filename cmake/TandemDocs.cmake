@@ -11,7 +11,8 @@ endif()
 
 # All modules, whether this build has them or not.
 set(docs_include)
-foreach(module IN ITEMS pbd collision collision/obj consensus net/virtual_network net bindings/c)
+foreach(module IN ITEMS pbd collision collision/scene collision/obj consensus net/virtual_network net
+                        net/session bindings/c)
   string(APPEND docs_include " \"${PROJECT_SOURCE_DIR}/${module}/include\"")
 endforeach()
 configure_file("${PROJECT_SOURCE_DIR}/docs/Doxyfile.in" "${PROJECT_BINARY_DIR}/docs/Doxyfile" @ONLY)

@@ -22,7 +22,8 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/exports.map.in" "${PROJECT_BINARY_DIR}
 # tandem_module(<name> SOURCES ... [PUBLIC_LINK ...] [PRIVATE_LINK ...] [ABSENT_HEADERS ...])
 #
 # A library of the product: target tandem_<name>, alias tandem::<name>, public headers in
-# include/tandem/<namespace>/, where the namespace has its name unless it adds to another's. It is
+# include/tandem/<namespace>/, where the namespace has its name unless it adds to another's; what puts
+# modules together is in namespace tandem and in include/tandem/. It is
 # installed with an export set of its own, so that a consumer of one module needs the dependencies of
 # that module only. ABSENT_HEADERS, by their file names, belong to something that this build leaves
 # out: they are not installed.
@@ -95,6 +96,7 @@ endfunction()
 # checked as well.
 function(_tandem_header_check name)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}/include"
+       "${CMAKE_CURRENT_SOURCE_DIR}/include/tandem/*.h"
        "${CMAKE_CURRENT_SOURCE_DIR}/include/tandem/*/*.h")
   set(sources)
   foreach(header IN LISTS headers)

@@ -24,7 +24,7 @@ pbd::SixDofJointDef definition(const pbd::World& world, const SceneJoint& joint,
   if (joint.kind == JointKind::Slider) {
     return pbd::slider_joint_at(world, a, b, anchor_w, joint.axis_w);
   }
-  pbd::BallJointDef ball{{.a = a, .b = b}};
+  pbd::BallJointDef ball{.a = a, .b = b};
   ball.frame_a.anchor = joint.anchor_a_l;
   ball.frame_b.anchor = joint.anchor_b_l;
   ball.compliance = joint.compliance;

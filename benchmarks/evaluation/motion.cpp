@@ -145,7 +145,7 @@ void pendulum(Site& site, bool /*first*/) {
   const Vec3 along(std::sin(angle), 0.0, -std::cos(angle));
   site.share(along, spin * Vec3(std::cos(angle), 0.0, std::sin(angle)));
   auto& joints = site.world().add_block<pbd::JointBlock>();
-  joints.add(site.world(), pbd::BallJointDef{{.b = site.ball(), .frame_b = {.anchor = -along}}});
+  joints.add(site.world(), pbd::BallJointDef{.b = site.ball(), .frame_b = {.anchor = -along}});
 }
 
 /// The first peer's hand holds the ball, swings it and lets go. Both peers have the hand where it

@@ -108,13 +108,13 @@ const Refusal kRefusals[] = {
      [](World& w) {
        const auto body = w.bodies.add_body({});
        auto& balls = w.bodies.add_block<pbd::JointBlock>();
-       balls.add(w.bodies, pbd::BallJointDef{{.b = body, .frame_b = {Vec3(kNan, 0.0, 0.0)}}});
+       balls.add(w.bodies, pbd::BallJointDef{.b = body, .frame_b = {Vec3(kNan, 0.0, 0.0)}});
      }},
     {"joint of negative compliance", "compliance", "-1",
      [](World& w) {
        const auto body = w.bodies.add_body({});
        auto& balls = w.bodies.add_block<pbd::JointBlock>();
-       balls.add(w.bodies, pbd::BallJointDef{{.b = body, .compliance = -1.0}});
+       balls.add(w.bodies, pbd::BallJointDef{.b = body, .compliance = -1.0});
      }},
     {"solver without substeps", "substeps", "0",
      [](World&) { (void)pbd::Solver({.substeps = 0}); }},

@@ -86,6 +86,11 @@ void CollisionScene::Impl::set_filter(ColliderId id, const Filter& filter) {
   broad_.look_again(id.index);
 }
 
+void CollisionScene::Impl::set_user_data(ColliderId id, std::uint64_t value) {
+  checked(id, "set_user_data");
+  colliders_[id.index].def.user_data = value;
+}
+
 void CollisionScene::Impl::remove_body(pbd::BodyId body) {
   for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
     if (colliders_[i].alive && colliders_[i].def.body == body) {
@@ -252,6 +257,9 @@ void CollisionScene::set_material(ColliderId id, const Material& material) {
 }
 void CollisionScene::set_filter(ColliderId id, const Filter& filter) {
   impl_->set_filter(id, filter);
+}
+void CollisionScene::set_user_data(ColliderId id, std::uint64_t value) {
+  impl_->set_user_data(id, value);
 }
 bool CollisionScene::contains(ColliderId id) const { return impl_->contains(id); }
 const ColliderDef& CollisionScene::collider(ColliderId id) const {

@@ -34,6 +34,7 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl {
   void remove(ColliderId id);
   void set_material(ColliderId id, const Material& material);
   void set_filter(ColliderId id, const Filter& filter);
+  void set_user_data(ColliderId id, std::uint64_t value);
   bool contains(ColliderId id) const {
     return id.index < colliders_.size() && colliders_[id.index].alive &&
            colliders_[id.index].generation == id.generation;

@@ -7,9 +7,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "tandem/collision/contact_events.h"
-#include "tandem/collision/contact_source.h"
-#include "tandem/pbd/solver.h"
+#include "tandem/scene.h"
 
 using namespace tandem;
 
@@ -33,28 +31,20 @@ int main() {
   constexpr double kRadius = 0.1;       // m
   constexpr double kRestitution = 0.5;  // of the pair: the larger one of both
 
-  pbd::World world;
-  collision::CollisionScene scene;
-  world.set_contact_source(&scene);
-  const pbd::BodyId ground = world.add_body({.type = pbd::BodyType::Static});
-  scene.add(world, {.body = ground, .shape = collision::HalfSpace{}});
-  const collision::Sphere shape{kRadius};
-  const collision::MassProperties solid = collision::mass_properties(shape, 500.0);
-  const pbd::BodyId ball =
-      world.add_body({.pose = {.position = pbd::Vec3(0.0, 0.0, kHeight + kRadius)},
-                      .mass = solid.mass,
-                      .inertia = solid.inertia_l});
-  scene.add(world, {.body = ball, .shape = shape, .material = {.restitution = kRestitution}});
+  Scene scene({.events = {.hit_speed = 0.5}});
+  scene.add(HalfSpace{}, {.type = BodyType::Static});
+  const BodyId ball =
+      scene.add(Sphere{kRadius}, {.density = 500.0,
+                                  .pose = {.position = {0.0, 0.0, kHeight + kRadius}},
+                                  .material = {.restitution = kRestitution}});
 
   Listener listener;
-  collision::ContactEvents events({.hit_speed = 0.5});
-  pbd::Solver solver;
-  while (world.time() < 4.0) {
-    if (solver.step(world, 1.0 / 240.0).status != pbd::StepStatus::Ok) return 1;
-    events.update(world, scene);
+  while (scene.world().time() < 4.0) {
+    if (scene.step(1.0 / 240.0).status != pbd::StepStatus::Ok) return 1;
+    const collision::ContactEvents& events = scene.events();
     for (const collision::ContactPair& pair : events.begun()) listener.on_begin(pair);
     for (const collision::ContactPair& pair : events.ended()) listener.on_end(pair);
-    for (const collision::ContactHit& hit : events.hits()) listener.on_hit(hit, world.time());
+    for (const auto& hit : events.hits()) listener.on_hit(hit, scene.world().time());
   }
 
   // sqrt(2 g h) at first, then half of the one before; in the end it lies there.
@@ -66,6 +56,6 @@ int main() {
     expected *= kRestitution;
   }
   std::printf("%d times begun, %d times ended, at rest at %.4f m\n", listener.begun, listener.ended,
-              world.pose(ball).position.z());
-  return holds && std::abs(world.pose(ball).position.z() - kRadius) < 1e-3 ? 0 : 1;
+              scene.pose(ball).position.z());
+  return holds && std::abs(scene.pose(ball).position.z() - kRadius) < 1e-3 ? 0 : 1;
 }

@@ -5,16 +5,13 @@
 //   05_two_processes listen 7777
 //   05_two_processes connect localhost:7777
 // The second one begins with its cube half a metre off; each ends once both copies are one.
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <string>
 
-#include "tandem/consensus/peer.h"
-#include "tandem/net/clock.h"
 #include "tandem/net/session.h"
 #include "tandem/net/tcp.h"
-#include "tandem/pbd/solver.h"
+#include "tandem/session.h"
 
 using namespace tandem;
 
@@ -54,33 +51,20 @@ int run(bool listens, const std::string& where) {
   if (listens) std::printf("port %d\n", static_cast<int>(transport.local_port()));
   std::fflush(stdout);
 
+  // No shapes: a world and a solver are all that is stepped.
   pbd::World world({.gravity = pbd::Vec3::Zero()});
   pbd::Solver solver;
-  consensus::Peer peer(world, transport);
   const pbd::BodyId body = world.add_body(
       {.pose = {.position = pbd::Vec3(listens ? 0.0 : 0.5, 0.0, 0.0)}, .linear_damping = 1.0});
-  peer.share({.id = consensus::SharedId::from_name("cube"), .body = body});
+  Session session({world, solver}, transport);
+  session.share("cube", body);
   Watch watch(world, body);
-  peer.set_observer(&watch);
+  session.peer().set_observer(&watch);
 
-  const net::StopSignal stop;  // Ctrl-C leaves in order
-  net::SessionClock clock;
-  const consensus::SessionTime start = clock.now();
-  net::PhysicsClock physics({}, start);
-  while (!watch.over(physics.physics_time())) {
-    if (stop.wait(std::chrono::nanoseconds(physics.next_due() - clock.now()))) break;
-    if (net::seconds(clock.now() - start) > 30.0) break;
-    const net::ClockTick tick = physics.advance(clock.now());
-    consensus::SessionTime time = physics.physics_time();
-    for (const consensus::SessionTime step : tick.steps) time -= step;
-    for (const consensus::SessionTime step : tick.steps) {
-      peer.before_step(time);
-      solver.step(world, net::seconds(step));
-      time += step;
-      peer.after_step(time);
-    }
-  }
-  peer.leave(physics.physics_time());
+  const SessionTime start = session.now();
+  session.run([&](SessionTime now) {  // Ctrl-C leaves in order
+    if (watch.over(now) || net::seconds(now - start) > 30.0) session.stop();
+  });
   std::printf("heard %d times, together for %.1f s, at x = %.3f m\n", watch.heard, watch.together(),
               world.pose(body).position.x());
   return watch.together() >= 2.0 ? 0 : 1;

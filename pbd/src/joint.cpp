@@ -108,6 +108,30 @@ const SixDofJointDef& JointBlock::def(JointId id) const {
 const JointState& JointBlock::at(JointId id) const {
   return impl_->records[impl_->checked(id)].state;
 }
+
+namespace {
+
+/// The one coordinate of six that a joint leaves free.
+void require_only_free(const SixDofJointDef& def, std::size_t coordinate, JointId id,
+                       const char* field, const char* rule) {
+  for (std::size_t i = 0; i < 6; ++i) {
+    const JointAxis& axis = i < 3 ? def.linear[i] : def.angular[i - 3];
+    const bool locked = axis.freedom == Freedom::Locked;
+    if (locked == (i == coordinate))
+      detail::refuse(field, rule, "joint " + std::to_string(id.index));
+  }
+}
+
+}  // namespace
+
+double JointBlock::hinge_angle(JointId id) const {
+  require_only_free(def(id), 3, id, "JointBlock::hinge_angle: id", "a hinge");
+  return at(id).position[3];
+}
+double JointBlock::slider_position(JointId id) const {
+  require_only_free(def(id), 0, id, "JointBlock::slider_position: id", "a slider");
+  return at(id).position[0];
+}
 int JointBlock::size() const { return impl_->count; }
 bool JointBlock::empty() const { return impl_->count == 0; }
 

@@ -60,8 +60,9 @@ JointAxis locked(double compliance, double damping) {
   return {.freedom = Freedom::Locked, .compliance = compliance, .damping = damping};
 }
 
-/// A held point, from the fields that all short forms share.
-SixDofJointDef base(const JointMount& def) {
+/// A held point, from the fields that all short forms have.
+template <class ShortForm>
+SixDofJointDef base(const ShortForm& def) {
   SixDofJointDef six;
   six.a = def.a;
   six.b = def.b;

@@ -29,6 +29,7 @@ const StepReport& Solver::Impl::step(World& world, double dt) {
 
 const StepReport& Solver::Impl::refuse() {
   report_ = {};
+  report_.status = StepStatus::InvalidStep;
   return report_;
 }
 

@@ -84,7 +84,9 @@ BodyId World::add_body(const BodyDef& def) {
   states_[index].pose = def.pose;
   states_[index].pose.orientation.normalize();
   states_[index].twist = def.type == BodyType::Static ? Twist{} : def.twist;
-  return {index, slots_.generation(index)};
+  const BodyId id{index, slots_.generation(index)};
+  if (def.user_data != 0) set_user_data(id, def.user_data);
+  return id;
 }
 
 void World::remove_body(BodyId id) {
@@ -197,6 +199,18 @@ void World::set_locks(BodyId id, const AxisLocks& locks) {
   props_[index].locks = locks;
 }
 
+std::uint64_t World::user_data(BodyId id) const {
+  const std::uint32_t index = checked_index(id, "user_data");
+  const bool known = index < user_data_.size() && user_data_[index].generation == id.generation;
+  return known ? user_data_[index].value : 0;
+}
+
+void World::set_user_data(BodyId id, std::uint64_t value) {
+  const std::uint32_t index = checked_index(id, "set_user_data");
+  if (index >= user_data_.size()) user_data_.resize(states_.size());
+  user_data_[index] = {id.generation, value};
+}
+
 void World::add_wrench(std::uint32_t index, const Wrench& wrench, const char* what) {
   Wrench sum = wrenches_.empty() ? Wrench{} : wrenches_[index];
   sum.force += wrench.force;
@@ -226,6 +240,12 @@ void World::apply_torque(BodyId id, const Vec3& torque) {
   const std::uint32_t index = checked_dynamic(id, "apply_torque");
   detail::require_finite(torque, "World::apply_torque", "torque");
   add_wrench(index, {Vec3::Zero(), torque}, "World::apply_torque");
+}
+
+void World::apply_impulse(BodyId id, const Vec3& impulse) {
+  const std::uint32_t index = checked_dynamic(id, "apply_impulse");
+  detail::require_finite(impulse, "World::apply_impulse", "impulse");
+  add_impulse(index, {impulse, Vec3::Zero()}, "World::apply_impulse");
 }
 
 void World::apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w) {

@@ -84,6 +84,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.wrenches_ = from.wrenches_;
   to.displaced_ = from.displaced_;
   to.kinematic_targets_ = from.kinematic_targets_;
+  to.user_data_ = from.user_data_;
 }
 
 bool WorldCopy::fill(const World& source) {

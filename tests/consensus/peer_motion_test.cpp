@@ -113,7 +113,7 @@ Build pendulum(double aside) {
     def.pose.orientation = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
     site.share(def);
     auto& joints = site.world.add_block<pbd::JointBlock>();
-    joints.add(site.world, pbd::BallJointDef{{.b = site.body, .frame_b = {Vec3(0.0, 0.0, 1.0)}}});
+    joints.add(site.world, pbd::BallJointDef{.b = site.body, .frame_b = {Vec3(0.0, 0.0, 1.0)}});
   };
 }
 double period(const Track& track, double dt) {

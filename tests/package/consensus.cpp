@@ -14,7 +14,7 @@ int main() {
   pbd::World world;
   const pbd::BodyId ball = world.add_body({.pose = {.position = pbd::Vec3(0, 0, -1)}});
   auto& joints = world.add_block<pbd::JointBlock>();
-  joints.add(world, pbd::BallJointDef{{.b = ball, .frame_b = {pbd::Vec3(0, 0, 1)}}});
+  joints.add(world, pbd::BallJointDef{.b = ball, .frame_b = {pbd::Vec3(0, 0, 1)}});
   pbd::Solver solver;
   if (solver.step(world, 1.0 / 60.0).status != pbd::StepStatus::Ok) return 1;
 

@@ -22,15 +22,16 @@ PATH = re.compile(r"^tandem::(\w+)((?:::(?:~?\w+(?:\[abi:\w+\])?|operator[^(]*))
 
 
 def headers(include):
-    """By module: all names in its headers, and the classes that they do not define."""
+    """By module, "tandem" for what puts them together: all names in its headers, and the classes that
+    they do not define."""
     names, mentioned = {}, {}
-    for header in sorted((include / "tandem").glob("*/*.h")):
+    for header in sorted((include / "tandem").glob("**/*.h")):
         text = re.sub(r"//[^\n]*", "", header.read_text())
         names.setdefault(header.parent.name, set()).update(re.findall(r"\w+", text))
         mentioned.setdefault(header.parent.name, set()).update(
             re.findall(r"^\s*(?:class|struct) (\w+);", text, re.M))
     for module, absent in mentioned.items():
-        for header in (include / "tandem" / module).glob("*.h"):
+        for header in (include / module if module == "tandem" else include / "tandem" / module).glob("*.h"):
             absent -= set(re.findall(r"(?:class|struct)(?: TANDEM_API)? (\w+)(?: final)?(?: :|;? \{)",
                                      header.read_text()))
     return names, mentioned
@@ -40,13 +41,15 @@ def complaint(symbol, names, mentioned):
     if re.fullmatch(r"tandem_\w+", symbol):
         return None if symbol in names.get("c", ()) else "no C function of a header"
     path = PATH.match(ABOUT.sub("", symbol, count=1))
-    if path is None or path.group(1) not in names:
+    if path is None:
         return "not in a namespace of a module"
-    module = path.group(1)
-    parts = [part.lstrip("~") for part in path.group(2).split("::") if part]
+    module, inside = path.groups()
+    if module not in names:  # a class of namespace tandem itself
+        module, inside = "tandem", module + inside
+    parts = [part.lstrip("~") for part in inside.split("::") if part]
     parts = [re.sub(r"\[abi:\w+\]|operator.*", "", part) for part in parts]
     for part in filter(None, parts):
-        if part not in names[module]:
+        if part not in names.get(module, ()):
             return f"no header of {module} has {part}"
         if part in mentioned[module]:
             return f"{part} is an inside of {module}"

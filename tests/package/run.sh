@@ -18,6 +18,9 @@ fcl='(^|[^A-Za-z_])(fcl::|octomap::|ccd[A-Z]|_ccd)'
 asio='(^|[^A-Za-z_])asio::'
 obj='(^|[^A-Za-z_])tinyobj::|NEEDED libtinyobj'
 
+joints='(^|[^A-Za-z_])tandem::Scene::joints'
+whole='(^|[^A-Za-z_])tandem::(Scene|Session)::'
+
 # symbols COMPONENT: everything its executable defines or wants, and the libraries it loads.
 symbols() {
   nm -C "$scratch/$1/consumer"
@@ -52,8 +55,16 @@ without virtual_network Asio "$asio"
 consumer collision "$prefix" tinyobjloader Asio
 without collision Asio "$asio"
 without collision tinyobjloader "$obj"
+without collision Scene "$whole"
 with collision FCL "$fcl"
 with collision FCL "NEEDED libfcl"
+
+consumer scene "$prefix" tinyobjloader Asio
+without scene Asio "$asio"
+without scene tinyobjloader "$obj"
+with scene FCL "$fcl"
+with scene Scene "$whole"
+without scene joints "$joints"
 
 consumer obj "$prefix" Asio
 without obj Asio "$asio"
@@ -61,14 +72,20 @@ with obj tinyobjloader "$obj"
 
 consumer net "$prefix" fcl ccd octomap tinyobjloader Asio
 without net FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
+without net Session "$whole"
 with net Asio "$asio"
+
+consumer session "$prefix" fcl ccd octomap tinyobjloader Asio
+without session FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
+with session Asio "$asio"
+with session Session "$whole"
 
 consumer c "$prefix" tinyobjloader Asio
 without c Asio "$asio"
 
 # The same without CMake, and from a tree that was moved.
 mv "$prefix" "$scratch/moved"
-for component in pbd collision obj consensus virtual_network net c; do
+for component in pbd collision scene obj consensus virtual_network net session c; do
   source=$here/$component.cpp
   language=(c++ -std=c++20 -Wno-missing-field-initializers)
   if [[ $component == c ]]; then
@@ -83,6 +100,14 @@ for component in pbd collision obj consensus virtual_network net c; do
     fail "$component does not build by pkg-config"
   "$scratch/plain" >/dev/null || fail "the consumer of $component by pkg-config fails"
 done
+# The first program of the README, as it stands there.
+awk '/^```cpp$/ {inside = 1; next} /^```$/ && inside {exit} inside' "$root/README.md" \
+  >"$scratch/readme.cpp"
+flags=$(PKG_CONFIG_PATH=$(echo "$scratch"/moved/lib*/pkgconfig) pkg-config --cflags --libs tandem-scene)
+# shellcheck disable=SC2086
+c++ -std=c++20 "$scratch/readme.cpp" -o "$scratch/readme" $flags ||
+  fail "the program of the README does not build"
+[[ $("$scratch/readme") == "the cube lies at 0.050 m" ]] || fail "the program of the README fails"
 mv "$scratch/moved" "$prefix"
 
 # The ladder of examples, and the tutorial as it stands: each says what it claims, and ends with 0

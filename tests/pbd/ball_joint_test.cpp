@@ -127,7 +127,7 @@ TEST_CASE("ball_joint: an infinitely soft one leaves the motion alone", "[pbd][u
   const BodyDef def = box_def(1.0, kHalf, Vec3(0.3, 0.0, 0.0));
   const BodyId body = with.add_body(def);
   without.add_body(def);
-  joints.add(with, BallJointDef{{.b = body, .frame_b = {Vec3(0.1, 0.0, 0.0)}, .compliance = 1e15}});
+  joints.add(with, BallJointDef{.b = body, .frame_b = {Vec3(0.1, 0.0, 0.0)}, .compliance = 1e15});
   Solver solver({.substeps = 10, .sleep_after = 0.0});
   run(with, solver, 1.0);
   run(without, solver, 1.0);
@@ -220,7 +220,7 @@ TEST_CASE("ball_joint: parts that start apart come together without gaining ener
   const BodyId a = world.add_body(box_def(1.0, kHalf, Vec3::Zero()));
   const BodyId b = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
   const ConstraintId id =
-      joints.add(world, BallJointDef{{.a = a, .b = b}});  // centre on centre, 1 m apart
+      joints.add(world, BallJointDef{.a = a, .b = b});  // centre on centre, 1 m apart
   Solver solver({.substeps = 10, .sleep_after = 0.0});
   const StepReport& report = solver.step(world, kFrame);
   CHECK(report.status == StepStatus::Ok);

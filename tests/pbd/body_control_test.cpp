@@ -49,8 +49,12 @@ TEST_CASE("bodies: a force acts for one step, off the centre with its moment", "
   solver.step(world, kFrame);  // nothing acts any more
   CHECK((world.twist(body).linear - Vec3(0.0, 3.0 * kFrame, 0.0)).norm() < 1e-12);
   CHECK(world.twist(body).angular.z() == Approx(3.0 / inertia * kFrame).epsilon(1e-9));
+  const double spin = world.twist(body).angular.z();
   world.apply_impulse(body, Vec3(0.0, -6.0 * kFrame, 0.0), world.pose(body).position);
   CHECK(world.twist(body).linear.norm() < 1e-12);
+  world.apply_impulse(body, Vec3(0.0, 0.0, 1.0));  // at the centre of mass, wherever that is
+  CHECK(world.twist(body).linear.z() == 0.5);
+  CHECK(world.twist(body).angular.z() == spin);
 }
 
 TEST_CASE("bodies: damping is exponential, whatever the step", "[pbd][analytic]") {

@@ -249,12 +249,12 @@ TEST_CASE("joint chain: constraints that contradict each other stay bounded and 
   World world;
   auto& joints = world.add_block<JointBlock>();
   const BodyId box = world.add_body(box_def(1.0, Vec3(0.5, 0.1, 0.1), Vec3::Zero()));
-  joints.add(world,
-             BallJointDef{
-                 {.b = box, .frame_a = {Vec3(-1.0, 0.0, 0.0)}, .frame_b = {Vec3(-0.5, 0.0, 0.0)}}});
   joints.add(
       world,
-      BallJointDef{{.b = box, .frame_a = {Vec3(1.0, 0.0, 0.0)}, .frame_b = {Vec3(0.5, 0.0, 0.0)}}});
+      BallJointDef{.b = box, .frame_a = {Vec3(-1.0, 0.0, 0.0)}, .frame_b = {Vec3(-0.5, 0.0, 0.0)}});
+  joints.add(
+      world,
+      BallJointDef{.b = box, .frame_a = {Vec3(1.0, 0.0, 0.0)}, .frame_b = {Vec3(0.5, 0.0, 0.0)}});
   Solver solver({.substeps = 10, .sleep_after = 0.0});
   bool finite = true;
   run(world, solver, 3.0, [&] { finite = finite && world.pose(box).position.allFinite(); });

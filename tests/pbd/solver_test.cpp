@@ -88,7 +88,7 @@ TEST_CASE("solver: a step that is not a positive number leaves the world as it i
   for (const double dt : {0.0, -0.01, kNan, kInf, -kInf}) {
     const StepReport& report = solver.step(world, dt);
     CHECK(report.substeps == 0);
-    CHECK(report.status == StepStatus::Ok);
+    CHECK(report.status == StepStatus::InvalidStep);
     CHECK(world.snapshot() == before);
   }
 }

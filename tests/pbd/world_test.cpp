@@ -57,6 +57,28 @@ TEST_CASE("world: static and kinematic bodies have no inverse mass, static ones 
   CHECK(world.twist(moved).linear.x() == 1.0);
 }
 
+TEST_CASE("world: user data goes with its body, and with no other one", "[pbd][unit]") {
+  World world;
+  const BodyId plain = world.add_body({});
+  const BodyId named = world.add_body({.user_data = 7});
+  CHECK(world.user_data(plain) == 0);
+  CHECK(world.user_data(named) == 7);
+  const auto before = world.snapshot();
+  const auto hash = world.hash();
+  world.set_user_data(plain, 3);
+  CHECK(world.snapshot() == before);
+  CHECK(world.hash() == hash);
+  world.restore(before);
+  CHECK(world.user_data(plain) == 3);  // the same body before and after
+  CHECK(world.user_data(named) == 7);
+  world.remove_body(named);
+  const BodyId next = world.add_body({});
+  CHECK(next.index == named.index);
+  CHECK(world.user_data(next) == 0);
+  CHECK_FALSE(refusal([&] { world.user_data(named); }).empty());
+  CHECK_FALSE(refusal([&] { world.set_user_data(named, 1); }).empty());
+}
+
 TEST_CASE("world: a removed body's id stays dead when its slot is used again", "[pbd][unit]") {
   World world;
   const BodyId first = world.add_body({.mass = 1.0});

@@ -55,7 +55,7 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
     const pbd::StepReport& done = w.solver.step(w.world, dt);
     if (w.events) w.events->update(w.world, w.scene);
     if (report != nullptr) {
-      *report = {.finite = done.status == pbd::StepStatus::Ok ? 1 : 0,
+      *report = {.finite = done.status != pbd::StepStatus::NonFinite ? 1 : 0,
                  .bodies = done.bodies,
                  .awake = done.awake,
                  .targets = done.targets};

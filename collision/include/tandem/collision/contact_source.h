@@ -39,6 +39,7 @@ struct TANDEM_API ColliderDef {
   Filter filter;
   /// Makes no contacts: ContactEvents reports what passes through it.
   bool sensor = false;
+  std::uint64_t user_data = 0;  ///< the application's own number: nothing here reads it
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
@@ -98,6 +99,7 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   /// @throws std::invalid_argument where the id names no collider or a value is not what it must be
   void set_material(ColliderId id, const Material& material);
   void set_filter(ColliderId id, const Filter& filter);
+  void set_user_data(ColliderId id, std::uint64_t value);
   bool contains(ColliderId id) const;
   /// @throws std::invalid_argument where the id names no collider
   const ColliderDef& collider(ColliderId id) const;

@@ -21,8 +21,11 @@ struct TANDEM_API Sphere {
   double radius = 0.5;  ///< m, > 0
 };
 
-/// Box about the origin, edges along the axes.
+/// Box about the origin, edges along the axes: Box{0.5, 0.5, 1.0}, halves of the edges.
 struct TANDEM_API Box {
+  Box() = default;
+  explicit Box(const pbd::Vec3& half) : half_extents(half) {}
+  Box(double half_x, double half_y, double half_z) : half_extents(half_x, half_y, half_z) {}
   pbd::Vec3 half_extents = pbd::Vec3::Constant(0.5);  ///< m, each > 0
 };
 

@@ -22,9 +22,13 @@ namespace tandem::net {
 
 using consensus::PeerId;
 
+class TcpTransport;
+
 /// What one process brings to a session over TCP. Queue sizes count each frame with 64 bytes more
 /// than its payload, so that many tiny frames are bounded as well.
 struct TANDEM_API TcpOptions {
+  using Transport = TcpTransport;  ///< what they are options of
+
   PeerId self = 0;               ///< unique in the session, never 0
   std::uint64_t scene_hash = 0;  ///< peers with another one are refused
   /// Port to accept peers on; 0 takes a free one (local_port()); none: this peer only dials.

@@ -25,8 +25,12 @@ namespace tandem::net {
 using UdpKey = Key;
 using UdpTrusted = TrustedPeer;
 
+class UdpTransport;
+
 /// What one process brings to a session over UDP.
 struct TANDEM_API UdpOptions {
+  using Transport = UdpTransport;  ///< what they are options of
+
   consensus::PeerId self = 0;       ///< unique in the session, never 0
   std::uint64_t scene_hash = 0;     ///< peers with another one are refused
   std::uint16_t port = 0;           ///< one socket for all; 0 takes a free one (local_port())

@@ -58,6 +58,7 @@ struct TANDEM_API BodyDef {
   /// A name for the body, the same in every world that holds it; unique in its world. See
   /// BodyOrder.
   std::optional<std::uint64_t> stable_id = {};
+  std::uint64_t user_data = 0;  ///< see World::user_data()
 };
 
 /// What a body is between two steps.

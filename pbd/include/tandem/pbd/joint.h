@@ -55,6 +55,10 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   void set_enabled(JointId id, bool enabled);
   const SixDofJointDef& def(JointId id) const;
   const JointState& at(JointId id) const;
+  /// rad, of a hinge, after the last step; counts turns. @throws for other joints, too
+  double hinge_angle(JointId id) const;
+  /// m, of a slider, after the last step. @throws for other joints, too
+  double slider_position(JointId id) const;
   int size() const;
 
   std::string_view name() const override { return "joint"; }

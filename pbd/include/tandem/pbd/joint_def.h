@@ -72,8 +72,11 @@ struct TANDEM_API SixDofJointDef {
   bool enabled = true;
 };
 
-/// What the short forms share. The compliances and dampings are those of what they lock or stop.
-struct TANDEM_API JointMount {
+// Short forms. What they begin with is the same in all of them; compliances and dampings are those
+// of what a joint locks or stops.
+
+/// Holds b in a: no freedom.
+struct TANDEM_API FixedJointDef {
   BodyId a, b;  ///< as above
   JointFrame frame_a, frame_b;
   double compliance = 0.0;          ///< m/N
@@ -82,15 +85,19 @@ struct TANDEM_API JointMount {
   double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
-};
-
-/// Holds b in a: no freedom.
-struct TANDEM_API FixedJointDef : JointMount {
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor): a short form of it
 };
 
 /// Holds a point of b at a point of a.
-struct TANDEM_API BallJointDef : JointMount {
+struct TANDEM_API BallJointDef {
+  BodyId a, b;  ///< as above
+  JointFrame frame_a, frame_b;
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
   double cone = kUnlimited;         ///< rad, largest swing of the x axis
   bool limit_twist = false;         ///< by the next two
   double lower_twist = 0.0;         ///< rad
@@ -99,14 +106,30 @@ struct TANDEM_API BallJointDef : JointMount {
 };
 
 /// Lets b turn about the x axis of a. Limits, spring and motor are those of `axis`.
-struct TANDEM_API HingeJointDef : JointMount {
+struct TANDEM_API HingeJointDef {
+  BodyId a, b;  ///< as above
+  JointFrame frame_a, frame_b;
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
   JointAxis axis;                   ///< rad, N m
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b move along the x axis of a, without turning. Limits, spring and motor are those of
 /// `axis`.
-struct TANDEM_API SliderJointDef : JointMount {
+struct TANDEM_API SliderJointDef {
+  BodyId a, b;  ///< as above
+  JointFrame frame_a, frame_b;
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
   JointAxis axis;                   ///< m, N
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };

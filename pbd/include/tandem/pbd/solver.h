@@ -60,7 +60,8 @@ class TANDEM_API Solver {
   const SolverOptions& options() const;
 
   /// Advance the world by dt. Never throws; allocates only where the world has grown.
-  /// @param dt  s, finite and > 0; anything else leaves the world as it is and reports no substep
+  /// @param dt  s, finite and > 0; anything else leaves the world as it is and is
+  ///   StepStatus::InvalidStep
   const StepReport& step(World& world, double dt) noexcept;
 
   /// What the last step ran and what it left out; see describe(const StepReport&).

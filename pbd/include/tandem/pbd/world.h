@@ -73,6 +73,10 @@ class TANDEM_API World {
   void set_damping(BodyId id, double linear, double angular);  ///< 1/s, >= 0
   void set_gravity_scale(BodyId id, double scale);
   void set_locks(BodyId id, const AxisLocks& locks);
+  /// The application's own number, an index or an address: nothing here reads it. No snapshot has
+  /// it; restore() leaves that of each body that is the same one before and after.
+  std::uint64_t user_data(BodyId id) const;
+  void set_user_data(BodyId id, std::uint64_t value);
 
   /// Add to what acts on a dynamic body during the next step.
   /// @param force  N, world
@@ -80,7 +84,8 @@ class TANDEM_API World {
   /// @param point_w  m, world, where it acts
   void apply_force(BodyId id, const Vec3& force, const Vec3& point_w);
   void apply_torque(BodyId id, const Vec3& torque);  ///< N m, world
-  /// Change a dynamic body's velocity at once. @param impulse  N s, world
+  /// Change a dynamic body's velocity at once. @param impulse  N s, world, at the centre of mass
+  void apply_impulse(BodyId id, const Vec3& impulse);
   void apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w);
   void apply_angular_impulse(BodyId id, const Vec3& impulse);  ///< N m s, world
   /// By slot: the sum of what apply_force() and apply_torque() collected for the next step. Empty
@@ -187,6 +192,11 @@ class TANDEM_API World {
   std::vector<Wrench> wrenches_;  ///< by slot, for the next step; empty where none acts
   std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
   std::vector<std::uint8_t> displaced_;             ///< by slot, before the next step; empty = none
+  struct UserData {
+    std::uint32_t generation = 0;  ///< of the body that it belongs to
+    std::uint64_t value = 0;
+  };
+  std::vector<UserData> user_data_;  ///< by slot; those behind its end are 0
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   ContactBlock* contacts_ = nullptr;  ///< one of blocks_
   ContactSource* contact_source_ = nullptr;

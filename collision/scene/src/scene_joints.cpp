@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// By itself: a program whose scenes have no joints links nothing of them.
+#include "tandem/scene.h"
+
+namespace tandem {
+
+pbd::JointBlock& Scene::joints() {
+  // Looked for, not kept: it can be removed from the world, or be there before.
+  for (const auto& block : world().blocks()) {
+    if (auto* const joints = dynamic_cast<pbd::JointBlock*>(block.get())) return *joints;
+  }
+  return world().add_block<pbd::JointBlock>();
+}
+
+}  // namespace tandem

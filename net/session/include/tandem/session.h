@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "tandem/consensus/peer.h"
+#include "tandem/net/clock.h"
+#include "tandem/pbd/export.h"
+#include "tandem/pbd/solver.h"
+
+namespace tandem {
+
+using consensus::GrabId;
+using consensus::PeerId;
+using consensus::SessionTime;
+using consensus::SharedId;
+
+/// What a session steps: a Scene (or whatever else has its world() and step()), or a world and its
+/// solver. They outlive the session and stay where they are.
+struct TANDEM_API Simulation {
+  template <class Scene>
+  requires requires(Scene& scene) {
+    { scene.world() } -> std::same_as<pbd::World&>;
+    { scene.step(0.0) } -> std::same_as<const pbd::StepReport&>;
+  }
+  Simulation(Scene& scene)  // NOLINT(google-explicit-constructor): a view of it
+      : world(scene.world()),
+        step([&scene](double dt) -> const pbd::StepReport& { return scene.step(dt); }) {}
+  Simulation(pbd::World& stepped, pbd::Solver& solver)
+      : world(stepped),
+        step([&](double dt) -> const pbd::StepReport& { return solver.step(stepped, dt); }) {}
+
+  pbd::World& world;
+  std::function<const pbd::StepReport&(double)> step;
+};
+
+struct TANDEM_API SessionOptions {
+  net::PhysicsClockOptions pace;  ///< 60 steps a second; PhysicsClockOptions::at_rate() for others
+  consensus::PeerOptions peer;
+  /// Session time now, ns. Empty: the transport's, where it has one as net::UdpTransport does, else
+  /// that of a net::SessionClock.
+  std::function<SessionTime()> clock;
+};
+
+/// What Session::advance() did.
+struct TANDEM_API Progress {
+  int steps = 0;
+  /// Of the first step that was not Ok. InvalidStep: session time is below a step, and none was
+  /// made.
+  pbd::StepStatus status = pbd::StepStatus::Ok;
+  std::int64_t skipped = 0;  ///< ns, as net::ClockTick has it
+  std::int64_t lag = 0;      ///< ns that the world is behind, from 0 to a step in normal running
+  std::int64_t held = 0;     ///< ns, as net::ClockTick has it: > 0 while nothing moves
+  /// Something else than this session has stepped or restored the world since the last call: the
+  /// other peers know nothing of it.
+  bool stepped_elsewhere = false;
+};
+
+/// One participant of a session, with all that it runs on:
+///
+///     Session session(scene, net::TcpOptions{.self = 1, .listen_port = 7777, .session_key = key});
+///     session.share("cube", cube);
+///     session.run();  // or, within a loop of your own:  session.advance(session.now());
+///
+/// It makes steps of fixed length behind the session's clock. Its destructor tells the others that
+/// it goes.
+/// @par Thread safety  As consensus::Peer; stop() from any thread.
+class TANDEM_API Session {
+ public:
+  /// Called before each step with session time, ns: to move hands, push, and read the events of the
+  /// step before.
+  using BeforeStep = std::function<void(SessionTime now)>;
+
+  /// Over a transport of its own: net::TcpOptions, net::UdpOptions, or options of yours that name
+  /// their `Transport`.
+  /// @throws as that transport; std::invalid_argument where `session` is not valid or the world has
+  ///   another peer
+  template <class Options>
+  requires requires { typename Options::Transport; }
+  Session(const Simulation& simulation, const Options& transport,
+          const SessionOptions& session = {})
+      : Session(simulation, wire_of(transport), session) {}
+  /// Over one that outlives it: a virtual network's, or yours. @throws likewise
+  template <std::derived_from<consensus::Transport> Transport>
+  Session(const Simulation& simulation, Transport& transport, const SessionOptions& session = {})
+      : Session(simulation, Wire{nullptr, &transport, clock_of(transport), false}, session) {}
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Share a body with all peers that share one by the same name.
+  /// @param owner  whose hand moves it, where it is nobody's but theirs
+  /// @return what consensus::Peer knows it by
+  /// @throws std::invalid_argument naming the name, and what is wrong: name or body is shared
+  ///   already, or the body is none that can move
+  SharedId share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner = {});
+
+  /// Session time, ns.
+  SessionTime now();
+  /// Make the steps that are due at `now`, and only those: it waits for nothing. The first call
+  /// begins. Throws nothing but what `before_step` and transports of yours do.
+  Progress advance(SessionTime now, const BeforeStep& before_step = {});
+  /// Go on at the clock's pace until stop(), SIGINT or SIGTERM (net::StopSignal, one at a time).
+  /// @throws std::invalid_argument where nothing is shared and nothing is called that could share
+  void run(const BeforeStep& before_step = {});
+  /// Ends run(); from within `before_step`, before that step.
+  void stop();
+
+  // The parts.
+  consensus::Peer& peer();
+  consensus::Transport& transport();
+
+ private:
+  class Impl;
+  using ClockSource = std::function<SessionTime()>;
+  struct Wire {
+    std::unique_ptr<consensus::Transport> own;  ///< null where it is another's
+    consensus::Transport* transport = nullptr;
+    ClockSource clock;       ///< empty where the transport has none
+    bool no_clocks = false;  ///< peers' clocks have nothing to do with each other
+  };
+
+  template <class Transport>
+  static ClockSource clock_of(const Transport& transport) {
+    if constexpr (requires { transport.session_now(); }) {
+      return [&transport] { return transport.session_now(); };
+    }
+    return {};
+  }
+  template <class Options>
+  static Wire wire_of(const Options& options) {
+    auto own = std::make_unique<typename Options::Transport>(options);
+    Wire wire{nullptr, own.get(), clock_of(*own), false};
+    if constexpr (requires { options.clock; }) wire.no_clocks = options.clock == net::Clock::None;
+    wire.own = std::move(own);
+    return wire;
+  }
+  Session(const Simulation& simulation, Wire wire, const SessionOptions& session);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/session.h"
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "tandem/net/session.h"
+#include "tandem/pbd/validate.h"
+
+namespace tandem {
+namespace {
+
+consensus::PeerOptions peer_options(const consensus::PeerOptions& given, bool no_clocks) {
+  consensus::PeerOptions options = given;
+  // Stamps of clocks that nobody set say nothing.
+  if (no_clocks) options.timestamps = consensus::TimestampSource::Arrival;
+  return options;
+}
+
+/// True for as long as it lives.
+class Running {
+ public:
+  explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Running() { flag_ = false; }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+pbd::World& without_peer(pbd::World& world) {
+  if (world.target_source() != nullptr) {
+    pbd::detail::refuse("Session: world", "one that no other peer or target source has", "taken");
+  }
+  return world;
+}
+
+}  // namespace
+
+class __attribute__((visibility("hidden"))) Session::Impl {
+ public:
+  Impl(const Simulation& stepped, Wire through, const SessionOptions& options)
+      : simulation(stepped),
+        wire(std::move(through)),
+        clock(options.clock ? options.clock : std::exchange(wire.clock, {})),
+        pace(options.pace),
+        peer(without_peer(stepped.world), *wire.transport,
+             peer_options(options.peer, wire.no_clocks)) {
+    pace.validate();
+    if (!clock) clock = [own = net::SessionClock()]() mutable { return own.now(); };
+  }
+  ~Impl() {
+    if (!physics) return;
+    try {
+      peer.leave(physics->physics_time());
+    } catch (...) {  // a transport of the application's: it goes all the same
+    }
+  }
+
+  Simulation simulation;
+  Wire wire;
+  ClockSource clock;
+  net::PhysicsClockOptions pace;
+  consensus::Peer peer;  ///< gone before its transport
+  std::optional<net::PhysicsClock> physics;
+  double world_time = 0.0;  ///< s, after the last step
+  std::size_t shared = 0;
+  bool running = false;  ///< in run()
+  std::atomic<bool> stopped = false;
+};
+
+Session::Session(const Simulation& simulation, Wire wire, const SessionOptions& session)
+    : impl_(std::make_unique<Impl>(simulation, std::move(wire), session)) {}
+Session::~Session() = default;
+
+SharedId Session::share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner) {
+  const SharedId id = SharedId::from_name(name);
+  try {
+    impl_->peer.share({.id = id, .body = body, .owner = owner});
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("Session::share: \"" + std::string(name) + "\": " + error.what());
+  }
+  ++impl_->shared;
+  return id;
+}
+
+SessionTime Session::now() { return impl_->clock(); }
+
+Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
+  Impl& own = *impl_;
+  Progress done;
+  if (now < own.pace.nominal_step) {
+    done.status = pbd::StepStatus::InvalidStep;
+    return done;
+  }
+  const pbd::World& world = own.simulation.world;
+  done.stepped_elsewhere = own.physics && world.time() != own.world_time;
+  if (!own.physics) own.physics.emplace(own.pace, now);
+  const net::ClockTick tick = own.physics->advance(now);
+  done.skipped = tick.skipped;
+  done.lag = tick.lag;
+  done.held = tick.held;
+  SessionTime time = own.physics->physics_time();
+  for (const std::int64_t step : tick.steps) time -= step;
+  for (const std::int64_t step : tick.steps) {
+    if (before_step) before_step(time);
+    if (own.running && own.stopped) break;
+    own.peer.before_step(time);
+    const pbd::StepStatus status = own.simulation.step(net::seconds(step)).status;
+    if (done.status == pbd::StepStatus::Ok) done.status = status;
+    time += step;
+    own.peer.after_step(time);
+    ++done.steps;
+  }
+  own.world_time = world.time();
+  return done;
+}
+
+void Session::run(const BeforeStep& before_step) {
+  if (impl_->shared == 0 && !before_step) {
+    pbd::detail::refuse("Session::run: number of shared bodies",
+                        "at least 1 where before_step shares none", "0");
+  }
+  const net::StopSignal signal;
+  impl_->stopped = false;
+  const Running while_here(impl_->running);
+  advance(now(), before_step);
+  while (!impl_->stopped) {
+    if (!impl_->physics) {
+      pbd::detail::refuse("Session::run: session time", "a step of pace, in ns, or more",
+                          static_cast<double>(now()));
+    }
+    const std::chrono::nanoseconds until_due(impl_->physics->next_due() - now());
+    if (signal.wait(until_due)) break;
+    advance(now(), before_step);
+  }
+}
+
+void Session::stop() { impl_->stopped = true; }
+
+consensus::Peer& Session::peer() { return impl_->peer; }
+consensus::Transport& Session::transport() { return *impl_->wire.transport; }
+
+}  // namespace tandem
