@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What a batch of worlds of ten bodies costs beside the loop in C++: batch_cost.py REFERENCE [WORLDS].
+"""What a batch of worlds of ten bodies costs beside the loop in C++: batch_cost.py REFERENCE [KIND] [ROUNDS]."""
 
-CPU time, in turn, median of the ratios. Run it on a machine that does nothing else, with the package in
-PYTHONPATH. Not a test: it measures.
-"""
+# CPU time, in turn, median of the ratios, with the package in PYTHONPATH. Not a test: it measures. KIND is
+# boxes (they pile up) or balls (they fall: the cheapest step there is).
 
 import statistics
 import subprocess
@@ -14,7 +13,9 @@ import time
 import tandem
 from scenes import ten_bodies
 
-PROGRAM, WORLDS = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 1000
+PROGRAM, WORLDS = sys.argv[1], 1000
+KINDS = sys.argv[2:3] or ["boxes", "balls"]
+ROUNDS = int(sys.argv[3]) if len(sys.argv) > 3 else 15
 
 
 def cpu_of(action) -> float:
@@ -23,7 +24,7 @@ def cpu_of(action) -> float:
     return time.process_time() - begin
 
 
-def compare(kind: str, threads: int, steps: int, rounds: int = 15) -> None:
+def compare(kind: str, threads: int, steps: int, rounds: int = ROUNDS) -> None:
     batch = tandem.Batch([ten_bodies(i, kind) for i in range(WORLDS)], threads=threads)
     loop = subprocess.Popen(
         [PROGRAM, "loop", kind, str(WORLDS)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -53,7 +54,7 @@ def compare(kind: str, threads: int, steps: int, rounds: int = 15) -> None:
     )
 
 
-for kind in ("boxes", "balls"):
+for kind in KINDS:
     for threads in (1, 2):
         for steps in (1, 10):
             compare(kind, threads, steps)

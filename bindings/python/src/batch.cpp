@@ -33,13 +33,14 @@ class Batch {
   }
 
   py::array_t<double> state() {
-    exchange();
+    take_writes();
+    for (std::size_t i = 0; i < scenes_.size(); ++i) publish(i);
     return array_;
   }
 
   std::vector<std::size_t> step(double dt, int steps) {
     require_steps(dt, steps);
-    exchange();
+    take_writes();
     std::deque<Access> access;
     std::deque<Core::Busy> busy;
     for (const CorePtr& core : scenes_) {
@@ -95,11 +96,16 @@ class Batch {
     std::copy(states.begin(), states.end(), known(i).begin());
   }
 
-  /// Take over what was written to the array, and show what scenes did by themselves.
-  void exchange() {
-    for (const CorePtr& core : scenes_) require_rows(*core, rows_);
+  /// Take over what was written to the array. It shows that when it is published.
+  /// @throws as Core::scene(), too
+  void take_writes() {
+    for (const CorePtr& core : scenes_) {
+      core->scene();
+      require_rows(*core, rows_);
+    }
     for (std::size_t i = 0; i < scenes_.size(); ++i) {
       try {
+        if (same_bits(known(i), shown(i))) continue;
         Access scene(*scenes_[i]);
         set_rows(scene->world(), known(i), shown(i));
       } catch (const std::invalid_argument& error) {
@@ -108,7 +114,6 @@ class Batch {
                   shown_ + i * rows_);
         throw std::invalid_argument("world " + std::to_string(i) + ": " + error.what());
       }
-      publish(i);
     }
   }
 

@@ -12,11 +12,6 @@
 namespace tandem::python {
 namespace {
 
-template <class T>
-bool same_bits(const T& l, const T& r) {
-  return std::memcmp(&l, &r, sizeof(T)) == 0;
-}
-
 void check_row(const pbd::World& world, std::uint32_t slot, const pbd::BodyState& row) {
   const std::string name = "state[" + std::to_string(slot) + "]";
   pbd::detail::require_finite(row.pose.position, name, "position");
@@ -31,12 +26,18 @@ void check_row(const pbd::World& world, std::uint32_t slot, const pbd::BodyState
 
 }  // namespace
 
+bool same_bits(std::span<const pbd::BodyState> l, std::span<const pbd::BodyState> r) {
+  return std::memcmp(l.data(), r.data(), l.size_bytes()) == 0;
+}
+
 void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
               std::span<const pbd::BodyState> wanted) {
-  if (std::memcmp(known.data(), wanted.data(), known.size_bytes()) == 0) return;
+  if (same_bits(known, wanted)) return;
   const auto each_changed = [&](auto&& visit) {
     for (std::uint32_t slot = 0; slot < known.size(); ++slot) {
-      if (!same_bits(known[slot], wanted[slot]) && world.body_at(slot).valid()) visit(slot);
+      if (!same_bits(known.subspan(slot, 1), wanted.subspan(slot, 1)) &&
+          world.body_at(slot).valid())
+        visit(slot);
     }
   };
   each_changed([&](std::uint32_t slot) { check_row(world, slot, wanted[slot]); });
@@ -44,8 +45,9 @@ void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
     // A copy: `wanted` may be the world's own storage.
     const pbd::BodyState row = wanted[slot];
     const BodyId id = world.body_at(slot);
-    const bool moved = !same_bits(known[slot].pose, row.pose);
-    if (!same_bits(known[slot].twist, row.twist)) world.set_twist(id, row.twist);
+    const bool moved = std::memcmp(&known[slot].pose, &row.pose, sizeof row.pose) != 0;
+    const bool pushed = std::memcmp(&known[slot].twist, &row.twist, sizeof row.twist) != 0;
+    if (pushed) world.set_twist(id, row.twist);
     if (moved) world.set_pose(id, row.pose);
   });
 }

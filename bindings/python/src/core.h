@@ -19,6 +19,9 @@ inline constexpr py::ssize_t kStateSize = 13;
 static_assert(sizeof(pbd::BodyState) == kStateSize * sizeof(double));
 static_assert(offsetof(pbd::BodyState, twist) == 7 * sizeof(double));
 
+/// Of equally many rows.
+bool same_bits(std::span<const pbd::BodyState> l, std::span<const pbd::BodyState> r);
+
 /// Rows of `wanted` that differ from those of `known` become the states of their bodies, as
 /// World::set_pose() and set_twist() would set them.
 /// @throws std::invalid_argument naming row, value and rule; nothing is then set
