@@ -27,6 +27,7 @@ with_view() {
 
 for argument in "$@"; do
   case "$argument" in
+    --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
     --with-view) with_view ;;
     --with-checks)
       packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git iproute2)
@@ -34,7 +35,6 @@ for argument in "$@"; do
       command -v chromium >/dev/null || packages+=(chromium)
       ;;
     --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib) ;;
-    --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
     --with-ice) packages+=(libnice-dev coturn nftables iproute2) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2
