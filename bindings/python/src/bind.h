@@ -4,12 +4,10 @@
 // The parts of the module. Shapes come first: the others have them in their signatures.
 #pragma once
 
-#include <pybind11/pybind11.h>
+#include "core.h"
 
 namespace tandem::python {
 
-namespace py = pybind11;
-class Core;
 using SceneClass = py::class_<Core, std::shared_ptr<Core>>;
 
 void bind_shapes(py::module_& m);

@@ -5,6 +5,8 @@
 #include <pybind11/operators.h>
 #include <pybind11/stl.h>
 
+#include <string>
+
 #include "bind.h"
 #include "tandem/pbd/validate.h"
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <pybind11/stl.h>
 
+#include <tuple>
 #include <utility>
 
 #include "bind.h"

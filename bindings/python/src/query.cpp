@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "bind.h"
 #include "body.h"
 #include "shape.h"

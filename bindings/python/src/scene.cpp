@@ -275,7 +275,8 @@ ValueError: dt must be finite and > 0, is -1
 0.0
 )");
   c.def("restore", &restore, py::arg("snapshot"),
-        "Be as at save(): steps from there have the same bits. Bodies added since are gone.");
+        "Be as at save(): steps from there have the same bits. Bodies added since are gone; forget "
+        "their objects, as later bodies may be taken for them.");
   c.def(
       "hash", [](Core& core) { return Access(core)->world().hash(); },
       "64 bits over all poses and twists: equal bits, equal hash, as World::hash() in C++.");
