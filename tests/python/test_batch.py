@@ -78,7 +78,7 @@ def test_steps_let_other_threads_run(stepper):
     try:
         thread.start()
         start.release()
-        for _ in range(200):
+        for _ in range(20000):
             if done:
                 break
             world.step(1 / 60, 20)
