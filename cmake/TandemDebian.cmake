@@ -5,6 +5,7 @@
 #   libtandem0.1    the shared libraries
 #   libtandem-dev   headers, CMake and pkg-config files, the libraries' links
 #   tandem-demos    tandem-peer, tandem-key, tandem-replay, tandem-demo and what it runs
+#   python3-tandem  the Python package, with TANDEM_BUILD_PYTHON
 find_program(TANDEM_DPKG_DEB dpkg-deb)
 mark_as_advanced(TANDEM_DPKG_DEB)
 if(NOT TANDEM_DPKG_DEB OR NOT BUILD_SHARED_LIBS)
@@ -30,6 +31,9 @@ set(CPACK_COMPONENTS_ALL runtime dev)
 if(TARGET cubes)
   list(APPEND CPACK_COMPONENTS_ALL demos)
 endif()
+if(TARGET tandem_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
@@ -49,12 +53,16 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libeigen3-dev")
 set(CPACK_DEBIAN_DEMOS_PACKAGE_NAME tandem-demos)
 set(CPACK_DEBIAN_DEMOS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tandem)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
     "The shared libraries.")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
     "Headers, CMake and pkg-config files, and the libraries' links.")
 set(CPACK_COMPONENT_DEMOS_DESCRIPTION
     "Demonstrations, and a peer for long sessions.")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+    "Scenes, states as numpy arrays and batches for Python.")
 # The demos' libraries are in no package yet when their dependencies are looked for.
 set(folders)
 foreach(module IN ITEMS pbd collision scene obj consensus virtual_network net session ice c)
@@ -65,6 +73,8 @@ foreach(module IN ITEMS pbd collision scene obj consensus virtual_network net se
 endforeach()
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${folders}")
 set(CPACK_DEBIAN_DEMOS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "${runtime} (= ${PROJECT_VERSION}), ${tandem_python_needs}")
 
 # What Debian wants to find in each package.
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)

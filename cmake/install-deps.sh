@@ -4,10 +4,11 @@
 #
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
-#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
+#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice] [--with-python]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
-# what TANDEM_WITH_ICE and its tests need; all is built without it, too, and shows or does less.
+# what TANDEM_WITH_ICE and its tests need, with --with-python what TANDEM_BUILD_PYTHON and its tests
+# need; all is built without it, too, and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
 
@@ -26,6 +27,7 @@ with_view() {
 
 for argument in "$@"; do
   case "$argument" in
+    --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
     --with-view) with_view ;;
     --with-checks)
       packages+=(clang clang-format clang-tidy libclang-rt-14-dev doxygen python3 git iproute2)

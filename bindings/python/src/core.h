@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// A scene, and the arrays that are its storage.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tandem/scene.h"
+#include "values.h"
+
+namespace tandem::python {
+
+/// Numbers in the state of a body: position, orientation (x, y, z, w), velocity, angular velocity.
+inline constexpr py::ssize_t kStateSize = 13;
+static_assert(sizeof(pbd::BodyState) == kStateSize * sizeof(double));
+static_assert(offsetof(pbd::BodyState, twist) == 7 * sizeof(double));
+
+/// Of equally many rows.
+bool same_bits(std::span<const pbd::BodyState> l, std::span<const pbd::BodyState> r);
+
+/// Rows of `wanted` that differ from those of `known` become the states of their bodies, as
+/// World::set_pose() and set_twist() would set them.
+/// @throws std::invalid_argument naming row, value and rule; nothing is then set
+void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
+              std::span<const pbd::BodyState> wanted);
+
+/// What all objects of one scene hold. Arrays of its states are its storage, so that the scene
+/// sees late what was written to them: each Access first takes over the rows that have changed.
+/// All of it under the GIL but what Busy covers.
+class Core : public std::enable_shared_from_this<Core> {
+ public:
+  explicit Core(const SceneOptions& options) : scene_(options) { scene_.joints(); }
+
+  /// For what neither needs states that arrays have changed nor changes any.
+  /// @throws std::runtime_error while another thread steps
+  tandem::Scene& scene();
+  /// One row for each slot. The array keeps the storage alive.
+  py::array state();
+  /// @throws py::buffer_error where an array would have to move
+  void require_room(std::size_t slots) const;
+
+  /// All rows, by slot; whatever was written, and from any thread.
+  std::span<const pbd::BodyState> states() const { return scene_.world().states(); }
+  std::size_t slots() const { return states().size(); }
+
+  /// While steps run without the GIL.
+  class Busy {
+   public:
+    explicit Busy(Core& core) : core_(core) { core.busy_ = true; }
+    ~Busy() { core_.busy_ = false; }
+    Busy(const Busy&) = delete;
+    Busy& operator=(const Busy&) = delete;
+
+   private:
+    Core& core_;
+  };
+
+ private:
+  friend class Access;
+  std::span<pbd::BodyState> storage();
+  void take_writes();
+  void remember();
+
+  tandem::Scene scene_;
+  bool busy_ = false;
+  int arrays_ = 0;                     ///< that are alive
+  bool watched_ = false;               ///< an array may have been written to
+  std::vector<pbd::BodyState> known_;  ///< storage as it was last seen, where watched
+};
+
+/// The scene, for what needs or changes states. What was written to its arrays is taken over, and
+/// it is known what arrays show afterwards.
+class Access {
+ public:
+  /// @throws std::invalid_argument where something was written that may not be; all rows are then
+  ///   as they were. As Core::scene(), too.
+  explicit Access(Core& core) : core_(core) {
+    core.scene();
+    core.take_writes();
+  }
+  ~Access() { core_.remember(); }
+  Access(const Access&) = delete;
+  Access& operator=(const Access&) = delete;
+
+  tandem::Scene* operator->() { return &core_.scene_; }
+  tandem::Scene& operator*() { return core_.scene_; }
+
+ private:
+  Core& core_;
+};
+
+using CorePtr = std::shared_ptr<Core>;
+
+}  // namespace tandem::python

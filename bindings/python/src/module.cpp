@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "bind.h"
+
+PYBIND11_MODULE(_tandem, m) {
+  using namespace tandem::python;
+  bind_shapes(m);
+  bind_bodies(m);
+  auto scene = bind_scene(m);
+  bind_joints(m, scene);
+  bind_queries(m, scene);
+  bind_contacts(m, scene);
+  bind_batch(m);
+}

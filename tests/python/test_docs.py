@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""What is written about the package is true: docstrings, docs/python.md, stubs and examples."""
+
+import ast
+import doctest
+import inspect
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+import tandem
+
+ROOT = pathlib.Path(__file__).parents[2]
+EXAMPLES = sorted((ROOT / "bindings/python/examples").glob("*.py"))
+
+
+def docstrings():
+    for name in tandem.__all__:
+        kind = getattr(tandem, name)
+        yield name, kind.__doc__
+        for member, value in vars(kind).items():
+            if not member.startswith("__") and value.__doc__:
+                yield f"{name}.{member}", value.__doc__
+
+
+def test_every_example_in_a_docstring_runs():
+    runner = doctest.DocTestRunner()
+    examples = 0
+    for name, text in docstrings():
+        test = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
+        examples += len(test.examples)
+        failed = []
+        runner.run(test, out=failed.append)
+        assert runner.failures == 0, "".join(failed)
+    assert examples == sum(text.count(">>> ") for _, text in docstrings()) > 50
+
+
+def test_every_name_has_a_docstring():
+    undocumented = [name for name in tandem.__all__ if not inspect.getdoc(getattr(tandem, name))]
+    assert undocumented == []
+
+
+@pytest.mark.parametrize("name", ["README.md", "docs/python.md"])
+def test_programs_on_pages_run(name):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / name).read_text(), re.DOTALL)
+    assert len(blocks) == 1
+    exec(compile(blocks[0], name, "exec"), {"__name__": "page"})
+
+
+def test_the_page_names_all_there_is():
+    page = (ROOT / "docs/python.md").read_text()
+    absent = [name for name in tandem.__all__ if not re.search(rf"\b{name}\b", page)]
+    for kind in (tandem.Scene, tandem.Body, tandem.Joint, tandem.Batch):
+        absent += [n for n in vars(kind) if n[0] != "_" and not re.search(rf"\b{n}\b", page)]
+    assert absent == []
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_end_well(path):
+    done = subprocess.run([sys.executable, path], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def mypy(*arguments):
+    env = {**os.environ, "MYPYPATH": os.environ["PYTHONPATH"]}
+    command = [sys.executable, "-m", "mypy", "--strict", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, env=env)
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_the_stubs_fit_the_examples(tmp_path):
+    cache = f"--cache-dir={tmp_path}"
+    code, said = mypy(cache, *EXAMPLES)
+    assert code == 0, said
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import tandem\ntandem.Scene().add(3)\ntandem.Scene().step('1')\n")
+    code, said = mypy(cache, wrong)
+    assert code == 1 and said.count("error:") == 2, said
+
+
+def test_the_stubs_name_what_the_module_has():
+    """Not by mypy.stubtest: signatures of compiled functions cannot be looked at."""
+    stub = ast.parse((pathlib.Path(tandem.__file__).parent / "_tandem.pyi").read_text())
+    declared = {
+        node.name: {member.name for member in node.body if isinstance(member, ast.FunctionDef)}
+        for node in stub.body
+        if isinstance(node, ast.ClassDef)
+    }
+    assert declared.keys() == set(tandem.__all__)
+    for name, members in declared.items():
+        present = {member for member in vars(getattr(tandem, name)) if not member.startswith("_")}
+        assert {member for member in members if not member.startswith("_")} == present, name
+
+
+def test_the_stubs_name_the_keywords_there_are():
+    """scene.cpp takes them by name; what it does not know is a TypeError."""
+    stub = ast.parse((pathlib.Path(tandem.__file__).parent / "_tandem.pyi").read_text())
+    scene = next(n for n in stub.body if isinstance(n, ast.ClassDef) and n.name == "Scene")
+    keywords = {
+        f.name: [a.arg for a in f.args.kwonlyargs] for f in scene.body if isinstance(f, ast.FunctionDef)
+    }
+    for name in keywords["__init__"]:
+        with pytest.raises((TypeError, ValueError), match=f"^{name} "):
+            tandem.Scene(**{name: object()})
+    for name in keywords["add"]:
+        with pytest.raises((TypeError, ValueError), match=f"^{name} "):
+            tandem.Scene().add(tandem.Sphere(0.1), **{name: object()})
