@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What shared libraries show is public, and enough: exports.py INCLUDE [--users BUILD] LIBRARY...
+"""What shared libraries show is public, reviewed, and enough:
+exports.py INCLUDE [--users BUILD] [--list FILE] LIBRARY...
 
 Each dynamic symbol that a library defines belongs to a name that a header in INCLUDE declares, and
 to no class that a header only mentions. With --users, each public symbol that an object of the build
-tree BUILD wants, made from a source outside the libraries' own src folders, is one of those. Ends
-with 1 and the symbols where that does not hold.
+tree BUILD wants, made from a source outside the libraries' own src folders, is one of those, and
+each function of the C interface is called by one of them. With --list, what is shown are the lines of
+FILE: who adds to what is public says so there; `--list FILE --write` writes it. Ends with 1 and the
+symbols where that does not hold.
 """
 import argparse
 import json
@@ -97,6 +100,16 @@ def of_users(build):
     return wanted - own, len(objects)
 
 
+def lines_of(shown):
+    """What is public, a line each: the library and the function or object, without what a compiler
+    adds to a class."""
+    lines = set()
+    for library, symbols in shown.items():
+        name = re.sub(r"^libtandem_|\.so.*", "", pathlib.Path(library).name)
+        lines |= {f"{name}: {symbol}" for symbol in readable(symbols).values() if not ABOUT.match(symbol)[0]}
+    return sorted(lines)
+
+
 def report(found):
     for symbol, why in found[:20]:
         print(f"  {symbol}: {why}")
@@ -108,6 +121,8 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("include", type=pathlib.Path)
     parser.add_argument("--users", metavar="BUILD")
+    parser.add_argument("--list", type=pathlib.Path, metavar="FILE")
+    parser.add_argument("--write", action="store_true")
     parser.add_argument("libraries", nargs="+", metavar="library")
     arguments = parser.parse_args()
     names, mentioned = headers(arguments.include)
@@ -131,7 +146,20 @@ def main():
         print(f"exports: {objects} objects want {len(public)} public symbols, "
               f"{len(absent)} of them not shown")
         report(absent)
-        if absent or not public:
+        uncalled = [(symbol, "no test calls it") for symbol in sorted(every - wanted)
+                    if re.fullmatch(r"tandem_\w+", symbol)]
+        report(uncalled)
+        if absent or uncalled or not public:
+            status = 1
+    if arguments.list and arguments.write:
+        arguments.list.write_text("\n".join(lines_of(shown)) + "\n")
+    elif arguments.list:
+        now, reviewed = lines_of(shown), arguments.list.read_text().splitlines()
+        changes = [(line, "new, and not in the list") for line in now if line not in reviewed]
+        changes += [(line, "in the list, and gone") for line in reviewed if line not in now]
+        print(f"exports: {len(now)} public symbols, {len(changes)} of them other than reviewed")
+        report(changes)
+        if changes:
             status = 1
     return status
 

@@ -8,6 +8,7 @@
 
 #include "support/bodies.h"
 #include "support/catch.h"
+#include "tandem/pbd/world_copy.h"
 
 namespace scene_test {
 
@@ -131,6 +132,16 @@ TEST_CASE("scene: a shape is where it was placed, its centre of mass where the f
   const BodyId ball = scene.add(Sphere{0.1});
   CHECK(ball.index == cone.index);
   CHECK(scene.pose(ball).position.isZero(0.0));
+  // And so has one that a world from before the cone gives the cone's id again.
+  Scene past({.gravity = Vec3::Zero()});
+  past.add(Sphere{0.1});
+  pbd::WorldCopy before;
+  REQUIRE(before.assign(past.world()));
+  const BodyId gone = past.add(Cone{0.2, 0.4});
+  before.restore(past.world());
+  const BodyId after = past.add(Sphere{0.1}, {.pose = {.position = Vec3(5.0, 0.0, 0.0)}});
+  CHECK(after == gone);
+  CHECK(past.pose(after).position == Vec3(5.0, 0.0, 0.0));
 }
 
 TEST_CASE("scene: a dumbbell weighs what its parts do", "[scene][analytic]") {

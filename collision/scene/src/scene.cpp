@@ -89,10 +89,9 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
       const bool apart = !solid.com.isZero(0.0);
       if (apart) surface.local.position = -solid.com;  // -0 would not be the same bits
       attach(surface);
-      if (apart) {
-        if (centres.size() <= id.index) centres.resize(id.index + 1);
-        centres[id.index] = {id.generation, solid.com};
-      }
+      if (apart && centres.size() <= id.index) centres.resize(id.index + 1);
+      // Written for each body: a restored world may give an id again that another body had.
+      if (id.index < centres.size()) centres[id.index] = {id.generation, solid.com};
     } catch (...) {
       world.remove_body(id);
       throw;
