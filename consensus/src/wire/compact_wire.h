@@ -37,18 +37,22 @@ inline std::int32_t to_fixed(double component) {
 }
 inline double from_fixed(std::int32_t value) { return value / kQuatScale; }
 
-/// By bit. Compact states have four of them in this order as well.
-inline constexpr std::array kFlags = {&UpdateFlags::in_contact,   &UpdateFlags::held,
-                                      &UpdateFlags::owner_driven, &UpdateFlags::teleported,
-                                      &UpdateFlags::leads,        &UpdateFlags::resting};
+inline constexpr std::size_t kFlags = 6;
+/// All flags, by bit. Compact states have four of them in this order as well.
+inline auto by_bit(auto& flags) {
+  return std::array<decltype(&flags.held), kFlags>{&flags.in_contact,   &flags.held,
+                                                   &flags.owner_driven, &flags.teleported,
+                                                   &flags.leads,        &flags.resting};
+}
 inline std::uint8_t pack(const UpdateFlags& flags) {
-  unsigned bits = 0;
-  for (std::size_t i = 0; i < kFlags.size(); ++i) bits |= (flags.*kFlags[i] ? 1U : 0U) << i;
+  unsigned bits = 0, bit = 0;
+  for (const bool* flag : by_bit(flags)) bits |= (*flag ? 1U : 0U) << bit++;
   return static_cast<std::uint8_t>(bits);
 }
 inline UpdateFlags unpack(std::uint64_t bits) {
   UpdateFlags flags;
-  for (std::size_t i = 0; i < kFlags.size(); ++i) flags.*kFlags[i] = (bits >> i & 1) != 0;
+  unsigned bit = 0;
+  for (bool* flag : by_bit(flags)) *flag = (bits >> bit++ & 1) != 0;
   return flags;
 }
 

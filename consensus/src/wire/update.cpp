@@ -16,7 +16,7 @@ using pbd::ByteWriter;
 using pbd::Quat;
 using pbd::Vec3;
 
-constexpr std::uint8_t kKnownFlags = (1U << kFlags.size()) - 1;
+constexpr std::uint8_t kKnownFlags = (1U << kFlags) - 1;
 
 // One record of each kind: how it is laid out.
 
