@@ -11,7 +11,7 @@
 A section is a module in one_pass_vs_two_step/ with two functions: measure(binaries, results, seeds,
 jobs, quick) writes tables into the folder of results, report(results, docs) turns them into a
 section of text and draws its figures beside it. Where the folder has no results of a section, the page
-keeps what it has of it, and says there that this is of before.
+keeps what it has of it.
 """
 import argparse
 import importlib
@@ -39,8 +39,6 @@ except ImportError:
     if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():
         os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
 
-KEPT = ("*Not measured again since the replay came: what is called the default here is the release before "
-        "it, which weighed seven predictors; [method](method.md), section 9.*")
 HEAD = """# One pass against two steps
 
 Written by `benchmarks/one_pass_vs_two_step.py` from what it measured: run that again instead of editing here.
@@ -52,11 +50,6 @@ def _sections(page):
     text = page.read_text() if page.exists() else ""
     parts = re.split(r"^(?=## )", text, flags=re.MULTILINE)[1:]
     return {part.split("\n", 1)[0]: part for part in parts}
-
-
-def _kept(part):
-    heading, rest = part.split("\n", 1)
-    return part if KEPT in rest else f"{heading}\n\n{KEPT}\n{rest}"
 
 
 def main():
@@ -91,7 +84,7 @@ def main():
         if text and "Not measured." not in text:
             texts.append(text.rstrip() + "\n")
         elif heading in before:
-            texts.append(_kept(before[heading]).rstrip() + "\n")
+            texts.append(before[heading].rstrip() + "\n")
         else:
             print(f"{name}: not measured yet", file=sys.stderr)
     pages.write(page, "\n".join(texts))

@@ -29,7 +29,6 @@ PARTS = {
     "velocities": "agreement of velocities",
     "motion": "targets that feel what the body feels within the step",
     "rotation": "the exact rotation mean; plain geodesics",
-    "age": "the share's decay with age",
     "replay": "the replay; states carried to now by second order",
     "initiative": "whoever acted last leading",
     "leading": "a leader's higher share; it still does not listen",

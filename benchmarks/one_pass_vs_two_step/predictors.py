@@ -147,7 +147,7 @@ def report(results: Path, docs: Path) -> str:
     lines = ["## Which prediction with which share", "",
              "Every predictor at shares of 0.02 to 0.5, in the pass and before it; the same inputs, "
              "means over seeds of what is apart (p95 of all shared bodies). A share is what a peer "
-             "announces (it decays with age, and a leader's is raised), and of a replay the share "
+             "announces (a leader's is raised), and of a replay the share "
              "of the gap that it closes.", "",
              "| question | measured | holds |", "|---|---|---|"]
     for scheme in SCHEMES:

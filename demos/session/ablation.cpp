@@ -69,9 +69,9 @@ class PlainTargets final : public pbd::TargetSource {
 }  // namespace
 
 std::string_view to_string(Part part) {
-  constexpr std::array<std::string_view, kParts> kNames{
-      "channels",   "velocities", "motion",      "rotation", "age",
-      "initiative", "leading",    "arbitration", "ramp",     "refine"};
+  constexpr std::array<std::string_view, kParts> kNames{"channels",    "velocities", "motion",
+                                                        "rotation",    "initiative", "leading",
+                                                        "arbitration", "ramp",       "refine"};
   return kNames[static_cast<std::size_t>(part)];
 }
 
@@ -81,8 +81,6 @@ void Ablation::apply(pbd::SolverOptions& options) const {
 
 void Ablation::apply(consensus::PeerOptions& options) const {
   consensus::InfluenceOptions& influence = options.influence;
-  constexpr double kNever = 1e6;  // s
-  if (lacks(Part::Age)) influence.half_life = kNever;
   if (lacks(Part::Leading)) influence.leading = 0.0;
   if (lacks(Part::Initiative)) options.initiative = false;
   if (lacks(Part::Arbitration)) options.arbitration = false;

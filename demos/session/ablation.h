@@ -21,14 +21,13 @@ enum class Part : std::uint8_t {
   Velocities,   ///< agreement of velocities: targets move as the body here does
   Motion,       ///< a target feels what the body feels: it goes on straight within the step
   Rotation,     ///< the exact rotation mean: plain geodesics to the target instead
-  Age,          ///< the share's decay with age
   Initiative,   ///< who acted last leads
   Leading,      ///< a leader's higher share, but not that it leads
   Arbitration,  ///< the lower id decides where no average helps
   Ramp,         ///< authority that grows from zero
   Refine,       ///< more substeps where they are needed
 };
-inline constexpr std::size_t kParts = 10;
+inline constexpr std::size_t kParts = 9;
 std::string_view to_string(Part part);
 
 /// The parts that a run does without.

@@ -45,10 +45,10 @@ TEST_CASE("options: what a run does without reaches solver and peer", "[demos][u
     CHECK(help.find(name) != std::string::npos);
     CHECK(parse({"--ablate", name}).ablation.lacks(static_cast<Part>(i)));
   }
-  const DemoOptions o = parse({"--ablate", "refine,age", "--substeps", "7"});
+  const DemoOptions o = parse({"--ablate", "refine,leading", "--substeps", "7"});
   CHECK_FALSE(o.solver_options().refine);
   CHECK(o.solver_options().substeps == 7);
-  CHECK(o.peer_options().influence.half_life > 1e3);
+  CHECK(o.peer_options().influence.leading == 0.0);
   CHECK(o.peer_options().initiative);
   CHECK_FALSE(refusal({"--ablate", "ramp,nonsense"}).empty());
 }

@@ -152,11 +152,8 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
                                std::size_t i, const Hearing& hearing, double angle,
                                const Listening& listening) {
   const bool leads = hearing.leads;
-  // At the stamp the own state is as old, and decays as much.
-  const double mine = listening.carried
-                          ? listening.own_confidence
-                          : weight_of_share(effective_share(data_.options.influence,
-                                                            listening.own_announced, hearing.age));
+  const double mine =
+      listening.carried ? listening.own_confidence : weight_of_share(listening.own_announced);
   double weight = (1.0 - listening.own_lead) * weight_of_share(hearing.share) / mine;
   if (data_.options.arbitration && listening.own_confidence >= 1.0) {  // a newcomer leads nobody
     // Compared at the stamp: what spins fast turns far within the age of an update.

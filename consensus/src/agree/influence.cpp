@@ -37,8 +37,6 @@ void InfluenceOptions::validate() const {
   pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "baseline", baseline);
   pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "held_alone", held_alone);
   pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "leading", leading);
-  require(std::isfinite(half_life) && half_life > 0.0, "InfluenceOptions", "half_life", half_life,
-          "finite and above 0 s");
   require(max_age > 0.0 && max_age <= 1e8, "InfluenceOptions", "max_age", max_age,
           "above 0 and at most 1e8 s");
 }
@@ -51,9 +49,7 @@ double announced_share(const InfluenceOptions& options, bool held_alone, bool le
 }
 
 double effective_share(const InfluenceOptions& options, double announced, double age) {
-  if (!(announced > 0.0) || !(age <= options.max_age)) return 0.0;
-  if (announced >= 1.0) return 1.0;
-  return announced * std::exp2(-std::max(age, 0.0) / options.half_life);
+  return announced > 0.0 && age <= options.max_age ? std::min(announced, 1.0) : 0.0;
 }
 
 }  // namespace tandem::consensus

@@ -40,8 +40,6 @@ struct TANDEM_API InfluenceOptions {
   /// Announced while this peer's user was the last to act on a body, and the only one: the others
   /// follow, and this peer does not listen until they know what was done.
   double leading = 0.8;
-  /// s: the age at which a share has halved, because prediction errors grow with it.
-  double half_life = 0.5;
   /// s: an older update has expired and counts nothing.
   double max_age = 1.0;
   /// Whether a guess of where a body is now counts stable_share() of its age at most.
@@ -56,9 +54,8 @@ struct TANDEM_API InfluenceOptions {
 /// @param leads       its user was the last to act on the body, and the only one
 TANDEM_API double announced_share(const InfluenceOptions& options, bool held_alone, bool leads);
 
-/// How much of an announced share counts for an update of age `age` (s, session time; negative
-/// counts as 0):  announced * 2^(-age / half_life).
-/// An announced share of 1 (or more) makes us the follower of an owner: 1 until the update expires.
+/// How much of an announced share counts for an update of age `age` (s, session time): all of it
+/// until the update expires. 1 or more makes us the follower of an owner.
 /// Result in [0, 1]; 0 where an input is not a number. @pre options are valid. Cost O(1).
 TANDEM_API double effective_share(const InfluenceOptions& options, double announced, double age);
 
