@@ -202,6 +202,16 @@ def _jerk(results):
             for s in SCENARIOS]
 
 
+def _speed(results):
+    """Speed of all bodies over that of the same users without agreement."""
+    path = "smoothness.speed_rms_m_s"
+    return [_by_profile(f"{s}: rms speed over that without agreement",
+                        lambda p: mean(results.get((s, "default", p)), path),
+                        lambda p: mean(results.get((s, "control", p)), path), "0.99 to 1.01",
+                        lambda ratios: min(ratios) >= 0.99 and max(ratios) <= 1.01)
+            for s in ("cliff", "pile")]
+
+
 def _cost(results):
     cells = [r for p in range(1, 6) for r in results.get(("cliff", "default", p), [])]
     if not cells:
@@ -221,4 +231,4 @@ def _cost(results):
 def rows(results, motion):
     return (_stable(results) + _divergence(results) + _against_none(results) + _limit(results)
             + _stretch(results) + _tennis(results) + _motion(motion) + _piano(results)
-            + _jerk(results) + _cost(results))
+            + _jerk(results) + _speed(results) + _cost(results))

@@ -97,6 +97,7 @@ void write_smoothness(JsonWriter& json, const Smoothness& s) {
   write_box(json, "acceleration_m_s2", s.acceleration);
   write_box(json, "jerk_m_s3", s.jerk);
   json.field("jerk_rms_m_s3", s.jerk_rms);
+  json.field("speed_rms_m_s", s.speed_rms);
   write_box(json, "high_pass_m", s.high_pass_m);
   json.field("high_pass_rms_m", s.high_pass_rms_m);
   write_box(json, "resting_high_pass_m", s.resting_high_pass_m);

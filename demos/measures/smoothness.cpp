@@ -58,7 +58,7 @@ double rms(const std::vector<double>& values) {
 }
 
 struct Gathered {
-  std::vector<double> acceleration, jerk, fast, resting, arc, correction, free_speed;
+  std::vector<double> acceleration, jerk, fast, resting, arc, correction, speed, free_speed;
   double pops = 0.0, minutes = 0.0;
 };
 
@@ -84,6 +84,7 @@ void add_track(const std::vector<TrackSample>& samples, double rate, Gathered& o
   for (const TrackSample& s : samples) way.push_back(s.position);
   const std::vector<double> fast = fast_part(way, rate);
   for (std::size_t i = 0; i < samples.size(); ++i) {
+    out.speed.push_back(samples[i].speed);
     if (!moves(samples[i])) {
       out.resting.push_back(fast[i]);
       continue;
@@ -151,6 +152,7 @@ Smoothness smoothness(std::span<const PeerRecord> peers) {
   }
   Smoothness result;
   result.jerk_rms = rms(all.jerk);
+  result.speed_rms = rms(all.speed);
   result.high_pass_rms_m = rms(all.fast);
   result.acceleration = distribution(all.acceleration);
   result.jerk = distribution(all.jerk);

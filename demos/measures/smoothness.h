@@ -36,6 +36,8 @@ struct Smoothness {
   Distribution arc_length;           ///< of each stretch of motion of at least half a second
   Distribution correction_m;         ///< by agreement, each step
   double pops_per_minute = Distribution::kNone;  ///< of one peer
+  /// m/s, of all bodies and steps, at rest or not: what agreement must neither brake nor drive.
+  double speed_rms = Distribution::kNone;
   /// m/s, of each body and step in free flight.
   Distribution free_speed;
 };

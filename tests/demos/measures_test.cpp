@@ -116,6 +116,9 @@ TEST_CASE("smoothness: a parabola has one acceleration and no jerk; pops are cou
   CHECK(s.pops_per_minute == Approx(2.0));
   CHECK(s.correction_m.max == 0.006);
   CHECK(s.free_speed.count == 60);
+  // The mean of the squares of i = 0 .. 59 is 59 * 119 / 6.
+  const double fall = 9.81 / kRate;
+  CHECK(s.speed_rms == Approx(std::sqrt(1.0 + fall * fall * 59.0 * 119.0 / 6.0)));
   // What its owner moves is not looked at.
   peers[0].owners = {1};
   CHECK(smoothness(peers).acceleration.count == 0);
