@@ -123,7 +123,7 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
 }
 
 bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
-  const double margin = std::min(margin_, kMarginShare * c.size);
+  const double margin = std::min(kAabbMargin, kMarginShare * c.size);
   const Vec3 ahead = (kAhead * c.span) * c.twist.linear;
   if (placed(index) && fat(index).contains(c.needed)) {
     const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);

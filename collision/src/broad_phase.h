@@ -26,11 +26,12 @@ struct ColliderPair {
 /// Whether two colliders make contacts at all: bodies, kinds, filters.
 bool may_touch(const Collider& a, const Collider& b);
 
+/// m: how far a collider may wander at most before its fat box is made anew.
+inline constexpr double kAabbMargin = 0.05;
+
 /// Keeps the list of pairs, sorted. Does no work for colliders that stay within their fat boxes.
 class BroadPhase {
  public:
-  explicit BroadPhase(double margin) : margin_(margin) {}
-
   void add(std::uint32_t index, const Collider& collider);
   void remove(std::uint32_t index, const Collider& collider);
 
@@ -92,7 +93,6 @@ class BroadPhase {
   void merge_found();
   std::uint32_t take_slot();
 
-  double margin_;
   AabbTree tree_;                           ///< of dynamic bodies
   AabbTree fixed_tree_;                     ///< of all others
   std::vector<std::uint32_t> leaves_;       ///< by collider

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tandem::collision {
 namespace {
@@ -143,6 +144,23 @@ ClippedFace clip_polygon(const CoreFace& reference, const CoreFace& incident, co
   return result;
 }
 
+/// Nearest points of two segments u and v whose origins are w apart, as shares of their lengths; of
+/// their scalar products. Source: [ericson2005] Sec. 5.1.9.
+std::pair<double, double> nearest_shares(double uu, double vv, double uv, double uw, double vw) {
+  if (vv <= 0.0) return {uu > 0.0 ? std::clamp(-uw / uu, 0.0, 1.0) : 0.0, 0.0};
+  const double sine2_uuvv = uu * vv - uv * uv;
+  double s = 0.0;
+  if (uu > 0.0 && sine2_uuvv > 1e-14 * uu * vv) {
+    s = std::clamp((uv * vw - uw * vv) / sine2_uuvv, 0.0, 1.0);
+  }
+  double t = (uv * s + vw) / vv;
+  if (t < 0.0 || t > 1.0) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = uu > 0.0 ? std::clamp((t * uv - uw) / uu, 0.0, 1.0) : 0.0;
+  }
+  return {s, t};
+}
+
 }  // namespace
 
 ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
@@ -211,21 +229,7 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
       return 2;
     }
   }
-  // Nearest points of two segments. Source: [ericson2005] Sec. 5.1.9.
-  double s = 0.0;
-  double t = 0.0;
-  if (vv <= 0.0) {
-    s = uu > 0.0 ? std::clamp(-uw / uu, 0.0, 1.0) : 0.0;
-  } else {
-    if (uu > 0.0 && sine2_uuvv > 1e-14 * uu * vv) {
-      s = std::clamp((uv * vw - uw * vv) / sine2_uuvv, 0.0, 1.0);
-    }
-    t = (uv * s + vw) / vv;
-    if (t < 0.0 || t > 1.0) {
-      t = std::clamp(t, 0.0, 1.0);
-      s = uu > 0.0 ? std::clamp((t * uv - uw) / uu, 0.0, 1.0) : 0.0;
-    }
-  }
+  const auto [s, t] = nearest_shares(uu, vv, uv, uw, vw);
   const bool a_end = s <= 0.0 || s >= 1.0;
   const bool b_end = t <= 0.0 || t >= 1.0;
   put(0, s, t, a_end ? corner_a(s) : b_end ? corner_b(t) : crossing_feature(a.id, b.id));

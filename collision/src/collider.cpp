@@ -13,6 +13,12 @@ namespace {
 /// m, stands for no bound: far above every size that validates, far below trouble with squares.
 constexpr double kHuge = 1e9;
 
+// Of a collider's least extent: the reach of its speculative contacts, and how far its parts may
+// move before a contact is found anew. Both are for small bodies, whose margins would be as large
+// as they.
+constexpr double kSpeculativeSizeShare = 0.25;
+constexpr double kRecycleSizeShare = 0.02;
+
 struct Sizes {
   double size;
   double reach;  // from the shape's origin
@@ -128,8 +134,8 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
                      c.def.local.orientation.vec().isZero(0.0);
   c.size = sizes.size;
   c.reach = sizes.reach + def.local.position.norm();
-  c.speculative = std::min(options.speculative_margin, options.speculative_size_share * c.size);
-  c.recycle = std::min(options.recycle_distance, options.recycle_size_share * c.size);
+  c.speculative = std::min(options.speculative_margin, kSpeculativeSizeShare * c.size);
+  c.recycle = std::min(options.recycle_distance, kRecycleSizeShare * c.size);
   return c;
 }
 

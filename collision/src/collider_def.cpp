@@ -24,10 +24,7 @@ bool CollisionOptions::validate(std::string* error) const {
     return pbd::detail::in_range(value, low, high, std::string("CollisionOptions.") + field, error);
   };
   return in("speculative_margin", speculative_margin, 0.0, 10.0) &&
-         in("speculative_size_share", speculative_size_share, 1e-6, 1.0) &&
-         in("aabb_margin", aabb_margin, 1e-6, 100.0) &&
          in("recycle_distance", recycle_distance, 0.0, 1.0) &&
-         in("recycle_size_share", recycle_size_share, 0.0, 0.1) &&
          in("recycle_angle", recycle_angle, 0.0, 0.2);
 }
 

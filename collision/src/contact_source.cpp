@@ -195,36 +195,44 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
   if (expected > out.capacity() && first == 0) out = {};
   if (expected > out.capacity()) out.reserve(2 * expected);
 
+  collect_all_pairs(dt, workers, out);
+  sum_stats({out.begin() + static_cast<std::ptrdiff_t>(first), out.end()});
+}
+
+void CollisionScene::Impl::collect_all_pairs(double dt, pbd::Workers& workers,
+                                             std::vector<pbd::Manifold>& out) {
   const std::vector<ColliderPair>& pairs = broad_.pairs();
   if (workers.count() == 1 || pairs.size() <= kPairGrain) {
     collect_pairs(0, pairs.size(), dt, workers_[0], out);
-  } else {
-    // Each worker writes to a list of its own; the chunks are then put together in order.
-    chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
-    workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
-      Worker& worker = workers_[static_cast<std::size_t>(w)];
-      Chunk& chunk = chunks_[begin / kPairGrain];
-      chunk = {w, worker.found.size(), 0};
-      collect_pairs(begin, end, dt, worker, worker.found);
-      chunk.end = worker.found.size();
-    });
-    for (const Chunk& chunk : chunks_) {
-      const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
-      out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
-                 from + static_cast<std::ptrdiff_t>(chunk.end));
-    }
+    return;
   }
+  // Each worker writes to a list of its own; the chunks are then put together in order.
+  chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
+  workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
+    Worker& worker = workers_[static_cast<std::size_t>(w)];
+    Chunk& chunk = chunks_[begin / kPairGrain];
+    chunk = {w, worker.found.size(), 0};
+    collect_pairs(begin, end, dt, worker, worker.found);
+    chunk.end = worker.found.size();
+  });
+  for (const Chunk& chunk : chunks_) {
+    const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
+    out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
+               from + static_cast<std::ptrdiff_t>(chunk.end));
+  }
+}
 
+void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
   stats_ = {};
   for (const Worker& worker : workers_) {
     stats_.colliders += worker.stats.colliders;
     stats_.queries += worker.stats.queries;
     stats_.recycled += worker.stats.recycled;
   }
-  stats_.pairs = pairs.size();
-  stats_.manifolds = out.size() - first;
-  for (std::size_t i = first; i < out.size(); ++i) {
-    stats_.points += static_cast<std::size_t>(out[i].count);
+  stats_.pairs = broad_.pairs().size();
+  stats_.manifolds = found.size();
+  for (const pbd::Manifold& manifold : found) {
+    stats_.points += static_cast<std::size_t>(manifold.count);
   }
 }
 

@@ -28,7 +28,7 @@ void check_def(const pbd::World& world, const ColliderDef& def);
 /// in cache_io.cpp snapshots, in scene_copy.cpp copies.
 class __attribute__((visibility("hidden"))) CollisionScene::Impl {
  public:
-  explicit Impl(const CollisionOptions& options) : options_(options), broad_(options.aabb_margin) {}
+  explicit Impl(const CollisionOptions& options) : options_(options) {}
 
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   void remove(ColliderId id);
@@ -82,6 +82,8 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl {
                     std::vector<pbd::Manifold>& out);
   void collect_pairs(std::size_t begin, std::size_t end, double dt, Worker& worker,
                      std::vector<pbd::Manifold>& out);
+  void collect_all_pairs(double dt, pbd::Workers& workers, std::vector<pbd::Manifold>& out);
+  void sum_stats(std::span<const pbd::Manifold> found);
 
   CollisionOptions options_;
   CollisionStats stats_;

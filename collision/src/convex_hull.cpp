@@ -122,6 +122,64 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
   return faces;
 }
 
+/// In no face yet.
+constexpr std::uint32_t kFree = 0xffffffffu;
+
+/// The triangle across a directed edge.
+std::uint32_t across(const std::vector<Triangle>& triangles, std::uint32_t from, std::uint32_t to) {
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (triangles[t][k] == to && triangles[t][(k + 1) % 3] == from) return t;
+    }
+  }
+  pbd::detail::refuse("ConvexHull: corners", "further apart than round-off");
+}
+
+/// Triangles by area: the planes of large ones are the best.
+std::vector<std::uint32_t> largest_first(std::span<const Vec3> points,
+                                         const std::vector<Triangle>& triangles) {
+  std::vector<std::uint32_t> order(triangles.size());
+  std::vector<double> area(triangles.size());
+  for (std::uint32_t t = 0; t < order.size(); ++t) {
+    order[t] = t;
+    const Vec3& a = points[triangles[t][0]];
+    area[t] = (points[triangles[t][1]] - a).cross(points[triangles[t][2]] - a).norm();
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t l, std::uint32_t r) { return area[l] > area[r]; });
+  return order;
+}
+
+/// Appends the corners of face `number`, which has the triangles `members`, in their order around
+/// it.
+void append_border(const std::vector<Triangle>& triangles,
+                   const std::vector<std::uint32_t>& members,
+                   const std::vector<std::uint32_t>& owner, std::uint32_t number,
+                   std::vector<std::uint32_t>& corners) {
+  std::vector<std::array<std::uint32_t, 2>> border;
+  for (const std::uint32_t m : members) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t from = triangles[m][k];
+      const std::uint32_t to = triangles[m][(k + 1) % 3];
+      if (owner[across(triangles, from, to)] != number) border.push_back({from, to});
+    }
+  }
+  const std::size_t begin = corners.size();
+  std::uint32_t at = border[0][0];
+  bool closed = false;
+  while (!closed && corners.size() - begin < border.size()) {
+    corners.push_back(at);
+    const auto step =
+        std::find_if(border.begin(), border.end(), [&](const auto& e) { return e[0] == at; });
+    if (step == border.end()) break;
+    at = (*step)[1];
+    closed = at == border[0][0];
+  }
+  if (!closed || corners.size() - begin != border.size()) {
+    pbd::detail::refuse("ConvexHull: points", "far enough apart for a hull of simple faces");
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points) {
@@ -175,83 +233,38 @@ void ConvexHull::build(std::span<const Vec3> points) {
 }
 
 void ConvexHull::merge_faces(const std::vector<Triangle>& triangles, double tolerance) {
-  std::vector<HullPlane> planes;
-  planes.reserve(triangles.size());
-  for (const Triangle& t : triangles) planes.push_back(hull_plane(arms_, t));
-  // The triangle across each directed edge.
-  const auto across = [&](std::uint32_t from, std::uint32_t to) {
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      for (int k = 0; k < 3; ++k) {
-        if (triangles[t][k] == to && triangles[t][(k + 1) % 3] == from) return t;
-      }
-    }
-    pbd::detail::refuse("ConvexHull: corners", "further apart than round-off");
-  };
-  constexpr std::uint32_t kFree = 0xffffffffu;
   std::vector<std::uint32_t> owner(triangles.size(), kFree);
   std::vector<std::uint32_t> members;
-  std::vector<std::array<std::uint32_t, 2>> border;
-  // The largest triangles first: theirs are the best planes.
-  std::vector<std::uint32_t> order(triangles.size());
-  std::vector<double> area(triangles.size());
-  for (std::uint32_t t = 0; t < order.size(); ++t) {
-    order[t] = t;
-    const Vec3& a = arms_[triangles[t][0]];
-    area[t] = (arms_[triangles[t][1]] - a).cross(arms_[triangles[t][2]] - a).norm();
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t l, std::uint32_t r) { return area[l] > area[r]; });
-  for (const std::uint32_t seed : order) {
+  for (const std::uint32_t seed : largest_first(arms_, triangles)) {
     if (owner[seed] != kFree) continue;
     const auto number = static_cast<std::uint32_t>(faces_.size());
-    const HullPlane plane = planes[seed];
+    const HullPlane plane = hull_plane(arms_, triangles[seed]);
     owner[seed] = number;
     members.assign(1, seed);
-    border.clear();
     for (std::size_t m = 0; m < members.size(); ++m) {
       const Triangle t = triangles[members[m]];
       for (int k = 0; k < 3; ++k) {
-        const std::uint32_t from = t[k];
-        const std::uint32_t to = t[(k + 1) % 3];
-        const std::uint32_t other = across(from, to);
-        if (owner[other] == number) continue;
+        const std::uint32_t other = across(triangles, t[k], t[(k + 1) % 3]);
         const Triangle& o = triangles[other];
         const bool flat = std::all_of(o.begin(), o.end(), [&](std::uint32_t v) {
           return std::abs(plane.above(arms_[v])) <= tolerance;
         });
-        if (owner[other] == kFree && flat) {
-          owner[other] = number;
-          members.push_back(other);
-        }
-      }
-    }
-    for (const std::uint32_t m : members) {
-      for (int k = 0; k < 3; ++k) {
-        const std::uint32_t from = triangles[m][k];
-        const std::uint32_t to = triangles[m][(k + 1) % 3];
-        if (owner[across(from, to)] != number) border.push_back({from, to});
+        if (owner[other] != kFree || !flat) continue;
+        owner[other] = number;
+        members.push_back(other);
       }
     }
     Face face;
     face.begin = static_cast<std::uint32_t>(corners_.size());
     face.normal = plane.normal;
-    std::uint32_t at = border[0][0];
-    for (std::size_t n = 0; n < border.size(); ++n) {
-      corners_.push_back(at);
-      const auto step =
-          std::find_if(border.begin(), border.end(), [&](const auto& e) { return e[0] == at; });
-      if (step == border.end()) {
-        pbd::detail::refuse("ConvexHull: points", "far enough apart for a hull of simple faces");
-      }
-      at = (*step)[1];
-      if (at == border[0][0]) break;
-    }
+    append_border(triangles, members, owner, number, corners_);
     face.count = static_cast<std::uint32_t>(corners_.size()) - face.begin;
-    if (face.count != border.size()) {
-      pbd::detail::refuse("ConvexHull: points", "far enough apart for a hull of simple faces");
-    }
     faces_.push_back(face);
   }
+  find_edges();
+}
+
+void ConvexHull::find_edges() {
   edge_ids_.assign(corners_.size(), 0);
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
     const Face& face = faces_[f];

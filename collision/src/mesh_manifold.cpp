@@ -138,45 +138,72 @@ bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n) 
   return true;
 }
 
-template <class Surface>
-std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
-                         const Reach& reach, std::span<const PatchTrace> previous,
-                         TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
-  out.clear();
-  scratch.points.clear();
-  // Bounds of the shape in the mesh frame.
-  const Mat3 to_mesh = pose.rotation.transpose();
+/// Bounds of a shape in the mesh frame, with what it reaches out.
+static Aabb bounds_in_mesh(const ConvexCore& a, const MeshPose& pose, const Reach& reach) {
   const double round = a.radius + reach.margin;
-  const Vec3 middle = to_mesh * -pose.translation;
+  const Vec3 middle = pose.rotation.transpose() * -pose.translation;
   Aabb bounds;
   for (int i = 0; i < 3; ++i) {
     const Vec3 axis = pose.rotation.col(i);
     bounds.min[i] = middle[i] - a.reach(-axis) - round;
     bounds.max[i] = middle[i] + a.reach(axis) + round;
   }
+  return bounds;
+}
+
+/// The contacts of a shape with one triangle; count 0 where there are none.
+template <class Surface>
+static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
+                                    const MeshPose& pose, const Reach& reach,
+                                    std::span<const PatchTrace> previous, std::size_t& queries) {
+  RawManifold found;
+  const ConvexCore t = triangle_core(mesh, index, pose);
+  const double gap = front_axis(a, t).separation;
+  if (gap - a.radius >= reach.margin) return found;
+  // Behind the plane there is no contact, except for a shape that was pushed through just now.
+  const double height = t.front.dot(a.centre - t.corners[0]);
+  const bool behind = height < 0.0;
+  if (behind && (height < -a.size || !was_touched(previous, mesh.normal(index)))) return found;
+  // No direction could be (much) better than a front that is overlapped this little; and where
+  // the middle is behind the plane, the nearest way out would be the wrong one.
+  if (behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size)) {
+    found = front_manifold(a, t, reach);
+  }
+  if (found.count > 0 || behind) return found;
+  ++queries;
+  const Direction direction = query_direction(a, t, reach.margin);
+  if (direction.status == Direction::Status::Apart) return found;
+  return triangle_manifold(a, mesh, index, t, pose, reach, direction);
+}
+
+/// Moves the points of one normal, from `seed` on, to scratch.cluster, and numbers them.
+static void gather_cluster(MeshScratch& scratch, std::size_t seed, int number, double radius) {
+  const Vec3 n = scratch.points[seed].normal;
+  scratch.cluster.clear();
+  for (std::size_t i = seed; i < scratch.points.size(); ++i) {
+    MeshPoint& candidate = scratch.points[i];
+    if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameCluster) continue;
+    candidate.cluster = number;
+    // Measured along the common normal the gap stays what it was along the point's own.
+    candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + radius) * n;
+    scratch.cluster.push_back(candidate.point);
+  }
+}
+
+template <class Surface>
+std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPose& pose,
+                         const Reach& reach, std::span<const PatchTrace> previous,
+                         TriangleList& list, MeshScratch& scratch, std::vector<RawManifold>& out) {
+  out.clear();
+  scratch.points.clear();
+  const Mat3 to_mesh = pose.rotation.transpose();
+  const Aabb bounds = bounds_in_mesh(a, pose, reach);
   find_triangles(mesh, bounds, list);
   std::size_t queries = 0;
   for (const std::uint32_t index : list.triangles) {
     if (!triangle_bounds(mesh, index).overlaps(bounds)) continue;
-    const ConvexCore t = triangle_core(mesh, index, pose);
-    if (front_axis(a, t).separation - a.radius >= reach.margin) continue;
-    // Behind the plane there is no contact, except for a shape that was pushed through just now.
-    const double height = t.front.dot(a.centre - t.corners[0]);
-    if (height < 0.0 && (height < -a.size || !was_touched(previous, mesh.normal(index)))) continue;
-    // No direction could be (much) better than a front that is overlapped this little; and where
-    // the middle is behind the plane, the nearest way out would be the wrong one.
-    const bool behind = t.front.dot(a.centre - t.corners[0]) < 0.0;
-    const double gap = front_axis(a, t).separation;
-    RawManifold found;
-    if (behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size)) {
-      found = front_manifold(a, t, reach);
-    }
-    if (found.count == 0 && !behind) {
-      ++queries;
-      const Direction direction = query_direction(a, t, reach.margin);
-      if (direction.status == Direction::Status::Apart) continue;
-      found = triangle_manifold(a, mesh, index, t, pose, reach, direction);
-    }
+    const RawManifold found = collide_triangle(a, mesh, index, pose, reach, previous, queries);
+    if (found.count == 0) continue;
     const Vec3 normal_l = to_mesh * found.normal;
     const bool known = std::any_of(previous.begin(), previous.end(), [&](const PatchTrace& p) {
       return p.normal_l.dot(normal_l) > kIsFront;
@@ -191,20 +218,11 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
   std::sort(scratch.points.begin(), scratch.points.end(), by_rank);
   for (std::size_t seed = 0; seed < scratch.points.size(); ++seed) {
     if (scratch.points[seed].cluster >= 0) continue;
-    const Vec3 n = scratch.points[seed].normal;
-    scratch.cluster.clear();
-    for (std::size_t i = seed; i < scratch.points.size(); ++i) {
-      MeshPoint& candidate = scratch.points[i];
-      if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameCluster) continue;
-      candidate.cluster = static_cast<int>(out.size());
-      // Measured along the common normal the gap stays what it was along the point's own.
-      candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + a.radius) * n;
-      scratch.cluster.push_back(candidate.point);
-    }
+    gather_cluster(scratch, seed, static_cast<int>(out.size()), a.radius);
     RawManifold manifold;
-    manifold.normal = n;
+    manifold.normal = scratch.points[seed].normal;
     manifold.owner = FaceOwner::B;
-    const PatchTrace* before = match(to_mesh * n, previous, out);
+    const PatchTrace* before = match(to_mesh * manifold.normal, previous, out);
     manifold.cluster = before != nullptr ? before->cluster : free_number(previous, out);
     if (a.kind == CoreKind::Segment) {
       merge_equal(scratch.cluster);

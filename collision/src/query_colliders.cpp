@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "query_colliders.h"
 
+#include "broad_phase.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -57,7 +59,7 @@ void QueryColliders::update(const pbd::World& world, const CollisionScene& scene
       if (!c.finite) {
         drop(entry);
       } else if (!c.is_half_space()) {
-        place(entry, i, scene.options().aabb_margin);
+        place(entry, i, kAabbMargin);
       }
     }
     if (entry.present && c.is_half_space()) half_spaces_.push_back(i);

@@ -46,7 +46,6 @@ bool copy_cache(const PairCache& from, PairCache& to, PatchPool& pool, bool may_
 }  // namespace
 
 void BroadPhase::assign(const BroadPhase& source) {
-  margin_ = source.margin_;
   tree_ = source.tree_;
   fixed_tree_ = source.fixed_tree_;
   leaves_ = source.leaves_;

@@ -224,64 +224,70 @@ void Channels::note_clock(const ChannelSection& section, std::int64_t now) {
                .claim = section.clock};
 }
 
+Channels::Read Channels::take(const ChannelSection& section, std::int64_t now) {
+  using Kind = ChannelSection::Kind;
+  if (section.kind == Kind::State) {
+    if (!budget_.admits(now)) return Read::Ok;
+    budget_.spend(section.bytes.size());
+    keep(Delivery::Newest, {section.bytes.begin(), section.bytes.end()}, now);
+    return Read::Ok;
+  }
+  if (section.kind == Kind::Goodbye) {
+    const auto text = section.bytes.first(std::min(section.bytes.size(), kMaxGoodbye));
+    goodbye_.assign(text.begin(), text.end());
+    return Read::Goodbye;
+  }
+  budget_.spend(section.kind == Kind::Piece ? section.bytes.size() : 0);
+  switch (section.kind) {
+    case Kind::Piece:
+      complete_.clear();
+      if (!reliable_.receiver.on_piece(section, complete_)) return Read::Malformed;
+      for (auto& message : complete_) {
+        if (!take_message(std::move(message), now)) return Read::Malformed;
+      }
+      break;
+    case Kind::Known:
+      if (told_.size() < kMaxToTell) told_.push_back(section.known);
+      break;
+    case Kind::Clock:
+      note_clock(section, now);
+      break;
+    case Kind::Challenge:
+      challenge_ = section.token;
+      break;
+    case Kind::Answer:
+      answer_ = section.token;
+      break;
+    case Kind::State:
+    case Kind::Goodbye:
+    case Kind::Padding:
+      break;
+  }
+  return Read::Ok;
+}
+
 Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte> plain,
                               std::int64_t now) {
-  using Kind = ChannelSection::Kind;
   if (!decode_channel_packet(plain, packet_)) return Read::Malformed;
   if (!sent_.on_ack(packet_.header, now, outcome_)) return Read::Malformed;
   mtu_.heard();
   settle(now);
-  const auto is_piece = [](const ChannelSection& s) { return s.kind == Kind::Piece; };
+  const auto is_piece = [](const ChannelSection& s) {
+    return s.kind == ChannelSection::Kind::Piece;
+  };
   if (std::ranges::any_of(packet_.sections, is_piece) &&
       (inbox_reliable_ >= options_.inbox_bytes || !budget_.admits(now))) {
     return Read::Full;
   }
   for (const ChannelSection& section : packet_.sections) {
-    switch (section.kind) {
-      case Kind::State:
-        if (!budget_.admits(now)) break;
-        budget_.spend(section.bytes.size());
-        keep(Delivery::Newest, {section.bytes.begin(), section.bytes.end()}, now);
-        break;
-      case Kind::Piece:
-        budget_.spend(section.bytes.size());
-        complete_.clear();
-        if (!reliable_.receiver.on_piece(section, complete_)) return Read::Malformed;
-        for (auto& message : complete_) {
-          if (!take_message(std::move(message), now)) return Read::Malformed;
-        }
-        break;
-      case Kind::Known:
-        budget_.spend(0);
-        if (told_.size() < kMaxToTell) told_.push_back(section.known);
-        break;
-      case Kind::Clock:
-        budget_.spend(0);
-        note_clock(section, now);
-        break;
-      case Kind::Challenge:
-        budget_.spend(0);
-        challenge_ = section.token;
-        break;
-      case Kind::Answer:
-        budget_.spend(0);
-        answer_ = section.token;
-        break;
-      case Kind::Padding:
-        budget_.spend(0);
-        break;
-      case Kind::Goodbye: {
-        const auto text = section.bytes.first(std::min(section.bytes.size(), kMaxGoodbye));
-        goodbye_.assign(text.begin(), text.end());
-        return Read::Goodbye;
-      }
-    }
+    if (const Read result = take(section, now); result != Read::Ok) return result;
   }
   if (sequence > had_.latest()) latest_at_ = now;
   if (had_.fresh(sequence)) had_.note(sequence);
   // The rest is said again anyway.
   const auto wants_ack = [](const ChannelSection& s) {
-    return s.kind == Kind::State || s.kind == Kind::Piece || s.kind == Kind::Padding;
+    return s.kind == ChannelSection::Kind::State || s.kind == ChannelSection::Kind::Piece ||
+           s.kind == ChannelSection::Kind::Padding;
   };
   if (std::ranges::any_of(packet_.sections, wants_ack)) {
     ++unacknowledged_;

@@ -146,6 +146,7 @@ class Channels {
   bool take_message(std::vector<std::byte> message, std::int64_t now);
   void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
   void note_clock(const ChannelSection& section, std::int64_t now);
+  Read take(const ChannelSection& section, std::int64_t now);
 
   ChannelOptions options_;
   std::deque<State> states_;

@@ -27,10 +27,7 @@ constexpr std::size_t kMaxExtraLinks = 64;  // above max_peers, in any phase
 }  // namespace
 
 TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table, std::unique_ptr<TcpSecurity> security)
-    : options_(options),
-      table_(table),
-      security_(std::move(security)),
-      jitter_(options.jitter_seed ^ options.self) {
+    : options_(options), table_(table), security_(std::move(security)), jitter_(options.self) {
   if (options_.listen_port) listen();
   for (const HostPort& address : options_.connect) add_dial(address, 0, true, Clock::now());
   publish_dials();

@@ -109,6 +109,8 @@ class TcpMesh final : private TcpLinkOwner {
   void send_group_change(TcpLink& link);
   void expel();
   void on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame);
+  void on_payload(TcpLink& link, Delivery delivery, std::uint64_t sequence,
+                  std::span<const std::byte> bytes);
   void ask_for_keys(TcpLink& link);
   void greet(TcpLink& link);
   void send_welcome(TcpLink& link);

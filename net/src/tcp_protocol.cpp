@@ -224,9 +224,6 @@ void TcpMesh::on_forged(TcpLink& link, const std::string& reason) {
 
 void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   const PeerId peer = link.hello.peer;
-  Delivery delivery = Delivery::Newest;
-  std::uint64_t sequence = 0;
-  std::span<const std::byte> bytes = frame.payload;
   if (frame.type != FrameType::Newest && frame.type != FrameType::Reliable) {
     table_.charge(link.serial(), peer);
   }
@@ -251,18 +248,21 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
       return on_malformed(link, "addresses cannot be decoded");
     case FrameType::Reliable: {
       pbd::ByteReader reader(frame.payload);
-      sequence = reader.u64();
+      const std::uint64_t sequence = reader.u64();
       if (reader.failed() || sequence == 0) return on_malformed(link, "frame without its number");
-      delivery = Delivery::Reliable;
-      bytes = frame.payload.subspan(kReliableHeader);
-      break;
+      return on_payload(link, Delivery::Reliable, sequence, frame.payload.subspan(kReliableHeader));
     }
     case FrameType::Newest:
-      break;
+      return on_payload(link, Delivery::Newest, 0, frame.payload);
     default:
       return on_malformed(
           link, "unknown frame type " + std::to_string(static_cast<unsigned>(frame.type)));
   }
+}
+
+void TcpMesh::on_payload(TcpLink& link, Delivery delivery, std::uint64_t sequence,
+                         std::span<const std::byte> bytes) {
+  const PeerId peer = link.hello.peer;
   if (bytes.size() > options_.max_frame_bytes) {
     return on_malformed(link, "payload of " + std::to_string(bytes.size()) + " bytes, at most " +
                                   std::to_string(options_.max_frame_bytes));

@@ -45,18 +45,14 @@ struct TANDEM_API ColliderDef {
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
 struct TANDEM_API CollisionOptions {
   /// m: gaps below this (plus what the motion of the step may close) are reported. For small
-  /// shapes it is capped at `speculative_size_share` of the smaller one's least extent.
+  /// shapes it is capped at a quarter of the smaller one's least extent.
   double speculative_margin = 0.02;
-  double speculative_size_share = 0.25;  ///< > 0, at most 1
-  /// m: how far a collider may wander before the broad phase looks at it again.
-  double aabb_margin = 0.05;
   /// A pair keeps its contacts (normal and anchors; only gaps change) until its parts have moved
-  /// against each other by this much, m; capped at `recycle_size_share` of the least extent. The
+  /// against each other by this much, m; capped at a fiftieth of the least extent. The
   /// normal turns with the body that owns the reference face, else with the body that does not
   /// move, else with the second one. 0 switches recycling off.
   double recycle_distance = 0.005;
-  double recycle_size_share = 0.02;  ///< 0 to 0.1
-  double recycle_angle = 0.035;      ///< rad, 0 to 0.2
+  double recycle_angle = 0.035;  ///< rad, 0 to 0.2
 
   /// Whether all fields are within their rules; if not, `error` names field, value and rule.
   bool validate(std::string* error = nullptr) const;

@@ -71,6 +71,7 @@ class TANDEM_API ConvexHull {
   ConvexHull() = default;
   void build(std::span<const pbd::Vec3> points);
   void merge_faces(const std::vector<std::array<std::uint32_t, 3>>& triangles, double tolerance);
+  void find_edges();
   void weigh();
 
   pbd::Vec3 centre_ = pbd::Vec3::Zero();

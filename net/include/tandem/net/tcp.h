@@ -62,7 +62,6 @@ struct TANDEM_API TcpOptions {
   std::chrono::milliseconds backoff_max{3000};        ///< doubled up to here, >= backoff_min
   std::chrono::milliseconds drop_hold{1000};     ///< a dropped peer is refused for so long; >= 0
   std::chrono::milliseconds flush_timeout{250};  ///< destructor's patience, in [0, 10 s]
-  std::uint64_t jitter_seed = 1;                 ///< of the back-off's jitter
   /// Tells a restarted peer from its predecessor, which had a smaller one: peers that have seen a
   /// larger one refuse it. 0: system clock, ns.
   std::uint64_t incarnation = 0;
