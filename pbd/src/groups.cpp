@@ -99,9 +99,20 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
                      std::span<const std::unique_ptr<ConstraintBlock>> blocks,
                      std::span<const PoseTarget> targets, std::span<const BodyProps> props,
                      std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+  const bool pushed = sum_islands(rule, islands, activity, bodies);
+  if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
+  if (rule.sleep_after > 0.0 && pushed) {
+    Disturber disturber(islands_, bodies);
+    for (const auto& block : blocks) block->links(disturber);
+  }
+  form_groups(rule, props, activity, bodies);
+}
+
+bool Groups::sum_islands(const Rule& rule, const Islands& islands,
+                         std::span<const BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   islands_.assign(count, {});
-  bool pushed = false;  // by something immovable that moves
+  bool pushed = false;
   for (std::uint32_t i = 0; i < count; ++i) {
     bodies[i].island = islands.of()[i];
     if (bodies[i].inv_mass == 0.0) {
@@ -119,19 +130,23 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
     island.level =
         static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
   }
-  if (rule.sleep_after > 0.0) {
-    for (const std::uint32_t i : changed) {
-      if (i < count && bodies[i].inv_mass > 0.0) islands_[bodies[i].island].awake = true;
-    }
-    for (const PoseTarget& target : targets) {
-      const SolverBody& body = bodies[target.body.index];
-      if (body.inv_mass > 0.0 && disagrees(target, body)) islands_[body.island].awake = true;
-    }
-    if (pushed) {
-      Disturber disturber(islands_, bodies);
-      for (const auto& block : blocks) block->links(disturber);
-    }
+  return pushed;
+}
+
+void Groups::wake_islands(std::span<const std::uint32_t> changed,
+                          std::span<const PoseTarget> targets, std::span<const SolverBody> bodies) {
+  for (const std::uint32_t i : changed) {
+    if (i < bodies.size() && bodies[i].inv_mass > 0.0) islands_[bodies[i].island].awake = true;
   }
+  for (const PoseTarget& target : targets) {
+    const SolverBody& body = bodies[target.body.index];
+    if (body.inv_mass > 0.0 && disagrees(target, body)) islands_[body.island].awake = true;
+  }
+}
+
+void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
+                         std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+  const auto count = static_cast<std::uint32_t>(bodies.size());
   for (Group& group : groups_) {
     group.bodies.clear();
     group.locked = false;

@@ -65,6 +65,15 @@ class Groups {
     std::uint8_t level = 0;
     double wanted = 0.0;
   };
+  /// What the bodies of each island say of it. @return whether something immovable moves
+  bool sum_islands(const Rule& rule, const Islands& islands, std::span<const BodyActivity> activity,
+                   std::span<SolverBody> bodies);
+  /// Whose rows were changed, and who is told to be elsewhere.
+  void wake_islands(std::span<const std::uint32_t> changed, std::span<const PoseTarget> targets,
+                    std::span<const SolverBody> bodies);
+  void form_groups(const Rule& rule, std::span<const BodyProps> props,
+                   std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+
   class Disturber;
   class Holder;
   class Driver;

@@ -3,16 +3,14 @@
 #include "joint_graph.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
-#include <set>
-#include <tuple>
-#include <utility>
+
+#include "joint_elimination.h"
 
 namespace tandem::pbd {
 namespace {
 
-/// A body with more joints than this becomes an unknown of its own.
-constexpr std::size_t kHubDegree = 8;
 constexpr int kHubRows = 6;
 /// Block operations that fill-in may cost for each node: a lattice of 30 x 30 bodies takes 300.
 /// Loops that are cut part by a centimetre and lose energy, so that is for what would take seconds.
@@ -94,134 +92,49 @@ void JointGraph::build(std::span<const Edge> edges) {
 }
 
 bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
-  // Bodies and hubs.
-  std::vector<std::uint32_t> bodies;
-  std::size_t fixed_ends = 0;
-  for (const Edge& edge : edges) {
-    if (edge.a != kNone) bodies.push_back(edge.a);
-    if (edge.b != kNone) bodies.push_back(edge.b);
-    if (edge.a == kNone || edge.b == kNone) ++fixed_ends;
-  }
-  std::sort(bodies.begin(), bodies.end());
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-  const auto local = [&](std::uint32_t body) {
-    if (body == kNone) return kNone;
-    return static_cast<std::uint32_t>(std::lower_bound(bodies.begin(), bodies.end(), body) -
-                                      bodies.begin());
-  };
-  std::vector<std::vector<std::uint32_t>> joints_of(bodies.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    for (const std::uint32_t body : {edges[i].a, edges[i].b}) {
-      if (body != kNone) joints_of[local(body)].push_back(static_cast<std::uint32_t>(i));
-    }
-  }
-  std::vector<std::uint32_t> hub_node(bodies.size(), kNone);
-  auto count = static_cast<std::uint32_t>(edges.size());
-  std::vector<std::size_t> body_of_hub;
-  for (std::size_t body = 0; body < bodies.size(); ++body) {
-    if (joints_of[body].size() <= kHubDegree) continue;
-    hub_node[body] = count++;
-    body_of_hub.push_back(body);
-  }
-
-  // Neighbours, how many ends a joint has that answer to all its rows, and how many hubs that are
-  // not eliminated yet. Before them a joint needs such an end for its pivots.
-  std::vector<std::set<std::uint32_t>> neighbours(count);
-  std::vector<int> supports(count, 0);
-  std::vector<int> hubs_left(count, 0);
-  const auto is_ready = [&](std::uint32_t i) { return supports[i] > 0 || hubs_left[i] == 0; };
-  const auto connect = [&](std::uint32_t i, std::uint32_t j) {
-    if (i == j) return;
-    neighbours[i].insert(j);
-    neighbours[j].insert(i);
-  };
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    for (const auto& [body, turns] :
-         {std::pair(edges[i].a, edges[i].turns_a), std::pair(edges[i].b, edges[i].turns_b)}) {
-      if (body == kNone) continue;
-      const bool hub = hub_node[local(body)] != kNone;
-      if (hub) ++hubs_left[i];
-      if (!hub && turns) ++supports[i];
-    }
-  }
-  for (std::size_t body = 0; body < bodies.size(); ++body) {
-    for (const std::uint32_t i : joints_of[body]) {
-      if (hub_node[body] != kNone) {
-        connect(i, hub_node[body]);
-      } else {
-        for (const std::uint32_t j : joints_of[body]) connect(i, j);
-      }
-    }
-  }
-
-  // Minimum degree; of those with the same that which has had it for longest, then the lowest
-  // number: a chain is eliminated from its ends at once, so that a processor finds work that does
-  // not wait for what it does already.
-  std::vector<std::size_t> degree(count, 0);
-  std::vector<std::size_t> since(count, 0);
-  std::size_t now = 0;
-  std::set<std::tuple<std::size_t, std::size_t, std::uint32_t>> queue;
-  const auto enqueue = [&](std::uint32_t i) {
-    if (neighbours[i].size() != degree[i]) since[i] = now;
-    degree[i] = neighbours[i].size();
-    if (is_ready(i)) queue.insert({degree[i], since[i], i});
-  };
-  for (std::uint32_t i = 0; i < count; ++i) enqueue(i);
-  std::vector<std::uint32_t> order;
-  std::vector<std::vector<std::uint32_t>> later_of(count);
-  std::vector<std::uint8_t> done(count, 0);
-  std::size_t update_count = 0;
-  while (!queue.empty()) {
-    const std::uint32_t node = std::get<2>(*queue.begin());
-    queue.erase(queue.begin());
-    ++now;
-    done[node] = 1;
-    order.push_back(node);
-    later_of[node].assign(neighbours[node].begin(), neighbours[node].end());
-    const std::vector<std::uint32_t>& rest = later_of[node];
-    update_count += rest.size() * (rest.size() + 1) / 2;
-    if (may_refuse && update_count > kUpdatesPerNode * count) return false;
-    for (const std::uint32_t i : rest) queue.erase({degree[i], since[i], i});
-    for (const std::uint32_t i : rest) {
-      neighbours[i].erase(node);
-      for (const std::uint32_t j : rest) connect(i, j);
-    }
-    if (node >= edges.size()) {
-      for (const std::uint32_t i : joints_of[body_of_hub[node - edges.size()]]) --hubs_left[i];
-    }
-    for (const std::uint32_t i : rest) enqueue(i);
-  }
-
-  // Where everything lies.
+  JointElimination plan(edges);
+  const std::size_t most =
+      may_refuse ? kUpdatesPerNode * plan.node_count() : std::numeric_limits<std::size_t>::max();
+  if (!plan.run(most)) return false;
+  const std::vector<std::uint32_t>& bodies = plan.bodies();
   Part part{};
   part.node = static_cast<std::uint32_t>(nodes_.size());
-  part.node_count = count;
+  part.node_count = plan.node_count();
   part.body = static_cast<std::uint32_t>(bodies_.size());
   part.body_count = static_cast<std::uint32_t>(bodies.size());
   part.link = static_cast<std::uint32_t>(links_.size());
   part.value = value_count_;
-  part.regular = edges.size() + (fixed_ends == 0 ? 1 : 0) == bodies.size();
-  part.points = count == edges.size() &&
+  const bool hangs = std::any_of(edges.begin(), edges.end(),
+                                 [](const Edge& e) { return e.a == kNone || e.b == kNone; });
+  part.regular = edges.size() + (hangs ? 0 : 1) == bodies.size();
+  part.points = part.node_count == edges.size() &&
                 std::all_of(edges.begin(), edges.end(), [](const Edge& e) { return e.point; });
   bodies_.insert(bodies_.end(), bodies.begin(), bodies.end());
-  std::vector<std::uint32_t> place(count);
-  for (std::uint32_t k = 0; k < count; ++k) place[order[k]] = k;
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    hubs_.push_back(hub_node[body] != kNone ? 1 : 0);
+    hubs_.push_back(plan.hub_of(body) != kNone ? 1 : 0);
   }
-  for (std::uint32_t k = 0; k < count; ++k) {
+  place_nodes(edges, plan, part);
+  place_blocks(plan, part);
+  place_updates(part);
+  place_links(plan, part);
+  part.link_count = static_cast<std::uint32_t>(links_.size()) - part.link;
+  part.value_count = value_count_ - part.value;
+  parts_.push_back(part);
+  return true;
+}
+
+void JointGraph::place_nodes(std::span<const Edge> edges, const JointElimination& plan,
+                             const Part& part) {
+  for (const std::uint32_t i : plan.order()) {
     Node node;
-    const std::uint32_t i = order[k];
     if (i < edges.size()) {
       node.joint = edges[i].joint;
       node.rows = edges[i].rows;
-      if (edges[i].a != kNone) node.slot_a = part.body + local(edges[i].a);
-      if (edges[i].b != kNone) node.slot_b = part.body + local(edges[i].b);
+      if (edges[i].a != kNone) node.slot_a = part.body + plan.local(edges[i].a);
+      if (edges[i].b != kNone) node.slot_b = part.body + plan.local(edges[i].b);
     } else {
       node.rows = kHubRows;
-      for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-        if (hub_node[body] == i) node.slot_b = part.body + body;
-      }
+      node.slot_b = part.body + plan.body_of_hub(i);
     }
     node.diagonal = value_count_;
     value_count_ += static_cast<std::uint32_t>(node.rows * node.rows);
@@ -229,26 +142,31 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
     right_count_ += static_cast<std::uint32_t>(node.rows);
     nodes_.push_back(node);
   }
-  for (std::uint32_t k = 0; k < count; ++k) {
+}
+
+void JointGraph::place_blocks(const JointElimination& plan, const Part& part) {
+  for (std::uint32_t k = 0; k < part.node_count; ++k) {
     Node& node = nodes_[part.node + k];
     node.later = static_cast<std::uint32_t>(later_.size());
-    std::vector<std::uint32_t> places;
-    for (const std::uint32_t i : later_of[order[k]]) places.push_back(place[i]);
-    std::sort(places.begin(), places.end());
-    for (const std::uint32_t p : places) {
-      later_.push_back({part.node + p, value_count_, nodes_[part.node + p].right});
-      value_count_ += static_cast<std::uint32_t>(node.rows * nodes_[part.node + p].rows);
+    for (const std::uint32_t place : plan.later_places(k)) {
+      const Node& other = nodes_[part.node + place];
+      later_.push_back({part.node + place, value_count_, other.right});
+      value_count_ += static_cast<std::uint32_t>(node.rows * other.rows);
     }
-    node.later_count = static_cast<std::uint32_t>(places.size());
+    node.later_count = static_cast<std::uint32_t>(later_.size()) - node.later;
   }
-  const auto block_between = [&](std::uint32_t earlier, std::uint32_t later_node) {
-    const Node& node = nodes_[earlier];
-    for (std::uint32_t l = node.later; l < node.later + node.later_count; ++l) {
-      if (later_[l].node == later_node) return later_[l].block;
-    }
-    return kNone;
-  };
-  for (std::uint32_t k = 0; k < count; ++k) {
+}
+
+std::uint32_t JointGraph::block_between(std::uint32_t earlier, std::uint32_t later_node) const {
+  const Node& node = nodes_[earlier];
+  for (std::uint32_t l = node.later; l < node.later + node.later_count; ++l) {
+    if (later_[l].node == later_node) return later_[l].block;
+  }
+  return kNone;
+}
+
+void JointGraph::place_updates(const Part& part) {
+  for (std::uint32_t k = 0; k < part.node_count; ++k) {
     Node& node = nodes_[part.node + k];
     node.update = static_cast<std::uint32_t>(updates_.size());
     for (std::uint32_t i = 0; i < node.later_count; ++i) {
@@ -258,30 +176,27 @@ bool JointGraph::add_part(std::span<const Edge> edges, bool may_refuse) {
       updates_.push_back(nodes_[later_[node.later + i].node].diagonal);
     }
   }
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+}
+
+void JointGraph::place_links(const JointElimination& plan, const Part& part) {
+  const auto link = [&](std::uint32_t body, std::uint32_t p, std::uint32_t q) {
+    const std::uint32_t first = std::min(p, q);
+    const std::uint32_t second = std::max(p, q);
+    links_.push_back({first, second, block_between(first, second), part.body + body});
+  };
+  for (std::uint32_t body = 0; body < part.body_count; ++body) {
     std::vector<std::uint32_t> places;
-    for (const std::uint32_t i : joints_of[body]) places.push_back(part.node + place[i]);
-    if (hub_node[body] != kNone) {
-      const std::uint32_t hub = part.node + place[hub_node[body]];
-      for (const std::uint32_t p : places) {
-        const std::uint32_t first = std::min(p, hub);
-        const std::uint32_t second = std::max(p, hub);
-        links_.push_back({first, second, block_between(first, second), part.body + body});
-      }
+    for (const std::uint32_t i : plan.joints_of(body)) places.push_back(part.node + plan.place(i));
+    if (plan.hub_of(body) != kNone) {
+      const std::uint32_t hub = part.node + plan.place(plan.hub_of(body));
+      for (const std::uint32_t p : places) link(body, p, hub);
       continue;
     }
     std::sort(places.begin(), places.end());
     for (std::size_t i = 0; i < places.size(); ++i) {
-      for (std::size_t j = i + 1; j < places.size(); ++j) {
-        links_.push_back(
-            {places[i], places[j], block_between(places[i], places[j]), part.body + body});
-      }
+      for (std::size_t j = i + 1; j < places.size(); ++j) link(body, places[i], places[j]);
     }
   }
-  part.link_count = static_cast<std::uint32_t>(links_.size()) - part.link;
-  part.value_count = value_count_ - part.value;
-  parts_.push_back(part);
-  return true;
 }
 
 }  // namespace tandem::pbd

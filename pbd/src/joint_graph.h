@@ -8,6 +8,8 @@
 
 namespace tandem::pbd {
 
+class JointElimination;
+
 /// The plan of a sparse block elimination over joints: which blocks there are, in which order they
 /// are eliminated, and which block each elimination changes. Made anew when joints come or go.
 ///
@@ -75,6 +77,12 @@ class JointGraph {
  private:
   /// @return whether the fill-in stayed within what a part of this size may cost
   bool add_part(std::span<const Edge> edges, bool may_refuse);
+  void place_nodes(std::span<const Edge> edges, const JointElimination& plan, const Part& part);
+  void place_blocks(const JointElimination& plan, const Part& part);
+  void place_updates(const Part& part);
+  void place_links(const JointElimination& plan, const Part& part);
+  /// Offset of the block of two nodes, the earlier one first; kNone where there is none.
+  std::uint32_t block_between(std::uint32_t earlier, std::uint32_t later_node) const;
 
   std::vector<Node> nodes_;
   std::vector<Later> later_;

@@ -121,6 +121,51 @@ std::uint64_t kinds_of(std::span<const std::unique_ptr<ConstraintBlock>> blocks)
   return hash;
 }
 
+/// One for each slot, or none.
+bool load_wrenches(ByteReader& in, std::uint32_t slots, std::vector<Wrench>& wrenches) {
+  const std::uint32_t count = in.u32();
+  if (in.failed() || (count != 0 && count != slots)) return false;
+  wrenches.assign(count, {});
+  for (Wrench& wrench : wrenches) {
+    wrench.force = in.vec3();
+    wrench.torque = in.vec3();
+    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) return false;
+  }
+  return true;
+}
+
+bool load_targets(ByteReader& in, std::span<const BodyProps> props,
+                  std::vector<KinematicTarget>& targets) {
+  const std::uint32_t count = in.u32();
+  if (in.failed() || count > props.size()) return false;
+  targets.assign(count, {});
+  for (KinematicTarget& target : targets) {
+    target.index = in.u32();
+    target.pose.position = in.vec3();
+    target.pose.orientation = in.quat();
+    if (target.index >= props.size() || props[target.index].type != BodyType::Kinematic ||
+        !target.pose.position.allFinite() ||
+        !(std::abs(target.pose.orientation.norm() - 1.0) < 1e-3)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// One for each slot, or none.
+bool load_corrections(ByteReader& in, std::uint32_t slots, std::vector<Correction>& corrections) {
+  const std::uint32_t count = in.u32();
+  if (in.failed() || (count != 0 && count != slots)) return false;
+  corrections.assign(count, {});
+  for (Correction& correction : corrections) {
+    correction.translation = in.vec3();
+    correction.rotation = in.vec3();
+    correction.twist.linear = in.vec3();
+    correction.twist.angular = in.vec3();
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::byte> World::snapshot() const {
@@ -214,35 +259,9 @@ bool World::read(ByteReader& in) {
     if (!slots_.alive(i) || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
   }
   slots_.load_free(in);
-  const std::uint32_t wrench_count = in.u32();
-  if (in.failed() || (wrench_count != 0 && wrench_count != slots)) return false;
-  wrenches_.assign(wrench_count, {});
-  for (Wrench& wrench : wrenches_) {
-    wrench.force = in.vec3();
-    wrench.torque = in.vec3();
-    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) return false;
-  }
-  const std::uint32_t kinematic_count = in.u32();
-  if (in.failed() || kinematic_count > slots) return false;
-  kinematic_targets_.assign(kinematic_count, {});
-  for (KinematicTarget& target : kinematic_targets_) {
-    target.index = in.u32();
-    target.pose.position = in.vec3();
-    target.pose.orientation = in.quat();
-    if (target.index >= slots || props_[target.index].type != BodyType::Kinematic ||
-        !target.pose.position.allFinite() ||
-        !(std::abs(target.pose.orientation.norm() - 1.0) < 1e-3)) {
-      return false;
-    }
-  }
-  const std::uint32_t correction_count = in.u32();
-  if (in.failed() || (correction_count != 0 && correction_count != slots)) return false;
-  corrections_.assign(correction_count, {});
-  for (Correction& correction : corrections_) {
-    correction.translation = in.vec3();
-    correction.rotation = in.vec3();
-    correction.twist.linear = in.vec3();
-    correction.twist.angular = in.vec3();
+  if (!load_wrenches(in, slots, wrenches_) || !load_targets(in, props_, kinematic_targets_) ||
+      !load_corrections(in, slots, corrections_)) {
+    return false;
   }
   for (const auto& block : blocks_) block->load(in);
   if (contact_source_ != nullptr) contact_source_->load(in);

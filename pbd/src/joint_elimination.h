@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "joint_graph.h"
+
+namespace tandem::pbd {
+
+/// The order in which the nodes of one part of a JointGraph are eliminated, and whom each of them
+/// couples then. Nodes are numbered: joints as the edges are, then the hubs.
+///
+/// Minimum degree; of those with the same that which has had it for longest, then the lowest
+/// number: a chain is eliminated from its ends at once, so that a processor finds work that does
+/// not wait for what it does already.
+class JointElimination {
+ public:
+  explicit JointElimination(std::span<const JointGraph::Edge> edges);
+  /// Only once. @return false where more than `most` block operations were needed
+  bool run(std::size_t most);
+
+  std::uint32_t node_count() const { return static_cast<std::uint32_t>(neighbours_.size()); }
+  const std::vector<std::uint32_t>& bodies() const { return bodies_; }  ///< ascending
+  /// Place of a body in bodies(); kNone of kNone.
+  std::uint32_t local(std::uint32_t body) const;
+  const std::vector<std::uint32_t>& joints_of(std::uint32_t local_body) const {
+    return joints_of_[local_body];
+  }
+  /// The node of a body that is a hub; kNone of others.
+  std::uint32_t hub_of(std::uint32_t local_body) const { return hub_of_[local_body]; }
+  std::uint32_t body_of_hub(std::uint32_t node) const { return body_of_hub_[node - edges_.size()]; }
+  const std::vector<std::uint32_t>& order() const { return order_; }      ///< nodes
+  std::uint32_t place(std::uint32_t node) const { return place_[node]; }  ///< in order()
+  /// Places of the neighbours that the node at this place has when it is eliminated, ascending.
+  std::vector<std::uint32_t> later_places(std::uint32_t place) const;
+
+ private:
+  static constexpr std::uint32_t kNone = JointGraph::kNone;
+
+  void find_bodies();
+  void connect(std::uint32_t i, std::uint32_t j);
+  void connect_all();
+
+  std::span<const JointGraph::Edge> edges_;
+  std::vector<std::uint32_t> bodies_;
+  std::vector<std::vector<std::uint32_t>> joints_of_;  ///< by local body
+  std::vector<std::uint32_t> hub_of_;                  ///< by local body
+  std::vector<std::uint32_t> body_of_hub_;             ///< local
+  std::vector<std::set<std::uint32_t>> neighbours_;
+  std::vector<int> supports_;   ///< ends of a joint that answer to all its rows
+  std::vector<int> hubs_left_;  ///< hubs of a joint that are not eliminated yet
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> place_;
+  std::vector<std::vector<std::uint32_t>> later_of_;
+};
+
+}  // namespace tandem::pbd
