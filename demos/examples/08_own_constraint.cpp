@@ -31,7 +31,7 @@ class SpringHinge {
   Def& def() { return def_; }
   BodyId body_a() const { return {}; }  // the world
   BodyId body_b() const { return def_.body; }
-  bool springs() const { return true; }  // so it rests only where its speed does not change
+  bool force_driven() const { return true; }  // so it rests only where its speed does not change
   double residual() const { return residual_; }
   double displacement_residual() const { return 0.0; }
   void begin_substep(const SubstepContext& ctx) {

@@ -39,19 +39,6 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.turns_freely = !locked[0] && !locked[1] && !locked[2];
 }
 
-/// Marks every body that rows name.
-class TurnMarker final : public LinkVisitor {
- public:
-  explicit TurnMarker(std::span<SolverBody> bodies) : bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a != BodyId::kNone) bodies_[a].turns = true;
-    if (b != BodyId::kNone) bodies_[b].turns = true;
-  }
-
- private:
-  std::span<SolverBody> bodies_;
-};
-
 }  // namespace
 
 void BodyBuffer::aim_kinematic(World& world, double dt) {
@@ -77,7 +64,8 @@ void BodyBuffer::load(const World& world, Workers& workers) {
   }
 }
 
-int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Workers& workers) {
+int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edges,
+                        std::span<const Group> groups, Workers& workers) {
   bool all_turn = true;
   for (const Group& group : groups) {
     for (const std::uint32_t i : group.bodies) {
@@ -87,7 +75,7 @@ int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Worke
       all_turn = all_turn && body.turns;
     }
   }
-  if (!all_turn) mark_turned(world);
+  if (!all_turn) mark_turned(world, edges);
   workers.for_chunks(bodies_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
@@ -102,10 +90,10 @@ int BodyBuffer::prepare(const World& world, std::span<const Group> groups, Worke
 }
 
 /// Rows give a torque, but for contacts without friction whose force goes through the centre.
-void BodyBuffer::mark_turned(const World& world) {
-  TurnMarker marker(bodies_);
-  for (const auto& block : world.blocks_) {
-    if (block.get() != world.contacts_) block->links(marker);
+void BodyBuffer::mark_turned(const World& world, std::span<const ConstraintEdge> edges) {
+  for (const ConstraintEdge& edge : edges) {
+    if (edge.body_a != BodyId::kNone) bodies_[edge.body_a].turns = true;
+    if (edge.body_b != BodyId::kNone) bodies_[edge.body_b].turns = true;
   }
   if (world.contacts_ == nullptr) return;
   for (const Contact& contact : world.contacts_->contacts()) {

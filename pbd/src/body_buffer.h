@@ -21,8 +21,10 @@ class BodyBuffer {
   static void aim_kinematic(World& world, double dt);
   void load(const World& world, Workers& workers);
   /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
+  /// @param edges  of all rows but contacts
   /// @return how many those are
-  int prepare(const World& world, std::span<const Group> groups, Workers& workers);
+  int prepare(const World& world, std::span<const ConstraintEdge> edges,
+              std::span<const Group> groups, Workers& workers);
   std::span<SolverBody> all() { return bodies_; }
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
   std::size_t size() const { return bodies_.size(); }
@@ -36,7 +38,7 @@ class BodyBuffer {
   void store(World& world, double dt, std::span<const Group> groups, StepReport& report);
 
  private:
-  void mark_turned(const World& world);
+  void mark_turned(const World& world, std::span<const ConstraintEdge> edges);
   static void refuse(World& world, std::uint32_t i, StepReport& report);
   void store_kinematic(World& world, double dt, StepReport& report);
   static void mark_contacts(World& world);

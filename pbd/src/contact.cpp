@@ -351,15 +351,11 @@ void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
   impl_->changed.clear();
 }
 
-void ContactBlock::links(LinkVisitor& visitor) const {
+void ContactBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   for (const Contact& contact : impl_->contacts) {
-    visitor.link(contact.manifold.body_a, contact.manifold.body_b);
-  }
-}
-
-void ContactBlock::holds(LinkVisitor& visitor) const {
-  for (const Contact& contact : impl_->contacts) {
-    if (contact.loaded()) visitor.link(contact.manifold.body_a, contact.manifold.body_b);
+    edges.push_back({.body_a = contact.manifold.body_a,
+                     .body_b = contact.manifold.body_b,
+                     .supports = contact.loaded()});
   }
 }
 

@@ -29,82 +29,17 @@ bool disagrees(const PoseTarget& target, const SolverBody& body) {
   return (target.pose.position - body.x).norm() > kRestingDistance || angle > kRestingAngle;
 }
 
-/// Marks every body that is named.
-class Marker final : public LinkVisitor {
- public:
-  explicit Marker(std::vector<std::uint8_t>& marks) : marks_(marks) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a != BodyId::kNone) marks_[a] = 1;
-    if (b != BodyId::kNone) marks_[b] = 1;
-  }
-
- private:
-  std::vector<std::uint8_t>& marks_;
-};
-
 bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
 
 }  // namespace
 
-/// What an immovable body that moves is in touch with does not sleep.
-class Groups::Disturber final : public LinkVisitor {
- public:
-  Disturber(std::vector<Island>& islands, std::span<const SolverBody> bodies)
-      : islands_(islands), bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a == BodyId::kNone || b == BodyId::kNone) return;
-    if (bodies_[a].inv_mass == 0.0 && moves(bodies_[a])) islands_[bodies_[b].island].awake = true;
-    if (bodies_[b].inv_mass == 0.0 && moves(bodies_[b])) islands_[bodies_[a].island].awake = true;
-  }
-
- private:
-  std::vector<Island>& islands_;
-  std::span<const SolverBody> bodies_;
-};
-
-/// Marks islands that something immovable holds: what drifts freely is slow, but not at rest.
-class Groups::Holder final : public LinkVisitor {
- public:
-  Holder(std::vector<Island>& islands, std::span<const SolverBody> bodies)
-      : islands_(islands), bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    const bool fixed_a = a == BodyId::kNone || bodies_[a].inv_mass == 0.0;
-    const bool fixed_b = b == BodyId::kNone || bodies_[b].inv_mass == 0.0;
-    if (fixed_a && !fixed_b) islands_[bodies_[b].island].held = true;
-    if (fixed_b && !fixed_a) islands_[bodies_[a].island].held = true;
-  }
-
- private:
-  std::vector<Island>& islands_;
-  std::span<const SolverBody> bodies_;
-};
-
-/// Marks islands that rows move by themselves.
-class Groups::Driver final : public LinkVisitor {
- public:
-  Driver(std::vector<Island>& islands, std::span<const SolverBody> bodies)
-      : islands_(islands), bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a != BodyId::kNone) islands_[bodies_[a].island].driven = true;
-    if (b != BodyId::kNone) islands_[bodies_[b].island].driven = true;
-  }
-
- private:
-  std::vector<Island>& islands_;
-  std::span<const SolverBody> bodies_;
-};
-
 void Groups::arrange(const Rule& rule, const Islands& islands,
-                     std::span<const std::uint32_t> changed,
-                     std::span<const std::unique_ptr<ConstraintBlock>> blocks,
+                     std::span<const std::uint32_t> changed, std::span<const ConstraintEdge> edges,
                      std::span<const PoseTarget> targets, std::span<const BodyProps> props,
                      std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const bool pushed = sum_islands(rule, islands, activity, bodies);
   if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
-  if (rule.sleep_after > 0.0 && pushed) {
-    Disturber disturber(islands_, bodies);
-    for (const auto& block : blocks) block->links(disturber);
-  }
+  if (rule.sleep_after > 0.0 && pushed) disturb(edges, bodies);
   form_groups(rule, props, activity, bodies);
 }
 
@@ -178,14 +113,13 @@ void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
 }
 
 void Groups::settle(const Rule& rule, double dt, const Islands& islands,
-                    std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                    std::span<const double> wanted, std::span<const BodyState> before,
-                    std::span<const BodyProps> props, std::span<BodyActivity> activity,
-                    std::span<SolverBody> bodies) {
+                    std::span<const ConstraintEdge> edges, std::span<const double> wanted,
+                    std::span<const BodyState> before, std::span<const BodyProps> props,
+                    std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   if (count_ == 0) return;
   const auto count = static_cast<std::uint32_t>(bodies.size());
   sprung_.assign(count, 0);
-  if (rule.sleep_after > 0.0) judge_rest(blocks, bodies);
+  if (rule.sleep_after > 0.0) judge_rest(edges, bodies);
   const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
   const auto is_steady = [&](std::uint32_t i) {
     const Vec3 dv = bodies[i].v - before[i].twist.linear;
@@ -221,16 +155,34 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   }
 }
 
-void Groups::judge_rest(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                        std::span<const SolverBody> bodies) {
-  Holder holder(islands_, bodies);
-  Driver driver(islands_, bodies);
-  Marker sprung(sprung_);
-  for (const auto& block : blocks) {
-    if (block->empty()) continue;
-    block->holds(holder);
-    block->drives(driver);
-    block->springs(sprung);
+void Groups::disturb(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies) {
+  const auto pushes = [&](std::uint32_t i) {
+    return bodies[i].inv_mass == 0.0 && moves(bodies[i]);
+  };
+  for (const ConstraintEdge& edge : edges) {
+    const std::uint32_t a = edge.body_a;
+    const std::uint32_t b = edge.body_b;
+    if (a == BodyId::kNone || b == BodyId::kNone) continue;
+    if (pushes(a)) islands_[bodies[b].island].awake = true;
+    if (pushes(b)) islands_[bodies[a].island].awake = true;
+  }
+}
+
+void Groups::judge_rest(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies) {
+  for (const ConstraintEdge& edge : edges) {
+    const std::array<std::uint32_t, 2> ends{edge.body_a, edge.body_b};
+    std::array<bool, 2> fixed{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      fixed[k] = ends[k] == BodyId::kNone || bodies[ends[k]].inv_mass == 0.0;
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (ends[k] == BodyId::kNone) continue;
+      Island& island = islands_[bodies[ends[k]].island];
+      // What drifts freely is slow, but not at rest.
+      if (edge.supports && fixed[1 - k] && !fixed[k]) island.held = true;
+      if (edge.actuated) island.driven = true;
+      if (edge.force_driven) sprung_[ends[k]] = 1;
+    }
   }
 }
 

@@ -39,19 +39,18 @@ class Groups {
   /// group.
   /// @param changed  bodies whose rows were changed
   void arrange(const Rule& rule, const Islands& islands, std::span<const std::uint32_t> changed,
-               std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-               std::span<const PoseTarget> targets, std::span<const BodyProps> props,
-               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+               std::span<const ConstraintEdge> edges, std::span<const PoseTarget> targets,
+               std::span<const BodyProps> props, std::span<BodyActivity> activity,
+               std::span<SolverBody> bodies);
   std::span<const Group> all() const { return {groups_.data(), count_}; }
 
   /// After the step: levels for the next one, and who falls asleep.
   /// @param wanted  by body: substeps that its rows ask for
   /// @param before  by body: where the step began
   void settle(const Rule& rule, double dt, const Islands& islands,
-              std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-              std::span<const double> wanted, std::span<const BodyState> before,
-              std::span<const BodyProps> props, std::span<BodyActivity> activity,
-              std::span<SolverBody> bodies);
+              std::span<const ConstraintEdge> edges, std::span<const double> wanted,
+              std::span<const BodyState> before, std::span<const BodyProps> props,
+              std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
  private:
   struct Island {
@@ -74,13 +73,10 @@ class Groups {
   void form_groups(const Rule& rule, std::span<const BodyProps> props,
                    std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
-  class Disturber;
-  class Holder;
-  class Driver;
-
+  /// What an immovable body that moves is in touch with does not sleep.
+  void disturb(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
   /// What is held, driven or sprung.
-  void judge_rest(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                  std::span<const SolverBody> bodies);
+  void judge_rest(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
 
   std::vector<Island> islands_;       ///< by the index of the lowest body
   std::vector<std::uint8_t> sprung_;  ///< by body: springs or motors act on it

@@ -6,41 +6,29 @@
 
 namespace tandem::pbd {
 
-/// Union-find in place: a body's entry is its parent until build() has made it the root.
-class Islands::Joiner final : public LinkVisitor {
- public:
-  Joiner(std::vector<std::uint32_t>& parents, std::span<const SolverBody> bodies)
-      : parents_(parents), bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a == BodyId::kNone || b == BodyId::kNone) return;
-    if (bodies_[a].inv_mass == 0.0 || bodies_[b].inv_mass == 0.0) return;
-    const std::uint32_t ra = root_of(a);
-    const std::uint32_t rb = root_of(b);
-    if (ra != rb) parents_[std::max(ra, rb)] = std::min(ra, rb);
-  }
-  std::uint32_t root_of(std::uint32_t i) {
-    while (parents_[i] != i) {
-      parents_[i] = parents_[parents_[i]];
-      i = parents_[i];
-    }
-    return i;
-  }
-
- private:
-  std::vector<std::uint32_t>& parents_;
-  std::span<const SolverBody> bodies_;
-};
-
-void Islands::build(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-                    std::span<const SolverBody> bodies) {
+// Union-find in place: a body's entry is its parent until build() has made it the root.
+void Islands::build(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   island_of_.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) island_of_[i] = i;
-  Joiner joiner(island_of_, bodies);
-  for (const auto& block : blocks) {
-    if (!block->empty()) block->links(joiner);
+  const auto moves = [&](std::uint32_t body) {
+    return body != BodyId::kNone && bodies[body].inv_mass > 0.0;
+  };
+  for (const ConstraintEdge& edge : edges) {
+    if (!moves(edge.body_a) || !moves(edge.body_b)) continue;
+    const std::uint32_t root_a = root_of(edge.body_a);
+    const std::uint32_t root_b = root_of(edge.body_b);
+    if (root_a != root_b) island_of_[std::max(root_a, root_b)] = std::min(root_a, root_b);
   }
-  for (std::uint32_t i = 0; i < count; ++i) island_of_[i] = joiner.root_of(i);
+  for (std::uint32_t i = 0; i < count; ++i) island_of_[i] = root_of(i);
+}
+
+std::uint32_t Islands::root_of(std::uint32_t i) {
+  while (island_of_[i] != i) {
+    island_of_[i] = island_of_[island_of_[i]];
+    i = island_of_[i];
+  }
+  return i;
 }
 
 }  // namespace tandem::pbd

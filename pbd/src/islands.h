@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,14 +14,14 @@ namespace tandem::pbd {
 /// separates islands.
 class Islands {
  public:
-  void build(std::span<const std::unique_ptr<ConstraintBlock>> blocks,
-             std::span<const SolverBody> bodies);
+  void build(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
 
   /// By body: the lowest index of a body of its island; its own where nothing joins it.
   std::span<const std::uint32_t> of() const { return island_of_; }
 
  private:
-  class Joiner;
+  std::uint32_t root_of(std::uint32_t body);
+
   std::vector<std::uint32_t> island_of_;
 };
 

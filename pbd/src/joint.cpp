@@ -80,14 +80,14 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   detail::require(def.a == record.def.a, "joint", "a", def.a.index, "the body it was added with");
   detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
   const std::uint32_t used = record.used;
-  const bool passive = record.passive();
+  const bool passive = record.passive;
   const bool point = record.is_point();
   const bool enabled = record.def.enabled;
   record.def = def;
   record.def.frame_a.basis.normalize();
   record.def.frame_b.basis.normalize();
   record.refresh();
-  if (passive != record.passive() || point != record.is_point() || used != record.used ||
+  if (passive != record.passive || point != record.is_point() || used != record.used ||
       enabled != def.enabled) {
     impl_->dirty = true;
   }
@@ -268,26 +268,16 @@ void JointBlock::end_step(const SubstepContext& ctx) {
   }
 }
 
-void JointBlock::links(LinkVisitor& visitor) const {
-  for (const JointRecord& record : impl_->records) {
-    if (record.active()) visitor.link(record.def.a.index, record.def.b.index);
-  }
-}
-
-void JointBlock::drives(LinkVisitor& visitor) const {
+void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   for (const JointRecord& record : impl_->records) {
     if (!record.active()) continue;
-    bool any = false;
-    for (int c = 0; c < kCone; ++c) any = any || motor_runs(record, c);
-    if (any) visitor.link(record.def.a.index, record.def.b.index);
-  }
-}
-
-void JointBlock::springs(LinkVisitor& visitor) const {
-  for (const JointRecord& record : impl_->records) {
-    if (record.active() && !record.passive()) {
-      visitor.link(record.def.a.index, record.def.b.index);
-    }
+    const bool force_driven = !record.passive;
+    bool actuated = false;
+    for (int c = 0; force_driven && c < kCone; ++c) actuated = actuated || motor_runs(record, c);
+    edges.push_back({.body_a = record.def.a.index,
+                     .body_b = record.def.b.index,
+                     .actuated = actuated,
+                     .force_driven = force_driven});
   }
 }
 

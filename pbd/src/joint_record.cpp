@@ -50,20 +50,14 @@ JointAxis JointRecord::axis(int c) const {
   return cone;
 }
 
-bool JointRecord::passive() const {
+void JointRecord::refresh() {
+  used = 0;
+  passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
     const JointAxis a = axis(c);
     if (a.compliance > 0.0 || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0) {
-      return false;
+      passive = false;
     }
-  }
-  return true;
-}
-
-void JointRecord::refresh() {
-  used = 0;
-  for (int c = 0; c < kCoordinates; ++c) {
-    const JointAxis a = axis(c);
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
         a.spring.damping > 0.0) {
       used |= 1u << c;

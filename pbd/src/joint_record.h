@@ -27,15 +27,14 @@ struct JointRecord {
   Vec3 spin = Vec3::Zero();   ///< rad/s, of b against a when the step began
   std::uint32_t used = 0;     ///< bit per coordinate that may get a row
   bool point = false;         ///< all displacements locked alike: rows along the world's axes
+  bool passive = true;        ///< nothing in it stores or supplies energy
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
-  /// Recompute `used` and `point` from the definition.
+  /// Recompute `used`, `point` and `passive` from the definition.
   void refresh();
   /// The settings of coordinate c, 0 to 6.
   JointAxis axis(int c) const;
-  /// Whether nothing in it stores or supplies energy.
-  bool passive() const;
   int rows() const { return std::popcount(used); }
   /// Three rows of a point and no others.
   bool is_point() const { return point && used == 7u; }

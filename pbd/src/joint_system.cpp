@@ -59,7 +59,7 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
     const JointGraph::Part& part = graph_.parts()[p];
     for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
       const std::uint32_t joint = graph_.nodes()[k].joint;
-      if (joint != kNone && !records[joint].passive()) passive_[p] = 0;
+      if (joint != kNone && !records[joint].passive) passive_[p] = 0;
     }
   }
   values_.assign(graph_.value_count(), 0.0);

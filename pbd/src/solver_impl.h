@@ -53,6 +53,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   bool usable(const PoseTarget& target) const;
   /// Islands, and from them the groups that are solved together.
   void arrange_groups();
+  void list_edges();
   Groups::Rule group_rule() const;
   void list_parts();
   void project_joints();
@@ -109,6 +110,11 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   bool has_rows_ = false;  ///< there is a row, and a body that is awake
   bool projects_ = false;  ///< some row projects poses
   Groups groups_;
+  /// Of all rows: first of blocks that project poses, then of the others but contacts, then
+  /// contacts.
+  std::vector<ConstraintEdge> edges_;
+  std::size_t projecting_edges_ = 0;
+  std::size_t contact_edges_ = 0;       ///< where those of contacts begin
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
   std::vector<double> wanted_;          ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;        ///< the one being solved

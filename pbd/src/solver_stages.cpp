@@ -12,23 +12,6 @@
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
-namespace {
-
-/// Marks the bodies whose poses rows project.
-class ProjectedMarker final : public LinkVisitor {
- public:
-  explicit ProjectedMarker(std::span<SolverBody> bodies) : bodies_(bodies) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a != BodyId::kNone) bodies_[a].projected = true;
-    if (b != BodyId::kNone) bodies_[b].projected = true;
-  }
-
- private:
-  std::span<SolverBody> bodies_;
-};
-
-}  // namespace
-
 void Solver::Impl::begin_step(World& world, double dt) {
   world_ = &world;
   dt_ = dt;
@@ -40,7 +23,8 @@ void Solver::Impl::begin_step(World& world, double dt) {
   bodies_.load(world, workers_);
   collect_targets();
   arrange_groups();
-  report_.turning = bodies_.prepare(world, groups_.all(), workers_);
+  report_.turning =
+      bodies_.prepare(world, std::span(edges_).first(contact_edges_), groups_.all(), workers_);
   list_parts();
   context_ = {.bodies = bodies_.all(),
               .h = dt / options_.substeps,
@@ -157,8 +141,9 @@ void Solver::Impl::end_step() {
   if (report_.parts.refinement) {
     for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
   }
-  groups_.settle(group_rule(), dt_, islands_, world_->blocks_, wanted_, world_->states_,
-                 world_->props_, world_->activity_, bodies_.all());
+  if (options_.sleep_after > 0.0) list_edges();  // what rows did in this step decides who rests
+  groups_.settle(group_rule(), dt_, islands_, edges_, wanted_, world_->states_, world_->props_,
+                 world_->activity_, bodies_.all());
   limit_motion();
   bodies_.store(*world_, dt_, groups_.all(), report_);
   world_->wrenches_.clear();
@@ -252,26 +237,40 @@ void Solver::Impl::collect_targets() {
 }
 
 void Solver::Impl::arrange_groups() {
-  islands_.build(world_->blocks_, bodies_.all());
+  list_edges();
+  islands_.build(edges_, bodies_.all());
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
   note_new_overlaps();
-  groups_.arrange(group_rule(), islands_, changed_, world_->blocks_, pose_targets_, world_->props_,
+  groups_.arrange(group_rule(), islands_, changed_, edges_, pose_targets_, world_->props_,
                   world_->activity_, bodies_.all());
   if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.all());
   report_.groups = static_cast<int>(groups_.all().size());
   report_.awake = 0;
   for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
-  ProjectedMarker marker(bodies_.all());
   projects_ = false;
   has_rows_ = false;
   if (groups_.all().empty()) return;
   for_blocks([&](ConstraintBlock& block) {
     has_rows_ = true;
-    if (is_last(block)) return;
-    projects_ = true;
-    block.links(marker);
+    projects_ = projects_ || !is_last(block);
   });
+  for (const ConstraintEdge& edge : std::span(edges_).first(projecting_edges_)) {
+    if (edge.body_a != BodyId::kNone) bodies_[edge.body_a].projected = true;
+    if (edge.body_b != BodyId::kNone) bodies_[edge.body_b].projected = true;
+  }
+}
+
+void Solver::Impl::list_edges() {
+  edges_.clear();
+  projecting_edges_ = 0;
+  for (const auto& block : world_->blocks_) {
+    if (block.get() == world_->contacts_) continue;
+    block->append_edges(edges_);
+    if (!is_last(*block)) projecting_edges_ = edges_.size();
+  }
+  contact_edges_ = edges_.size();
+  if (world_->contacts_ != nullptr) world_->contacts_->append_edges(edges_);
 }
 
 /// A collider or a filter may have changed between bodies that sleep.

@@ -20,33 +20,6 @@ void wake_up(BodyActivity& activity) {
   activity.still = 0.0;
 }
 
-/// Collects what rows join to one body.
-class Waker final : public LinkVisitor {
- public:
-  Waker(std::uint32_t body, std::vector<std::uint32_t>& found) : body_(body), found_(found) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a == body_ && b != BodyId::kNone) found_.push_back(b);
-    if (b == body_ && a != BodyId::kNone) found_.push_back(a);
-  }
-
- private:
-  std::uint32_t body_;
-  std::vector<std::uint32_t>& found_;
-};
-
-/// Collects every body that rows name.
-class BodyCollector final : public LinkVisitor {
- public:
-  explicit BodyCollector(std::vector<std::uint32_t>& named) : named_(named) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a != BodyId::kNone) named_.push_back(a);
-    if (b != BodyId::kNone) named_.push_back(b);
-  }
-
- private:
-  std::vector<std::uint32_t>& named_;
-};
-
 }  // namespace
 
 World::World(const WorldDef& def) { set_gravity(def.gravity); }
@@ -286,10 +259,12 @@ void World::wake(BodyId id) {
 }
 
 void World::wake_joined(std::uint32_t index) {
-  std::vector<std::uint32_t> joined;
-  Waker waker(index, joined);
-  for (const auto& block : blocks_) block->links(waker);
-  for (const std::uint32_t other : joined) wake_up(activity_[other]);
+  std::vector<ConstraintEdge> edges;
+  for (const auto& block : blocks_) block->append_edges(edges);
+  for (const auto& edge : edges) {
+    if (edge.body_a == index && edge.body_b != BodyId::kNone) wake_up(activity_[edge.body_b]);
+    if (edge.body_b == index && edge.body_a != BodyId::kNone) wake_up(activity_[edge.body_a]);
+  }
 }
 
 void World::set_gravity(const Vec3& gravity) {
@@ -318,14 +293,15 @@ void World::remove_block(const ConstraintBlock& block) {
   if (&block == contacts_) {
     detail::refuse("World::remove_block: block", "one that add_block() made", "that of contacts");
   }
+  std::vector<ConstraintEdge> edges;
+  block.append_edges(edges);
   std::vector<std::uint32_t> named;
-  BodyCollector collector(named);
-  block.links(collector);
+  for (const ConstraintEdge& edge : edges) named.insert(named.end(), {edge.body_a, edge.body_b});
   // Rows that were removed since the last step have nobody else to tell of it.
   (*at)->take_changed(named);
   blocks_.erase(at);
   for (const std::uint32_t body : named) {
-    // A snapshot's list of changes may name any number.
+    // The world is kNone, and a snapshot's list of changes may name any number.
     if (body < activity_.size()) wake_up(activity_[body]);
   }
 }

@@ -7,33 +7,6 @@
 #include "tandem/pbd/contact.h"
 
 namespace tandem::consensus {
-namespace {
-
-/// Marks bodies that a joint or a spring (not a contact) holds to another or to the world, and
-/// collects pairs of bodies that move.
-class JointMarker final : public pbd::LinkVisitor {
- public:
-  using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-  JointMarker(const pbd::World& world, std::vector<std::uint8_t>& marks, Pairs& pairs)
-      : props_(world.all_props()), marks_(marks), pairs_(pairs) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    if (a != pbd::BodyId::kNone) marks_[a] = 1;
-    if (b != pbd::BodyId::kNone) marks_[b] = 1;
-    if (moves(a) && moves(b)) pairs_.emplace_back(a, b);
-  }
-
- private:
-  bool moves(std::uint32_t slot) const {
-    return slot != pbd::BodyId::kNone && props_[slot].type == pbd::BodyType::Dynamic;
-  }
-
-  std::span<const pbd::BodyProps> props_;
-  std::vector<std::uint8_t>& marks_;
-  Pairs& pairs_;
-};
-
-}  // namespace
-
 void Activity::look() {
   mark_joints();
   mark_acting();
@@ -48,9 +21,17 @@ void Activity::look_at(SharedBody& shared, std::span<const Inbox::Received> newe
 void Activity::mark_joints() {
   jointed_.assign(data_.world.slot_count(), 0);
   joined_.clear();
-  JointMarker marker(data_.world, jointed_, joined_);
+  edges_.clear();
   for (const auto& block : data_.world.blocks()) {
-    if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->links(marker);
+    if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->append_edges(edges_);
+  }
+  const auto moves = [props = data_.world.all_props()](std::uint32_t slot) {
+    return slot != pbd::BodyId::kNone && props[slot].type == pbd::BodyType::Dynamic;
+  };
+  for (const pbd::ConstraintEdge& edge : edges_) {
+    if (edge.body_a != pbd::BodyId::kNone) jointed_[edge.body_a] = 1;
+    if (edge.body_b != pbd::BodyId::kNone) jointed_[edge.body_b] = 1;
+    if (moves(edge.body_a) && moves(edge.body_b)) joined_.emplace_back(edge.body_a, edge.body_b);
   }
 }
 

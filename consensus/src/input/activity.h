@@ -49,7 +49,9 @@ class Activity {
 
   PeerData& data_;
   Trust& trust_;
-  std::vector<std::uint8_t> jointed_;  ///< by slot
+  std::vector<pbd::ConstraintEdge> edges_;  ///< of joints and springs
+  /// By slot: a joint or a spring, not a contact, holds it to another body or to the world.
+  std::vector<std::uint8_t> jointed_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;
   std::vector<std::uint8_t> acting_;    ///< by slot
   std::vector<std::uint8_t> touching_;  ///< by slot, what a body is for those that touch it

@@ -92,20 +92,28 @@ struct TANDEM_API BlockReport {
   double displacement_residual = 0.0;  ///< m, largest part of it that agreement left behind
 };
 
-/// Is told which bodies rows join.
-class TANDEM_API LinkVisitor {
- public:
-  virtual ~LinkVisitor() = default;
-  /// Indices of the two bodies; BodyId::kNone stands for the world.
-  virtual void link(std::uint32_t body_a, std::uint32_t body_b) = 0;
+/// Two bodies that a row reads or moves, and what the row's last step says of their rest.
+struct ConstraintEdge {
+  /// Indices; BodyId::kNone stands for the world.
+  std::uint32_t body_a = BodyId::kNone, body_b = BodyId::kNone;
+  /// The row holds something: only what something immovable supports may rest, the rest is slow and
+  /// drifts.
+  bool supports = true;
+  /// The row moves bodies by itself (a motor that runs, an anchor that moves): they do not rest,
+  /// however slow they are.
+  bool actuated = false;
+  /// The row acts with a force of its own (springs, motors): its bodies rest where their speed does
+  /// not change either.
+  bool force_driven = false;
 };
 
 /// All constraints of one kind in a world: the only thing that the solver knows of them. Each verb
 /// runs over all rows of the block. Only `project` must be given.
 ///
-/// Two channels share one Jacobian (docs/ARCHITECTURE.md): *Real* carries momentum; *Total* moves
-/// bodies on towards their targets and never enters velocity. In Total a row keeps the violation
-/// that it had in Real, no more and no less, so that a vanishing target leaves no trace.
+/// Two channels share one Jacobian (docs/ARCHITECTURE.md): the real one carries momentum; the
+/// displacement channel moves bodies on towards their targets and never enters velocity. There a
+/// row keeps the violation that it had, no more and no less, so that a vanishing target leaves no
+/// trace.
 class TANDEM_API ConstraintBlock {
  public:
   virtual ~ConstraintBlock() = default;
@@ -138,17 +146,8 @@ class TANDEM_API ConstraintBlock {
   virtual void end_displacement(const SubstepContext&) {}
   virtual void end_step(const SubstepContext&) {}
 
-  /// Names every body that a row reads or moves, alone or in pairs.
-  virtual void links(LinkVisitor&) const {}
-  /// Those of links() between which a row holds something: only what something immovable holds may
-  /// rest, the rest is slow and drifts.
-  virtual void holds(LinkVisitor& visitor) const { links(visitor); }
-  /// At the end of a step: the bodies that rows move by themselves (motors that run, anchors that
-  /// move). They do not rest, however slow they are.
-  virtual void drives(LinkVisitor&) const {}
-  /// The bodies on which rows act with a force of their own (springs, motors): they rest where
-  /// their speed does not change either.
-  virtual void springs(LinkVisitor&) const {}
+  /// Append an edge for each row that is active, which names every body that it reads or moves.
+  virtual void append_edges(std::vector<ConstraintEdge>& /*edges*/) const {}
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
   /// At the end of a step of ctx.h (s): raise the entries (by body) of bodies whose rows need that
@@ -159,7 +158,7 @@ class TANDEM_API ConstraintBlock {
   virtual void remove_body(BodyId) {}
   virtual BlockReport report() const = 0;
   virtual void save(ByteWriter& out) const = 0;
-  /// The bytes may be anybody's: fail `in` where they are none of save().
+  /// The input is untrusted: fail `in` where they are none of save().
   virtual void load(ByteReader& in) = 0;
   /// After load(): whether all that rows name is in the world, and their parameters keep the rules.
   virtual bool fits(const World&) const { return true; }

@@ -104,8 +104,8 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   /// was moved away.
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
-  void links(LinkVisitor& visitor) const override;
-  void holds(LinkVisitor& visitor) const override;  ///< those that carry a load
+  /// What carries a load supports.
+  void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;

@@ -54,7 +54,7 @@ class TANDEM_API DistanceJoint {
   void end_displacement(const SubstepContext& ctx);
   void end_step(const SubstepContext& ctx);
   bool active() const { return def_.enabled; }
-  bool springs() const {
+  bool force_driven() const {
     return (def_.elastic && def_.compliance > 0.0) || def_.range_compliance > 0.0;
   }
   double residual() const { return residual_; }

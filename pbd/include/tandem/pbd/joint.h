@@ -77,10 +77,8 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   /// one substep, now or two steps on. Taut chains need no more for their stiffness; only fast
   /// folding does.
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
-  void links(LinkVisitor& visitor) const override;
-  /// Not by motors that have arrived, that a limit stops or that do not manage their load.
-  void drives(LinkVisitor& visitor) const override;
-  void springs(LinkVisitor& visitor) const override;
+  /// Not actuated: motors that have arrived, that a limit stops or that do not manage their load.
+  void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;

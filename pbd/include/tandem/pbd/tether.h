@@ -46,8 +46,8 @@ class TANDEM_API Tether {
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
   /// An anchor under way moves the body.
-  bool drives() const { return !def_.anchor_velocity.isZero(0.0); }
-  bool springs() const { return true; }
+  bool actuated() const { return !def_.anchor_velocity.isZero(0.0); }
+  bool force_driven() const { return true; }
   double residual() const { return 0.0; }
   double displacement_residual() const { return 0.0; }
   /// Force (N, world) on the body in the last substep.

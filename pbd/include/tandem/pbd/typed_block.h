@@ -47,8 +47,8 @@ struct TANDEM_API ConstraintId {
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
 ///   forgive (of a row with a body that SubstepContext::displaced names), begin_substep,
 ///   displace, solve_velocity, finish_velocity, begin_displacement, project_displacement,
-///   end_displacement, end_step; bool active() const (false leaves the row out), drives() const and
-///   springs() const (see ConstraintBlock; they concern both bodies).
+///   end_displacement, end_step; bool active() const (false leaves the row out), actuated() const
+///   and force_driven() const (see ConstraintEdge).
 /// Where C is a value that can be copied, so is the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {
@@ -150,17 +150,14 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     }
   }
 
-  void links(LinkVisitor& visitor) const override {
-    name_bodies(visitor, [](const C&) { return true; });
-  }
-  void drives(LinkVisitor& visitor) const override {
-    if constexpr (requires(const C& c) { c.drives(); }) {
-      name_bodies(visitor, [](const C& c) { return c.drives(); });
-    }
-  }
-  void springs(LinkVisitor& visitor) const override {
-    if constexpr (requires(const C& c) { c.springs(); }) {
-      name_bodies(visitor, [](const C& c) { return c.springs(); });
+  void append_edges(std::vector<ConstraintEdge>& edges) const override {
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      const C& c = rows_[i];
+      if (!slots_.alive(i) || !is_active(c)) continue;
+      ConstraintEdge edge{.body_a = c.body_a().index, .body_b = c.body_b().index};
+      if constexpr (requires { c.actuated(); }) edge.actuated = c.actuated();
+      if constexpr (requires { c.force_driven(); }) edge.force_driven = c.force_driven();
+      edges.push_back(edge);
     }
   }
   void take_changed(std::vector<std::uint32_t>& bodies) override {
@@ -271,14 +268,6 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       return c.active();
     } else {
       return true;
-    }
-  }
-  /// Of the rows that are active and `wanted`.
-  template <class Wanted>
-  void name_bodies(LinkVisitor& visitor, Wanted&& wanted) const {
-    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
-      if (!slots_.alive(i) || !is_active(rows_[i]) || !wanted(rows_[i])) continue;
-      visitor.link(rows_[i].body_a().index, rows_[i].body_b().index);
     }
   }
   static bool is_mine(const SubstepContext& ctx, const C& c) {
