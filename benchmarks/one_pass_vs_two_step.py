@@ -84,7 +84,9 @@ def main():
         if text and "Not measured." not in text:
             texts.append(text.rstrip() + "\n")
         elif heading in before:
-            texts.append(before[heading].rstrip() + "\n")
+            # The page begins with what the couplings show.
+            kept = ["## Findings", heading] if name == "couplings" else [heading]
+            texts += [before[h].rstrip() + "\n" for h in kept if h in before]
         else:
             print(f"{name}: not measured yet", file=sys.stderr)
     pages.write(page, "\n".join(texts))

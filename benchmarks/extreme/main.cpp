@@ -32,7 +32,7 @@ constexpr std::string_view kUsage =
     "               [--series]\n"
     "       extreme --cost\n"
     "  --link: frames of delay, or \"profile 5\"; several may be given. --share: what all "
-    "announce\n"
+    "announce, and the part of a gap that is closed per 1/60 s\n"
     "  --series: the difference between copies over time, ten times a second\n";
 
 Options parse(std::span<const std::string_view> words) {
@@ -104,7 +104,10 @@ void run_all(const Options& options) {
   for (Scene& scene : all_scenes()) {
     if (!options.group.empty() && scene.group != options.group) continue;
     if (scene.name.find(options.scene) == std::string::npos) continue;
-    if (options.share > 0.0) scene.conditions.share = options.share;
+    if (options.share > 0.0) {
+      scene.conditions.share = options.share;
+      scene.conditions.closing_share = options.share;
+    }
     for (const Scheme& scheme : kSchemes) {
       if (!options.scheme.empty() && scheme.name != options.scheme) continue;
       run_links(options, scene, scheme);

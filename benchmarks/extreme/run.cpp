@@ -25,6 +25,7 @@ consensus::PeerOptions options_of(const Scene& scene, const Scheme& scheme, std:
   options.robust.outvote = scene.topology == Topology::Mesh;
   if (peer < conditions.update_hz.size()) options.update_hz = conditions.update_hz[peer];
   if (conditions.share > 0.0) options.influence.baseline = conditions.share;
+  if (conditions.closing_share > 0.0) options.replay.share = conditions.closing_share;
   return scheme.published ? consensus::with_published_rules(options) : options;
 }
 

@@ -38,6 +38,7 @@ struct Conditions {
   double noise_angle = 0.0;             ///< rad, likewise of remote orientations
   double loss = 0.0;                    ///< part of the packets
   double share = 0.0;                   ///< announced by all; 0 = the default
+  double closing_share = 0.0;           ///< of a gap, per 1/60 s; 0 = the default
   bool owners = false;                  ///< every peer says that the bodies are its own
 };
 
