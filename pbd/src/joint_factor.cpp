@@ -4,88 +4,104 @@
 
 /// The linear algebra of JointSystem: one sparse symmetric system for each part.
 namespace tandem::pbd {
+
 void JointSystem::assemble(const JointGraph::Part& part) {
   std::fill_n(values_.begin() + part.value, part.value_count, 0.0);
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];
-    const NodeState& node = nodes_[k];
-    double* diagonal = &values_[plan.diagonal];
     if (plan.joint == kNone) {
-      // A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which
-      // it does not turn, counts as a unit mass that no joint can reach.
-      const Slot& slot = slots_[plan.slot_b];
-      Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
-      mass.setIdentity();
-      if (slot.inv_mass > 0.0) {
-        mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
-        mass.bottomRightCorner<3, 3>() = inverse_where_free(slot.inv_inertia);
-        for (int i = 0; i < 3; ++i) {
-          if (slot.inv_inertia(i, i) == 0.0) mass(3 + i, 3 + i) = 1.0;
-        }
-      }
-      continue;
-    }
-    const auto is_hub = [&](std::uint32_t s) { return s == kNone || graph_.hubs()[s] != 0; };
-    const bool with_a = !is_hub(plan.slot_a);
-    const bool with_b = !is_hub(plan.slot_b);
-    double inv_mass = 0.0;
-    if (with_a) inv_mass += slots_[plan.slot_a].inv_mass;
-    if (with_b) inv_mass += slots_[plan.slot_b].inv_mass;
-    const NodeRows& rows = rows_[k];
-    for (int r = 0; r < node.n; ++r) {
-      const int i = rows.coordinate[r];
-      for (int s = 0; s <= r; ++s) {
-        const int j = rows.coordinate[s];
-        double sum = inv_mass * rows.dir.col(i).dot(rows.dir.col(j));
-        if (with_a) sum += rows.arm_a.col(i).dot(rows.b_a.col(j));
-        if (with_b) sum += rows.arm_b.col(i).dot(rows.b_b.col(j));
-        if (r == s) sum += node.at[r];
-        diagonal[r * node.n + s] = sum;
-        diagonal[s * node.n + r] = sum;
-      }
+      put_hub(slots_[plan.slot_b], &values_[plan.diagonal]);
+    } else {
+      put_diagonal(k);
     }
   }
   for (std::uint32_t l = part.link; l < part.link + part.link_count; ++l) {
     const JointGraph::Link& link = graph_.links()[l];
-    double* out = &values_[link.block];
-    const JointGraph::Node& plan_x = graph_.nodes()[link.later];
-    const JointGraph::Node& plan_y = graph_.nodes()[link.earlier];
-    const NodeState& x = nodes_[link.later];
-    const NodeState& y = nodes_[link.earlier];
-    const Slot& slot = slots_[link.slot];
-    if (plan_x.joint == kNone || plan_y.joint == kNone) {
-      if (slot.inv_mass == 0.0) continue;
-      const bool hub_later = plan_x.joint == kNone;
-      const NodeRows& joint = rows_[hub_later ? link.earlier : link.later];
-      const int n = hub_later ? y.n : x.n;
-      const bool is_b = (hub_later ? plan_y : plan_x).slot_b == link.slot;
-      const double sign = is_b ? 1.0 : -1.0;
-      const Rows& arm = is_b ? joint.arm_b : joint.arm_a;
-      for (int r = 0; r < n; ++r) {
-        for (int i = 0; i < 3; ++i) {
-          const double linear = sign * joint.dir(i, joint.coordinate[r]);
-          const bool turns = slot.inv_inertia(i, i) > 0.0;
-          const double angular = turns ? sign * arm(i, joint.coordinate[r]) : 0.0;
-          out[hub_later ? i * n + r : r * 6 + i] += linear;
-          out[hub_later ? (i + 3) * n + r : r * 6 + i + 3] += angular;
-        }
-      }
-      continue;
+    const bool hub_later = graph_.nodes()[link.later].joint == kNone;
+    if (hub_later || graph_.nodes()[link.earlier].joint == kNone) {
+      couple_to_hub(link, hub_later);
+    } else {
+      couple_joints(link);
     }
-    const bool x_is_b = plan_x.slot_b == link.slot;
-    const bool y_is_b = plan_y.slot_b == link.slot;
-    const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
-    const NodeRows& rows_x = rows_[link.later];
-    const NodeRows& rows_y = rows_[link.earlier];
-    const Rows& arm = x_is_b ? rows_x.arm_b : rows_x.arm_a;
-    const Rows& b = y_is_b ? rows_y.b_b : rows_y.b_a;
-    for (int r = 0; r < x.n; ++r) {
-      const int i = rows_x.coordinate[r];
-      for (int s = 0; s < y.n; ++s) {
-        const int j = rows_y.coordinate[s];
-        out[r * y.n + s] += sign * (slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j)) +
-                                    arm.col(i).dot(b.col(j)));
-      }
+  }
+}
+
+/// A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which it
+/// does not turn, counts as a unit mass that no joint can reach.
+void JointSystem::put_hub(const Slot& slot, double* diagonal) {
+  Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
+  mass.setIdentity();
+  if (slot.inv_mass == 0.0) return;
+  mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
+  mass.bottomRightCorner<3, 3>() = inverse_where_free(slot.inv_inertia);
+  for (int i = 0; i < 3; ++i) {
+    if (slot.inv_inertia(i, i) == 0.0) mass(3 + i, 3 + i) = 1.0;
+  }
+}
+
+void JointSystem::put_diagonal(std::uint32_t k) {
+  const JointGraph::Node& plan = graph_.nodes()[k];
+  const NodeState& node = nodes_[k];
+  const NodeRows& rows = rows_[k];
+  double* diagonal = &values_[plan.diagonal];
+  const auto is_hub = [&](std::uint32_t s) { return s == kNone || graph_.hubs()[s] != 0; };
+  const bool with_a = !is_hub(plan.slot_a);
+  const bool with_b = !is_hub(plan.slot_b);
+  double inv_mass = 0.0;
+  if (with_a) inv_mass += slots_[plan.slot_a].inv_mass;
+  if (with_b) inv_mass += slots_[plan.slot_b].inv_mass;
+  for (int r = 0; r < node.n; ++r) {
+    const int i = rows.coordinate[r];
+    for (int s = 0; s <= r; ++s) {
+      const int j = rows.coordinate[s];
+      double sum = inv_mass * rows.dir.col(i).dot(rows.dir.col(j));
+      if (with_a) sum += rows.arm_a.col(i).dot(rows.b_a.col(j));
+      if (with_b) sum += rows.arm_b.col(i).dot(rows.b_b.col(j));
+      if (r == s) sum += node.at[r];
+      diagonal[r * node.n + s] = sum;
+      diagonal[s * node.n + r] = sum;
+    }
+  }
+}
+
+void JointSystem::couple_to_hub(const JointGraph::Link& link, bool hub_later) {
+  const Slot& slot = slots_[link.slot];
+  if (slot.inv_mass == 0.0) return;
+  const std::uint32_t k = hub_later ? link.earlier : link.later;
+  const NodeRows& joint = rows_[k];
+  const int n = nodes_[k].n;
+  const bool is_b = graph_.nodes()[k].slot_b == link.slot;
+  const double sign = is_b ? 1.0 : -1.0;
+  const Rows& arm = is_b ? joint.arm_b : joint.arm_a;
+  double* out = &values_[link.block];
+  for (int r = 0; r < n; ++r) {
+    for (int i = 0; i < 3; ++i) {
+      const double linear = sign * joint.dir(i, joint.coordinate[r]);
+      const bool turns = slot.inv_inertia(i, i) > 0.0;
+      const double angular = turns ? sign * arm(i, joint.coordinate[r]) : 0.0;
+      out[hub_later ? i * n + r : r * 6 + i] += linear;
+      out[hub_later ? (i + 3) * n + r : r * 6 + i + 3] += angular;
+    }
+  }
+}
+
+void JointSystem::couple_joints(const JointGraph::Link& link) {
+  const Slot& slot = slots_[link.slot];
+  const NodeRows& rows_x = rows_[link.later];
+  const NodeRows& rows_y = rows_[link.earlier];
+  const bool x_is_b = graph_.nodes()[link.later].slot_b == link.slot;
+  const bool y_is_b = graph_.nodes()[link.earlier].slot_b == link.slot;
+  const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
+  const Rows& arm = x_is_b ? rows_x.arm_b : rows_x.arm_a;
+  const Rows& b = y_is_b ? rows_y.b_b : rows_y.b_a;
+  const int n = nodes_[link.earlier].n;
+  double* out = &values_[link.block];
+  for (int r = 0; r < nodes_[link.later].n; ++r) {
+    const int i = rows_x.coordinate[r];
+    for (int s = 0; s < n; ++s) {
+      const int j = rows_y.coordinate[s];
+      out[r * n + s] += sign * (slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j)) +
+                                arm.col(i).dot(b.col(j)));
     }
   }
 }

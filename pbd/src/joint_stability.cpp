@@ -127,24 +127,25 @@ void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ct
   }
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     Slot& slot = slots_[s];
-    if (slot.dx.x() > kStiffFrom) {
-      SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-      for (int i = 0; i < 3; ++i) {
-        if (slot.inv_inertia(i, i) > 0.0) continue;  // a locked axis
-        slot.stiffness.row(i).setZero();
-        slot.stiffness.col(i).setZero();
-      }
-      slot.inv_inertia = slot.inertia + (kStiffShare + kStiffDamping) * slot.stiffness;
-      block::invert(slot.inv_inertia);
-      const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
-      body.q = turned(body.q, dtheta);
-      body.dtheta += dtheta;
-      slot.sum_dtheta += dtheta;
-      slot.stiffness.setZero();
-    }
+    if (slot.dx.x() > kStiffFrom) apply_stiffness(slot, ctx.bodies[graph_.bodies()[s]]);
     slot.dx.setZero();
     slot.dtheta.setZero();
   }
+}
+
+void JointSystem::apply_stiffness(Slot& slot, SolverBody& body) {
+  for (int i = 0; i < 3; ++i) {
+    if (slot.inv_inertia(i, i) > 0.0) continue;  // a locked axis
+    slot.stiffness.row(i).setZero();
+    slot.stiffness.col(i).setZero();
+  }
+  slot.inv_inertia = slot.inertia + (kStiffShare + kStiffDamping) * slot.stiffness;
+  block::invert(slot.inv_inertia);
+  const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
+  body.q = turned(body.q, dtheta);
+  body.dtheta += dtheta;
+  slot.sum_dtheta += dtheta;
+  slot.stiffness.setZero();
 }
 
 bool JointSystem::is_ideal(const JointGraph::Part& part) const {
@@ -162,29 +163,10 @@ bool JointSystem::is_ideal(const JointGraph::Part& part) const {
   return held;
 }
 
-/// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
-/// a substep than its gradients can follow, the surplus is taken back from the motion of the part
-/// against its mean: it may shake where it is not resolved, but not more and more.
-///
-/// Loops lose energy as well. Where rows repeat each other to first order only, as in a lattice
-/// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
-/// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
-/// contacts have left to lose. What floats freely keeps its angular momentum instead.
-void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
-                        const SubstepContext& ctx) {
-  double work = 0.0;
-  double energy = 0.0;     // before, against the mean
-  double disturbed = 0.0;  // J, of what others changed since joints were solved
-  double mass = 0.0;
-  Vec3 mean = Vec3::Zero();
+JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const SubstepContext& ctx,
+                                          const Vec3& mean) const {
+  Balance sum;
   const double rate = 1.0 / ctx.h;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    const double own = 1.0 / body.inv_mass;
-    mass += own;
-    mean += own * body.v;
-  }
-  mean /= mass;
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     const Slot& slot = slots_[s];
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
@@ -196,26 +178,52 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     const Vec3 momentum = start + block::times(inertia, dw);
     const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
     const double own = 1.0 / body.inv_mass;
-    work +=
+    sum.work +=
         own * dv.dot(slot.v + 0.5 * dv) +
         0.5 * (momentum_l.dot(block::times(body.inv_inertia_w, momentum_l)) - slot.w.dot(start));
-    energy +=
+    sum.energy +=
         0.5 * (own * (body.v - mean).squaredNorm() + body.w.dot(block::times(inertia, body.w)));
     if (part.regular) continue;
     // Joints meet half of what other forces have added: poses are those between two velocities.
-    work -= 0.5 * own * dv.dot(slot.v - slot.v_start) + 0.5 * dw.dot(start - slot.momentum_start);
-    disturbed += 0.5 * own * (body.v - slot.v - dv).squaredNorm();
+    sum.work -=
+        0.5 * own * dv.dot(slot.v - slot.v_start) + 0.5 * dw.dot(start - slot.momentum_start);
+    sum.disturbed += 0.5 * own * (body.v - slot.v - dv).squaredNorm();
   }
-  std::uint32_t first = part.node;
-  while (graph_.nodes()[first].joint == kNone) ++first;
+  return sum;
+}
+
+/// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
+/// a substep than its gradients can follow, the surplus is taken back from the motion of the part
+/// against its mean: it may shake where it is not resolved, but not more and more.
+///
+/// Loops lose energy as well. Where rows repeat each other to first order only, as in a lattice
+/// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
+/// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
+/// contacts have left to lose. What floats freely keeps its angular momentum instead.
+void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
+                        const SubstepContext& ctx) {
+  double mass = 0.0;
+  Vec3 mean = Vec3::Zero();
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    const double own = 1.0 / body.inv_mass;
+    mass += own;
+    mean += own * body.v;
+  }
+  mean /= mass;
+  const auto [done, energy, disturbed] = balance(part, ctx, mean);
+  double work = done;
+  const auto joint_after = [&](std::uint32_t k) {
+    while (graph_.nodes()[k].joint == kNone) ++k;
+    return k;
+  };
+  const std::uint32_t first = joint_after(part.node);
   double& surplus = records[graph_.nodes()[first].joint].surplus;
   const double room = kSurplus * energy;
   double least = -room;
   if (!part.regular) {
     // What contacts do to one body the joints share out next, and lose that much at most.
-    std::uint32_t second = first + 1;
-    while (graph_.nodes()[second].joint == kNone) ++second;
-    double& shared = records[graph_.nodes()[second].joint].surplus;
+    double& shared = records[graph_.nodes()[joint_after(first + 1)].joint].surplus;
     const double lost = std::clamp(-work, 0.0, shared);
     work += lost;
     shared = 0.5 * (shared - lost);

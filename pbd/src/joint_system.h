@@ -109,6 +109,12 @@ class JointSystem {
     double last_move = 0.0;
     Channel channel = Channel::Real;
   };
+  /// Of a part in a substep, J.
+  struct Balance {
+    double work = 0.0;       ///< of joints
+    double energy = 0.0;     ///< before, against the mean motion
+    double disturbed = 0.0;  ///< of what others changed since joints were solved
+  };
   struct GroupPart {
     std::uint32_t group, part;
   };
@@ -133,6 +139,10 @@ class JointSystem {
                 std::span<const JointRecord> records, const SubstepContext& ctx);
   void assemble_points(const JointGraph::Part& part, const PartState& state);
   void assemble(const JointGraph::Part& part);
+  static void put_hub(const Slot& slot, double* diagonal);
+  void put_diagonal(std::uint32_t node);
+  void couple_to_hub(const JointGraph::Link& link, bool hub_later);
+  void couple_joints(const JointGraph::Link& link);
   void factor(const JointGraph::Part& part);
   void solve(const JointGraph::Part& part);
   template <class Size>
@@ -146,12 +156,14 @@ class JointSystem {
   void limit_turns(const JointGraph::Part& part);
   /// @return the largest move of a body, m or rad
   double move(const JointGraph::Part& part, const SubstepContext& ctx);
+  Balance balance(const JointGraph::Part& part, const SubstepContext& ctx, const Vec3& mean) const;
   void guard(const JointGraph::Part& part, std::span<JointRecord> records,
              const SubstepContext& ctx);
   static void take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,
                              const SolverBody& a, const SolverBody& b);
   /// Inverse inertia times gradients, and the mobility of each row by itself.
   void weigh(const JointGraph::Part& part, std::span<const JointRecord> records);
+  static void apply_stiffness(Slot& slot, SolverBody& body);
   void stiffen(const JointGraph::Part& part, const SubstepContext& ctx);
   /// @param learn  whether the multipliers so far are the load that bodies are stiffened by
   void restart(const JointGraph::Part& part, std::span<const JointRecord> records,
