@@ -287,6 +287,8 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
     d.linear[0].spring.stiffness = 5.0;
   });
   refused("cone", "is -1", "> 0", [&](Def& d) { d.cone = -1.0; });
+  refused("cone_compliance", "is -1", "at least 1e-100", [&](Def& d) { d.cone_compliance = -1.0; });
+  refused("cone_damping", "is -2", ">= 0", [&](Def& d) { d.cone_damping = -2.0; });
   refused("angular[1].freedom", "is 1", "cone", [&](Def& d) {
     d.cone = 1.0;
     d.angular[1] = lock();

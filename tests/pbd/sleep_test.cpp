@@ -42,6 +42,30 @@ TEST_CASE("sleep: a slow motor runs on", "[pbd][sleep][analytic]") {
   CHECK_FALSE(slider.world.awake(slider.body));  // it has arrived
 }
 
+TEST_CASE("sleep: the speed and the spin below which bodies rest are the application's",
+          "[pbd][sleep]") {
+  // Without friction a slider and a hinge go on for ever, each at five times what counts as rest.
+  for (const double factor : {1.0, 10.0}) {
+    SolverOptions options;
+    const double speed = 5.0 * options.sleep_speed;
+    const double spin = 5.0 * options.sleep_spin;
+    options.sleep_speed *= factor;
+    options.sleep_spin *= factor;
+    Mounted slider(weightless(), options);
+    slider.add_box(2.0, Vec3::Zero());
+    slider.add_joint(slider_joint_at(slider.world, {}, slider.body, Vec3::Zero(), Vec3::UnitX()));
+    slider.world.set_twist(slider.body, {Vec3(speed, 0.0, 0.0), Vec3::Zero()});
+    slider.run(2.0);
+    CHECK(slider.world.awake(slider.body) == (factor == 1.0));
+    Mounted hinge(weightless(), options);
+    hinge.add_box(2.0, Vec3::Zero());
+    hinge.add_joint(hinge_joint_at(hinge.world, {}, hinge.body, Vec3::Zero(), Vec3::UnitZ()));
+    hinge.world.set_twist(hinge.body, {Vec3::Zero(), Vec3(0.0, 0.0, spin)});
+    hinge.run(2.0);
+    CHECK(hinge.world.awake(hinge.body) == (factor == 1.0));
+  }
+}
+
 TEST_CASE("sleep: a motor that a limit or its load stops lets its body sleep", "[pbd][sleep]") {
   for (const bool at_limit : {true, false}) {
     Mounted m(WorldDef{}, kDefaults);
