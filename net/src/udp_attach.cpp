@@ -147,7 +147,7 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
     detach(*existing);
   }
   if (!same_process) record.reliable.reset();
-  if (record.reliable) connection.link->resume(*std::exchange(record.reliable, {}));
+  if (record.reliable) connection.link->channels().resume(*std::exchange(record.reliable, {}));
   record.incarnation = remote.incarnation;
   record.member = member;
   record.status.role = member.role;
@@ -162,7 +162,7 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
   }
   acquaintances_.restart(remote.peer, now);
   const auto& change = options_.handshake.group_change;
-  if (!change.empty()) connection.link->post_group_change(change);
+  if (!change.empty()) connection.link->channels().post_group_change(change);
   connection.tell_due = now;
   if (is_relayed(connection.address)) return;
   tell_others(connection);
@@ -171,11 +171,11 @@ void UdpNode::attach(std::uint32_t receiver, std::int64_t now) {
 void UdpNode::detach(Connection& connection) {
   if (!std::exchange(connection.attached, false)) return;
   Record& record = records_.at(connection.link->session().remote.peer);
-  connection.link->drain(record.inbox);
+  connection.link->channels().inbox().drain(record.inbox);
   record.status.dropped_queue_full += connection.link->channels().dropped_states();
   record.status.rejected += connection.link->rejected();
-  record.status.over_budget += connection.link->channels().budget().refused();
-  record.reliable = connection.link->take_reliable();
+  record.status.over_budget += connection.link->channels().inbox().budget().refused();
+  record.reliable = connection.link->channels().take_reliable();
   record.departure = ++departures_;
   acquaintances_.restart(record.status.id, now_);
   clock_.lost(record.status.id);

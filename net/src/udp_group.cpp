@@ -14,7 +14,7 @@ Credentials::Changed UdpNode::change_group(std::span<const std::byte> signed_cha
   if (changed != Credentials::Changed::Yes) return changed;
   expel(now);
   for (auto& [receiver, connection] : connections_) {
-    if (connection.attached) connection.link->post_group_change(own.group_change);
+    if (connection.attached) connection.link->channels().post_group_change(own.group_change);
   }
   for (Dial& dial : dials_) {
     dial.attempts = 0;

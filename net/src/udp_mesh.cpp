@@ -114,7 +114,7 @@ void UdpNode::tell_others(const Connection& connection) {
   const PeerId peer = connection.link->session().remote.peer;
   for (auto& [number, other] : connections_) {
     if (other.attached && &other != &connection) {
-      other.link->tell({.peer = peer, .address = told_address(connection.address)});
+      other.link->channels().tell({.peer = peer, .address = told_address(connection.address)});
     }
   }
 }
@@ -127,7 +127,7 @@ void UdpNode::introduce(Connection& connection, std::int64_t now) {
   auto at = records_.upper_bound(connection.told_to);
   for (; at != records_.end() && told < kTellAtOnce; ++at) {
     if (at->first == other || !is_attached_directly(at->first)) continue;
-    connection.link->tell(
+    connection.link->channels().tell(
         {.peer = at->first, .address = told_address(connections_.at(at->second.receiver).address)});
     connection.told_to = at->first;
     ++told;

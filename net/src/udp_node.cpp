@@ -75,14 +75,15 @@ bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte
   Record& record = records_.at(connection.link->session().remote.peer);
   ++record.status.packets_in;
   record.status.bytes_in += datagram.size();
-  const auto exchange = connection.link->take_exchange();
+  const auto exchange = connection.link->channels().take_exchange();
   if (exchange && options_.clock != Clock::None) {
     const ClockSample& times = exchange->sample;
     connection.round_trip = times.received - times.sent - (times.their_sent - times.their_received);
     clock_.on_exchange(record.status.id, times, exchange->claim);
   }
-  for (const KnownPeer& known : connection.link->take_told()) on_told(connection, known, now);
-  const auto change = connection.link->take_group_change();
+  for (const KnownPeer& known : connection.link->channels().inbox().take_told())
+    on_told(connection, known, now);
+  const auto change = connection.link->channels().inbox().take_group_change();
   if (!change.empty()) on_group_change(connection, change, now);
   const auto relayed = connection.link->take_relayed();
   if (connection.link->state() != UdpConnection::State::Open) {
@@ -240,7 +241,8 @@ bool UdpNode::post(PeerId to, std::span<const std::byte> bytes, consensus::Deliv
 
 void UdpNode::drain(std::vector<consensus::Packet>& out) {
   for (auto& [peer, record] : records_) {
-    if (Connection* connection = attached(peer)) connection->link->drain(record.inbox);
+    if (Connection* connection = attached(peer))
+      connection->link->channels().inbox().drain(record.inbox);
     for (auto& message : record.inbox)
       out.push_back({.from = peer,
                      .bytes = std::move(message.bytes),
@@ -280,7 +282,7 @@ std::vector<consensus::PeerStatus> UdpNode::peers() const {
     const UdpConnection& link = *connections_.at(record.receiver).link;
     out.back().dropped_queue_full += link.channels().dropped_states();
     out.back().rejected += link.rejected();
-    out.back().over_budget += link.channels().budget().refused();
+    out.back().over_budget += link.channels().inbox().budget().refused();
     out.back().round_trip = link.channels().rtt().any()
                                 ? link.channels().rtt().smoothed()
                                 : connections_.at(record.receiver).round_trip;

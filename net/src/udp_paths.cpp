@@ -27,12 +27,12 @@ void UdpNode::note_path(Connection& connection, std::uint64_t sequence, const Ad
 }
 
 void UdpNode::answer_path(Connection& connection, const Address& from, std::int64_t now) {
-  if (const auto token = connection.link->take_challenge()) {
+  if (const auto token = connection.link->channels().inbox().take_challenge()) {
     // On the way on which the question came: it is that way that is asked about.
     const auto sealed = connection.link->seal_answer(*token, now);
     if (!sealed.empty()) transmit(sealed, from);
   }
-  const auto answer = connection.link->take_answer();
+  const auto answer = connection.link->channels().inbox().take_answer();
   if (answer && connection.moving && *answer == connection.moving->token()) {
     connection.moving->answered();
   }
@@ -59,7 +59,7 @@ std::int64_t UdpNode::path_due(const Connection& connection, std::int64_t now) {
   std::int64_t due = 0;
   if (connection.moving) {
     due = connection.moving->next_due(UdpConnection::kQuestionBytes,
-                                      connection.link->path_patience());
+                                      connection.link->channels().rtt().timeout());
   } else if (connection.rumour) {
     due =
         std::max(connection.rumour->next_due(), connection.link->last_heard() + PathRumour::kQuiet);
@@ -72,7 +72,8 @@ std::int64_t UdpNode::path_due(const Connection& connection, std::int64_t now) {
 void UdpNode::poll_path(Connection& connection, std::int64_t now) {
   auto& moving = connection.moving;
   if (!moving) return poll_rumour(connection, now);
-  if (moving->has_succeeded(connection.link->path_patience(), now)) return move(connection, now);
+  if (moving->has_succeeded(connection.link->channels().rtt().timeout(), now))
+    return move(connection, now);
   if (moving->has_failed(now)) return moving.reset();
   if (now < connection.question_due || !moving->due(UdpConnection::kQuestionBytes, now)) return;
   connection.question_due = now + PathValidation::kResend;
