@@ -60,10 +60,6 @@ class UdpNode {
   /// Bytes of the longest state that post() takes to any peer, as far as is known of the ways
   /// there.
   std::size_t max_state_bytes() const;
-  /// Where the system would send what is too long in pieces. Before any connection.
-  void keep_to_base() {
-    options_.connection.max_datagram = std::min(options_.connection.max_datagram, MtuSearch::kBase);
-  }
 
   /// Take over what the organiser has signed and pass it on: whoever is revoked is told so and cut
   /// off at once.
