@@ -31,7 +31,10 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("pbd", "collision", "consensus", "net", "bindings/c")
 MOST_FIELDS, MOST_METHODS, MOST_LINES = 20, 30, 60
 # What breaks a bound, and why it may.
-ALLOWED = {}
+ALLOWED = {
+    "net::TcpOptions": "plain data that users set by name, a line each",
+    "net::UdpOptions": "plain data that users set by name, a line each",
+}
 
 CLASSES = {Kind.CLASS_DECL, Kind.STRUCT_DECL, Kind.CLASS_TEMPLATE}
 METHODS = {Kind.CXX_METHOD, Kind.FUNCTION_TEMPLATE}
