@@ -124,7 +124,7 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
 
 bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
   const double margin = std::min(kAabbMargin, kMarginShare * c.size);
-  const Vec3 ahead = (kAhead * c.span) * c.twist.linear;
+  const Vec3 ahead = (kAhead * c.motion.span) * c.motion.twist.linear;
   if (placed(index) && fat(index).contains(c.needed)) {
     const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
     if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
@@ -138,10 +138,11 @@ bool BroadPhase::in_reach(const Collider& plane, const Aabb& fat, double dt) con
   const Vec3 n = plane.plane_normal();
   const Vec3 middle = 0.5 * (fat.min + fat.max);
   const Vec3 half = 0.5 * (fat.max - fat.min);
-  const double turning =
-      plane.twist.angular.norm() * dt * ((middle - plane.body.position).norm() + half.norm());
+  const double turning = plane.motion.twist.angular.norm() * dt *
+                         ((middle - plane.body.position).norm() + half.norm());
   // Its own share of the margins, as `needed` has for the others.
-  const double own = plane.speculative + plane.recycle + plane.motion(dt) + turning;
+  const double own =
+      plane.margins.speculative + plane.margins.recycle + plane.travel_within(dt) + turning;
   return n.dot(middle) - n.cwiseAbs().dot(half) <= plane.plane_offset() + own;
 }
 
@@ -176,10 +177,10 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       remember_plane(i, {});
       has_moved_[i] = 1;
     } else if (c.is_half_space()) {
-      const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.motion(dt), dt)};
+      const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.travel_within(dt), dt)};
       const Aabb before = fat_box(i);
       const bool still =
-          plane.min == before.min && plane.max == before.max && c.twist.angular.isZero(0.0);
+          plane.min == before.min && plane.max == before.max && c.motion.twist.angular.isZero(0.0);
       plane_moves = plane_moves || !still;
       remember_plane(i, plane);
     } else if (!(c.still && placed(i)) && refit(i, c)) {

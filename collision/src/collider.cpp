@@ -87,10 +87,10 @@ Aabb bounds_of(const Collider& c) {
 
 }  // namespace
 
-double Collider::motion(double dt) const {
+double Collider::travel_within(double dt) const {
   // A half-space reaches everywhere: its turning is accounted for pair by pair.
-  const double turning = is_half_space() ? 0.0 : twist.angular.norm() * reach;
-  return (twist.linear.norm() + turning) * dt;
+  const double turning = is_half_space() ? 0.0 : motion.twist.angular.norm() * reach;
+  return (motion.twist.linear.norm() + turning) * dt;
 }
 
 ConvexCore Collider::core(const Vec3& origin) const {
@@ -134,32 +134,34 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options) 
                      c.def.local.orientation.vec().isZero(0.0);
   c.size = sizes.size;
   c.reach = sizes.reach + def.local.position.norm();
-  c.speculative = std::min(options.speculative_margin, kSpeculativeSizeShare * c.size);
-  c.recycle = std::min(options.recycle_distance, kRecycleSizeShare * c.size);
+  c.margins.speculative = std::min(options.speculative_margin, kSpeculativeSizeShare * c.size);
+  c.margins.recycle = std::min(options.recycle_distance, kRecycleSizeShare * c.size);
   return c;
 }
 
 void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order) {
   for (std::uint32_t i = 0; i < colliders.size(); ++i) {
-    colliders[i].rank = i;
-    colliders[i].body_rank = order.rank(colliders[i].def.body.index);
+    colliders[i].rank.own = i;
+    colliders[i].rank.body = order.rank(colliders[i].def.body.index);
   }
   if (order.natural()) return;
   std::vector<std::uint32_t> sorted;
   for (std::uint32_t i = 0; i < colliders.size(); ++i) sorted.push_back(i);
   std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t l, std::uint32_t r) {
     const auto place = [&](std::uint32_t i) {
-      return std::pair(colliders[i].body_rank, colliders[i].added);
+      return std::pair(colliders[i].rank.body, colliders[i].added);
     };
     return place(l) < place(r);
   });
-  for (std::uint32_t rank = 0; rank < sorted.size(); ++rank) colliders[sorted[rank]].rank = rank;
+  for (std::uint32_t rank = 0; rank < sorted.size(); ++rank)
+    colliders[sorted[rank]].rank.own = rank;
 }
 
 bool same_state(const Collider& c, const pbd::BodyState& state) {
   return state.pose.position == c.body.position &&
          state.pose.orientation.coeffs() == c.body.orientation.coeffs() &&
-         state.twist.linear == c.twist.linear && state.twist.angular == c.twist.angular;
+         state.twist.linear == c.motion.twist.linear &&
+         state.twist.angular == c.motion.twist.angular;
 }
 
 void update_collider(Collider& c, const pbd::World& world, double dt) {
@@ -171,26 +173,27 @@ void update_collider(Collider& c, const pbd::World& world, double dt) {
     return;
   }
   c.dynamic = world.all_props()[c.def.body.index].type == pbd::BodyType::Dynamic;
-  const bool unchanged = c.span > 0.0 && c.finite && same_state(c, state);
+  const bool unchanged = c.motion.span > 0.0 && c.finite && same_state(c, state);
   const bool at_rest = state.twist.linear.isZero(0.0) && state.twist.angular.isZero(0.0);
   c.asleep = asleep && at_rest && c.dynamic;
   c.still = unchanged && at_rest;
-  if (c.still || (unchanged && c.span == dt)) return;
-  c.span = dt;
+  if (c.still || (unchanged && c.motion.span == dt)) return;
+  c.motion.span = dt;
   c.body = state.pose;
-  c.twist = state.twist;
+  c.motion.twist = state.twist;
   c.rotation = state.pose.orientation.toRotationMatrix();
   if (!c.local_identity) c.rotation *= c.local_rotation();
   c.position = c.local_identity ? state.pose.position : state.pose.to_world(c.def.local.position);
-  c.turn = c.twist.angular.norm() * dt;
-  c.travel = c.motion(dt);
-  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(c.travel);
+  c.motion.turn = c.motion.twist.angular.norm() * dt;
+  c.motion.travel = c.travel_within(dt);
+  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(c.motion.travel);
   c.asleep = c.asleep && c.finite;
   if (!c.finite || c.is_half_space()) return;
   // Where it is now, where it will be, and what turning may add on the way.
-  const Vec3 sweep = dt * c.twist.linear;
+  const Vec3 sweep = dt * c.motion.twist.linear;
   // Of the margins half: a pair's is the smaller one of two.
-  const Aabb bounds = bounds_of(c).expanded(0.5 * (c.speculative + c.recycle) + c.turn * c.reach);
+  const Aabb bounds = bounds_of(c).expanded(0.5 * (c.margins.speculative + c.margins.recycle) +
+                                            c.motion.turn * c.reach);
   c.needed = {bounds.min + sweep.cwiseMin(0.0), bounds.max + sweep.cwiseMax(0.0)};
 }
 

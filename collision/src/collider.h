@@ -39,22 +39,33 @@ struct Collider {
   /// pushes a body out of one may push it to the wrong side.
   std::uint8_t guarded = 0;
   std::uint32_t generation = 0;
-  std::uint32_t rank = 0;       ///< place among all colliders; see put_in_order()
-  std::uint32_t body_rank = 0;  ///< place of its body
+  /// Places in order; see put_in_order().
+  struct Ranks {
+    std::uint32_t own = 0;   ///< among all colliders
+    std::uint32_t body = 0;  ///< of its body
+  };
+  Ranks rank;
 
   // Once.
-  double size = 0.0;         ///< m, least extent; huge for half-spaces and meshes
-  double reach = 0.0;        ///< m, farthest point from the body's origin; huge for half-spaces
-  double speculative = 0.0;  ///< m
-  double recycle = 0.0;      ///< m
+  double size = 0.0;   ///< m, least extent; huge for half-spaces and meshes
+  double reach = 0.0;  ///< m, farthest point from the body's origin; huge for half-spaces
+  /// See CollisionOptions.
+  struct Margins {
+    double speculative = 0.0;  ///< m
+    double recycle = 0.0;      ///< m
+  };
+  Margins margins;
   // In each step.
-  double turn = 0.0;                 ///< rad, that it turns within the step
-  double travel = 0.0;               ///< m that any point of it moves at most within the step
+  struct Motion {
+    double turn = 0.0;    ///< rad, that it turns within the step
+    double travel = 0.0;  ///< m that any point of it moves at most within the step
+    pbd::Twist twist;     ///< of the body
+    double span = 0.0;    ///< s, the step that these are for
+  };
+  Motion motion;
   Vec3 position = Vec3::Zero();      ///< m, of the shape
-  pbd::Twist twist;                  ///< of the body
   pbd::Pose body;                    ///< pose of the body
   Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
-  double span = 0.0;                 ///< s, the step that these are for
 
   std::uint64_t added = 0;  ///< how many were added before it
   ColliderDef def;
@@ -66,7 +77,7 @@ struct Collider {
   bool is_convex() const { return kind < Kind::Triangles; }
 
   /// m that any point of it moves at most within dt.
-  double motion(double dt) const;
+  double travel_within(double dt) const;
   /// Of the shape in the body's frame. Rare, so not kept.
   Mat3 local_rotation() const { return def.local.orientation.toRotationMatrix(); }
   Vec3 plane_normal() const { return rotation * std::get<HalfSpace>(def.shape).normal; }

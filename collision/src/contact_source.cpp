@@ -125,7 +125,8 @@ void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& 
   const QueryPair pair = order_pair(low, high);
   const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
                             (static_cast<std::uint64_t>(entry.high) << kClusterBits);
-  if (cache.valid && low.still && high.still && std::min(low.recycle, high.recycle) > 0.0) {
+  if (cache.valid && low.still && high.still &&
+      std::min(low.margins.recycle, high.margins.recycle) > 0.0) {
     ++worker.stats.recycled;
     if (cache.patches != nullptr) emit(pair, reach_at_rest(pair), cache, key, out);
     return;

@@ -28,8 +28,8 @@ void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m)
   const Collider& first = pair.swapped ? *pair.b : *pair.a;
   const Collider& second = pair.swapped ? *pair.a : *pair.b;
   m.key = key;
-  m.order = (std::uint64_t{first.rank} << (kIndexBits + kClusterBits)) |
-            (std::uint64_t{second.rank} << kClusterBits) | (key & kClusterMask);
+  m.order = (std::uint64_t{first.rank.own} << (kIndexBits + kClusterBits)) |
+            (std::uint64_t{second.rank.own} << kClusterBits) | (key & kClusterMask);
   set_material(*pair.a, *pair.b, m);
   m.body_a = pair.a->def.body.index;
   m.body_b = pair.b->def.body.index;

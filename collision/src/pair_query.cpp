@@ -282,9 +282,9 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
 }  // namespace
 
 QueryPair order_pair(const Collider& one, const Collider& other) {
-  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.body_rank); };
-  const Collider& first = one.rank < other.rank ? one : other;
-  const Collider& second = one.rank < other.rank ? other : one;
+  const auto order = [](const Collider& c) { return std::tuple(c.kind, c.rank.body); };
+  const Collider& first = one.rank.own < other.rank.own ? one : other;
+  const Collider& second = one.rank.own < other.rank.own ? other : one;
   if (order(second) < order(first)) return {&second, &first, true};
   return {&first, &second, false};
 }
@@ -293,22 +293,22 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
   PairReach reach;
-  reach.speculative = std::min(a.speculative, b.speculative);
-  reach.recycle = std::min(a.recycle, b.recycle);
-  reach.sweep = dt * (b.twist.linear - a.twist.linear);
+  reach.speculative = std::min(a.margins.speculative, b.margins.speculative);
+  reach.recycle = std::min(a.margins.recycle, b.margins.recycle);
+  reach.sweep = dt * (b.motion.twist.linear - a.motion.twist.linear);
   // The contact lies on both, so it is no further from one than the way over the other.
   const double distance = (b.body.position - a.body.position).norm();
   const double arm_a = std::min(a.reach, distance + b.reach);
   const double arm_b = std::min(b.reach, distance + a.reach);
-  reach.turning = a.turn * arm_a + b.turn * arm_b;
+  reach.turning = a.motion.turn * arm_a + b.motion.turn * arm_b;
   reach.margin = reach.speculative + reach.sweep.norm() + reach.turning;
   return reach;
 }
 
 PairReach reach_at_rest(const QueryPair& pair) {
   PairReach reach;
-  reach.speculative = std::min(pair.a->speculative, pair.b->speculative);
-  reach.recycle = std::min(pair.a->recycle, pair.b->recycle);
+  reach.speculative = std::min(pair.a->margins.speculative, pair.b->margins.speculative);
+  reach.recycle = std::min(pair.a->margins.recycle, pair.b->margins.recycle);
   reach.margin = reach.speculative;
   return reach;
 }

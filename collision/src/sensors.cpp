@@ -40,7 +40,7 @@ pbd::Vec3 Sensors::way_of(std::uint32_t index, double dt) const {
   const Last& last = last_[index];
   if (last.generation != c.generation || c.is_half_space()) return Vec3::Zero();
   const Vec3 way = c.position - last.position;
-  const double speed = std::max(last.speed, c.motion(1.0));
+  const double speed = std::max(last.speed, c.travel_within(1.0));
   const bool jumped = way.norm() > kJump * speed * dt + kFast * std::min(c.size, c.reach);
   return jumped ? Vec3(Vec3::Zero()) : way;
 }
@@ -126,7 +126,7 @@ void Sensors::remember(const pbd::World& world) {
     last_[i] = {};
     if (!colliders_.present(i)) continue;
     const Collider& c = colliders_.collider(i);
-    last_[i] = {true, c.generation, c.position, c.motion(1.0)};
+    last_[i] = {true, c.generation, c.position, c.travel_within(1.0)};
   }
 }
 

@@ -23,8 +23,9 @@ inline bool has_sphere_contact(Kind kind) {
 
 /// Whether two spheres are too far apart for a contact within the step, whichever way they move.
 inline bool spheres_apart(const Collider& a, const Collider& b) {
-  const double reach =
-      0.5 * (a.size + b.size) + std::min(a.speculative, b.speculative) + (a.travel + b.travel);
+  const double reach = 0.5 * (a.size + b.size) +
+                       std::min(a.margins.speculative, b.margins.speculative) +
+                       (a.motion.travel + b.motion.travel);
   constexpr double kRounding = 1.0 + 1e-12;
   return (b.position - a.position).squaredNorm() > kRounding * (reach * reach);
 }

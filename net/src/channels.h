@@ -10,12 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "acknowledger.h"
+#include "channel_inbox.h"
 #include "channel_wire.h"
-#include "member_budget.h"
 #include "mtu_search.h"
 #include "reliable_channel.h"
-#include "replay_window.h"
 #include "sent_packets.h"
+#include "state_queue.h"
 #include "tandem/consensus/transport.h"
 
 namespace tandem::net {
@@ -46,17 +47,15 @@ class Channels {
   /// The plain bytes of it, in place of write(). @param datagram  probe_due()
   void write_probe(std::uint64_t sequence, std::size_t datagram, double kbit_per_s,
                    std::int64_t now, std::vector<std::byte>& out);
-  bool post_reliable(std::span<const std::byte> message) { return reliable_.sender.post(message); }
+  bool post_reliable(std::span<const std::byte> message) { return reliable_.post(message); }
   /// Reliably, and whatever else waits.
   void post_group_change(std::span<const std::byte> change) {
-    (void)reliable_.sender.post(change, MessageKind::GroupChange);
+    (void)reliable_.post(change, MessageKind::GroupChange);
   }
-  /// What the other end has sent of these; empty where nothing has come.
-  std::vector<std::byte> take_group_change() { return std::exchange(group_change_, {}); }
   /// Tell the other end where a third peer is; may be lost.
-  void tell(const KnownPeer& known);
-  /// What it has told of third peers since the last call.
-  std::vector<KnownPeer> take_told() { return std::exchange(told_, {}); }
+  void tell(const KnownPeer& known) {
+    if (to_tell_.size() < kMaxToTell) to_tell_.push_back(known);
+  }
 
   /// Both directions of reliable messages. The next connection to the same process goes on with
   /// them: nothing is lost, nothing comes twice.
@@ -70,35 +69,25 @@ class Channels {
   void note_other(std::uint64_t sequence, std::int64_t now) { sent_.sent_empty(sequence, now); }
 
   /// The next state is small enough for `room` plain bytes, or there is none.
-  bool fits(std::size_t room) const {
-    return states_.empty() || kChannelHeader + kStateHeader + states_.front().bytes.size() <= room;
-  }
+  bool fits(std::size_t room) const { return states_.fits(room - kChannelHeader); }
   /// Something waits to be sent; acknowledgements alone do not count.
   bool has_content(std::int64_t now);
   /// When an acknowledgement has to leave at the latest, INT64_MAX where none is due.
-  std::int64_t ack_due() const { return ack_due_; }
+  std::int64_t ack_due() const { return acknowledger_.due(); }
   /// Appends a packet of at most `room` bytes to `out`: the acknowledgements, `clock` where there
   /// is one, and what waits and fits.
   void write(std::uint64_t sequence, std::size_t room, std::int64_t now, const ClockClaim* clock,
              std::vector<std::byte>& out);
 
-  enum class Read {
-    Ok,
-    Malformed,  // or no honest sender's: the connection is over
-    Full,       // the inbox or the budget is; not acknowledged, so it comes again
-    Goodbye,    // goodbye() says why
-  };
+  using Read = ChannelInbox::Read;
   Read read(std::uint64_t sequence, std::span<const std::byte> plain, std::int64_t now);
   /// What has not been acknowledged in time is lost.
   void on_time(std::int64_t now);
 
-  struct Message {
-    consensus::Delivery delivery{};
-    std::vector<std::byte> bytes;
-    std::int64_t at = 0;  // when it came
-  };
-  /// Appends all that has come.
-  void drain(std::vector<Message>& out);
+  using Message = ChannelInbox::Message;
+  /// What has come.
+  ChannelInbox& inbox() { return inbox_; }
+  const ChannelInbox& inbox() const { return inbox_; }
 
   /// What has become of packets since the last call.
   struct Feedback {
@@ -107,7 +96,7 @@ class Channels {
     std::uint64_t lost = 0;
     std::uint64_t late = 0;  // were counted as lost and have come
   };
-  Feedback take_feedback();
+  Feedback take_feedback() { return std::exchange(feedback_, {}); }
 
   /// What the other end has said of its clock.
   struct Exchange {
@@ -117,68 +106,36 @@ class Channels {
   /// The latest that has not been taken.
   std::optional<Exchange> take_exchange() { return std::exchange(exchange_, {}); }
 
-  /// What the other end asks to hear again, and what it says again, of the last packet.
-  std::optional<std::uint64_t> take_challenge() { return std::exchange(challenge_, {}); }
-  std::optional<std::uint64_t> take_answer() { return std::exchange(answer_, {}); }
   /// Round trips of before were those of another way.
   void begin_path();
 
   const RttEstimate& rtt() const { return sent_.rtt(); }
-  const ReliableSender& reliable() const { return reliable_.sender; }
-  std::uint64_t dropped_states() const { return dropped_states_; }
-  /// What was not taken, or is to come again: the other end sends too much.
-  const MemberBudget& budget() const { return budget_; }
+  const ReliableSender& reliable() const { return reliable_; }
+  /// Posted and not sent, or come and not taken.
+  std::uint64_t dropped_states() const { return states_.dropped() + inbox_.dropped_states(); }
   std::size_t waiting_states() const { return states_.size(); }
-  const std::vector<std::byte>& goodbye() const { return goodbye_; }
 
  private:
-  struct State {
-    std::vector<std::byte> bytes;
-    std::int64_t at = 0;
-  };
-
-  void drop_stale(std::int64_t now);
   void settle(std::int64_t now);
-  void write_acknowledgements(std::int64_t now, std::vector<std::byte>& out);
-  bool write_state(std::size_t end, std::vector<std::byte>& out);
   bool write_piece(std::size_t end, std::vector<std::byte>& out);
-  /// A whole message of the reliable channel. False where no honest sender sends it.
-  bool take_message(std::vector<std::byte> message, std::int64_t now);
-  void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
   void note_clock(const ChannelSection& section, std::int64_t now);
-  Read take(const ChannelSection& section, std::int64_t now);
 
   ChannelOptions options_;
-  std::deque<State> states_;
-  std::size_t states_cost_ = 0;
+  StateQueue states_;
   bool reliable_first_ = true;
-  Reliable reliable_;
+  ReliableSender reliable_;
+  std::vector<std::uint64_t> pieces_;  // of the packet that is being written
   std::deque<KnownPeer> to_tell_;
-  std::vector<KnownPeer> told_;
-  std::vector<std::byte> group_change_;
   std::size_t max_datagram_;
   MtuSearch mtu_;
   SentPackets sent_;
   SentPackets::Outcome outcome_;
   Feedback feedback_;
 
-  ReplayWindow had_;  // what is acknowledged
-  std::int64_t latest_at_ = 0;
-  int unacknowledged_ = 0;
-  std::int64_t ack_due_ = INT64_MAX;
-
-  ChannelPacket packet_;
-  std::vector<std::uint64_t> pieces_;
-  std::vector<std::vector<std::byte>> complete_;
-  std::deque<Message> inbox_;
-  std::size_t inbox_states_ = 0;    // cost
-  std::size_t inbox_reliable_ = 0;  // cost
-  std::uint64_t dropped_states_ = 0;
-  MemberBudget budget_;
-  std::vector<std::byte> goodbye_;
+  ChannelPacket packet_;  // that is being read
+  Acknowledger acknowledger_;
+  ChannelInbox inbox_;
   std::optional<Exchange> exchange_;
-  std::optional<std::uint64_t> challenge_;
-  std::optional<std::uint64_t> answer_;
 };
 
 }  // namespace tandem::net

@@ -2,7 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <array>
 #include <asio/ip/address.hpp>
+#include <cstdint>
 #include <string>
 #include <system_error>
 
@@ -14,6 +16,13 @@ inline asio::ip::address plain(const asio::ip::address& address) {
     return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
   }
   return address;
+}
+
+/// IPv6, or IPv4 mapped into it.
+inline std::array<std::uint8_t, 16> to_bytes(const asio::ip::address& address) {
+  const asio::ip::address ip = plain(address);
+  return ip.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, ip.to_v4()).to_bytes()
+                    : ip.to_v6().to_bytes();
 }
 
 inline bool is_loopback(const asio::ip::address& address) { return plain(address).is_loopback(); }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "channels.h"
 #include "packet_protection.h"
@@ -116,6 +117,33 @@ class Congestion {
   double series_arrived_ = 0.0;  // kbit/s
   double overlooked_ = 0.0;
   std::int64_t overlook_until_ = INT64_MIN;
+};
+
+/// The rate of a link, and what it lets through.
+class SendRate {
+ public:
+  SendRate(const CongestionOptions& options, std::int64_t now)
+      : options_(options), congestion_(options, now), pacer_(options.max_kbit, now) {}
+
+  void update(const Channels::Feedback& feedback, const RttEstimate& rtt, std::int64_t now) {
+    congestion_.update(feedback, rtt, std::exchange(held_back_, false), now);
+    if (congestion_.rate() != pacer_.rate()) pacer_.set_rate(congestion_.rate(), now);
+  }
+  /// Something waits that the pacer does not let through.
+  void hold_back() { held_back_ = true; }
+  Pacer& pacer() { return pacer_; }
+  const Congestion& congestion() const { return congestion_; }
+  /// What was learned of another way does not hold.
+  void begin_path(std::int64_t now) {
+    congestion_ = Congestion(options_, now);
+    pacer_.set_rate(congestion_.rate(), now);
+  }
+
+ private:
+  CongestionOptions options_;
+  Congestion congestion_;
+  Pacer pacer_;
+  bool held_back_ = false;
 };
 
 }  // namespace tandem::net

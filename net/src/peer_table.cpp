@@ -18,20 +18,15 @@ PeerTable::PostResult PeerTable::post(PeerId to, std::span<const std::byte> byte
   Record* record = find(to);
   if (record == nullptr || record->link == 0 || bytes.size() > record->max_payload) return {};
 
-  // Frames that are written but not acknowledged take memory as well.
-  const std::size_t needed = queue_cost(bytes.size()) + record->unacked.cost();
-  const std::size_t room = options_.send_queue_bytes - std::min(needed, options_.send_queue_bytes);
-  record->status.dropped_queue_full += record->send.shed_states(room);
-  if (record->send.cost() > room || needed > options_.send_queue_bytes) {
+  if (!record->outgoing.make_room(bytes.size(), options_.send_queue_bytes,
+                                  record->status.dropped_queue_full)) {
     ++record->status.dropped_queue_full;
     if (delivery == Delivery::Newest) return {};
     const std::uint64_t link = record->link;
     disconnect(*record, "send queue full of reliable frames, peer does not keep up");
     return {.cut_link = link};
   }
-  record->send.push({.delivery = delivery,
-                     .sequence = delivery == Delivery::Reliable ? ++record->last_sequence : 0,
-                     .bytes = {bytes.begin(), bytes.end()}});
+  record->outgoing.push(delivery, bytes);
   return {.accepted = true, .wake = !std::exchange(record->wake_posted, true)};
 }
 
@@ -63,21 +58,6 @@ std::vector<consensus::PeerStatus> PeerTable::peers() const {
   out.reserve(records_.size());
   for (const auto& [id, record] : records_) out.push_back(record.status);
   return out;
-}
-
-std::vector<DialStatus> PeerTable::dials() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<DialStatus> out = dials_;
-  for (DialStatus& dial : out) {
-    const Record* record = find(dial.peer);
-    dial.connected = record != nullptr && record->link != 0;
-  }
-  return out;
-}
-
-StrangerStatus PeerTable::strangers() const {
-  const std::lock_guard lock(mutex_);
-  return strangers_;
 }
 
 std::uint64_t PeerTable::incarnation(PeerId peer) const {
@@ -133,18 +113,16 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
   if (same_process && record->link != 0 && ticket < record->ticket) {
     return {.reason = "replaced by a newer connection"};
   }
-  if (same_process && theirs.received > record->last_written) {
+  if (same_process && !record->outgoing.has_written(theirs.received)) {
     return {.reason = "acknowledges frames that were never sent"};
   }
   const std::uint64_t replaced = record->link;
   if (replaced != 0) disconnect(*record, {});
   if (same_process) {
-    forget_acked(*record, theirs.received);
-    while (!record->unacked.empty()) record->send.push_front(record->unacked.pop_back());
+    record->outgoing.go_on_after(theirs.received);
   } else {
-    record->send.clear();
-    record->unacked.clear();
-    record->last_sequence = record->last_written = record->last_received = 0;
+    record->outgoing = {};
+    record->last_received = 0;
   }
   record->incarnation = hello.incarnation;
   record->key = member.key;
@@ -181,8 +159,7 @@ void PeerTable::expel(std::uint64_t link, PeerId peer, const std::string& reason
   if (record == nullptr) return;
   disconnect(*record, reason);
   record->inbox.clear();
-  record->send.clear();
-  record->unacked.clear();
+  record->outgoing.clear();
 }
 
 void PeerTable::reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now) {
@@ -240,7 +217,10 @@ bool PeerTable::may_read(std::uint64_t link, PeerId peer, SteadyTime now) {
 bool PeerTable::acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence) {
   const std::lock_guard lock(mutex_);
   Record* record = find_attached(link, peer);
-  return record == nullptr || forget_acked(*record, sequence);
+  if (record == nullptr) return true;
+  if (!record->outgoing.has_written(sequence)) return false;
+  record->outgoing.acknowledge(sequence);
+  return true;
 }
 
 void PeerTable::take(std::uint64_t link, PeerId peer, std::size_t limit,
@@ -249,10 +229,9 @@ void PeerTable::take(std::uint64_t link, PeerId peer, std::size_t limit,
   Record* record = find_attached(link, peer);
   if (record == nullptr) return;
   record->wake_posted = false;
-  while (!record->send.empty() && out.size() < limit) {
-    QueuedFrame frame = record->send.pop();
+  const auto write = [&](const QueuedFrame& frame) {
     const bool reliable = frame.delivery == Delivery::Reliable;
-    if (shutting_down_ && !reliable) continue;
+    if (shutting_down_ && !reliable) return false;
     append_frame(out, reliable ? FrameType::Reliable : FrameType::Newest,
                  [&](pbd::ByteWriter& writer) {
                    if (reliable) writer.u64(frame.sequence);
@@ -260,11 +239,9 @@ void PeerTable::take(std::uint64_t link, PeerId peer, std::size_t limit,
                  });
     ++record->status.packets_out;
     record->status.bytes_out += frame.bytes.size();
-    if (reliable) {
-      record->last_written = std::max(record->last_written, frame.sequence);
-      record->unacked.push(std::move(frame));
-    }
-  }
+    return true;
+  };
+  while (!record->outgoing.empty() && out.size() < limit) record->outgoing.write_next(write);
 }
 
 std::uint64_t PeerTable::link_of(PeerId peer) const {
@@ -282,39 +259,6 @@ bool PeerTable::wanted(PeerId peer) const {
 void PeerTable::begin_shutdown() {
   const std::lock_guard lock(mutex_);
   shutting_down_ = true;
-}
-
-void PeerTable::set_dials(std::vector<DialStatus> dials) {
-  const std::lock_guard lock(mutex_);
-  dials_ = std::move(dials);
-}
-
-void PeerTable::count(Stranger what, const std::string& reason) {
-  const std::lock_guard lock(mutex_);
-  switch (what) {
-    case Stranger::Accepted:
-      ++strangers_.accepted;
-      return;
-    case Stranger::Refused:
-      ++strangers_.refused;
-      break;
-    case Stranger::Malformed:
-      ++strangers_.malformed;
-      break;
-    case Stranger::TimedOut:
-      ++strangers_.timed_out;
-      break;
-    case Stranger::Limited:
-      ++strangers_.limited;
-      break;
-    case Stranger::BadProof:
-      ++strangers_.bad_proof;
-      break;
-    case Stranger::Forged:
-      ++strangers_.forged;
-      break;
-  }
-  strangers_.last_reason = reason;
 }
 
 // ---- under the lock ----
@@ -364,8 +308,7 @@ void PeerTable::disconnect(Record& record, const std::string& reason) {
   record.link = 0;
   record.status.connected = false;
   record.status.reason = reason;
-  // States are stale by the time it is back; what was posted as Reliable is kept for that.
-  record.send.keep_reliable();
+  record.outgoing.drop_states();
 }
 
 void PeerTable::ban(Record& record, const std::string& reason, SteadyTime now) {
@@ -373,14 +316,6 @@ void PeerTable::ban(Record& record, const std::string& reason, SteadyTime now) {
   record.inbox.clear();
   record.dropped = true;
   record.hold_until = now + options_.drop_hold;
-}
-
-bool PeerTable::forget_acked(Record& record, std::uint64_t sequence) {
-  if (sequence > record.last_written) return false;
-  while (!record.unacked.empty() && record.unacked.front().sequence <= sequence) {
-    record.unacked.pop();
-  }
-  return true;
 }
 
 }  // namespace tandem::net

@@ -14,6 +14,7 @@
 
 #include "frame_queue.h"
 #include "member_budget.h"
+#include "outgoing_frames.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/tcp.h"
 #include "tcp_security.h"
@@ -46,8 +47,6 @@ class PeerTable {
   /// The link to close, 0 where there is none.
   std::uint64_t drop(PeerId peer, const std::string& reason, SteadyTime now);
   std::vector<consensus::PeerStatus> peers() const;
-  std::vector<DialStatus> dials() const;
-  StrangerStatus strangers() const;
   std::uint64_t incarnation(PeerId peer) const;
 
   // ---- network thread ----
@@ -85,16 +84,12 @@ class PeerTable {
   bool acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence);
   /// Appends queued frames to `out`, oldest first, until it holds about `limit` bytes.
   void take(std::uint64_t link, PeerId peer, std::size_t limit, std::vector<std::byte>& out);
+  /// 0 where it is not connected.
   std::uint64_t link_of(PeerId peer) const;
   /// Whether to dial it: not connected, not dropped.
   bool wanted(PeerId peer) const;
-  bool connected(PeerId peer) const { return link_of(peer) != 0; }
   /// From here on only Reliable frames leave.
   void begin_shutdown();
-
-  void set_dials(std::vector<DialStatus> dials);
-  enum class Stranger { Accepted, Refused, Malformed, TimedOut, Limited, BadProof, Forged };
-  void count(Stranger what, const std::string& reason = {});
 
  private:
   struct Record {
@@ -103,11 +98,8 @@ class PeerTable {
     Key key{};  ///< of who goes by this id, or did last
     std::uint64_t link = 0;
     std::uint64_t ticket = 0;
-    std::size_t max_payload = 0;      // the smaller of both ends' limits
-    FrameQueue send;                  // not yet written
-    FrameQueue unacked;               // Reliable, written, not acknowledged
-    std::uint64_t last_sequence = 0;  // given to a Reliable frame
-    std::uint64_t last_written = 0;
+    std::size_t max_payload = 0;  // the smaller of both ends' limits
+    OutgoingFrames outgoing;
     std::uint64_t last_received = 0;
     FrameQueue inbox;
     MemberBudget budget;  // of the attached link
@@ -126,15 +118,12 @@ class PeerTable {
                                             SteadyTime now) const;
   void disconnect(Record& record, const std::string& reason);
   void ban(Record& record, const std::string& reason, SteadyTime now);
-  static bool forget_acked(Record& record, std::uint64_t sequence);
 
   const TcpOptions options_;
   mutable std::mutex mutex_;
   std::map<PeerId, Record> records_;  // by id: the order of drain and peers
   std::size_t connected_ = 0;
   std::uint64_t departures_ = 0;
-  std::vector<DialStatus> dials_;
-  StrangerStatus strangers_;
   bool shutting_down_ = false;
   SessionClock clock_;  ///< what came is dated by it
 };

@@ -9,6 +9,7 @@
 #include "peer_table.h"
 #include "require.h"
 #include "tcp_mesh.h"
+#include "tcp_report.h"
 #include "tcp_security.h"
 
 namespace tandem::net {
@@ -80,10 +81,13 @@ TcpOptions complete(TcpOptions options) {
 class __attribute__((visibility("hidden"))) TcpTransport::Impl {
  public:
   explicit Impl(const TcpOptions& given)
-      : options(complete(given)), table(options), mesh(options, table, make_tcp_security(given)) {}
+      : options(complete(given)),
+        table(options),
+        mesh(options, table, report, make_tcp_security(given)) {}
 
   const TcpOptions options;
   PeerTable table;
+  TcpReport report;
   TcpMesh mesh;
 };
 
@@ -127,8 +131,12 @@ void TcpTransport::change_group(std::span<const std::byte> signed_change) {
   impl_->mesh.change_group({signed_change.begin(), signed_change.end()});
 }
 std::uint64_t TcpTransport::group() const { return impl_->mesh.group(); }
-std::vector<DialStatus> TcpTransport::dials() const { return impl_->table.dials(); }
-StrangerStatus TcpTransport::strangers() const { return impl_->table.strangers(); }
+std::vector<DialStatus> TcpTransport::dials() const {
+  std::vector<DialStatus> out = impl_->report.dials();
+  for (DialStatus& dial : out) dial.connected = impl_->table.link_of(dial.peer) != 0;
+  return out;
+}
+StrangerStatus TcpTransport::strangers() const { return impl_->report.strangers(); }
 std::uint16_t TcpTransport::local_port() const { return impl_->mesh.local_port(); }
 std::uint64_t TcpTransport::incarnation(PeerId peer) const {
   return impl_->table.incarnation(peer);

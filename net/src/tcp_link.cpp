@@ -18,7 +18,7 @@ void TcpLink::start(std::size_t send_buffer) {
   const auto endpoint = socket_.remote_endpoint(error);
   if (error) return close("connection lost: " + error.message());
   remote = endpoint.address();
-  last_heard = last_sent = std::chrono::steady_clock::now();
+  times.heard = times.sent = std::chrono::steady_clock::now();
   read();
 }
 
@@ -38,7 +38,7 @@ void TcpLink::on_read(const std::error_code& error, std::size_t count) {
     return close(ended ? "connection lost: closed by the other end"
                        : "connection lost: " + error.message());
   }
-  last_heard = std::chrono::steady_clock::now();
+  times.heard = std::chrono::steady_clock::now();
   input_.filled(count);
   take_frames();
   if (phase == Phase::Closed) return;
@@ -53,7 +53,7 @@ void TcpLink::on_read(const std::error_code& error, std::size_t count) {
 void TcpLink::resume() {
   if (!paused_ || phase == Phase::Closed || !owner_.may_read(*this)) return;
   paused_ = false;
-  last_heard = std::chrono::steady_clock::now();  // it may have spoken all the time
+  times.heard = std::chrono::steady_clock::now();  // it may have spoken all the time
   read();
 }
 
@@ -79,42 +79,43 @@ void TcpLink::take_frames() {
 }
 
 void TcpLink::protect(std::unique_ptr<LinkCipher> cipher) {
-  if (!control_.empty()) return close("internal: frames in the clear are waiting");
+  if (!output_.control.empty()) return close("internal: frames in the clear are waiting");
   cipher_ = std::move(cipher);
   raise_limit(kMaxControlFrame);
 }
 
 void TcpLink::kick() {
-  if (writing_ || phase == Phase::Closed || phase == Phase::Connecting) return;
-  output_.clear();
-  output_.swap(control_);
-  if (phase == Phase::Attached || goodbye_) owner_.on_writable(*this, output_);
-  if (output_.empty()) {
+  if (output_.writing || phase == Phase::Closed || phase == Phase::Connecting) return;
+  output_.written.clear();
+  output_.written.swap(output_.control);
+  if (phase == Phase::Attached || goodbye_) owner_.on_writable(*this, output_.written);
+  if (output_.written.empty()) {
     if (!goodbye_) return;
     if (goodbye_->empty()) {  // it is out
       std::error_code ignored;
       socket_.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
       return;
     }
-    append_frame(output_, FrameType::Goodbye, [&](pbd::ByteWriter& writer) {
+    append_frame(output_.written, FrameType::Goodbye, [&](pbd::ByteWriter& writer) {
       writer.bytes(std::as_bytes(std::span(*goodbye_)));
     });
     goodbye_->clear();
   }
   if (cipher_) {
-    sealed_.clear();
-    if (!cipher_->seal(output_, nanoseconds(std::chrono::steady_clock::now()), sealed_)) {
+    output_.sealed.clear();
+    if (!cipher_->seal(output_.written, nanoseconds(std::chrono::steady_clock::now()),
+                       output_.sealed)) {
       return close("connection lost: no sequence numbers left");
     }
-    output_.swap(sealed_);
+    output_.written.swap(output_.sealed);
   }
-  writing_ = true;
-  asio::async_write(socket_, asio::buffer(output_.data(), output_.size()),
+  output_.writing = true;
+  asio::async_write(socket_, asio::buffer(output_.written.data(), output_.written.size()),
                     [self = shared_from_this()](const std::error_code& error, std::size_t) {
-                      self->writing_ = false;
+                      self->output_.writing = false;
                       if (self->phase == Phase::Closed) return;
                       if (error) return self->close("connection lost: " + error.message());
-                      self->last_sent = std::chrono::steady_clock::now();
+                      self->times.sent = std::chrono::steady_clock::now();
                       self->kick();
                     });
 }

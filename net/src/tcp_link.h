@@ -72,8 +72,8 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   template <class Fill>
   void send(FrameType type, Fill&& fill) {
     if (phase == Phase::Leaving || phase == Phase::Closed) return;
-    if (control_.size() > kMaxControlBytes) return close("connection lost: does not read");
-    append_frame(control_, type, std::forward<Fill>(fill));
+    if (output_.control.size() > kMaxControlBytes) return close("connection lost: does not read");
+    append_frame(output_.control, type, std::forward<Fill>(fill));
     kick();
   }
 
@@ -87,23 +87,36 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
 
   // State of the owner's protocol, per link.
   Phase phase = Phase::Connecting;
-  std::uint64_t dial = 0;                 // 0: inbound
-  std::unique_ptr<KeyExchange> exchange;  // of the dialler, until it has ended
-  Key remote_key{};                       // after it
-  std::vector<std::byte> badge;           // likewise
-  LinkMember member;                      // once its Hello was good
-  Hello hello;                            // the other's; peer 0 until it has come
+  std::uint64_t dial = 0;  // 0: inbound
+  struct Keying {
+    std::unique_ptr<KeyExchange> exchange;  // of the dialler, until it has ended
+    Key remote{};                           // after it
+    std::vector<std::byte> badge;           // likewise
+  };
+  Keying keying;
+  LinkMember member;  // once its Hello was good
+  Hello hello;        // the other's; peer 0 until it has come
   std::uint64_t ticket = 0;
   std::string failure;  // why it is leaving, for whoever dialled it
   asio::ip::address remote;
   SteadyTime deadline{};  // of every phase but Attached
-  SteadyTime attached_at{};
-  SteadyTime last_heard{};
-  SteadyTime last_sent{};
-  std::chrono::milliseconds ping_interval{};
+  struct Times {
+    SteadyTime attached{};
+    SteadyTime heard{};  // last
+    SteadyTime sent{};   // last
+    std::chrono::milliseconds ping_interval{};
+  };
+  Times times;
   bool ack_due = false;
 
  private:
+  struct Output {
+    std::vector<std::byte> control;  // frames that are due before all others
+    std::vector<std::byte> written;  // being written
+    std::vector<std::byte> sealed;   // `written` is swapped with it
+    bool writing = false;
+  };
+
   void read();
   void on_read(const std::error_code& error, std::size_t count);
   void take_frames();
@@ -112,11 +125,8 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   TcpLinkOwner& owner_;
   const std::uint64_t serial_;
   FrameBuffer input_;
-  std::vector<std::byte> control_;  // frames that are due before all others
-  std::vector<std::byte> output_;   // being written
-  std::vector<std::byte> sealed_;   // output_ is swapped with it
+  Output output_;
   std::unique_ptr<LinkCipher> cipher_;
-  bool writing_ = false;
   bool paused_ = false;
   std::optional<std::string> goodbye_;
 };

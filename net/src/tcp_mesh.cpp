@@ -3,14 +3,9 @@
 #include "tcp_mesh.h"
 
 #include <algorithm>
-#include <array>
-#include <asio/ip/v6_only.hpp>
 #include <asio/post.hpp>
 #include <exception>
-#include <system_error>
 #include <utility>
-
-#include "loopback.h"
 
 namespace tandem::net {
 
@@ -20,18 +15,25 @@ namespace {
 
 constexpr milliseconds kSweepInterval{10};
 constexpr milliseconds kExpelInterval{250};
-constexpr milliseconds kAcceptPause{100};   // after accept() has failed, as for want of descriptors
 constexpr std::size_t kMaxGreeting = 32;    // inbound connections that are not peers yet
 constexpr std::size_t kMaxExtraLinks = 64;  // above max_peers, in any phase
 
 }  // namespace
 
-TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table, std::unique_ptr<TcpSecurity> security)
-    : options_(options), table_(table), security_(std::move(security)), jitter_(options.self) {
-  if (options_.listen_port) listen();
-  for (const HostPort& address : options_.connect) add_dial(address, 0, true, Clock::now());
-  publish_dials();
-  last_sweep_ = Clock::now();
+TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table, TcpReport& report,
+                 std::unique_ptr<TcpSecurity> security)
+    : options_(options),
+      table_(table),
+      report_(report),
+      security_(std::move(security)),
+      listener_(context_, options_, report_, security_.get(),
+                {.new_link = [this] { return new_link(); },
+                 .accepted = [this](const auto& link) { on_accepted(link); }}),
+      dialler_(context_, options_, security_ || options_.insecure, table_, report_,
+               {.open = [this](std::uint64_t dial) { return open(dial); },
+                .connected = [this](TcpLink& link) { handshake_.start(link); }}),
+      handshake_(options_, table_, report_, dialler_, security_.get(), listener_.port()),
+      last_sweep_(Clock::now()) {
   arm_sweep();
   thread_ = std::thread([this] { run(); });
 }
@@ -58,31 +60,9 @@ void TcpMesh::release() {
     link->phase = TcpLink::Phase::Closed;
     link->socket().close(ignored);
   }
-  resolver_.cancel();
+  dialler_.cancel();
   context_.restart();
   context_.poll();
-}
-
-void TcpMesh::listen() {
-  std::error_code error;
-  const asio::ip::address address = asio::ip::make_address(options_.listen_address, error);
-  const Endpoint endpoint(address, *options_.listen_port);
-  if (!error) acceptor_.open(endpoint.protocol(), error);
-  // A restarted peer must get its port although connections of its predecessor linger.
-  if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error && address.is_v6()) acceptor_.set_option(asio::ip::v6_only(false), error);
-  if (!error) acceptor_.bind(endpoint, error);
-  if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-  if (!error) acceptor_.non_blocking(true, error);
-  if (!error) local_port_ = acceptor_.local_endpoint(error).port();
-  if (error) {
-    // The library's own category would not compare equal to std::errc.
-    throw std::system_error(
-        error.value(), std::system_category(),
-        "TcpTransport: cannot listen on " +
-            to_string(HostPort{options_.listen_address, *options_.listen_port}));
-  }
-  accept();
 }
 
 void TcpMesh::run() {
@@ -92,7 +72,7 @@ void TcpMesh::run() {
       return;
     } catch (const std::exception& fault) {
       // Out of memory at worst. The thread goes on; what was being handled is cut by its deadline.
-      table_.count(PeerTable::Stranger::Refused, std::string("internal: ") + fault.what());
+      report_.count(&StrangerStatus::refused, std::string("internal: ") + fault.what());
       arm_sweep();  // it may have been the sweep
     }
   }
@@ -108,50 +88,17 @@ void TcpMesh::cut(std::uint64_t serial, const std::string& reason) {
   asio::post(context_, [this, serial, reason] {
     if (TcpLink* link = find_link(serial)) {
       const PeerId peer = link->hello.peer;
-      const bool lasted = Clock::now() - link->attached_at > options_.backoff_max;
+      const bool lasted = Clock::now() - link->times.attached > options_.backoff_max;
       link->leave(reason, Clock::now() + kLinger);
-      redial_peer(peer, lasted);
+      dialler_.redial(peer, lasted);
     }
   });
 }
 
-void TcpMesh::accept() {
-  const auto link = new_link();
-  acceptor_.async_accept(link->socket(), [this, link](const std::error_code& error) {
-    if (!acceptor_.is_open()) return;
-    on_accept(link, error);
-  });
-}
-
-void TcpMesh::on_accept(const std::shared_ptr<TcpLink>& link, const std::error_code& error) {
-  if (error) {
-    accept_again_ = Clock::now() + kAcceptPause;
-    return;
-  }
-  table_.count(PeerTable::Stranger::Accepted);
-  if (over_rate(*link)) {
-    table_.count(PeerTable::Stranger::Limited, "too many connections from one address");
-    return accept();  // which lets go of this one
-  }
+void TcpMesh::on_accepted(const std::shared_ptr<TcpLink>& link) {
   make_room();
   links_.emplace(link->serial(), link);
-  link->phase = security_ ? TcpLink::Phase::Keying : TcpLink::Phase::Greeting;
-  link->deadline = Clock::now() + options_.handshake_timeout;
-  link->start(options_.socket_buffer_bytes);
-  accept();
-}
-
-/// Nothing is known of whoever has just connected but his address.
-bool TcpMesh::over_rate(TcpLink& link) const {
-  if (!security_) return false;
-  std::error_code error;
-  const asio::ip::address from = plain(link.socket().remote_endpoint(error).address());
-  if (error) return false;  // he has gone again, which link.start() will find
-  const asio::ip::address_v6 v6 =
-      from.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, from.to_v4()) : from.to_v6();
-  std::array<std::uint8_t, 16> ip{};
-  std::ranges::copy(v6.to_bytes(), ip.begin());
-  return !security_->allow(ip, nanoseconds(Clock::now()));
+  handshake_.start(*link);
 }
 
 /// Closes the oldest of those that are no peers yet where there are too many: whoever opens
@@ -171,7 +118,7 @@ void TcpMesh::make_room() {
   if (oldest == links_.end()) return;
   const auto link = oldest->second;
   if (link->phase != TcpLink::Phase::Leaving) {
-    table_.count(PeerTable::Stranger::Refused, "too many connections without handshake");
+    report_.count(&StrangerStatus::refused, "too many connections without handshake");
   }
   link->close("too many connections without handshake");
 }
@@ -193,12 +140,12 @@ void TcpMesh::sweep() {
     link->resume();
     switch (link->phase) {
       case TcpLink::Phase::Attached:
-        if (slept) link->last_heard = now;
-        if (now - link->last_heard > options_.idle_timeout) {
+        if (slept) link->times.heard = now;
+        if (now - link->times.heard > options_.idle_timeout) {
           link->close("connection lost: nothing heard for " +
                       std::to_string(options_.idle_timeout.count()) + " ms");
-        } else if (now - link->last_sent > link->ping_interval) {
-          link->last_sent = now;
+        } else if (now - link->times.sent > link->times.ping_interval) {
+          link->times.sent = now;
           link->send(FrameType::Ping, [](pbd::ByteWriter&) {});
         }
         break;
@@ -207,7 +154,7 @@ void TcpMesh::sweep() {
       default:
         if (now < link->deadline) break;
         if (link->dial == 0 && link->phase != TcpLink::Phase::Leaving) {
-          table_.count(PeerTable::Stranger::TimedOut, "handshake timed out");
+          report_.count(&StrangerStatus::timed_out, "handshake timed out");
         }
         link->close(link->phase == TcpLink::Phase::Connecting ? "connecting timed out"
                                                               : "handshake timed out");
@@ -223,11 +170,8 @@ void TcpMesh::sweep() {
       return;
     }
   } else {
-    sweep_dials(now);
-    if (accept_again_ != SteadyTime{} && now >= accept_again_) {
-      accept_again_ = {};
-      accept();
-    }
+    dialler_.sweep(now);
+    listener_.sweep(now);
   }
   arm_sweep();
 }
@@ -236,9 +180,8 @@ void TcpMesh::begin_shutdown() {
   const SteadyTime now = Clock::now();
   shutdown_deadline_ = now + options_.flush_timeout;
   table_.begin_shutdown();
-  std::error_code ignored;
-  acceptor_.close(ignored);
-  dials_.clear();
+  listener_.close();
+  dialler_.clear();
   for (const auto& link : snapshot()) {
     if (link->phase == TcpLink::Phase::Attached) {
       link->leave("has left", *shutdown_deadline_);
@@ -252,6 +195,14 @@ void TcpMesh::begin_shutdown() {
 std::shared_ptr<TcpLink> TcpMesh::new_link() {
   return std::make_shared<TcpLink>(context_, static_cast<TcpLinkOwner&>(*this), next_serial_++,
                                    security_ ? kMaxKeyFrame : kMaxControlFrame);
+}
+
+std::shared_ptr<TcpLink> TcpMesh::open(std::uint64_t dial) {
+  auto link = new_link();
+  link->dial = dial;
+  link->deadline = Clock::now() + options_.handshake_timeout;
+  links_.emplace(link->serial(), link);
+  return link;
 }
 
 std::vector<std::shared_ptr<TcpLink>> TcpMesh::snapshot() const {

@@ -160,13 +160,14 @@ std::uint16_t UdpTransport::local_port() const { return impl_->socket.local_port
 
 UdpRelayed UdpTransport::relayed() const {
   return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
-    return UdpRelayed{.forwarded = node.relayed().forwarded, .refused = node.relayed().refused};
+    const auto& counters = node.relay().counters();
+    return UdpRelayed{.forwarded = counters.forwarded, .refused = counters.refused};
   });
 }
 
 consensus::PeerId UdpTransport::relay_of(consensus::PeerId peer) const {
-  return impl_->socket.with(false,
-                            [peer](UdpNode& node, std::int64_t) { return node.relay_of(peer); });
+  return impl_->socket.with(
+      false, [peer](UdpNode& node, std::int64_t) { return node.relay().relay_of(peer); });
 }
 
 std::vector<UdpLookup> UdpTransport::lookups() const { return impl_->socket.lookups(); }

@@ -15,11 +15,6 @@ namespace {
 constexpr int kGoodbyes = 3;                      // any of them may be lost
 constexpr std::int64_t kGoodbyeGap = 20'000'000;  // ns
 constexpr std::int64_t kLossCheck = 10'000'000;   // ns, how exactly a timeout is kept
-// How often the clock is told of: in a packet that leaves anyway; alone; alone at the beginning.
-constexpr std::int64_t kClockRides = 45'000'000;        // ns
-constexpr std::int64_t kClockAlone = 250'000'000;       // ns
-constexpr std::int64_t kClockFirst = 25'000'000;        // ns
-constexpr std::int64_t kClockFirstFor = 1'500'000'000;  // ns
 static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceBytes <=
               MtuSearch::kLeast);
 
@@ -32,15 +27,14 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       sealer_(session.send, session.remote.receiver, now, options.rekey),
       opener_(session.receive),
       channels_(options.channels, options.max_datagram),
-      pacer_(options.congestion.max_kbit, now),
-      congestion_(options.congestion, now),
+      rate_(options.congestion, now),
+      clock_turns_(now),
       confirmed_(confirmed),
       last_heard_(now),
       last_sent_(now - options.idle_timeout),  // the first packet tells the other end at once
       keep_alive_(std::min(options.idle_timeout,
                            std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
-                  4),
-      opened_at_(now) {
+                  4) {
   require(options.max_datagram >= MtuSearch::kLeast && options.max_datagram <= kMaxDatagram,
           "UdpConnectionOptions", "max_datagram", options.max_datagram, "in [548, 1472]");
   require(options.congestion.min_kbit > 0.0 &&
@@ -64,20 +58,16 @@ std::span<const std::byte> UdpConnection::seal(std::int64_t now) {
   return datagram_;
 }
 
-std::int64_t UdpConnection::clock_period(std::int64_t now) const {
-  return now - opened_at_ < kClockFirstFor ? kClockFirst : kClockAlone;
-}
-
 std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClaim* clock) {
   if (state_ == State::Closed) return {};
   if (state_ == State::Leaving) {
-    if (now < goodbye_due_) return {};
-    if (goodbyes_ == 0) {
+    if (now < goodbyes_.due) return {};
+    if (goodbyes_.left == 0) {
       state_ = State::Closed;
       return {};
     }
-    --goodbyes_;
-    goodbye_due_ = now + kGoodbyeGap;
+    --goodbyes_.left;
+    goodbyes_.due = now + kGoodbyeGap;
     plain_.clear();
     encode(ChannelHeader{}, plain_);
     encode({.kind = ChannelSection::Kind::Goodbye, .bytes = std::as_bytes(std::span(reason_))},
@@ -91,52 +81,51 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
   }
   if (!confirmed_) return {};
   channels_.on_time(now);
-  congestion_.update(channels_.take_feedback(), channels_.rtt(), held_back_, now);
-  held_back_ = false;
-  if (congestion_.rate() != pacer_.rate()) pacer_.set_rate(congestion_.rate(), now);
+  rate_.update(channels_.take_feedback(), channels_.rtt(), now);
+  Pacer& pacer = rate_.pacer();
 
   // Not before somebody has answered: a probe that nobody is there to take says nothing.
   const std::size_t probe = channels_.rtt().any() ? channels_.probe_due(now) : 0;
-  if (probe != 0 && pacer_.ready(now)) {
+  if (probe != 0 && pacer.ready(now)) {
     plain_.clear();
-    channels_.write_probe(sealer_.next_sequence(), probe, congestion_.rate(), now, plain_);
+    channels_.write_probe(sealer_.next_sequence(), probe, congestion().rate(), now, plain_);
     const auto out = seal(now);
-    pacer_.spend(out.size());
+    pacer.spend(out.size());
     return out;
   }
 
   // Acknowledgements alone are small and do not wait: late ones would look like loss.
-  if (clock != nullptr && last_clock_ == INT64_MIN) last_clock_ = now - kClockAlone;
-  const bool tells_clock = clock != nullptr && now - last_clock_ >= clock_period(now);
+  if (clock != nullptr) clock_turns_.begin(now);
+  const bool tells_clock = clock != nullptr && clock_turns_.is_due_alone(now);
   const bool must = tells_clock || now >= channels_.ack_due() || now - last_sent_ >= keep_alive_;
   const bool content = channels_.has_content(now);
-  const bool ready = pacer_.ready(now);
-  held_back_ = content && !ready;
+  const bool ready = pacer.ready(now);
+  if (content && !ready) rate_.hold_back();
   if (!must && !(content && ready)) return {};
   plain_.clear();
   // A long state does not wait for the next packet because of the clock, but once in a while.
-  const bool rides = clock != nullptr && now - last_clock_ >= kClockRides && ready &&
-                     channels_.fits(room() - kClockBytes);
+  const bool rides =
+      clock != nullptr && clock_turns_.rides(now) && ready && channels_.fits(room() - kClockBytes);
   if (!tells_clock && !rides) clock = nullptr;
-  if (clock != nullptr) last_clock_ = now;
+  if (clock != nullptr) clock_turns_.told(now);
   const std::size_t least = kChannelHeader + (clock != nullptr ? kClockBytes : 0);
   channels_.write(sealer_.next_sequence(), ready ? room() : least, now, clock, plain_);
   const auto out = seal(now);
-  pacer_.spend(out.size());
+  pacer.spend(out.size());
   return out;
 }
 
 std::int64_t UdpConnection::next_due(std::int64_t now) {
   if (state_ == State::Closed) return INT64_MAX;
-  if (state_ == State::Leaving) return goodbye_due_;
+  if (state_ == State::Leaving) return goodbyes_.due;
   if (!confirmed_) return std::max(now, last_heard_ + options_.idle_timeout + 1);
-  std::int64_t due = std::min(
-      {channels_.ack_due(), last_sent_ + keep_alive_, last_heard_ + options_.idle_timeout + 1});
-  if (last_clock_ != INT64_MIN) due = std::min(due, last_clock_ + clock_period(now));
+  std::int64_t due =
+      std::min({channels_.ack_due(), last_sent_ + keep_alive_,
+                last_heard_ + options_.idle_timeout + 1, clock_turns_.next_due(now)});
   if (channels_.rtt().any()) {
-    due = std::min(due, std::max(channels_.mtu().next_due(), pacer_.next(now)));
+    due = std::min(due, std::max(channels_.mtu().next_due(), rate_.pacer().next(now)));
   }
-  if (channels_.has_content(now)) due = std::min(due, pacer_.next(now));
+  if (channels_.has_content(now)) due = std::min(due, rate_.pacer().next(now));
   if (!channels_.reliable().empty()) due = std::min(due, now + kLossCheck);
   return std::max(due, now);
 }
@@ -146,7 +135,6 @@ bool UdpConnection::open(std::span<const std::byte> datagram, std::int64_t now) 
   if (state_ == State::Closed) return false;
   opened_ = opener_.open(datagram, buffer_);
   if (!opened_) return false;
-  newest_ = opened_->sequence == opener_.window().latest();
   confirmed_ = true;
   last_heard_ = now;
   return true;
@@ -165,7 +153,7 @@ std::span<const std::byte> UdpConnection::seal(const Relayed& relayed, std::int6
     return {};
   }
   channels_.note_other(sequence, now);
-  pacer_.spend(datagram_.size());
+  rate_.pacer().spend(datagram_.size());
   return datagram_;
 }
 
@@ -177,14 +165,13 @@ std::span<const std::byte> UdpConnection::seal_path(ChannelSection::Kind kind, s
   encode({.kind = kind, .token = token}, plain_);
   channels_.note_other(sealer_.next_sequence(), now);
   const auto out = seal(now);
-  pacer_.spend(out.size());
+  rate_.pacer().spend(out.size());
   return out;
 }
 
 void UdpConnection::begin_path(std::int64_t now) {
   channels_.begin_path();
-  congestion_ = Congestion(options_.congestion, now);
-  pacer_.set_rate(congestion_.rate(), now);
+  rate_.begin_path(now);
 }
 
 void UdpConnection::read(std::int64_t now) {
@@ -208,14 +195,15 @@ void UdpConnection::read(std::int64_t now) {
     case Channels::Read::Ok:
     case Channels::Read::Full:
       // Whoever has been told comes back after a while, and with a new budget.
-      if (channels_.budget().abused()) leave(std::string("dropped: ") + MemberBudget::kReason, now);
+      if (channels_.inbox().budget().abused())
+        leave(std::string("dropped: ") + MemberBudget::kReason, now);
       break;
     case Channels::Read::Malformed:
       ++rejected_;
       leave("dropped: packet cannot be decoded", now);
       break;
     case Channels::Read::Goodbye:
-      close("peer: " + decode_reason(channels_.goodbye()));
+      close("peer: " + decode_reason(channels_.inbox().goodbye()));
       break;
   }
 }
@@ -225,8 +213,7 @@ void UdpConnection::leave(const std::string& reason, std::int64_t now) {
   if (!confirmed_) return close(reason);
   state_ = State::Leaving;
   reason_ = (reason.empty() ? std::string("closed") : reason).substr(0, kMaxReason);
-  goodbyes_ = kGoodbyes;
-  goodbye_due_ = now;
+  goodbyes_ = {.left = kGoodbyes, .due = now};
 }
 
 void UdpConnection::close(const std::string& reason) {

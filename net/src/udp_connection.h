@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "channels.h"
+#include "clock_turns.h"
 #include "handshake.h"
 #include "pacing.h"
 #include "packet_protection.h"
@@ -40,7 +41,6 @@ class UdpConnection {
 
   /// False where it is dropped at once: closed, too long, queue of reliable messages full.
   bool post(std::span<const std::byte> bytes, consensus::Delivery delivery, std::int64_t now);
-  void drain(std::vector<Channels::Message>& out) { channels_.drain(out); }
 
   /// The next datagram to send, empty where none is due yet. Valid until the next call. Call until
   /// it is empty. @param clock  what to say of the own clock at `now`; null: nothing, ever
@@ -80,22 +80,11 @@ class UdpConnection {
     return seal_path(ChannelSection::Kind::Answer, token, now);
   }
   static constexpr std::size_t kQuestionBytes = kProtectedOverhead + kChannelHeader + kPathBytes;
-  /// What the last read() has found of these.
-  std::optional<std::uint64_t> take_challenge() { return channels_.take_challenge(); }
-  std::optional<std::uint64_t> take_answer() { return channels_.take_answer(); }
-  /// The packet that was opened last has the highest number so far.
-  bool is_newest() const { return newest_; }
-  /// How long an original may come after a copy of it that took another way.
-  std::int64_t path_patience() const { return channels_.rtt().timeout(); }
+  /// The packet that was opened and not read yet has the highest number so far.
+  bool is_newest() const { return opened_ && opened_->sequence == opener_.window().latest(); }
   /// It goes another way from now on: what was learned of the one before does not hold.
   void begin_path(std::int64_t now);
 
-  void post_group_change(std::span<const std::byte> change) { channels_.post_group_change(change); }
-  std::vector<std::byte> take_group_change() { return channels_.take_group_change(); }
-  void tell(const KnownPeer& known) { channels_.tell(known); }
-  std::vector<KnownPeer> take_told() { return channels_.take_told(); }
-  Channels::Reliable take_reliable() { return channels_.take_reliable(); }
-  void resume(Channels::Reliable reliable) { channels_.resume(std::move(reliable)); }
   /// Say goodbye, then be Closed.
   void leave(const std::string& reason, std::int64_t now);
 
@@ -108,18 +97,22 @@ class UdpConnection {
   bool silent(std::int64_t now) const { return now - last_heard_ > options_.idle_timeout / 2; }
   std::int64_t last_heard() const { return last_heard_; }
   const Session& session() const { return session_; }
+  Channels& channels() { return channels_; }
   const Channels& channels() const { return channels_; }
-  const Congestion& congestion() const { return congestion_; }
+  const Congestion& congestion() const { return rate_.congestion(); }
   const PacketOpener::Counters& opened() const { return opener_.counters(); }
   std::uint64_t rejected() const { return rejected_; }
-  std::optional<Channels::Exchange> take_exchange() { return channels_.take_exchange(); }
 
  private:
+  struct Goodbyes {
+    int left = 0;  // still to be sent
+    std::int64_t due = 0;
+  };
+
   std::span<const std::byte> seal(std::int64_t now);
   std::span<const std::byte> seal_path(ChannelSection::Kind kind, std::uint64_t token,
                                        std::int64_t now);
   void close(const std::string& reason);
-  std::int64_t clock_period(std::int64_t now) const;
   std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
@@ -127,20 +120,15 @@ class UdpConnection {
   PacketSealer sealer_;
   PacketOpener opener_;
   Channels channels_;
-  Pacer pacer_;
-  Congestion congestion_;
+  SendRate rate_;
+  ClockTurns clock_turns_;
   State state_ = State::Open;
   std::string reason_;
   bool confirmed_;
-  bool held_back_ = false;
-  bool newest_ = false;
-  int goodbyes_ = 0;  // still to be sent
-  std::int64_t goodbye_due_ = 0;
+  Goodbyes goodbyes_;
   std::int64_t last_heard_;
   std::int64_t last_sent_;
   std::int64_t keep_alive_;
-  std::int64_t opened_at_;
-  std::int64_t last_clock_ = INT64_MIN;  // the least: the clock is not told of
   std::uint64_t rejected_ = 0;
   std::vector<std::byte> plain_;
   std::vector<std::byte> datagram_;

@@ -3,12 +3,9 @@
 #include "udp_socket.h"
 
 #include <algorithm>
-#include <asio/buffer.hpp>
-#include <asio/ip/v6_only.hpp>
 #include <asio/post.hpp>
 #include <chrono>
 #include <exception>
-#include <system_error>
 #include <utility>
 
 namespace tandem::net {
@@ -16,15 +13,10 @@ namespace tandem::net {
 namespace {
 
 constexpr int kReads = 4;  // batches before something else gets its turn
-// Where so many datagrams are of no use, more are let come together before they are looked at: one
-// call and one awakening for many.
-constexpr std::size_t kFlood = 100;                // in
-constexpr std::int64_t kFloodWindow = 10'000'000;  // ns
 constexpr std::chrono::milliseconds kFloodPause{2};
 constexpr std::int64_t kGoodbyeTime = 100'000'000;   // ns, for the last packets
 constexpr std::int64_t kLongestSleep = 100'000'000;  // ns
 constexpr std::size_t kPathWaiting = 1024;           // datagrams
-constexpr int kSocketBuffer = 512 * 1024;            // bytes
 
 /// What the system clock is ahead of the steady one.
 std::int64_t system_correction(std::int64_t steady) {
@@ -47,6 +39,7 @@ Address address_of(const asio::ip::udp::endpoint& endpoint) {
 
 UdpSocket::UdpSocket(const UdpOptions& options, const UdpNodeOptions& node)
     : options_(options),
+      socket_(context_, options_),
       node_(
           started(node), crypto::system_random(),
           [this](std::span<const std::byte> datagram, const Address& to) { send(datagram, to); }) {
@@ -54,7 +47,9 @@ UdpSocket::UdpSocket(const UdpOptions& options, const UdpNodeOptions& node)
   for (const HostPort& address : options_.connect) {
     lookups_.push_back({{.address = address}, asio::steady_timer(context_)});
   }
-  bind();
+  if (options_.kernel_filter) {
+    (void)attach_filter(socket_.socket().native_handle(), node_.receiver_prefix());
+  }
   receive();
   thread_ = std::thread([this] { run(); });
 }
@@ -102,6 +97,9 @@ std::int64_t UdpSocket::now() {
 }
 
 UdpNodeOptions UdpSocket::started(UdpNodeOptions node) const {
+  if (!socket_.forbids_fragments()) {
+    node.connection.max_datagram = std::min(node.connection.max_datagram, MtuSearch::kBase);
+  }
   node.path_limit = [this](std::uint64_t path) { return paths_[path]->max_datagram(); };
   node.start = now();
   node.correction = system_correction(node.start);
@@ -110,28 +108,6 @@ UdpNodeOptions UdpSocket::started(UdpNodeOptions node) const {
 
 void UdpSocket::follow_system_clock(std::int64_t time) {
   if (options_.clock == Clock::System) node_.set_correction(system_correction(time), time);
-}
-
-void UdpSocket::bind() {
-  std::error_code error;
-  const auto address = asio::ip::make_address(options_.address, error);
-  is_v6_ = address.is_v6();
-  const Endpoint endpoint(address, options_.port);
-  if (!error) socket_.open(endpoint.protocol(), error);
-  if (!error && is_v6_) socket_.set_option(asio::ip::v6_only(false), error);
-  if (!error) socket_.bind(endpoint, error);
-  if (!error) socket_.non_blocking(true, error);
-  if (!error) local_port_ = socket_.local_endpoint(error).port();
-  if (error) {
-    throw std::system_error(
-        error.value(), std::system_category(),
-        "UdpTransport: cannot bind " + to_string(HostPort{options_.address, options_.port}));
-  }
-  // Refused sizes cost packets in bursts, nothing else.
-  socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);
-  socket_.set_option(asio::socket_base::send_buffer_size(kSocketBuffer), error);
-  if (!forbid_fragments(socket_.native_handle())) node_.keep_to_base();
-  if (options_.kernel_filter) (void)attach_filter(socket_.native_handle(), node_.receiver_prefix());
 }
 
 void UdpSocket::run() {
@@ -176,7 +152,7 @@ void UdpSocket::look_up(Lookup& lookup) {
 
 void UdpSocket::dial(Lookup& lookup, std::span<const Endpoint> found) {
   const auto usable = std::find_if(found.begin(), found.end(), [this](const Endpoint& endpoint) {
-    return is_v6_ || endpoint.address().is_v4();
+    return socket_.reaches(endpoint.address());
   });
   if (usable == found.end()) return look_up_again(lookup, "host has no IPv4 address");
   const std::scoped_lock lock(mutex_);
@@ -215,33 +191,29 @@ void UdpSocket::wake() {
 void UdpSocket::receive() {
   if (waiting_) return;
   waiting_ = true;
-  socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const std::error_code& error) {
-    waiting_ = false;
-    if (!error) on_readable();
-  });
+  socket_.socket().async_wait(asio::ip::udp::socket::wait_read,
+                              [this](const std::error_code& error) {
+                                waiting_ = false;
+                                if (!error) on_readable();
+                              });
 }
 
 void UdpSocket::on_readable() {
   std::int64_t time = now();
   for (int i = 0; i < kReads; ++i) {
-    const auto read = batch_.read(socket_.native_handle());
+    const auto read = batch_.read(socket_.socket().native_handle());
     if (read == DatagramBatch::Read::Nothing) break;
     if (read == DatagramBatch::Read::Error) continue;  // an ICMP answer to something that was sent
     const std::scoped_lock lock(mutex_);
     time = now();
     for (std::size_t k = 0; k < batch_.size(); ++k) {
-      useless_ += node_.on_datagram(batch_.bytes(k), batch_.from(k), time) ? 0 : 1;
+      if (!node_.on_datagram(batch_.bytes(k), batch_.from(k), time)) flood_.count_useless();
     }
     if (batch_.size() < DatagramBatch::kCount) break;
   }
   step();
-  if (time - window_start_ > kFloodWindow) {
-    flooded_ = useless_ > kFlood;
-    useless_ = 0;
-    window_start_ = time;
-  }
   // Not by a timer: the reactor would be woken by each datagram all the same.
-  if (flooded_ || useless_ > kFlood) std::this_thread::sleep_for(kFloodPause);
+  if (flood_.is_flooded(time)) std::this_thread::sleep_for(kFloodPause);
   receive();
 }
 
@@ -257,7 +229,7 @@ void UdpSocket::step() {
     }
     if (left_ && (node_.connections() == 0 || time >= flush_until_)) {
       std::error_code ignored;
-      socket_.close(ignored);
+      socket_.socket().close(ignored);
       context_.stop();
       return;
     }
@@ -275,17 +247,7 @@ void UdpSocket::step() {
 
 void UdpSocket::send(std::span<const std::byte> datagram, const Address& to) {
   if (is_path(to)) return paths_[path_number(to)]->send(datagram);
-  // Told of by somebody who has IPv6; a relay may have a way.
-  if (!is_v6_ && !is_v4(to)) return;
-  // A full buffer, a route that is gone: the packet is lost, as packets are.
-  std::error_code ignored;
-  socket_.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint_of(to), 0, ignored);
-}
-
-UdpSocket::Endpoint UdpSocket::endpoint_of(const Address& address) const {
-  const asio::ip::address_v6 ip(address.ip);
-  if (!is_v6_) return {asio::ip::make_address_v4(asio::ip::v4_mapped, ip), address.port};
-  return {ip, address.port};
+  socket_.send(datagram, to);
 }
 
 }  // namespace tandem::net

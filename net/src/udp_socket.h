@@ -14,7 +14,9 @@
 #include <thread>
 #include <vector>
 
+#include "bound_socket.h"
 #include "datagram_batch.h"
+#include "flood_gauge.h"
 #include "tandem/net/udp.h"
 #include "udp_node.h"
 
@@ -29,7 +31,7 @@ class UdpSocket {
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
 
-  std::uint16_t local_port() const { return local_port_; }
+  std::uint16_t local_port() const { return socket_.port(); }
   /// Dial over this path from now on.
   void connect(std::shared_ptr<DatagramPath> path);
   std::vector<UdpLookup> lookups();
@@ -45,7 +47,7 @@ class UdpSocket {
   }
 
  private:
-  using Endpoint = asio::ip::udp::endpoint;
+  using Endpoint = BoundSocket::Endpoint;
 
   struct Lookup {
     UdpLookup status;  // written by the network thread alone, with the lock
@@ -55,7 +57,6 @@ class UdpSocket {
   static std::int64_t now();
   UdpNodeOptions started(UdpNodeOptions node) const;
   void follow_system_clock(std::int64_t time);
-  void bind();
   void run();
   void look_up(Lookup& lookup);
   void dial(Lookup& lookup, std::span<const Endpoint> found);
@@ -65,28 +66,23 @@ class UdpSocket {
   void on_readable();
   void step();
   void send(std::span<const std::byte> datagram, const Address& to);
-  Endpoint endpoint_of(const Address& address) const;
 
   const UdpOptions options_;
   std::mutex mutex_;  // of the node and the lookups, held for memory and arithmetic only
-  UdpNode node_;
   asio::io_context context_{1};
-  asio::ip::udp::socket socket_{context_};
+  BoundSocket socket_;
+  UdpNode node_;
   asio::steady_timer timer_{context_};
   asio::ip::udp::resolver resolver_{context_};
   std::vector<std::shared_ptr<DatagramPath>> paths_;  // by number, for good
   std::atomic<std::size_t> path_waiting_ = 0;         // datagrams for the network thread
   std::vector<Lookup> lookups_;                       // as many as options_.connect has, for good
   bool wake_posted_ = false;
-  bool waiting_ = false;  // for the socket
-  bool is_v6_ = false;
-  std::uint16_t local_port_ = 0;
+  bool waiting_ = false;                  // for the socket
   std::int64_t flush_until_ = INT64_MAX;  // set: shutting down
   bool left_ = false;
   DatagramBatch batch_;
-  std::int64_t window_start_ = 0;
-  std::size_t useless_ = 0;  // datagrams since then
-  bool flooded_ = false;     // in the window before
+  FloodGauge flood_;
   std::thread thread_;
 };
 

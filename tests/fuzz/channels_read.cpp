@@ -67,7 +67,7 @@ void run(std::span<const std::byte> input) {
         break;
       case 5:
         messages.clear();
-        channels.drain(messages);
+        channels.inbox().drain(messages);
         for (const auto& message : messages) {
           require(message.delivery != Delivery::Reliable ||
                   message.bytes.size() <= kOptions.max_message_bytes);
@@ -75,7 +75,7 @@ void run(std::span<const std::byte> input) {
         break;
       default:
         channels.resume(channels.take_reliable());
-        (void)channels.take_told();
+        (void)channels.inbox().take_told();
         (void)channels.take_exchange();
         (void)channels.take_feedback();
         break;

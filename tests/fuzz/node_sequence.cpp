@@ -143,8 +143,9 @@ void run(std::span<const std::byte> input) {
               other, {.peer = choices.byte() % 6u, .address = protocol::address_of(other)},
               network.now);
         } else {
-          network.node(peer).passed_on(other, choices.byte() % 6u, choices.bytes(choices.byte()),
-                                       network.now);
+          network.node(peer).passed_on(
+              other, {.peer = choices.byte() % 6u, .datagram = choices.bytes(choices.byte())},
+              network.now);
         }
         break;
       }

@@ -31,7 +31,7 @@ std::uint64_t number_of(const Bytes& message) { return tandem::pbd::ByteReader(m
 
 std::vector<Bytes> drain(UdpConnection& from, Delivery delivery) {
   std::vector<Channels::Message> all;
-  from.drain(all);
+  from.channels().inbox().drain(all);
   std::vector<Bytes> out;
   for (auto& message : all) {
     if (message.delivery == delivery) out.push_back(std::move(message.bytes));
@@ -88,7 +88,7 @@ TEST_CASE(
       REQUIRE(pair.a.post(numbered(reliable++, 100), Delivery::Reliable, pair.now));
     }
     std::vector<Channels::Message> all;
-    pair.b.drain(all);
+    pair.b.channels().inbox().drain(all);
     for (const auto& message : all) {
       if (message.delivery == Delivery::Newest) {
         duplicates += states.insert(number_of(message.bytes)).second ? 0 : 1;
@@ -186,7 +186,7 @@ TEST_CASE("connection: random loss on a long way costs a second of less, once", 
       posted += 2;
     }
     messages.clear();
-    pair.b.drain(messages);
+    pair.b.channels().inbox().drain(messages);
     got += messages.size();
   };
   pair.run(21 * kSecond);
@@ -235,7 +235,7 @@ TEST_CASE("connection: memory is bounded whatever the application or the other e
   pair.run(10 * kSecond);
   CHECK(pair.a.state() == UdpConnection::State::Open);
   std::vector<Channels::Message> all;
-  pair.b.drain(all);
+  pair.b.channels().inbox().drain(all);
   std::size_t bytes = 0;
   for (const auto& message : all) bytes += message.bytes.size();
   // Both kinds to their limit, and at most a window of pieces that were on their way.
@@ -251,7 +251,7 @@ TEST_CASE("connection: memory is bounded whatever the application or the other e
   check(all);
   pair.each_step = [&] {
     std::vector<Channels::Message> more;
-    pair.b.drain(more);
+    pair.b.channels().inbox().drain(more);
     check(more);
   };
   pair.run(20 * kSecond);
@@ -403,11 +403,11 @@ TEST_CASE("connection: who sends more than a member may is heard so much, then t
       (void)pair.a.post(text("x"), reliable ? Delivery::Reliable : Delivery::Newest, pair.now);
     }
     std::vector<Channels::Message> messages;
-    pair.b.drain(messages);
+    pair.b.channels().inbox().drain(messages);
     got += messages.size();
   };
   pair.run(kSecond);
-  CHECK(pair.b.channels().budget().refused() > 0);
+  CHECK(pair.b.channels().inbox().budget().refused() > 0);
   CHECK(pair.b.state() == UdpConnection::State::Open);
   CHECK(got <= 4096 + 16384 + 400);
   pair.run(3 * kSecond);

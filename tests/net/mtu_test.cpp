@@ -29,7 +29,7 @@ struct Traffic {
         ++posted;
       }
       std::vector<Channels::Message> messages;
-      pair.b.drain(messages);
+      pair.b.channels().inbox().drain(messages);
       for (const auto& message : messages) {
         (message.delivery == Delivery::Newest ? states : reliable) += 1;
       }

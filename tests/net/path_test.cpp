@@ -121,7 +121,7 @@ TEST_CASE("path: a peer whose address changes goes on in the same connection, an
   world.start(4).dial(address_of(1), world.now);
   world.run(2 * kSecond);
   CHECK(linked(world, 4, 2));
-  CHECK(world.node(4).relay_of(2) == 0);
+  CHECK(world.node(4).relay().relay_of(2) == 0);
 }
 
 TEST_CASE("path: a connection that is silent moves with its next packet", "[net]") {
@@ -254,7 +254,7 @@ TEST_CASE("path: two that move at the same time find each other by a third one, 
     CHECK(linked(world, 1, 2));
     CHECK(linked(world, 1, 3));
     CHECK(linked(world, 2, 3));
-    CHECK(world.node(1).relay_of(2) == 0);
+    CHECK(world.node(1).relay().relay_of(2) == 0);
     // The third one follows them as any other, tells, and then they do so. It has sent nothing that
     // tells it the round trip, so it waits half a second for originals. Where what it tells is
     // lost, it tells again after 2 s; idle_timeout, after which they would begin anew, is 5 s.

@@ -49,7 +49,7 @@ TEST_CASE("udp node: a newcomer that knows one address meets all", "[net]") {
   world.run(10 * kSecond);
   for (PeerId a = 1; a <= 8; ++a) {
     for (PeerId b = 1; b < a; ++b) CHECK(linked(world, a, b));
-    CHECK(world.node(a).relayed().forwarded == 0);
+    CHECK(world.node(a).relay().counters().forwarded == 0);
   }
   world.start(9).dial(address_of(4), world.now);
   world.run(3 * kSecond);
@@ -60,9 +60,9 @@ TEST_CASE("udp node: peers without a route go through one that has it, and strai
           "[net][fault]") {
   World world({.delay = 20 * kMs});
   begin_relayed(world);
-  CHECK(world.node(1).relay_of(3) == 2);
-  CHECK(world.node(3).relay_of(1) == 2);
-  CHECK(world.node(1).relay_of(2) == 0);
+  CHECK(world.node(1).relay().relay_of(3) == 2);
+  CHECK(world.node(3).relay().relay_of(1) == 2);
+  CHECK(world.node(1).relay().relay_of(2) == 0);
 
   std::uint64_t next = 0;
   const auto exchange = [&](int count) {
@@ -84,7 +84,7 @@ TEST_CASE("udp node: peers without a route go through one that has it, and strai
   CHECK(exchange(20) >= 19);
   CHECK(next >= 19);
   CHECK(status(world.node(1), 3).round_trip > 79 * kMs);
-  const std::uint64_t forwarded = world.node(2).relayed().forwarded;
+  const std::uint64_t forwarded = world.node(2).relay().counters().forwarded;
   CHECK(forwarded > 40);
 
   // A second relay, and the first one goes: the connection stays.
@@ -93,18 +93,18 @@ TEST_CASE("udp node: peers without a route go through one that has it, and strai
   world.stop(2);
   world.run(6 * kSecond);
   REQUIRE(linked(world, 1, 3));
-  CHECK(world.node(1).relay_of(3) == 4);
+  CHECK(world.node(1).relay().relay_of(3) == 4);
   exchange(5);
 
   // The way is open again: straight from then on, and no message is lost on the way over.
   cut(world, 1, 3, true);
   world.run(12 * kSecond);
   REQUIRE(linked(world, 1, 3));
-  CHECK(world.node(1).relay_of(3) == 0);
-  const std::uint64_t at_the_end = world.node(4).relayed().forwarded;
+  CHECK(world.node(1).relay().relay_of(3) == 0);
+  const std::uint64_t at_the_end = world.node(4).relay().counters().forwarded;
   exchange(5);
   CHECK(next == 5);
-  CHECK(world.node(4).relayed().forwarded == at_the_end);
+  CHECK(world.node(4).relay().counters().forwarded == at_the_end);
 }
 
 TEST_CASE("udp node: a relay that alters, repeats or invents is heard by nobody", "[net][fault]") {
@@ -122,7 +122,8 @@ TEST_CASE("udp node: a relay that alters, repeats or invents is heard by nobody"
       Bytes junk = random_bytes(dice, 1 + dice.below(300));
       if (dice.chance(0.5)) junk[0] = std::byte{0x40};
       if (dice.chance(0.2)) junk[0] = std::byte{0x50};
-      world.node(3).passed_on(2, dice.chance(0.8) ? 1 : dice.below(50), junk, world.now);
+      world.node(3).passed_on(2, {.peer = dice.chance(0.8) ? 1 : dice.below(50), .datagram = junk},
+                              world.now);
     }
     std::vector<Packet> packets;
     world.node(3).drain(packets);
@@ -147,7 +148,7 @@ TEST_CASE("udp node: no relay where any of the three was told not to", "[net]") 
   CHECK_FALSE(linked(world, 1, 3));
   CHECK(linked(world, 1, 2));
   // What peer 2 passes on where 1 or 3 refuses is not answered: they never link.
-  if (refuses == 2) CHECK(world.node(2).relayed().forwarded == 0);
+  if (refuses == 2) CHECK(world.node(2).relay().counters().forwarded == 0);
 }
 
 TEST_CASE("udp node: a relay passes on within its budget only", "[net][fault]") {

@@ -9,8 +9,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
-#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,9 +16,9 @@
 #include "peer/divergence_gauge.h"
 #include "peer/fidget.h"
 #include "peer/link_words.h"
-#include "peer/meetings.h"
 #include "peer/metrics_server.h"
 #include "peer/metrics_text.h"
+#include "peer/network_watch.h"
 #include "program/network.h"
 #include "scenes/cliff.h"
 #include "scenes/cubes.h"
@@ -48,8 +46,6 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kTellEvery{500};   // metrics and the status line
 constexpr std::chrono::seconds kTurnEvery{30};         // quantiles are of the last one to two
-constexpr std::chrono::seconds kTroubleEvery{10};      // at most, of what strangers cause
-constexpr std::int64_t kStepTold = 100'000'000;        // ns
 constexpr std::int64_t kHeldTold = 100'000'000;        // ns
 constexpr std::uint64_t kStepsPerLook = 60;            // between two looks for faults
 constexpr std::uint64_t kWordsOfPeers = 0x7065657273;  // no demo's session and no peer's are one
@@ -93,7 +89,7 @@ class Node {
             make_physics(Engine::Tandem, scene_, std::nullopt, config.session.solver_options())),
         network_(make_network(config.session,
                               scene_hash(scenario.build({})) ^ derived_seed(kWordsOfPeers, 0))),
-        meetings_(config, *network_, log),
+        watch_(config, *network_, divergence_, log),
         words_(network_->transport()),
         trace_(open_trace(scenario, config.session, config.session.peer_id, number(), words_)),
         signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().timestamps),
@@ -279,7 +275,7 @@ class Node {
       divergence_.turn();
     }
     const std::vector<consensus::PeerStatus> peers = network_->transport().peers();
-    watch(peers);
+    watch_.look(peers);
     if (!metrics_ && !log_.shows_status()) return;
     PeerFigures figures;
     figures.scene = scenario_.name();
@@ -309,83 +305,6 @@ class Node {
     if (log_.shows_status()) log_.status(status_text(figures, terminal_columns()));
   }
 
-  /// Who has come and who is gone.
-  void watch(const std::vector<consensus::PeerStatus>& peers) {
-    std::erase_if(company_, [&peers](const auto& entry) {
-      return !std::ranges::binary_search(peers, entry.first, {}, &consensus::PeerStatus::id);
-    });
-    for (const consensus::PeerStatus& status : peers) {
-      Company& known = company_[status.id];
-      if (status.connected != known.connected) {
-        known.connected = status.connected;
-        if (status.connected) {
-          log_.line(Level::Info, "peer_connected", {{"peer", status.id}});
-        } else {
-          log_.line(Level::Warn, "peer_lost", {{"peer", status.id}, {"reason", status.reason}});
-          divergence_.forget(status.id);
-        }
-      }
-      if (status.rejected > known.rejected) {
-        log_.line(Level::Warn, "packets_rejected",
-                  {{"peer", status.id}, {"count", status.rejected - known.rejected}});
-        known.rejected = status.rejected;
-      }
-      if (status.over_budget > known.over_budget && SteadyClock::now() >= known.next_told) {
-        known.next_told = SteadyClock::now() + kTroubleEvery;
-        log_.line(Level::Warn, "over_budget",
-                  {{"peer", status.id}, {"count", status.over_budget - known.over_budget}});
-        known.over_budget = status.over_budget;
-      }
-    }
-    // Strangers do not fill a disk either.
-    const std::string trouble = network_->trouble();
-    if (trouble != trouble_ && SteadyClock::now() >= next_trouble_) {
-      next_trouble_ = SteadyClock::now() + kTroubleEvery;
-      trouble_ = trouble;
-      if (!trouble.empty()) log_.line(Level::Warn, "network", {{"what", trouble.substr(2)}});
-    }
-    tell_refused();
-    look_at_group();
-    meetings_.look();
-    const std::int64_t stepped = network_->clock_stepped();
-    if (std::abs(stepped - told_stepped_) > kStepTold) {
-      told_stepped_ = stepped;
-      log_.line(Level::Warn, "system_clock_set", {{"seconds", net::seconds(stepped)}});
-    }
-  }
-
-  /// The organiser's latest word, from his file or from another member.
-  void look_at_group() {
-    if (!config_.group_file.empty()) {
-      std::error_code ignored;
-      const auto written = std::filesystem::last_write_time(config_.group_file, ignored);
-      if (!ignored && written != group_written_) {
-        group_written_ = written;
-        try {
-          network_->change_group(read_hex_file(config_.group_file));
-        } catch (const std::invalid_argument& error) {
-          log_.line(Level::Warn, "group_file", {{"what", error.what()}});
-        }
-      }
-    }
-    if (network_->group() == group_) return;
-    group_ = network_->group();
-    log_.line(Level::Info, "group_changed", {{"number", group_}});
-  }
-
-  /// What strangers were refused for since it was last said.
-  void tell_refused() {
-    const SteadyClock::time_point now = SteadyClock::now();
-    if (now < next_refused_) return;
-    for (const auto& [reason, count] : network_->refused()) {
-      std::uint64_t& told = told_refused_[reason];
-      if (count == told) continue;
-      log_.line(Level::Warn, "strangers_refused", {{"reason", reason}, {"count", count - told}});
-      told = count;
-      next_refused_ = now + kTroubleEvery;
-    }
-  }
-
   /// Tells two what the peer tells.
   struct Both final : consensus::PeerObserver {
     void on_estimate(const consensus::EstimateEvent& event) override {
@@ -395,12 +314,6 @@ class Node {
     consensus::PeerObserver* first = nullptr;
     consensus::PeerObserver* second = nullptr;
   };
-  struct Company {
-    bool connected = false;
-    std::uint64_t rejected = 0;
-    std::uint64_t over_budget = 0;
-    SteadyClock::time_point next_told;
-  };
 
   const Scenario& scenario_;
   const PeerConfig& config_;
@@ -409,11 +322,11 @@ class Node {
   Scene scene_;
   std::unique_ptr<Physics> physics_;
   std::unique_ptr<Network> network_;
-  Meetings meetings_;
+  DivergenceGauge divergence_;
+  NetworkWatch watch_;
   LinkWords words_;
   std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
   Signals signals_;
-  DivergenceGauge divergence_;
   Both estimates_;
   consensus::Peer peer_;
   net::PhysicsClock clock_;
@@ -434,14 +347,6 @@ class Node {
   std::uint64_t faults_ = 0;
   std::uint64_t next_fault_ = 1;
   std::uint64_t since_look_ = 0;
-  std::map<PeerId, Company> company_;
-  std::string trouble_;
-  SteadyClock::time_point next_trouble_;
-  std::map<std::string, std::uint64_t> told_refused_;
-  SteadyClock::time_point next_refused_;
-  std::int64_t told_stepped_ = 0;
-  std::filesystem::file_time_type group_written_{};
-  std::uint64_t group_ = 0;
   SteadyClock::time_point start_ = SteadyClock::now();
   SteadyClock::time_point next_tell_ = start_;
   SteadyClock::time_point next_turn_ = start_ + kTurnEvery;

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "connection_path.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace tandem::net {
+
+namespace {
+
+std::uint64_t random_token(const crypto::Random& random) {
+  for (;;) {
+    std::array<std::uint8_t, 8> bytes{};
+    random(bytes);
+    std::uint64_t out = 0;
+    for (const std::uint8_t byte : bytes) out = out << 8 | byte;
+    if (out != kNoToken) return out;
+  }
+}
+
+}  // namespace
+
+bool ConnectionPath::may_move_to(const Address& address) const {
+  return link_->confirmed() && link_->state() == UdpConnection::State::Open &&
+         !is_relayed(address_) && !is_relayed(address);
+}
+
+void ConnectionPath::on_elsewhere(const Address& from, std::uint64_t sequence, std::size_t bytes,
+                                  const crypto::Random& random, std::int64_t now) {
+  // Only the newest packet says where a peer is: what is older was overtaken, or held back.
+  if (link_->is_newest() && (!moving_ || moving_->address() != from)) {
+    moving_.emplace(from, sequence, random_token(random), now);
+  }
+  if (moving_ && moving_->address() == from) moving_->came(bytes);
+}
+
+void ConnectionPath::on_read(const Address& from, const SendDatagram& send, std::int64_t now) {
+  ChannelInbox& inbox = link_->channels().inbox();
+  if (const auto token = inbox.take_challenge()) {
+    // On the way on which the question came: it is that way that is asked about.
+    const auto sealed = link_->seal_answer(*token, now);
+    if (!sealed.empty()) send(sealed, from);
+  }
+  const auto answer = inbox.take_answer();
+  if (answer && moving_ && *answer == moving_->token()) moving_->answered();
+}
+
+void ConnectionPath::on_rumour(const Address& to, std::int64_t now) {
+  if (!may_move_to(to) || to == address_) return;
+  if (!rumour_) rumour_.emplace(to, now);
+}
+
+void ConnectionPath::poll_rumour(const SendDatagram& send, std::int64_t now) {
+  if (!rumour_) return;
+  if (rumour_->is_over(now)) return rumour_.reset();
+  if (now < next_due(now)) return;
+  // No token: whether it is there, the question shows that it asks when it has this.
+  const auto sealed = link_->seal_challenge(kNoToken, now);
+  if (!sealed.empty()) send(sealed, rumour_->address());
+  rumour_->asked(now);
+  question_due_ = now + PathValidation::kResend;
+}
+
+std::int64_t ConnectionPath::next_due(std::int64_t now) const {
+  std::int64_t due = 0;
+  if (moving_) {
+    due = moving_->next_due(UdpConnection::kQuestionBytes, patience());
+  } else if (rumour_) {
+    due = std::max(rumour_->next_due(), link_->last_heard() + PathRumour::kQuiet);
+  } else {
+    return INT64_MAX;
+  }
+  return std::max({now, question_due_, due});
+}
+
+bool ConnectionPath::poll(const SendDatagram& send, std::int64_t now) {
+  if (!moving_) {
+    poll_rumour(send, now);
+    return false;
+  }
+  if (moving_->has_succeeded(patience(), now)) {
+    follow(now);
+    return true;
+  }
+  if (moving_->has_failed(now)) {
+    moving_.reset();
+    return false;
+  }
+  if (now < question_due_ || !moving_->due(UdpConnection::kQuestionBytes, now)) return false;
+  question_due_ = now + PathValidation::kResend;
+  // Whoever is still where it was answers from there.
+  if (moving_->is_first()) {
+    const auto sealed = link_->seal_challenge(kNoToken, now);
+    if (!sealed.empty()) send(sealed, address_);
+  }
+  const auto sealed = link_->seal_challenge(moving_->token(), now);
+  if (sealed.empty()) return false;
+  send(sealed, moving_->address());
+  moving_->sent(sealed.size(), now);
+  return false;
+}
+
+void ConnectionPath::follow(std::int64_t now) {
+  const Address old = std::exchange(address_, moving_->address());
+  moving_.reset();
+  rumour_.reset();
+  // Another port alone is the same way, through the same NAT (RFC 9000, Sec. 9.4).
+  if (old.ip != address_.ip) link_->begin_path(now);
+}
+
+}  // namespace tandem::net

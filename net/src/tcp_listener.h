@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <system_error>
+
+#include "tcp_link.h"
+#include "tcp_report.h"
+#include "tcp_security.h"
+
+namespace tandem::net {
+
+/// The socket that others connect to. Network thread only.
+class TcpListener {
+ public:
+  struct Hooks {
+    std::function<std::shared_ptr<TcpLink>()> new_link;
+    std::function<void(const std::shared_ptr<TcpLink>&)> accepted;
+  };
+
+  /// Listens where the options say so. @param security  may be null: nobody is turned away
+  /// Throws std::system_error where it cannot.
+  TcpListener(asio::io_context& context, const TcpOptions& options, TcpReport& report,
+              TcpSecurity* security, Hooks hooks);
+
+  /// 0 where nobody listens.
+  std::uint16_t port() const { return port_; }
+  /// Accepts again some time after an error.
+  void sweep(SteadyTime now);
+  void close();
+
+ private:
+  void listen(const TcpOptions& options);
+  void accept();
+  bool over_rate(TcpLink& link) const;
+
+  asio::ip::tcp::acceptor acceptor_;
+  TcpReport& report_;
+  TcpSecurity* security_;
+  Hooks hooks_;
+  std::uint16_t port_ = 0;
+  SteadyTime accept_again_{};  // after an error; zero: accepting
+};
+
+}  // namespace tandem::net

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "channel_wire.h"
+#include "crypto.h"
+#include "handshake.h"
+#include "udp_peers.h"
+
+namespace tandem::net {
+
+/// The addresses at which a node asks for connections, and the handshakes there. Times in ns.
+class UdpDials {
+ public:
+  using PeerId = consensus::PeerId;
+
+  /// How the rest of the node takes part.
+  struct Hooks {
+    HandshakeResponder::NextReceiver next_receiver;
+    SendDatagram send;
+    std::function<void(const Session&, const Address&)> established;
+  };
+
+  UdpDials(const UdpNodeOptions& options, const crypto::Random& random, UdpPeers& peers,
+           Hooks hooks)
+      : options_(options), random_(random), peers_(peers), hooks_(std::move(hooks)) {}
+
+  /// Keep trying to have a connection to whoever is there.
+  void add(const Address& address, std::int64_t now) {
+    dials_.push_back({.address = address, .due = now, .backoff = options_.backoff_min});
+  }
+  /// An address that the connected peer `teller` has told of, until nobody does any more.
+  void add_told(const KnownPeer& known, PeerId teller, std::int64_t now);
+  /// A peer that can be reached through others only.
+  void add_relayed(PeerId peer, std::int64_t now);
+  void forget_told(std::int64_t now);
+
+  /// The answer of a responder.
+  void on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
+  /// Sends what is due.
+  void poll(std::int64_t now);
+  std::int64_t next_due(std::int64_t now) const;
+  /// The peer has a connection, to this address.
+  void on_attached(PeerId peer, const Address& address);
+  /// There is another session key: handshakes begin again.
+  void on_group_change();
+  /// A handshake that is under way has given out this number.
+  bool has_promised(std::uint32_t receiver) const;
+
+ private:
+  struct Dial {
+    Address address;
+    PeerId peer = 0;  // 0 until it has told
+    std::unique_ptr<HandshakeInitiator> attempt;
+    std::int64_t due = 0;
+    std::int64_t backoff = 0;
+    std::size_t attempts = 0;
+    PeerId told_by = 0;  // 0: by the application
+    std::int64_t told_at = 0;
+  };
+
+  bool is_wanted(const Dial& dial) const;
+  void poll(Dial& dial, std::int64_t now);
+  void finish(Dial& dial, std::int64_t now);
+
+  const UdpNodeOptions& options_;
+  const crypto::Random& random_;
+  UdpPeers& peers_;
+  Hooks hooks_;
+  std::vector<Dial> dials_;
+};
+
+}  // namespace tandem::net

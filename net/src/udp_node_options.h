@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "address.h"
+#include "handshake.h"
+#include "tandem/net/clock.h"
+#include "udp_connection.h"
+
+namespace tandem::net {
+
+using SendDatagram = std::function<void(std::span<const std::byte>, const Address&)>;
+
+/// Of a UdpNode. Times in ns.
+struct UdpNodeOptions {
+  HandshakeConfig handshake;
+  UdpConnectionOptions connection;
+  std::size_t max_peers = 64;
+  std::int64_t backoff_min = 100'000'000;
+  std::int64_t backoff_max = 3'000'000'000;
+  std::int64_t drop_hold = 1'000'000'000;
+  bool relay = true;          ///< for others, and by others
+  double relay_kbit = 256.0;  ///< from each peer, for others
+  Clock clock = Clock::Session;
+  /// DatagramPath::max_datagram() of the path with this number; empty: what fits into another one.
+  std::function<std::size_t(std::uint64_t path)> path_limit;
+  std::int64_t start = 0;       // the time at construction
+  std::int64_t correction = 0;  // session time minus that, to begin with
+};
+
+}  // namespace tandem::net

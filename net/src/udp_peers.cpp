@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "udp_peers.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tandem::net {
+
+namespace {
+
+/// Connections that somebody has begun and not gone on with. Who goes on does so in one round trip,
+/// so that the oldest may go.
+constexpr std::size_t kMaxUnconfirmed = 16;
+constexpr std::int64_t kTellPeriod = 2'000'000'000;  // ns
+constexpr std::size_t kTellAtOnce = 4;               // peers in a turn
+
+/// A path is ours alone. Whoever hears of no address knows whom to ask for him all the same.
+Address told_address(const Address& address) { return is_path(address) ? Address{} : address; }
+
+}  // namespace
+
+const UdpPeers::Record* UdpPeers::record(PeerId peer) const {
+  const auto at = records_.find(peer);
+  return at != records_.end() ? &at->second : nullptr;
+}
+
+UdpPeers::Connection* UdpPeers::attached(PeerId peer) const {
+  const Record* found = record(peer);
+  return found != nullptr ? found->connection : nullptr;
+}
+
+bool UdpPeers::is_attached_directly(PeerId peer) const {
+  const Connection* connection = attached(peer);
+  return connection != nullptr && !is_relayed(connection->path.address());
+}
+
+std::size_t UdpPeers::attached_count() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      records_, [](const auto& entry) { return entry.second.connection != nullptr; }));
+}
+
+bool UdpPeers::is_taken(const Record& record, const Member& member, std::int64_t now) {
+  return !member.bound && record.connection != nullptr && record.member.key != member.key &&
+         !record.connection->link->silent(now);
+}
+
+Verdict UdpPeers::decide(const Introduction& other, const Member& member, const Address& from,
+                         std::int64_t now) const {
+  if (leaving_) return Verdict::Full;
+  // Whoever passes the handshake on could be its other end.
+  if (is_relayed(from) && !member.bound) return Verdict::Unbound;
+  const Record* found = record(other.peer);
+  const bool is_here = found != nullptr && found->connection != nullptr;
+  if (found != nullptr && now < found->hold_until) return Verdict::OnHold;
+  if (is_here && is_taken(*found, member, now)) return Verdict::Taken;
+  // An incarnation says which of two processes is meant. It comes from a clock that may be wrong,
+  // so that of one that is gone says nothing.
+  if (is_here && other.incarnation < found->incarnation && !found->connection->link->silent(now)) {
+    return Verdict::Outdated;
+  }
+  if (!is_here && attached_count() >= options_.max_peers) return Verdict::Full;
+  const auto confirmed = std::ranges::count_if(
+      connections_, [](const auto& entry) { return entry.second.link->confirmed(); });
+  // As many again that are leaving.
+  return static_cast<std::size_t>(confirmed) < 2 * options_.max_peers ? Verdict::Welcome
+                                                                      : Verdict::Full;
+}
+
+UdpPeers::Connection& UdpPeers::add(const Session& session, const Address& address, bool began_here,
+                                    std::int64_t now) {
+  if (!began_here) forget_unconfirmed();
+  UdpConnectionOptions options = options_.connection;
+  // In other datagrams, whose length is not ours to choose.
+  if (address.port == 0) {
+    const bool known = is_path(address) && options_.path_limit != nullptr;
+    options.max_datagram = std::min(
+        options.max_datagram,
+        known ? std::max(options_.path_limit(path_number(address)), kMaxRelayed) : kMaxRelayed);
+  }
+  auto link = std::make_unique<UdpConnection>(session, options, began_here, now);
+  const ConnectionPath path(*link, address);
+  return connections_
+      .insert_or_assign(session.local_receiver,
+                        Connection{.link = std::move(link),
+                                   .path = path,
+                                   .began_here = began_here,
+                                   .opened = now,
+                                   .relay = Pacer(options_.relay_kbit, now)})
+      .first->second;
+}
+
+void UdpPeers::forget_unconfirmed() {
+  auto oldest = connections_.end();
+  std::size_t count = 0;
+  for (auto at = connections_.begin(); at != connections_.end(); ++at) {
+    if (at->second.link->confirmed()) continue;
+    ++count;
+    if (oldest == connections_.end() || at->second.opened < oldest->second.opened) oldest = at;
+  }
+  if (count >= kMaxUnconfirmed) connections_.erase(oldest);
+}
+
+void UdpPeers::forget_departed() {
+  if (records_.size() < 2 * options_.max_peers) return;
+  auto oldest = records_.end();
+  for (auto at = records_.begin(); at != records_.end(); ++at) {
+    if (at->second.connection != nullptr) continue;
+    if (oldest == records_.end() || at->second.departure < oldest->second.departure) oldest = at;
+  }
+  if (oldest != records_.end()) records_.erase(oldest);
+}
+
+bool UdpPeers::attach(Connection& connection, std::int64_t now) {
+  const Introduction& remote = connection.link->session().remote;
+  // Asked again: several may have been half open when there was room for one.
+  if (attached(remote.peer) == nullptr && attached_count() >= options_.max_peers) {
+    connection.link->leave(describe(Verdict::Full), now);
+    return false;
+  }
+  if (!records_.contains(remote.peer)) forget_departed();
+  Record& record = records_[remote.peer];
+  record.status.id = remote.peer;
+  const auto began_by_lower = [&](const Connection& c) {
+    return c.began_here == (options_.handshake.self < remote.peer);
+  };
+  const Member& member = connection.link->session().member;
+  if (is_taken(record, member, now)) {
+    connection.link->leave(describe(Verdict::Taken), now);
+    return false;
+  }
+  const bool same_process =
+      record.incarnation == remote.incarnation && record.member.key == member.key;
+  if (Connection* existing = record.connection) {
+    const bool newer = remote.incarnation > record.incarnation;
+    const bool older = remote.incarnation < record.incarnation;
+    const bool existing_direct = !is_relayed(existing->path.address());
+    const bool worse = existing_direct != !is_relayed(connection.path.address())
+                           ? existing_direct
+                           : began_by_lower(*existing) && !began_by_lower(connection);
+    if (!existing->link->silent(now) && (older || (!newer && worse))) {
+      connection.link->leave("another connection is kept", now);
+      return false;
+    }
+    existing->link->leave("replaced by a newer connection", now);
+    detach(*existing);
+  }
+  if (!same_process) record.reliable.reset();
+  if (record.reliable) {
+    connection.link->channels().resume(*std::exchange(record.reliable, {}));
+  }
+  record.incarnation = remote.incarnation;
+  record.member = member;
+  record.status.role = member.role;
+  record.connection = &connection;
+  record.dropped = false;
+  record.status.connected = true;
+  record.status.reason.clear();
+  connection.record = &record;
+  return true;
+}
+
+void UdpPeers::detach(Connection& connection) {
+  if (connection.record == nullptr) return;
+  Record& record = *std::exchange(connection.record, nullptr);
+  Channels& channels = connection.link->channels();
+  channels.inbox().drain(record.inbox);
+  record.status.dropped_queue_full += channels.dropped_states();
+  record.status.rejected += connection.link->rejected();
+  record.status.over_budget += channels.inbox().budget().refused();
+  record.reliable = channels.take_reliable();
+  record.departure = ++departures_;
+  lost_(record.status.id);
+  record.connection = nullptr;
+  record.status.connected = false;
+  record.status.reason = connection.link->reason();
+  shed_departed();
+}
+
+void UdpPeers::shed_departed() {
+  // What waits for those that are gone: of the latest only.
+  std::size_t count = 0;
+  Record* oldest = nullptr;
+  for (auto& [peer, record] : records_) {
+    if (!record.reliable || record.reliable->sender.empty()) continue;
+    ++count;
+    if (oldest == nullptr || record.departure < oldest->departure) oldest = &record;
+  }
+  if (count > options_.max_peers) oldest->reliable->sender.begin_anew();
+}
+
+void UdpPeers::drop(PeerId peer, const std::string& reason, std::int64_t now) {
+  const auto at = records_.find(peer);
+  if (at == records_.end()) return;
+  Record& record = at->second;
+  if (record.connection != nullptr) {
+    record.connection->link->leave("dropped: " + reason, now);
+    detach(*record.connection);
+  }
+  record.inbox.clear();
+  if (record.reliable) record.reliable->sender.begin_anew();
+  record.dropped = true;
+  record.hold_until = now + options_.drop_hold;
+  record.status.reason = "dropped: " + reason;
+}
+
+void UdpPeers::expel(std::int64_t now) {
+  for (auto& [receiver, connection] : connections_) {
+    const Member& member = connection.link->session().member;
+    if (options_.handshake.stands(member)) continue;
+    const bool revoked = options_.handshake.is_revoked(member.key);
+    connection.link->leave(describe(revoked ? Verdict::Revoked : Verdict::Expired), now);
+    Record* record = connection.record;
+    if (record == nullptr) continue;
+    detach(connection);
+    record->inbox.clear();
+    record->reliable.reset();
+  }
+}
+
+void UdpPeers::leave(const std::string& reason, std::int64_t now) {
+  leaving_ = true;
+  for (auto& [receiver, connection] : connections_) {
+    connection.link->leave(reason, now);
+    detach(connection);
+  }
+}
+
+void UdpPeers::note_failure(PeerId peer, const std::string& reason) {
+  const auto at = records_.find(peer);
+  if (at == records_.end() || at->second.status.connected || at->second.dropped) return;
+  at->second.status.reason = reason;
+}
+
+bool UdpPeers::post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery,
+                    std::int64_t now) {
+  Connection* connection = attached(to);
+  if (connection == nullptr) return false;
+  if (connection->link->post(bytes, delivery, now)) return true;
+  ++connection->record->status.dropped_queue_full;
+  return false;
+}
+
+void UdpPeers::drain(const ClockSync& clock, std::vector<consensus::Packet>& out) {
+  for (auto& [peer, record] : records_) {
+    if (record.connection != nullptr) {
+      record.connection->link->channels().inbox().drain(record.inbox);
+    }
+    for (auto& message : record.inbox)
+      out.push_back({.from = peer,
+                     .bytes = std::move(message.bytes),
+                     .received = clock.at(message.at),
+                     .role = record.member.role});
+    record.inbox.clear();
+  }
+}
+
+std::vector<consensus::PeerStatus> UdpPeers::statuses() const {
+  std::vector<consensus::PeerStatus> out;
+  for (const auto& [peer, record] : records_) {
+    out.push_back(record.status);
+    if (record.connection == nullptr) continue;
+    const UdpConnection& link = *record.connection->link;
+    const RttEstimate& rtt = link.channels().rtt();
+    out.back().dropped_queue_full += link.channels().dropped_states();
+    out.back().rejected += link.rejected();
+    out.back().over_budget += link.channels().inbox().budget().refused();
+    out.back().round_trip = rtt.any() ? rtt.smoothed() : record.connection->round_trip;
+    out.back().kbit_per_s = link.congestion().rate();
+  }
+  return out;
+}
+
+void UdpPeers::tell_others(const Connection& connection) {
+  const PeerId peer = connection.link->session().remote.peer;
+  for (auto& [number, other] : connections_) {
+    if (other.record == nullptr || &other == &connection) continue;
+    other.link->channels().tell({.peer = peer, .address = told_address(connection.path.address())});
+  }
+}
+
+void UdpPeers::introduce(Connection& connection, std::int64_t now) {
+  if (connection.record == nullptr || now < connection.tell_due) return;
+  const PeerId other = connection.link->session().remote.peer;
+  // The next ones in the order of their ids, after whom it was told of last.
+  std::size_t told = 0;
+  auto at = records_.upper_bound(connection.told_to);
+  for (; at != records_.end() && told < kTellAtOnce; ++at) {
+    if (at->first == other || !is_attached_directly(at->first)) continue;
+    connection.link->channels().tell(
+        {.peer = at->first, .address = told_address(at->second.connection->path.address())});
+    connection.told_to = at->first;
+    ++told;
+  }
+  const bool round = at == records_.end();
+  if (round) connection.told_to = 0;
+  connection.tell_due = now + (round ? kTellPeriod : kTellPeriod / 10);
+}
+
+}  // namespace tandem::net
