@@ -209,6 +209,8 @@ def main():
            "", *numerics_lines(rows), ""]
     if (args.results / "kernels.json").exists():
         out += ["## Kernels", "", *kernel_lines(args.results / "kernels.json"), ""]
+    # Measured with perf and by hand.
+    out += ["## Where the time goes", "", (HERE / "data" / "time.md").read_text()]
     pages.write(args.docs / "numerics.md", "\n".join(out))
     figure = args.results / "work_precision.svg"
     if figure.exists():

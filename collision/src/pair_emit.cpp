@@ -8,15 +8,12 @@
 
 #include "pair_query.h"
 #include "sphere_contact.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::collision {
 namespace {
 
 /// What the pair's material is.
-/// Eigen's l.dot(r), with its bits, of vectors that have just been made: Eigen reads pairs of
-/// numbers that were written one by one, for which the processor waits.
-double dot(const Vec3& l, const Vec3& r) { return l.x() * r.x() + l.y() * r.y() + l.z() * r.z(); }
-
 void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
   m.friction = combined_friction(a.def.material, b.def.material);
   m.restitution = combined_restitution(a.def.material, b.def.material);
@@ -54,14 +51,16 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
     const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
     const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
     const double margin =
-        reach.speculative + std::max(0.0, -dot(normal, reach.sweep)) + reach.turning;
+        reach.speculative + std::max(0.0, -pbd::dot(normal, reach.sweep)) + reach.turning;
     // Between the bodies' origins first: far from the world's origin no digits are lost.
-    const double between =
-        dot(normal, b.body.position - a.body.position) - patch->radius_a - patch->radius_b - margin;
+    const double between = pbd::dot(normal, b.body.position - a.body.position) - patch->radius_a -
+                           patch->radius_b - margin;
     std::array<bool, ContactPatch::kMaxPoints> near{};
     bool any = false;
     for (int i = 0; i < patch->count; ++i) {
-      near[i] = between + (dot(n_b, patch->anchor_b_l[i]) - dot(n_a, patch->anchor_a_l[i])) < 0.0;
+      near[i] =
+          between + (pbd::dot(n_b, patch->anchor_b_l[i]) - pbd::dot(n_a, patch->anchor_a_l[i])) <
+          0.0;
       any = any || near[i];
     }
     if (!any) continue;

@@ -189,7 +189,10 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.rows.resize(blocks);
   if (m.any_restitution) m.impacts.reserve(m.rows.size(), ctx.bodies.size());
   m.extra_rows = 0;
+  m.refined_rows = 0;
+  m.refused_rows = 0;
   m.open_rows = 0;
+  m.least_substeps = ctx.substeps;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   const auto prepare = [&](ContactRows& rows, std::span<const std::uint32_t> contacts) {
     rows.faces = m.contacts[contacts[0]].manifold.count > 1;
@@ -234,6 +237,9 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .bounce_speed = m.options.restitution_threshold * weight,
                          .growth = growth_of(ctx)};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
+  if (ctx.substep == 0) {
+    m.refined_rows += m.row_count(ctx.group) * (ctx.substeps - m.least_substeps);
+  }
   m.for_rows(ctx, [&](ContactRows& rows) { m.kernels->begin(rows, rule, numbers); });
   if (!m.any_restitution) return;
   m.impacts.begin(m.order.range(ctx.group), m.rows, ctx.bodies, rule.bounce_speed);
@@ -258,7 +264,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   });
   const ContactConvergence::Rule rule{
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
-      .rows = m.options.extra_rows / ctx.substeps,
+      .rows = m.rows_to_sweep(m.refined_rows, ctx.substeps),
       .fresh = fresh};
   const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
                                                *m.kernels, ctx.bodies, *ctx.workers);
@@ -301,7 +307,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (m.any_restitution) {
     m.impacts.run(m.order.range(ctx.group), m.rows, *m.kernels, ctx.bodies,
-                  m.options.extra_rows / ctx.substeps);
+                  m.rows_to_sweep(0, ctx.substeps));
   }
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, ctx.reverse, numbers);
@@ -369,6 +375,8 @@ BlockReport ContactBlock::report() const {
   return {.name = name(),
           .rows = static_cast<int>(impl_->contacts.size()),
           .extra_rows = impl_->extra_rows,
+          .refined_rows = impl_->refined_rows,
+          .refused_rows = impl_->refused_rows,
           .open_rows = impl_->open_rows,
           .residual = impl_->residual};
 }

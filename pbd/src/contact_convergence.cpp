@@ -18,43 +18,40 @@ std::uint8_t octave_of(float speed) {
 /// The last of the budget is left over: looking for so few rows costs more than they bring.
 constexpr int kNotWorthIt = 8;
 
-template <class Visit>
-void for_lanes(LaneMask lanes, Visit&& visit) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    if (lanes >> i & 1u) visit(i);
-  }
-}
-
 }  // namespace
 
 void ContactConvergence::note(const ContactRows& rows, LaneMask lanes) {
-  for_lanes(lanes, [&](std::size_t i) {
+  for (std::size_t i = 0; i < rows.count; ++i) {
+    if ((lanes >> i & 1u) == 0) continue;
     const auto speed = static_cast<float>(rows.change[i]);
     if (rows.a_moves >> i & 1u) moved_[rows.a[i]] = std::max(moved_[rows.a[i]], speed);
     if (rows.b_moves >> i & 1u) moved_[rows.b[i]] = std::max(moved_[rows.b[i]], speed);
-  });
+  }
+}
+
+ContactConvergence::Open ContactConvergence::open_rows(const Ends& ends, float tolerance) const {
+  float fastest = 0.0f;
+  unsigned lanes = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const float speed = std::max(moved_[ends.a[i]], moved_[ends.b[i]]);
+    fastest = std::max(fastest, speed);
+    if (!(speed > tolerance)) continue;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      lanes |= unsigned{ends.island[k] == ends.island[i]} << k;
+    }
+  }
+  return {.lanes = static_cast<LaneMask>(lanes & ends.lanes), .octave = octave_of(fastest)};
 }
 
 void ContactConvergence::find_open(std::uint32_t first, float tolerance) {
   open_.clear();
   octaves_.fill(0);
   for (std::uint32_t k = 0; k < ends_.size(); ++k) {
-    const Ends& ends = ends_[k];
-    std::array<float, kLanes> speed;
-    unsigned lanes = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      speed[i] = std::max(moved_[ends.a[i]], moved_[ends.b[i]]);
-      lanes |= unsigned{speed[i] > tolerance} << i;
-    }
-    lanes &= ends.lanes;
-    if (lanes == 0) continue;
-    Open& open = open_.emplace_back();
+    Open open = open_rows(ends_[k], tolerance);
+    if (open.lanes == 0) continue;
     open.block = first + k;
-    open.lanes = static_cast<LaneMask>(lanes);
-    for_lanes(open.lanes, [&](std::size_t i) {
-      open.octave[i] = octave_of(speed[i]);
-      ++octaves_[open.octave[i]];
-    });
+    open_.push_back(open);
+    octaves_[open.octave] += std::popcount(open.lanes);
   }
 }
 
@@ -62,13 +59,7 @@ int ContactConvergence::keep_most_moved(int most) {
   std::size_t lowest = octaves_.size();
   int kept = 0;
   while (lowest > 0 && kept + octaves_[lowest - 1] <= most) kept += octaves_[--lowest];
-  if (lowest == 0) return kept;
-  for (Open& open : open_) {
-    unsigned fast = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) fast |= unsigned{open.octave[i] >= lowest} << i;
-    open.lanes = static_cast<LaneMask>(open.lanes & fast);
-  }
-  std::erase_if(open_, [](const Open& open) { return open.lanes == 0; });
+  std::erase_if(open_, [&](const Open& open) { return open.octave < lowest; });
   return kept;
 }
 
@@ -100,8 +91,11 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const Cont
   moved_.assign(bodies.size(), 0.0f);
   ends_.clear();
   for (const ContactRows& each : swept) {
-    ends_.push_back({each.a, each.b, lanes_in_use(each)});
-    note(each, lanes_in_use(each));
+    Ends& ends = ends_.emplace_back(Ends{each.a, each.b, {}, lanes_in_use(each)});
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      ends.island[i] = bodies[(each.a_moves >> i & 1u) != 0 ? each.a[i] : each.b[i]].island;
+    }
+    note(each, kAllLanes);
   }
   const BodyNumbers numbers = numbers_of(bodies);
   for (;;) {
@@ -112,8 +106,10 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const Cont
     const int kept = keep_most_moved(left);
     if (kept == 0) return outcome;
     for (const Open& open : open_) {
-      const ContactRows& each = rows[open.block];
-      for_lanes(open.lanes, [&](std::size_t i) { moved_[each.a[i]] = moved_[each.b[i]] = 0.0f; });
+      const Ends& ends = ends_[open.block - places.begin];
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        if (open.lanes >> i & 1u) moved_[ends.a[i]] = moved_[ends.b[i]] = 0.0f;
+      }
     }
     reverse = !reverse;
     plan(order);

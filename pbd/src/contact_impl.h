@@ -48,6 +48,9 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   const ContactKernels* kernels = &contact_kernels(0);
   std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body
   int extra_rows = 0;             ///< rows swept again in this step
+  int refined_rows = 0;           ///< rows of substeps beyond those of the solver in this step
+  int refused_rows = 0;           ///< the same, wanted for the next one and not given
+  int least_substeps = 1;         ///< the solver's
   int open_rows = 0;              ///< rows that were left unsolved, in the worst substep
   double residual = 0.0;
   bool any_friction = false;
@@ -154,6 +157,19 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
       if ((acted & each.a_moves) >> i & 1u) pushed[each.a[i]] = 1;
       if ((acted & each.b_moves) >> i & 1u) pushed[each.b[i]] = 1;
     }
+  }
+
+  int row_count(std::uint32_t group) const {
+    const ContactOrder::Places places = order.range(group);
+    int count = 0;
+    for (std::uint32_t k = places.begin; k < places.end; ++k) count += rows[k].count;
+    return count;
+  }
+  /// Rows of a step that may be swept on, or be struck by blows, for each of its substeps.
+  /// @param spent  of the budget
+  int rows_to_sweep(int spent, int substeps) const {
+    constexpr int kPart = 6;  // see ContactOptions::extra_rows
+    return std::max(0, options.extra_rows - spent) / (kPart * substeps);
   }
 
   double largest_change(std::uint32_t group) const {

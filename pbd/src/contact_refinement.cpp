@@ -20,9 +20,13 @@ constexpr double kMostSubsteps = 32.0;
 /// m/s, rms: an island that moves faster does not stand. An impact is no load, and only what stands
 /// can fall.
 constexpr double kStanding = 0.5;
-/// Contacts that a world refines in full; where more want it, each gets a share: thousands of small
-/// stacks cost too much.
-constexpr double kWorthRefining = 2000.0;
+
+/// Substeps come doubled: those that an island gets that wants this many.
+int rounded_up(double wanted, int least) {
+  int substeps = least;
+  while (substeps < wanted) substeps *= 2;
+  return substeps;
+}
 
 }  // namespace
 
@@ -54,17 +58,26 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
     island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
   }
-  double wanting = 0.0;  // contacts
+  double rows = 0.0;  // of all further substeps
   for (IslandLoad& island : loads) {
     if (island.contacts == 0 || island.speed2 > kStanding * kStanding * island.bodies) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
-    if (island.wanted > ctx.substeps) wanting += island.contacts;
+    island.wanted = rounded_up(std::min(kMostSubsteps, island.wanted), ctx.substeps);
+    rows += island.contacts * (island.wanted - ctx.substeps);
   }
-  const double share = std::min(1.0, kWorthRefining / std::max(1.0, wanting));
+  // Where all of them are too many each gets the same share, rounded down.
+  const double share = std::min(1.0, impl_->options.extra_rows / std::max(1.0, rows));
+  double given = 0.0;
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    wanted[i] = std::max(wanted[i], std::min(kMostSubsteps, share * loads[i].wanted));
+    if (!(loads[i].wanted > ctx.substeps)) continue;
+    const double most = ctx.substeps + share * (loads[i].wanted - ctx.substeps);
+    int substeps = ctx.substeps;
+    while (2 * substeps <= most) substeps *= 2;
+    given += loads[i].contacts * (substeps - ctx.substeps);
+    wanted[i] = std::max(wanted[i], static_cast<double>(substeps));
   }
+  impl_->refused_rows = static_cast<int>(rows - given);
 }
 
 }  // namespace tandem::pbd

@@ -17,10 +17,6 @@ constexpr double kGyroscopicTolerance = 1e-14;
 /// rad: slower rotation has no gyroscopic effect worth a solve.
 constexpr double kSlowAngle = 1e-4;
 
-/// Eigen's v.squaredNorm(), with its bits, of a vector that has just been made: Eigen reads pairs
-/// of numbers that were written one by one, for which the processor waits.
-double squared_norm(const Vec3& v) { return v.x() * v.x() + v.y() * v.y() + v.z() * v.z(); }
-
 /// Turn q by the least rotation that brings the angular momentum back to where it was: the implicit
 /// midpoint rule keeps its size in the body's frame, so this keeps it in the world's.
 void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
@@ -43,7 +39,7 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
                         (inertia(1, 0) * x + inertia(1, 1) * y) + inertia(1, 2) * z,
                         inertia(2, 0) * x + (inertia(2, 1) * y + inertia(2, 2) * z));
   const Vec3 torque_l = w_l.cross(momentum_l);
-  if (squared_norm(torque_l) * h * h <= kGyroscopicTolerance * squared_norm(momentum_l)) return;
+  if (dot(torque_l, torque_l) * h * h <= kGyroscopicTolerance * dot(momentum_l, momentum_l)) return;
   body.q = free_rotation(body.q, props.inertia_l, w_l, h);
   body.w = rotate(body.q, w_l);
   body.w_applied = body.w;

@@ -28,6 +28,7 @@ void Solver::Impl::begin_step(World& world, double dt) {
   list_parts();
   context_ = {.bodies = bodies_.all(),
               .h = dt / options_.substeps,
+              .substeps = options_.substeps,
               .gravity = world.gravity_,
               .workers = &workers_,
               .order = world.order(),

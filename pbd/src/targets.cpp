@@ -133,15 +133,19 @@ void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
   for (const Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     if (!body.dx.isZero(0.0)) body.v_push = body.dx / h;
-    if (!body.dtheta.isZero(0.0)) body.w_push = rotation_between(saved.q, body.q) / h;
+    if (body.dtheta.isZero(0.0)) continue;
+    // One turn is what its row asked for; those of joints add up to another rotation vector.
+    const Vec3 turn = body.projected ? rotation_between(saved.q, body.q) : body.dtheta;
+    body.w_push = turn / h;
   }
 }
 
 void Targets::to_poses(std::span<SolverBody> bodies, double h) {
-  for (const Saved& saved : saved_) {
+  for (Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     body.x = saved.x + h * body.v_push;
-    body.q = body.w_push.isZero(0.0) ? saved.q : rotated(saved.q, h * body.w_push);
+    saved.turn = h * body.w_push;
+    body.q = body.w_push.isZero(0.0) ? saved.q : rotated(saved.q, saved.turn);
     body.v_push.setZero();
     body.w_push.setZero();
   }
@@ -152,9 +156,8 @@ void Targets::end(std::span<const SolverBody> bodies, std::span<const BodyProps>
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
     const Vec3 moved = body.x - saved.x;
-    const Vec3 turned = rotation_between(saved.q, body.q);
     corrections[saved.body].translation += moved;
-    corrections[saved.body].rotation += turned;
+    corrections[saved.body].rotation += saved.turn;
     const BodyProps& known = props[saved.body];
     energy.potential -= known.mass * known.gravity_scale * gravity.dot(moved);
     // Kinetic energy that came in through velocities; a spinning body that was merely turned has
@@ -168,7 +171,7 @@ void Targets::end(std::span<const SolverBody> bodies, std::span<const BodyProps>
     if (row_of_[saved.body] == BodyId::kNone) continue;
     Row& row = rows_[row_of_[saved.body]];
     row.e_x -= moved;
-    row.e_q -= turned;
+    row.e_q -= saved.turn;
   }
 }
 

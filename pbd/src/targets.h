@@ -73,6 +73,7 @@ class Targets {
     Vec3 x;
     Quat q;
     Vec3 v, w;
+    Vec3 turn = Vec3::Zero();  ///< rad, world, what it was turned by
   };
 
   std::vector<Row> rows_;

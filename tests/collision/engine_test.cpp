@@ -258,5 +258,42 @@ TEST_CASE("engine: a locked body is not thrown by what it cannot follow", "[coll
   }
 }
 
+/// What a step solves, in rows, from its report.
+double rows_solved(const pbd::StepReport& report, int substeps) {
+  const pbd::BlockReport& contacts = report.blocks.at(0);
+  return static_cast<double>(contacts.rows) * substeps + contacts.refined_rows +
+         contacts.extra_rows;
+}
+
+TEST_CASE("engine: a block of boxes that falls solves no step many times as much as the others",
+          "[collision][soak]") {
+  for (const int budget : {2000, 1'000'000}) {
+    CAPTURE(budget);
+    Fixture f;
+    ground(f);
+    for (int i = 0; i < 360; ++i) {
+      dynamic_box(f, Vec3::Constant(0.1),
+                  {0.21 * (i % 6), 0.21 * (i / 6 % 6), 0.3 + 0.2 * (i / 36)});
+    }
+    pbd::Solver solver({.contact = {.extra_rows = budget}, .sleep_after = 0.0});
+    std::vector<double> solved;
+    int refused = 0;
+    for (int step = 0; step < 240; ++step) {
+      const pbd::StepReport& report = solver.step(f.world, kDt);
+      refused = std::max(refused, report.blocks.at(0).refused_rows);
+      solved.push_back(rows_solved(report, 4));
+    }
+    std::nth_element(solved.begin(), solved.begin() + 120, solved.end());
+    const double most = *std::max_element(solved.begin(), solved.end()) / solved[120];
+    INFO("most " << most << ", refused " << refused);
+    if (budget == 2000) {
+      CHECK(most < 4.0);
+      CHECK(refused > 0);
+    } else {
+      CHECK(refused == 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tandem::collision::testing::engine_test

@@ -87,6 +87,8 @@ struct TANDEM_API BlockReport {
   std::string_view name;
   int rows = 0;
   int extra_rows = 0;     ///< solved again where it was needed, over all substeps
+  int refined_rows = 0;   ///< solved in substeps beyond the solver's, over all of them
+  int refused_rows = 0;   ///< of those, what islands wanted for the next step and do not get
   int open_rows = 0;      ///< left unsolved by that, in the substep with most of them
   double residual = 0.0;  ///< m, largest violation of a rigid row at the end of the step
   double displacement_residual = 0.0;  ///< m, largest part of it that agreement left behind

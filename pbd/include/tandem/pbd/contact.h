@@ -27,12 +27,14 @@ struct TANDEM_API ContactOptions {
   /// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over.
   /// Motion is not affected.
   double evenness = 0.1;
-  /// Rows that one sweep has not solved are swept on, those first whose bodies still move most,
-  /// until no normal velocity changes by more than `resting_tolerance` times what gravity adds in a
-  /// substep, or this many rows were swept again in the step (in each group of islands that take
-  /// the same number of substeps). BlockReport says how many were and what was left. Blows that
-  /// pass from contact to contact may strike as many.
-  int extra_rows = 4000;
+  /// What a step may cost beyond the solver's substeps: rows that are solved once more. Islands
+  /// that want more substeps come first: where the rows of all of them in all further substeps are
+  /// more than this, each gets a share. What they leave, a sixth of it, is for rows that one
+  /// sweep has not solved: they are swept on, those first whose bodies still move most, until no
+  /// normal velocity changes by more than `resting_tolerance` times what gravity adds in a substep.
+  /// Blows that pass from contact to contact may strike a sixth as well. BlockReport says what
+  /// was done and what was left.
+  int extra_rows = 24000;
   double resting_tolerance = 0.01;
   /// Impacts slower than this many times |gravity| * h do not bounce.
   double restitution_threshold = 2.0;

@@ -8,11 +8,15 @@
 
 namespace tandem::pbd {
 
+/// Eigen's a.dot(b), with its bits, of vectors that have just been made: Eigen reads pairs of
+/// numbers that were written one by one, for which the processor waits.
+inline double dot(const Vec3& a, const Vec3& b) {
+  return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+}
+
 /// Rotation by the rotation vector r (rad, axis times angle).
 inline Quat exp_map(const Vec3& r) {
-  // As r.squaredNorm(), which reads pairs of numbers: where r has just been written one by one, the
-  // processor waits for them.
-  const double angle2 = r.x() * r.x() + r.y() * r.y() + r.z() * r.z();
+  const double angle2 = dot(r, r);
   double real = 0.0;
   double scale = 0.0;  // sin(angle / 2) / angle
   if (angle2 < 1e-6) {
