@@ -44,12 +44,19 @@ class Marker final : public LinkVisitor {
 
 bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
 
+/// Whether another world answers for a body.
+bool is_copy(const IslandCoupling* coupling, std::uint32_t body) {
+  if (coupling == nullptr) return false;
+  const std::span<const std::uint8_t> copies = coupling->copies();
+  return body < copies.size() && copies[body] != 0;
+}
+
 }  // namespace
 
 /// What an immovable body that moves is in touch with does not sleep.
 class Groups::Disturber final : public LinkVisitor {
  public:
-  Disturber(std::vector<Island>& islands, std::span<const SolverBody> bodies)
+  Disturber(std::vector<IslandPart>& islands, std::span<const SolverBody> bodies)
       : islands_(islands), bodies_(bodies) {}
   void link(std::uint32_t a, std::uint32_t b) override {
     if (a == BodyId::kNone || b == BodyId::kNone) return;
@@ -58,14 +65,14 @@ class Groups::Disturber final : public LinkVisitor {
   }
 
  private:
-  std::vector<Island>& islands_;
+  std::vector<IslandPart>& islands_;
   std::span<const SolverBody> bodies_;
 };
 
 /// Marks islands that something immovable holds: what drifts freely is slow, but not at rest.
 class Groups::Holder final : public LinkVisitor {
  public:
-  Holder(std::vector<Island>& islands, std::span<const SolverBody> bodies)
+  Holder(std::vector<IslandPart>& islands, std::span<const SolverBody> bodies)
       : islands_(islands), bodies_(bodies) {}
   void link(std::uint32_t a, std::uint32_t b) override {
     const bool fixed_a = a == BodyId::kNone || bodies_[a].inv_mass == 0.0;
@@ -75,14 +82,14 @@ class Groups::Holder final : public LinkVisitor {
   }
 
  private:
-  std::vector<Island>& islands_;
+  std::vector<IslandPart>& islands_;
   std::span<const SolverBody> bodies_;
 };
 
 /// Marks islands that rows move by themselves.
 class Groups::Driver final : public LinkVisitor {
  public:
-  Driver(std::vector<Island>& islands, std::span<const SolverBody> bodies)
+  Driver(std::vector<IslandPart>& islands, std::span<const SolverBody> bodies)
       : islands_(islands), bodies_(bodies) {}
   void link(std::uint32_t a, std::uint32_t b) override {
     if (a != BodyId::kNone) islands_[bodies_[a].island].driven = true;
@@ -90,7 +97,7 @@ class Groups::Driver final : public LinkVisitor {
   }
 
  private:
-  std::vector<Island>& islands_;
+  std::vector<IslandPart>& islands_;
   std::span<const SolverBody> bodies_;
 };
 
@@ -108,16 +115,12 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
       pushed = pushed || moves(bodies[i]);
       continue;
     }
-    Island& island = islands_[bodies[i].island];
+    if (is_copy(rule.coupling, i)) continue;
+    IslandPart& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
     island.level_sum += activity[i].level;
     ++island.bodies;
-  }
-  for (Island& island : islands_) {
-    if (island.bodies == 0) continue;
-    island.level =
-        static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
   }
   if (rule.sleep_after > 0.0) {
     for (const std::uint32_t i : changed) {
@@ -132,14 +135,22 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
       for (const auto& block : blocks) block->links(disturber);
     }
   }
+  if (rule.coupling != nullptr) rule.coupling->agree_awake(islands.of(), islands_);
+  levels_.assign(count, 0);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const IslandPart& island = islands_[i];
+    if (island.bodies == 0) continue;
+    levels_[i] =
+        static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
+  }
   for (Group& group : groups_) {
     group.bodies.clear();
     group.locked = false;
   }
   std::array<bool, kMaxLevel + 1> used{};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Island& island = islands_[bodies[i].island];
-    if (bodies[i].inv_mass > 0.0 && island.awake) used[island.level] = true;
+    const bool awake = islands_[bodies[i].island].awake;
+    if (bodies[i].inv_mass > 0.0 && awake) used[levels_[bodies[i].island]] = true;
   }
   std::array<std::uint32_t, kMaxLevel + 1> group_of{};
   count_ = 0;
@@ -151,9 +162,8 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
     group_of[level] = static_cast<std::uint32_t>(count_++);
   }
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Island& island = islands_[bodies[i].island];
-    if (bodies[i].inv_mass == 0.0 || !island.awake) continue;
-    bodies[i].group = group_of[island.level];
+    if (bodies[i].inv_mass == 0.0 || !islands_[bodies[i].island].awake) continue;
+    bodies[i].group = group_of[levels_[bodies[i].island]];
     Group& group = groups_[bodies[i].group];
     group.bodies.push_back(i);
     group.locked = group.locked || props[i].locks.any();
@@ -167,7 +177,10 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const double> wanted, std::span<const BodyState> before,
                     std::span<const BodyProps> props, std::span<BodyActivity> activity,
                     std::span<SolverBody> bodies) {
-  if (count_ == 0) return;
+  if (count_ == 0) {
+    if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
+    return;
+  }
   const auto count = static_cast<std::uint32_t>(bodies.size());
   sprung_.assign(count, 0);
   if (rule.sleep_after > 0.0) judge_rest(blocks, bodies);
@@ -179,24 +192,27 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
-    Island& island = islands_[islands.of()[i]];
+    IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
                       bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin &&
                       (sprung_[i] == 0 || is_steady(i));
     activity[i].still = slow ? activity[i].still + dt : 0.0;
+    if (is_copy(rule.coupling, i)) continue;
     island.sleepy = island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
   }
+  if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
-    const Island& island = islands_[islands.of()[i]];
+    const IslandPart& island = islands_[islands.of()[i]];
+    const std::uint8_t island_level = levels_[islands.of()[i]];
     std::uint8_t level = 0;
     while (level < kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
-    activity[i].level = std::max(level, island.level);
-    if (level >= island.level) {
+    activity[i].level = std::max(level, island_level);
+    if (level >= island_level) {
       activity[i].calm = 0;
     } else if (++activity[i].calm >= kCalmSteps) {
-      activity[i].level = static_cast<std::uint8_t>(island.level - 1);
+      activity[i].level = static_cast<std::uint8_t>(island_level - 1);
       activity[i].calm = 0;
     }
     if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) continue;
