@@ -44,10 +44,11 @@ class Marker final : public LinkVisitor {
 
 bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
 
-/// Whether another world answers for a body.
-bool is_copy(const IslandCoupling* coupling, std::uint32_t body) {
-  if (coupling == nullptr) return false;
-  const std::span<const std::uint8_t> copies = coupling->copies();
+/// By slot: 1 where another world answers for the body; none where it is short.
+std::span<const std::uint8_t> copies_of(const IslandCoupling* coupling) {
+  return coupling != nullptr ? coupling->copies() : std::span<const std::uint8_t>();
+}
+bool is_copy(std::span<const std::uint8_t> copies, std::uint32_t body) {
   return body < copies.size() && copies[body] != 0;
 }
 
@@ -108,6 +109,7 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
                      std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   islands_.assign(count, {});
+  const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   bool pushed = false;  // by something immovable that moves
   for (std::uint32_t i = 0; i < count; ++i) {
     bodies[i].island = islands.of()[i];
@@ -115,7 +117,7 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
       pushed = pushed || moves(bodies[i]);
       continue;
     }
-    if (is_copy(rule.coupling, i)) continue;
+    if (is_copy(copies, i)) continue;
     IslandPart& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
@@ -184,6 +186,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   const auto count = static_cast<std::uint32_t>(bodies.size());
   sprung_.assign(count, 0);
   if (rule.sleep_after > 0.0) judge_rest(blocks, bodies);
+  const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
   const auto is_steady = [&](std::uint32_t i) {
     const Vec3 dv = bodies[i].v - before[i].twist.linear;
@@ -198,7 +201,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                       bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin &&
                       (sprung_[i] == 0 || is_steady(i));
     activity[i].still = slow ? activity[i].still + dt : 0.0;
-    if (is_copy(rule.coupling, i)) continue;
+    if (is_copy(copies, i)) continue;
     island.sleepy = island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
   }
   if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);

@@ -28,10 +28,14 @@ constexpr std::string_view kUsage =
     "usage: mpirun -n RANKS tandem-cluster SCENE [--size N] [--seconds S] [--sample-every STEPS]\n"
     "           [--balance-every STEPS] [--refresh-every STEPS] [--cut-above SHARE]\n"
     "           [--checkpoint FILE] [--checkpoint-every STEPS] [--resume FILE] [--die RANK:STEP]\n"
+    "       ... --record PREFIX, then for each rank\n"
+    "       tandem-cluster SCENE ... --replay PREFIX.RANK\n"
     "SCENE is cliff, cubes, heap or pyramid. Steps 1/60 s, without waiting for the clock; rank 0\n"
     "prints what came of it. --size is that of the scene: balls, stacks, bodies, cubes in a row.\n"
     "--checkpoint writes FILE every STEPS (600) and at the end; --resume goes on from one, on any\n"
-    "number of ranks. --die is for tests: that rank ends before that step.\n";
+    "number of ranks. --die is for tests: that rank ends before that step. --record writes what each\n"
+    "rank is told; --replay is that rank again, by itself and without mpirun, given the same other\n"
+    "options: it prints the processor time of each step.\n";
 
 struct Options {
   std::string scene;
@@ -69,6 +73,8 @@ Options parse(std::span<const std::string_view> words) {
        {"--checkpoint", [&](demos::Argument& in) { options.checkpoint = in.text(); }},
        {"--checkpoint-every", steps(options.checkpoint_every, 1)},
        {"--resume", [&](demos::Argument& in) { options.resume = in.text(); }},
+       {"--record", [&](demos::Argument& in) { options.cluster.record = in.text(); }},
+       {"--replay", [&](demos::Argument& in) { options.cluster.replay = in.text(); }},
        {"--die",
         [&](demos::Argument& in) {
           const std::string_view value = in.value();
@@ -101,14 +107,44 @@ void fill(mpi::Cluster& cluster, const Scene& scene, bool with_bodies) {
   cluster.start();
 }
 
+mpi::ClusterOptions options_for(const Options& options, const Scene& scene) {
+  mpi::ClusterOptions result = options.cluster;
+  // The default is for about a thousand bodies.
+  pbd::ContactOptions& contact = result.solver.contact;
+  contact.extra_rows *= static_cast<int>(std::max<std::size_t>(1, scene.bodies / 1000));
+  return result;
+}
+
+std::uint64_t step_count(const Options& options) {
+  return static_cast<std::uint64_t>(options.seconds / kStep + 0.5);
+}
+
+/// One rank of a run that was recorded without samples and checkpoints.
+int replay(const Options& options) {
+  const Scene scene = make_scene(options.scene, options.size);
+  mpi::Cluster cluster(options_for(options, scene));
+  fill(cluster, scene, true);
+  cluster.totals();
+  demos::JsonWriter json;
+  json.begin_object().field("rank", cluster.rank()).field("ranks", cluster.count());
+  json.key("step_s").begin_array();
+  while (cluster.steps() < step_count(options)) {
+    cluster.step(kStep);
+    json.value(cluster.cost().cpu);
+  }
+  json.end_array().field("last_hash", std::to_string(cluster.totals().hash)).end_object();
+  std::cout << json.text() << '\n';
+  return 0;
+}
+
 int run(const Options& options) {
   const Scene scene = make_scene(options.scene, options.size);
-  mpi::Cluster cluster(options.cluster);
+  mpi::Cluster cluster(options_for(options, scene));
   fill(cluster, scene, options.resume.empty());
   if (!options.resume.empty()) cluster.load(options.resume);
   Measures measures(cluster, scene);
   const mpi::Totals first = cluster.totals();
-  const auto steps = static_cast<std::uint64_t>(options.seconds / kStep + 0.5);
+  const std::uint64_t steps = step_count(options);
   std::uint64_t saved = 0;
   const auto save = [&] {
     if (options.checkpoint.empty() || saved == cluster.steps()) return;
@@ -151,6 +187,7 @@ int main(int argc, char** argv) {
   std::unique_ptr<mpi::Environment> environment;
   return demos::program_main(argc, argv, kUsage, [&](std::span<const std::string_view> words) {
     const Options options = parse(words);
+    if (!options.cluster.replay.empty()) return replay(options);
     environment = std::make_unique<mpi::Environment>(argc, argv);
     try {
       return run(options);

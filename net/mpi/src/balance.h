@@ -59,6 +59,7 @@ class Balance {
                      int dimensions, double* coordinates, int* error);
   void set_axes();
   void partition();
+  void ask_zoltan();
   std::vector<Item> gather_cut(const Load& load, double& total);
   void tell_cut(std::vector<Item>& cut);
 

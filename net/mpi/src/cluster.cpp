@@ -31,12 +31,22 @@ void ClusterOptions::validate() const {
           network.overhead, "finite and >= 0 s");
 }
 
+namespace {
+
+/// What a rank may spend: budgets are the whole world's.
+pbd::SolverOptions share_of(pbd::SolverOptions options, int ranks) {
+  options.contact.extra_rows /= ranks;
+  return options;
+}
+
+}  // namespace
+
 Cluster::Impl::Impl(const ClusterOptions& options)
     : options_(options),
       world_({.gravity = options.gravity}),
       shapes_(options.collision),
-      solver_(options.solver),
-      ranks_(options.network),
+      ranks_(options.network, options.record, options.replay),
+      solver_(share_of(options.solver, ranks_.count())),
       part_(world_, shapes_),
       neighbours_(part_, ranks_, options.refresh_every),
       agreement_(part_, ranks_, neighbours_) {
@@ -45,7 +55,8 @@ Cluster::Impl::Impl(const ClusterOptions& options)
     return;
   }
   seam_ = &world_.add_block<Seam>(ranks_, neighbours_);
-  contacts_ = std::make_unique<PartContacts>(part_, shapes_, *seam_, options.solver.contact);
+  contacts_ = std::make_unique<PartContacts>(part_, shapes_, *seam_,
+                                             solver_.options().contact);
   world_.set_contact_source(contacts_.get());
   world_.set_island_coupling(&agreement_);
   balance_ = std::make_unique<Balance>(part_, ranks_, agreement_, options.cut_above);

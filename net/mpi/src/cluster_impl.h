@@ -48,8 +48,8 @@ class __attribute__((visibility("hidden"))) Cluster::Impl {
   ClusterOptions options_;
   pbd::World world_;
   collision::CollisionScene shapes_;
-  pbd::Solver solver_;
   Ranks ranks_;
+  pbd::Solver solver_;
   Part part_;
   Neighbours neighbours_;
   IslandAgreement agreement_;

@@ -27,6 +27,12 @@ class MessageWriter {
   }
   void vec3(const pbd::Vec3& v) { doubles({v.data(), 3}); }
   void quat(const pbd::Quat& q) { doubles({q.coeffs().data(), 4}); }
+  /// Room for that many numbers, to be written by DoubleWriter.
+  std::byte* room(std::size_t count) {
+    const std::size_t at = out_.size();
+    out_.resize(at + count * sizeof(double));
+    return out_.data() + at;
+  }
   void doubles(std::span<const double> values) {
     const std::size_t at = out_.size();
     out_.resize(at + values.size_bytes());
@@ -35,6 +41,21 @@ class MessageWriter {
 
  private:
   Bytes& out_;
+};
+
+/// Writes numbers one after the other, where there is room for them.
+class DoubleWriter {
+ public:
+  explicit DoubleWriter(std::byte* at) : at_(at) {}
+  void vec3(const pbd::Vec3& v) { copy(v.data(), 3); }
+  void quat(const pbd::Quat& q) { copy(q.coeffs().data(), 4); }
+
+ private:
+  void copy(const double* from, std::size_t count) {
+    std::memcpy(at_, from, count * sizeof(double));
+    at_ += count * sizeof(double);
+  }
+  std::byte* at_;
 };
 
 /// Reads what MessageWriter wrote. Past the end all is 0, and failed() says so.

@@ -7,6 +7,10 @@
 namespace tandem::mpi {
 namespace {
 
+/// Of a seam in a step, at most. It has the last word on its bodies: what it sweeps on and on is not
+/// solved by those behind them.
+constexpr int kExtraSweeps = 4;
+
 pbd::ContactBlock* contact_block(pbd::World& world) {
   for (const auto& block : world.blocks()) {
     if (block.get() == world.contacts()) return static_cast<pbd::ContactBlock*>(block.get());
@@ -39,7 +43,9 @@ void PartContacts::collect(const pbd::World& world, double dt, pbd::Workers& wor
   seam_rows_ = between_.size();
   for (Neighbour& neighbour : seam_.neighbours()) neighbour.touched.clear();
   if (!between_.empty()) seam_.note_touched(between_, world.slot_count());
-  seam_.rows().configure(options_);
+  pbd::ContactOptions options = options_;
+  options.extra_rows = std::min(options.extra_rows, kExtraSweeps * static_cast<int>(seam_rows_));
+  seam_.rows().configure(options);
   seam_.rows().set_manifolds(between_);
 }
 

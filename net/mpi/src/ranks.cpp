@@ -54,10 +54,18 @@ void Environment::abort(const std::string& reason) {
   std::abort();
 }
 
-Ranks::Ranks(const NetworkModel& network) : network_(network) {
-  MPI_Comm_dup(MPI_COMM_WORLD, &comm_);
-  MPI_Comm_rank(comm_, &rank_);
-  MPI_Comm_size(comm_, &count_);
+Ranks::Ranks(const NetworkModel& network, const std::string& record, const std::string& replay)
+    : network_(network) {
+  if (!replay.empty()) {
+    tape_.replay(replay);
+    rank_ = tape_.rank();
+    count_ = tape_.count();
+  } else {
+    MPI_Comm_dup(MPI_COMM_WORLD, &comm_);
+    MPI_Comm_rank(comm_, &rank_);
+    MPI_Comm_size(comm_, &count_);
+    if (!record.empty()) tape_.record(record + "." + std::to_string(rank_), rank_, count_);
+  }
   sizes_.resize(static_cast<std::size_t>(count_));
   places_.resize(static_cast<std::size_t>(count_));
   mark_ = pbd::thread_cpu_seconds();
@@ -65,11 +73,13 @@ Ranks::Ranks(const NetworkModel& network) : network_(network) {
 
 Ranks::~Ranks() {
   complete_sent();
-  MPI_Comm_free(&comm_);
+  if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
 }
 
 void Ranks::complete_sent() {
-  for (Sent& sent : sent_) MPI_Wait(&sent.request, MPI_STATUS_IGNORE);
+  for (Sent& sent : sent_) {
+    if (sent.request != MPI_REQUEST_NULL) MPI_Wait(&sent.request, MPI_STATUS_IGNORE);
+  }
   spare_.splice(spare_.end(), sent_);
 }
 
@@ -110,8 +120,10 @@ void Ranks::send(int to, Topic topic) {
   const double arrives =
       modelled_ + network_.latency + static_cast<double>(sent.bytes.size()) / network_.bandwidth;
   std::memcpy(sent.bytes.data(), &arrives, sizeof(arrives));
-  MPI_Isend(sent.bytes.data(), as_count(sent.bytes.size()), MPI_BYTE, to, static_cast<int>(topic),
-            comm_, &sent.request);
+  if (!tape_.replays()) {
+    MPI_Isend(sent.bytes.data(), as_count(sent.bytes.size()), MPI_BYTE, to,
+              static_cast<int>(topic), comm_, &sent.request);
+  }
   ++cost_.messages;
   cost_.bytes += sent.bytes.size();
   resume();
@@ -119,17 +131,50 @@ void Ranks::send(int to, Topic topic) {
 
 MessageReader Ranks::receive(int from, Topic topic) {
   pause();
-  MPI_Status status;
-  MPI_Probe(from, static_cast<int>(topic), comm_, &status);
-  int size = 0;
-  MPI_Get_count(&status, MPI_BYTE, &size);
-  received_.resize(static_cast<std::size_t>(size));
-  MPI_Recv(received_.data(), size, MPI_BYTE, from, static_cast<int>(topic), comm_,
-           MPI_STATUS_IGNORE);
+  if (tape_.replays()) {
+    tape_.read(received_);
+  } else {
+    MPI_Status status;
+    MPI_Probe(from, static_cast<int>(topic), comm_, &status);
+    int size = 0;
+    MPI_Get_count(&status, MPI_BYTE, &size);
+    received_.resize(static_cast<std::size_t>(size));
+    MPI_Recv(received_.data(), size, MPI_BYTE, from, static_cast<int>(topic), comm_,
+             MPI_STATUS_IGNORE);
+    if (tape_.records()) tape_.write(received_);
+  }
   MessageReader reader(received_);
   modelled_ = std::max(modelled_, reader.get<double>()) + network_.overhead;
   resume();
   return reader;
+}
+
+void Ranks::gather_sizes() {
+  std::size_t total = 0;
+  for (std::size_t r = 0; r < sizes_.size(); ++r) {
+    places_[r] = as_count(total);
+    total += static_cast<std::size_t>(sizes_[r]);
+  }
+  as_count(total);
+}
+
+void Ranks::gather_bytes(const Bytes& bytes) {
+  if (tape_.replays()) {
+    tape_.read(gathered_);
+    std::memcpy(sizes_.data(), gathered_.data(), bytes_of_sizes().size());
+    gather_sizes();
+    tape_.read(gathered_);
+    return;
+  }
+  const int size = as_count(bytes.size());
+  MPI_Allgather(&size, 1, MPI_INT, sizes_.data(), 1, MPI_INT, comm_);
+  gather_sizes();
+  gathered_.resize(static_cast<std::size_t>(places_.back() + sizes_.back()));
+  MPI_Allgatherv(bytes.data(), size, MPI_BYTE, gathered_.data(), sizes_.data(), places_.data(),
+                 MPI_BYTE, comm_);
+  if (!tape_.records()) return;
+  tape_.write(bytes_of_sizes());
+  tape_.write(gathered_);
 }
 
 std::span<MessageReader> Ranks::gather(const Bytes& own) {
@@ -137,37 +182,34 @@ std::span<MessageReader> Ranks::gather(const Bytes& own) {
   Bytes& bytes = outgoing();
   std::memcpy(bytes.data(), &modelled_, sizeof(modelled_));
   bytes.insert(bytes.end(), own.begin(), own.end());
-  const int size = as_count(bytes.size());
-  MPI_Allgather(&size, 1, MPI_INT, sizes_.data(), 1, MPI_INT, comm_);
-  std::size_t total = 0;
-  for (std::size_t r = 0; r < sizes_.size(); ++r) {
-    places_[r] = as_count(total);
-    total += static_cast<std::size_t>(sizes_[r]);
-  }
-  as_count(total);
-  gathered_.resize(total);
-  MPI_Allgatherv(bytes.data(), size, MPI_BYTE, gathered_.data(), sizes_.data(), places_.data(),
-                 MPI_BYTE, comm_);
+  gather_bytes(bytes);
   readers_.clear();
   double latest = 0.0;
   for (std::size_t r = 0; r < sizes_.size(); ++r) {
     readers_.emplace_back(std::span(gathered_)
-                             .subspan(static_cast<std::size_t>(places_[r]),
-                                      static_cast<std::size_t>(sizes_[r])));
+                              .subspan(static_cast<std::size_t>(places_[r]),
+                                       static_cast<std::size_t>(sizes_[r])));
     latest = std::max(latest, readers_.back().get<double>());
   }
   // Recursive doubling: as many rounds as the number of ranks has binary digits.
   const int rounds = std::bit_width(static_cast<unsigned>(count_ - 1));
   modelled_ = latest + rounds * (network_.latency + 2.0 * network_.overhead) +
-              static_cast<double>(total) / network_.bandwidth;
+              static_cast<double>(gathered_.size()) / network_.bandwidth;
   cost_.messages += static_cast<std::size_t>(rounds);
   cost_.bytes += bytes.size();
   resume();
   return readers_;
 }
 
-std::vector<Bytes> Ranks::swap(const std::vector<Bytes>& to) {
-  pause();
+Bytes Ranks::swap_bytes(const std::vector<Bytes>& to) {
+  Bytes in;
+  if (tape_.replays()) {
+    tape_.read(in);
+    std::memcpy(sizes_.data(), in.data(), bytes_of_sizes().size());
+    gather_sizes();
+    tape_.read(in);
+    return in;
+  }
   std::vector<int> own_sizes;
   std::vector<int> own_places;
   Bytes out;
@@ -178,23 +220,31 @@ std::vector<Bytes> Ranks::swap(const std::vector<Bytes>& to) {
   }
   as_count(out.size());
   MPI_Alltoall(own_sizes.data(), 1, MPI_INT, sizes_.data(), 1, MPI_INT, comm_);
-  std::size_t total = 0;
-  for (std::size_t r = 0; r < sizes_.size(); ++r) {
-    places_[r] = as_count(total);
-    total += static_cast<std::size_t>(sizes_[r]);
-  }
-  Bytes in(total);
+  gather_sizes();
+  in.resize(static_cast<std::size_t>(places_.back() + sizes_.back()));
   MPI_Alltoallv(out.data(), own_sizes.data(), own_places.data(), MPI_BYTE, in.data(),
                 sizes_.data(), places_.data(), MPI_BYTE, comm_);
+  if (tape_.records()) {
+    tape_.write(bytes_of_sizes());
+    tape_.write(in);
+  }
+  return in;
+}
+
+std::vector<Bytes> Ranks::swap(const std::vector<Bytes>& to) {
+  pause();
+  const Bytes in = swap_bytes(to);
+  std::size_t sent = 0;
+  for (const Bytes& bytes : to) sent += bytes.size();
   std::vector<Bytes> from;
   for (std::size_t r = 0; r < sizes_.size(); ++r) {
     const auto begin = in.begin() + places_[r];
     from.emplace_back(begin, begin + sizes_[r]);
   }
   modelled_ += (count_ - 1) * (network_.latency + 2.0 * network_.overhead) +
-               static_cast<double>(out.size() + total) / network_.bandwidth;
+               static_cast<double>(in.size() + sent) / network_.bandwidth;
   cost_.messages += static_cast<std::size_t>(count_ - 1);
-  cost_.bytes += out.size();
+  cost_.bytes += sent;
   resume();
   return from;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "message.h"
+#include "tape.h"
 #include "tandem/mpi/cluster.h"
 
 namespace tandem::mpi {
@@ -21,7 +22,8 @@ enum class Topic : int { States = 1, Links, WarmStart, Velocities, Corrections, 
 /// happens within one is not.
 class Ranks {
  public:
-  explicit Ranks(const NetworkModel& network);
+  /// @throws std::runtime_error where a tape cannot be used
+  Ranks(const NetworkModel& network, const std::string& record, const std::string& replay);
   ~Ranks();
   Ranks(const Ranks&) = delete;
   Ranks& operator=(const Ranks&) = delete;
@@ -44,6 +46,7 @@ class Ranks {
 
   void begin_step();
   StepCost end_step();
+  Tape& tape() { return tape_; }
   /// For what uses MPI by itself, between the two: it is no work.
   void pause();
   void resume();
@@ -54,8 +57,15 @@ class Ranks {
     MPI_Request request = MPI_REQUEST_NULL;
   };
   void complete_sent();
+  void gather_bytes(const Bytes& bytes);
+  Bytes swap_bytes(const std::vector<Bytes>& to);
+  void gather_sizes();
+  std::span<std::byte> bytes_of_sizes() {
+    return std::as_writable_bytes(std::span(sizes_));
+  }
 
   NetworkModel network_;
+  Tape tape_;
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int count_ = 1;

@@ -18,9 +18,10 @@ void Seam::for_touched(const Neighbour& neighbour, const SubstepContext& ctx, Vi
   }
 }
 
-bool Seam::takes_part(const Neighbour& neighbour, const SubstepContext& ctx) {
-  return std::any_of(neighbour.touched.begin(), neighbour.touched.end(),
-                     [&](std::uint32_t slot) { return ctx.bodies[slot].group == ctx.group; });
+std::size_t Seam::part_of(const Neighbour& neighbour, const SubstepContext& ctx) {
+  const auto in_group = [&](std::uint32_t slot) { return ctx.bodies[slot].group == ctx.group; };
+  return static_cast<std::size_t>(
+      std::count_if(neighbour.touched.begin(), neighbour.touched.end(), in_group));
 }
 
 void Seam::forget() { rows_.assign(pbd::ContactBlock()); }
@@ -85,8 +86,9 @@ pbd::BlockReport Seam::report() const {
 /// From the owners to who solves.
 void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose) {
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (neighbour.solves || !takes_part(neighbour, ctx)) continue;
-    MessageWriter out(ranks_.outgoing());
+    const std::size_t count = part_of(neighbour, ctx);
+    if (neighbour.solves || count == 0) continue;
+    DoubleWriter out(MessageWriter(ranks_.outgoing()).room(count * (with_pose ? 13 : 12)));
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       const SolverBody& body = ctx.bodies[slot];
       out.vec3(body.v);
@@ -102,7 +104,7 @@ void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose) {
     ranks_.send(neighbour.rank, Topic::Velocities);
   }
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (!neighbour.solves || !takes_part(neighbour, ctx)) continue;
+    if (!neighbour.solves || part_of(neighbour, ctx) == 0) continue;
     MessageReader in = ranks_.receive(neighbour.rank, Topic::Velocities);
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       SolverBody& body = ctx.bodies[slot];
@@ -135,8 +137,9 @@ void Seam::remember(const SubstepContext& ctx) {
 void Seam::exchange_corrections(const SubstepContext& ctx, Topic topic, bool with_push) {
   std::size_t at = 0;
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (!neighbour.solves || !takes_part(neighbour, ctx)) continue;
-    MessageWriter out(ranks_.outgoing());
+    const std::size_t count = part_of(neighbour, ctx);
+    if (!neighbour.solves || count == 0) continue;
+    DoubleWriter out(MessageWriter(ranks_.outgoing()).room(count * (with_push ? 12 : 6)));
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       const SolverBody& body = ctx.bodies[slot];
       const Motion& before = before_[at++];
@@ -149,7 +152,7 @@ void Seam::exchange_corrections(const SubstepContext& ctx, Topic topic, bool wit
     ranks_.send(neighbour.rank, topic);
   }
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (neighbour.solves || !takes_part(neighbour, ctx)) continue;
+    if (neighbour.solves || part_of(neighbour, ctx) == 0) continue;
     MessageReader in = ranks_.receive(neighbour.rank, topic);
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       SolverBody& body = ctx.bodies[slot];

@@ -59,7 +59,8 @@ class Seam final : public pbd::ConstraintBlock {
   template <class Visit>
   static void for_touched(const Neighbour& neighbour, const pbd::SubstepContext& ctx,
                           Visit&& visit);
-  static bool takes_part(const Neighbour& neighbour, const pbd::SubstepContext& ctx);
+  /// How many bodies that are.
+  static std::size_t part_of(const Neighbour& neighbour, const pbd::SubstepContext& ctx);
 
   Ranks& ranks_;
   Neighbours& neighbours_;

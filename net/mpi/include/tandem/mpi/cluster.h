@@ -40,6 +40,7 @@ struct TANDEM_API NetworkModel {
 
 struct TANDEM_API ClusterOptions {
   pbd::Vec3 gravity = pbd::Vec3(0.0, 0.0, -9.81);  ///< m/s^2
+  /// Of the whole world: of ContactOptions::extra_rows each rank has its share.
   pbd::SolverOptions solver;
   collision::CollisionOptions collision;
   /// Steps from one look at the load to the next, >= 1.
@@ -52,6 +53,12 @@ struct TANDEM_API ClusterOptions {
   /// Steps for which neighbours of other ranks' bodies are looked for ahead, >= 1.
   int refresh_every = 4;
   NetworkModel network;
+  /// Each rank writes what it is told into `record`.RANK; empty: none does.
+  std::string record;
+  /// One of these files: this process is that rank once more, without MPI and by itself. It takes
+  /// the same steps to the same bits, under a debugger or on a processor of its own. The program
+  /// must call what it called then.
+  std::string replay;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
