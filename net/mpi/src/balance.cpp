@@ -17,6 +17,9 @@ constexpr double kAsleep = 0.15;
 constexpr double kBody = 0.5;
 constexpr double kPointRow = 1.2;
 constexpr double kFaceRow = 2.2;
+/// A body that moves on a surface has its triangles looked for in each step.
+constexpr double kSearch = 2.5;
+constexpr double kSearchSpeed = 0.3;  // m/s
 /// What a row between two ranks takes beside that: a copy, and what it sends and is sent.
 constexpr double kSeamRow = 4.0;
 
@@ -39,7 +42,11 @@ double Load::count(const Part& part, const pbd::ContactBlock& seam_rows, int sub
     const bool moves_b = world.all_props()[m.body_b].inverse_mass > 0.0;
     const std::uint32_t mover = moves_a ? m.body_a : m.body_b;
     if (!world.awake_at(mover)) return;
-    const double cost = (m.count > 1 ? kFaceRow : kPointRow) * times(mover);
+    const std::uint32_t other = mover == m.body_a ? m.body_b : m.body_a;
+    const bool searches = part.has_surface(other) &&
+                          world.states()[mover].twist.linear.norm() > kSearchSpeed;
+    const double cost = (m.count > 1 ? kFaceRow : kPointRow) * times(mover) +
+                        (searches ? kSearch : 0.0);
     sum += cost;
     const double each = moves_a && moves_b ? 0.5 * cost : cost;
     if (moves_a) by_slot_[m.body_a] += each;

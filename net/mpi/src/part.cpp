@@ -133,11 +133,13 @@ pbd::BodyId Part::insert(const pbd::BodyDef& def, std::span<const collision::Col
     names_.resize(slot + 1, kFixed);
     copies_.resize(slot + 1, 0);
     radii_.resize(slot + 1, 0.0);
+    surfaces_.resize(slot + 1, 0);
     colliders_.resize(slot + 1);
   }
   names_[slot] = name;
   copies_[slot] = copy ? 1 : 0;
   radii_[slot] = 0.0;
+  surfaces_[slot] = 0;
   colliders_[slot].clear();
   own_is_old_ = true;
   try {
@@ -145,6 +147,7 @@ pbd::BodyId Part::insert(const pbd::BodyDef& def, std::span<const collision::Col
       collider.body = body;
       colliders_[slot].push_back(shapes_.add(world_, collider));
       radii_[slot] = std::max(radii_[slot], reach_of(collider));
+      if (is_surface(collider.shape)) surfaces_[slot] = 1;
     }
   } catch (...) {
     remove(slot);

@@ -50,6 +50,8 @@ class Part {
   std::uint32_t slot_of(BodyName name) const;
   /// m: no point of the body's shapes is further from its centre of mass.
   double radius(std::uint32_t slot) const { return radii_[slot]; }
+  /// Whether some shape of the body is a mesh or a height field.
+  bool has_surface(std::uint32_t slot) const { return surfaces_[slot] != 0; }
   /// Slots of own bodies, by name.
   const std::vector<std::uint32_t>& own() const;
 
@@ -72,6 +74,7 @@ class Part {
   std::vector<BodyName> names_;       ///< by slot
   std::vector<std::uint8_t> copies_;  ///< by slot
   std::vector<double> radii_;         ///< by slot
+  std::vector<std::uint8_t> surfaces_;  ///< by slot
   std::vector<std::vector<collision::ColliderId>> colliders_;  ///< by slot
   std::vector<std::uint32_t> fixed_;                           ///< slots, in the order of names
   mutable std::vector<std::uint32_t> own_;

@@ -65,6 +65,11 @@ collision::Shape shape_of(Kind kind, const pbd::Vec3& n) {
 
 bool can_move(const collision::Shape& shape) { return kind_of(shape) != Kind::Other; }
 
+bool is_surface(const collision::Shape& shape) {
+  return std::holds_alternative<collision::Mesh>(shape) ||
+         std::holds_alternative<collision::Field>(shape);
+}
+
 double reach_of(const collision::ColliderDef& collider) {
   const pbd::Vec3 n = numbers_of(collider.shape);
   double own = n.norm();

@@ -9,6 +9,7 @@ namespace tandem::mpi {
 
 /// Whether a collider's shape can go from rank to rank: it is all in its few numbers.
 bool can_move(const collision::Shape& shape);
+bool is_surface(const collision::Shape& shape);  ///< a mesh or a height field
 /// m: of the shape's points, the one furthest from the body's centre of mass.
 double reach_of(const collision::ColliderDef& collider);
 void write_collider(const collision::ColliderDef& collider, MessageWriter& out);
