@@ -141,7 +141,8 @@ void Cluster::Impl::share_out() {
   migrate(moves);
   for (const std::uint32_t slot : part_.own()) {
     if (slot >= before.size() || arrived_[slot] != 0) continue;
-    const bool woken = world_.activities()[slot].awake != before[slot].awake;
+    const pbd::BodyActivity& now = world_.activities()[slot];
+    const bool woken = now.awake != before[slot].awake || now.still != before[slot].still;
     if (woken) world_.resume(world_.body_at(slot), world_.states()[slot], before[slot]);
   }
   state_.migrated += moves.size();
