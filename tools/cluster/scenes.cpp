@@ -17,7 +17,7 @@ namespace {
 using collision::Shape;
 using pbd::Vec3;
 
-constexpr std::array<std::string_view, 4> kNames = {"cliff", "cubes", "heap", "pyramid"};
+constexpr std::array<std::string_view, 5> kNames = {"cliff", "cubes", "edge", "heap", "pyramid"};
 constexpr std::size_t kTile = 1000;  ///< bodies of a tile of a scene that may have many
 
 /// Numbers of its own for each body, whoever makes it.
@@ -60,38 +60,40 @@ void add_walls(Scene& scene, const Vec3& min, const Vec3& max) {
   }
 }
 
+/// The cliff from one y (m) to another.
+Shape cliff_ground(double begin, double end) {
+  const double cell = 2.0 * demos::kCliffHalf / demos::kCliffCells;
+  const auto rows = static_cast<std::uint32_t>(std::ceil((end - begin) / cell));
+  demos::CliffMesh mesh;
+  for (std::uint32_t j = 0; j <= rows; ++j) {
+    for (std::uint32_t i = 0; i <= demos::kCliffCells; ++i) {
+      const double x = -demos::kCliffHalf + cell * i;
+      const double y = begin + cell * j;
+      mesh.vertices.emplace_back(x, y, demos::cliff_height(x, y));
+    }
+  }
+  for (std::uint32_t j = 0; j < rows; ++j) {
+    for (std::uint32_t i = 0; i < demos::kCliffCells; ++i) {
+      const std::uint32_t a = j * (demos::kCliffCells + 1) + i;
+      const std::uint32_t c = a + demos::kCliffCells + 1;
+      mesh.triangles.push_back({a, a + 1, c + 1});
+      mesh.triangles.push_back({a, c + 1, c});
+    }
+  }
+  return collision::TriangleMesh::make(mesh.vertices, mesh.triangles);
+}
+
 /// The demo's cliff, with as many tiles of a thousand balls along its edge as it takes.
-Scene cliff(std::size_t balls) {
+/// @param room  m, beyond the first tile and the last one, until walls stand there
+Scene cliff(std::size_t balls, double room) {
   constexpr double kWidth = 4.5;  // m, of a tile
   const std::size_t tiles = (balls + kTile - 1) / kTile;
   Scene scene;
   scene.bodies = balls;
-  const double end = demos::kCliffHalf + kWidth * static_cast<double>(tiles - 1);
-  demos::CliffMesh mesh = demos::cliff_mesh();
-  if (tiles > 1) {
-    const double cell = 2.0 * demos::kCliffHalf / demos::kCliffCells;
-    const auto rows = static_cast<std::uint32_t>(std::ceil((end + demos::kCliffHalf) / cell));
-    mesh = {};
-    for (std::uint32_t j = 0; j <= rows; ++j) {
-      for (std::uint32_t i = 0; i <= demos::kCliffCells; ++i) {
-        const double x = -demos::kCliffHalf + cell * i;
-        const double y = -demos::kCliffHalf + cell * j;
-        mesh.vertices.emplace_back(x, y, demos::cliff_height(x, y));
-      }
-    }
-    for (std::uint32_t j = 0; j < rows; ++j) {
-      for (std::uint32_t i = 0; i < demos::kCliffCells; ++i) {
-        const std::uint32_t a = j * (demos::kCliffCells + 1) + i;
-        const std::uint32_t c = a + demos::kCliffCells + 1;
-        mesh.triangles.push_back({a, a + 1, c + 1});
-        mesh.triangles.push_back({a, c + 1, c});
-      }
-    }
-  }
-  scene.fixed.push_back(
-      fixed(collision::TriangleMesh::make(mesh.vertices, mesh.triangles), Vec3::Zero()));
-  add_walls(scene, Vec3(-demos::kCliffHalf, -demos::kCliffHalf, -2.0),
-            Vec3(demos::kCliffHalf, end, 18.0));
+  const double begin = -0.5 * kWidth - room;
+  const double end = (static_cast<double>(tiles) - 0.5) * kWidth + room;
+  scene.fixed.push_back(fixed(cliff_ground(begin, end), Vec3::Zero()));
+  add_walls(scene, Vec3(-demos::kCliffHalf, begin, -2.0), Vec3(demos::kCliffHalf, end, 18.0));
   scene.body = [](std::size_t i) {
     const std::size_t place = i % kTile;
     const auto tile = static_cast<double>(i / kTile);
@@ -187,7 +189,9 @@ Scene make_scene(std::string_view name, std::size_t size) {
   const auto or_else = [size](std::size_t fallback) { return size > 0 ? size : fallback; };
   Scene scene;
   if (name == "cliff") {
-    scene = cliff(or_else(1000));
+    scene = cliff(or_else(1000), demos::kCliffHalf - 2.25);
+  } else if (name == "edge") {
+    scene = cliff(or_else(1000), 0.0);
   } else if (name == "cubes") {
     scene = cubes(or_else(100));
   } else if (name == "heap") {
@@ -195,7 +199,7 @@ Scene make_scene(std::string_view name, std::size_t size) {
   } else if (name == "pyramid") {
     scene = pyramid(or_else(20));
   } else {
-    pbd::detail::refuse("scene", "cliff, cubes, heap or pyramid", name);
+    pbd::detail::refuse("scene", "cliff, cubes, edge, heap or pyramid", name);
   }
   scene.name = name;
   return scene;

@@ -31,7 +31,8 @@ struct Scene {
 /// Names for make_scene().
 std::span<const std::string_view> scene_names();
 
-/// @param size  of "cliff": balls, a thousand for each 4.5 m of edge; of "cubes": stacks of five; of
+/// @param size  of "cliff": balls, a thousand for each 4.5 m of edge; of "edge": the same, with walls
+///   where the balls end, so that there is as much room for each whatever their number; of "cubes": stacks of five; of
 ///   "heap": bodies, balls and boxes, a thousand for each 6 m^2 of a pit; of "pyramid": cubes along
 ///   its lowest row; 0: 1000 balls, 100 stacks, 1000 bodies, 20 cubes
 /// @throws std::invalid_argument where there is no such scene

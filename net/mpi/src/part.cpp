@@ -145,6 +145,7 @@ pbd::BodyId Part::insert(const pbd::BodyDef& def, std::span<const collision::Col
   try {
     for (collision::ColliderDef collider : colliders) {
       collider.body = body;
+      collider.passive = copy;
       colliders_[slot].push_back(shapes_.add(world_, collider));
       radii_[slot] = std::max(radii_[slot], reach_of(collider));
       if (is_surface(collider.shape)) surfaces_[slot] = 1;
