@@ -30,10 +30,10 @@ class Groups {
   static constexpr std::uint8_t kMaxLevel = 5;
 
   struct Rule {
-    int substeps = 0;          ///< at level 0
-    double sleep_after = 0.0;  ///< s, 0 = never
-    double sleep_speed = 0.0;  ///< m/s
-    double sleep_spin = 0.0;   ///< rad/s
+    int substeps = 0;                    ///< at level 0
+    double sleep_after = 0.0;            ///< s, 0 = never
+    double sleep_speed = 0.0;            ///< m/s
+    double sleep_spin = 0.0;             ///< rad/s
     IslandCoupling* coupling = nullptr;  ///< null: no island goes on in another world
   };
 

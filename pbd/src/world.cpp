@@ -286,7 +286,8 @@ void World::resume(BodyId id, const BodyState& state, const BodyActivity& activi
   check_twist(state.twist, "World::resume");
   detail::require(activity.level <= Groups::kMaxLevel, "World::resume", "activity.level",
                   activity.level, "a level of refinement");
-  detail::require(activity.still >= 0.0, "World::resume", "activity.still", activity.still, ">= 0 s");
+  detail::require(activity.still >= 0.0, "World::resume", "activity.still", activity.still,
+                  ">= 0 s");
   if (!activity.awake) ++sleepers_moved_;
   states_[index] = state;
   activity_[index] = activity;

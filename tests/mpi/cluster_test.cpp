@@ -134,7 +134,8 @@ std::map<std::uint64_t, pbd::BodyState> own_states(const Cluster& cluster) {
   const pbd::World& world = cluster.world();
   for (std::uint32_t slot = 0; slot < world.slot_count(); ++slot) {
     const pbd::BodyId body = world.body_at(slot);
-    if (body.valid() && cluster.owns(body)) states[*world.props(body).stable_id] = world.state(body);
+    if (body.valid() && cluster.owns(body))
+      states[*world.props(body).stable_id] = world.state(body);
   }
   return states;
 }

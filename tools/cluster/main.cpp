@@ -30,11 +30,14 @@ constexpr std::string_view kUsage =
     "           [--checkpoint FILE] [--checkpoint-every STEPS] [--resume FILE] [--die RANK:STEP]\n"
     "       ... --record PREFIX, then for each rank\n"
     "       tandem-cluster SCENE ... --replay PREFIX.RANK\n"
-    "SCENE is cliff, cubes, edge, heap or pyramid. Steps 1/60 s, without waiting for the clock; rank 0\n"
+    "SCENE is cliff, cubes, edge, heap or pyramid. Steps 1/60 s, without waiting for the clock; "
+    "rank 0\n"
     "prints what came of it. --size is that of the scene: balls, stacks, bodies, cubes in a row.\n"
     "--checkpoint writes FILE every STEPS (600) and at the end; --resume goes on from one, on any\n"
-    "number of ranks. --die is for tests: that rank ends before that step. --record writes what each\n"
-    "rank is told; --replay is that rank again, by itself and without mpirun, given the same other\n"
+    "number of ranks. --die is for tests: that rank ends before that step. --record writes what "
+    "each\n"
+    "rank is told; --replay is that rank again, by itself and without mpirun, given the same "
+    "other\n"
     "options: it prints the processor time of each step.\n";
 
 struct Options {

@@ -59,9 +59,7 @@ void write(demos::JsonWriter& json, std::string_view name, const std::vector<dou
 }  // namespace
 
 Measures::Measures(mpi::Cluster& cluster, const Scene& scene)
-    : cluster_(cluster),
-      scene_(scene),
-      rank_cpu_(static_cast<std::size_t>(cluster.count()), 0.0) {}
+    : cluster_(cluster), scene_(scene), rank_cpu_(static_cast<std::size_t>(cluster.count()), 0.0) {}
 
 void Measures::note_step() {
   const mpi::StepCost& cost = cluster_.cost();
@@ -165,9 +163,12 @@ void Measures::write(demos::JsonWriter& json) const {
   json.field("imbalance", mean(mean_) > 0.0 ? mean(slowest_) / mean(mean_) : 1.0);
   const double most = *std::max_element(rank_cpu_.begin(), rank_cpu_.end());
   const double sum = std::accumulate(rank_cpu_.begin(), rank_cpu_.end(), 0.0);
-  json.field("busiest_rank_s", most / static_cast<double>(std::max<std::size_t>(1, slowest_.size())));
-  json.field("imbalance_of_sums", sum > 0.0 ? most * static_cast<double>(rank_cpu_.size()) / sum : 1.0);
-  const double count = static_cast<double>(std::max<std::size_t>(1, slowest_.size()) * rank_cpu_.size());
+  json.field("busiest_rank_s",
+             most / static_cast<double>(std::max<std::size_t>(1, slowest_.size())));
+  json.field("imbalance_of_sums",
+             sum > 0.0 ? most * static_cast<double>(rank_cpu_.size()) / sum : 1.0);
+  const double count =
+      static_cast<double>(std::max<std::size_t>(1, slowest_.size()) * rank_cpu_.size());
   json.field("messages_per_rank_and_step", static_cast<double>(messages_) / count);
   json.field("bytes_per_rank_and_step", static_cast<double>(bytes_) / count);
   cluster_tool::write(json, "inside_m", inside_);

@@ -149,11 +149,11 @@ Scene heap(std::size_t bodies) {
   scene.body = [=](std::size_t i) {
     const std::size_t place = i % kTile;
     const std::size_t tile = i / kTile;
-    const Vec3 at(
-        kPitch * (static_cast<double>(place % 10) + 0.5) + kWidth * static_cast<double>(tile % side),
-        kPitch * (static_cast<double>(place / 10 % 10) + 0.5) +
-            kWidth * static_cast<double>(tile / side),
-        0.15 + kPitch * static_cast<double>(place / 100));
+    const Vec3 at(kPitch * (static_cast<double>(place % 10) + 0.5) +
+                      kWidth * static_cast<double>(tile % side),
+                  kPitch * (static_cast<double>(place / 10 % 10) + 0.5) +
+                      kWidth * static_cast<double>(tile / side),
+                  0.15 + kPitch * static_cast<double>(place / 100));
     const Vec3 off(0.04 * (uniform(i, 1) - 0.5), 0.04 * (uniform(i, 2) - 0.5), 0.0);
     const double size = 0.07 + 0.03 * uniform(i, 3);  // m
     if (i % 2 == 0) return solid(i, collision::Sphere{size}, 1.0, at + off);

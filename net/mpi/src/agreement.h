@@ -73,7 +73,7 @@ class IslandAgreement final : public pbd::IslandCoupling {
   std::vector<std::uint32_t> own_parts_;               ///< own islands that are in links, ascending
   std::vector<std::pair<Node, CutIsland>> parts_;      ///< all ranks', by node
   std::vector<std::pair<Node, Node>> all_links_;
-  std::vector<std::uint32_t> parents_;                              ///< of parts_
+  std::vector<std::uint32_t> parents_;                            ///< of parts_
   std::vector<std::pair<std::uint32_t, std::uint32_t>> own_cut_;  ///< own island, cut island
   std::vector<CutIsland> cut_;
   Bytes bytes_;

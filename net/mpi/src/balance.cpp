@@ -43,10 +43,10 @@ double Load::count(const Part& part, const pbd::ContactBlock& seam_rows, int sub
     const std::uint32_t mover = moves_a ? m.body_a : m.body_b;
     if (!world.awake_at(mover)) return;
     const std::uint32_t other = mover == m.body_a ? m.body_b : m.body_a;
-    const bool searches = part.has_surface(other) &&
-                          world.states()[mover].twist.linear.norm() > kSearchSpeed;
-    const double cost = (m.count > 1 ? kFaceRow : kPointRow) * times(mover) +
-                        (searches ? kSearch : 0.0);
+    const bool searches =
+        part.has_surface(other) && world.states()[mover].twist.linear.norm() > kSearchSpeed;
+    const double cost =
+        (m.count > 1 ? kFaceRow : kPointRow) * times(mover) + (searches ? kSearch : 0.0);
     sum += cost;
     const double each = moves_a && moves_b ? 0.5 * cost : cost;
     if (moves_a) by_slot_[m.body_a] += each;
@@ -74,9 +74,9 @@ Balance::Balance(Part& part, Ranks& ranks, IslandAgreement& islands, double cut_
   Zoltan_Initialize(0, nullptr, &version);
   zoltan_ = Zoltan_Create(ranks.comm());
   const std::pair<const char*, const char*> parameters[] = {
-      {"DEBUG_LEVEL", "0"},      {"LB_METHOD", "RCB"},     {"NUM_GID_ENTRIES", "2"},
-      {"NUM_LID_ENTRIES", "1"},  {"OBJ_WEIGHT_DIM", "1"},  {"RETURN_LISTS", "EXPORT"},
-      {"IMBALANCE_TOL", "1.02"}, {"KEEP_CUTS", "1"},       {"RCB_REUSE", "1"},
+      {"DEBUG_LEVEL", "0"},      {"LB_METHOD", "RCB"},    {"NUM_GID_ENTRIES", "2"},
+      {"NUM_LID_ENTRIES", "1"},  {"OBJ_WEIGHT_DIM", "1"}, {"RETURN_LISTS", "EXPORT"},
+      {"IMBALANCE_TOL", "1.02"}, {"KEEP_CUTS", "1"},      {"RCB_REUSE", "1"},
       {"CHECK_GEOM", "0"}};
   for (const auto& [name, value] : parameters) Zoltan_Set_Param(zoltan_, name, value);
   Zoltan_Set_Num_Obj_Fn(zoltan_, &Balance::count_items, this);
@@ -147,9 +147,9 @@ void Balance::ask_zoltan() {
   ZOLTAN_ID_PTR export_names = nullptr, export_local = nullptr;
   int *import_from = nullptr, *import_parts = nullptr, *export_to = nullptr,
       *export_parts = nullptr;
-  const int result = Zoltan_LB_Partition(
-      zoltan_, &changed, &gids, &lids, &imports, &import_names, &import_local, &import_from,
-      &import_parts, &exports, &export_names, &export_local, &export_to, &export_parts);
+  const int result = Zoltan_LB_Partition(zoltan_, &changed, &gids, &lids, &imports, &import_names,
+                                         &import_local, &import_from, &import_parts, &exports,
+                                         &export_names, &export_local, &export_to, &export_parts);
   if (result != ZOLTAN_OK && result != ZOLTAN_WARN) {
     Environment::abort("Zoltan cannot share out the load");
   }

@@ -55,8 +55,7 @@ Cluster::Impl::Impl(const ClusterOptions& options)
     return;
   }
   seam_ = &world_.add_block<Seam>(ranks_, neighbours_);
-  contacts_ = std::make_unique<PartContacts>(part_, shapes_, *seam_,
-                                             solver_.options().contact);
+  contacts_ = std::make_unique<PartContacts>(part_, shapes_, *seam_, solver_.options().contact);
   world_.set_contact_source(contacts_.get());
   world_.set_island_coupling(&agreement_);
   balance_ = std::make_unique<Balance>(part_, ranks_, agreement_, options.cut_above);
@@ -207,8 +206,8 @@ Totals Cluster::Impl::totals() {
     const pbd::BodyState& state = world_.states()[slot];
     const pbd::BodyProps& props = world_.all_props()[slot];
     const pbd::Vec3 w_l = state.pose.orientation.conjugate() * state.twist.angular;
-    const double kinetic = 0.5 * (props.mass * state.twist.linear.squaredNorm() +
-                                  w_l.dot(props.inertia_l * w_l));
+    const double kinetic =
+        0.5 * (props.mass * state.twist.linear.squaredNorm() + w_l.dot(props.inertia_l * w_l));
     ++own.bodies;
     own.awake += world_.awake_at(slot) ? 1 : 0;
     own.kinetic_energy += kinetic;

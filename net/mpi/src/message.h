@@ -14,7 +14,8 @@ namespace tandem::mpi {
 
 using Bytes = std::vector<std::byte>;
 
-/// Writes numbers as they lie in memory: ranks of one cluster run one program on one kind of machine.
+/// Writes numbers as they lie in memory: ranks of one cluster run one program on one kind of
+/// machine.
 class MessageWriter {
  public:
   explicit MessageWriter(Bytes& out) : out_(out) {}

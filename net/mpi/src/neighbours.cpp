@@ -114,9 +114,8 @@ std::vector<std::uint8_t> Neighbours::find_wanted(const std::vector<Candidate>& 
       open.push_back(own[next++]);
     }
     std::erase_if(open, [&](std::uint32_t slot) { return boxes_[slot].max.x() < box.min.x(); });
-    wanted[i] = std::any_of(open.begin(), open.end(), [&](std::uint32_t slot) {
-      return boxes_[slot].meets(box);
-    });
+    wanted[i] = std::any_of(open.begin(), open.end(),
+                            [&](std::uint32_t slot) { return boxes_[slot].meets(box); });
   }
   return wanted;
 }

@@ -22,8 +22,8 @@ inline int solver_of(int one, int other) {
 /// What this rank has to do with another one.
 struct Neighbour {
   int rank = 0;
-  /// Bodies that one of the two knows copies of, by slot here, in an order that both know: copies of
-  /// its bodies here where this rank solves what is between them, else own bodies.
+  /// Bodies that one of the two knows copies of, by slot here, in an order that both know: copies
+  /// of its bodies here where this rank solves what is between them, else own bodies.
   std::vector<std::uint32_t> bodies;
   /// Beside them, where they are own: the other rank knows it as asleep, and where it is.
   std::vector<std::uint8_t> told_asleep;

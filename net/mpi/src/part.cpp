@@ -84,9 +84,9 @@ void write_contact(const NamedContact& named, MessageWriter& out) {
   out.put(named.collider_b);
   out.put(named.cluster);
   out.vec3(m.normal);
-  for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution,
-                             contact.approach_speed, contact.impulse, contact.carried_share,
-                             contact.overlap}) {
+  for (const double value :
+       {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed, contact.impulse,
+        contact.carried_share, contact.overlap}) {
     out.put(value);
   }
   out.vec3(contact.friction_force);
@@ -109,9 +109,9 @@ NamedContact read_contact(MessageReader& in) {
   named.collider_b = in.get<std::uint32_t>();
   named.cluster = in.get<std::uint32_t>();
   m.normal = in.vec3();
-  for (double* value : {&m.radius_a, &m.radius_b, &m.friction, &m.restitution,
-                        &contact.approach_speed, &contact.impulse, &contact.carried_share,
-                        &contact.overlap}) {
+  for (double* value :
+       {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
+        &contact.impulse, &contact.carried_share, &contact.overlap}) {
     *value = in.get<double>();
   }
   contact.friction_force = in.vec3();
@@ -256,8 +256,8 @@ std::uint32_t Part::read(MessageReader& in, bool copy) {
 
 std::uint32_t Part::ordinal(std::uint32_t slot, std::uint32_t collider) const {
   const auto& own = colliders_[slot];
-  const auto at = std::find_if(own.begin(), own.end(),
-                               [&](const auto& id) { return id.index == collider; });
+  const auto at =
+      std::find_if(own.begin(), own.end(), [&](const auto& id) { return id.index == collider; });
   return static_cast<std::uint32_t>(at - own.begin());
 }
 

@@ -71,10 +71,10 @@ class Part {
 
   pbd::World& world_;
   collision::CollisionScene& shapes_;
-  std::vector<BodyName> names_;       ///< by slot
-  std::vector<std::uint8_t> copies_;  ///< by slot
-  std::vector<double> radii_;         ///< by slot
-  std::vector<std::uint8_t> surfaces_;  ///< by slot
+  std::vector<BodyName> names_;                                ///< by slot
+  std::vector<std::uint8_t> copies_;                           ///< by slot
+  std::vector<double> radii_;                                  ///< by slot
+  std::vector<std::uint8_t> surfaces_;                         ///< by slot
   std::vector<std::vector<collision::ColliderId>> colliders_;  ///< by slot
   std::vector<std::uint32_t> fixed_;                           ///< slots, in the order of names
   mutable std::vector<std::uint32_t> own_;

@@ -121,8 +121,8 @@ void Ranks::send(int to, Topic topic) {
       modelled_ + network_.latency + static_cast<double>(sent.bytes.size()) / network_.bandwidth;
   std::memcpy(sent.bytes.data(), &arrives, sizeof(arrives));
   if (!tape_.replays()) {
-    MPI_Isend(sent.bytes.data(), as_count(sent.bytes.size()), MPI_BYTE, to,
-              static_cast<int>(topic), comm_, &sent.request);
+    MPI_Isend(sent.bytes.data(), as_count(sent.bytes.size()), MPI_BYTE, to, static_cast<int>(topic),
+              comm_, &sent.request);
   }
   ++cost_.messages;
   cost_.bytes += sent.bytes.size();
@@ -186,9 +186,8 @@ std::span<MessageReader> Ranks::gather(const Bytes& own) {
   readers_.clear();
   double latest = 0.0;
   for (std::size_t r = 0; r < sizes_.size(); ++r) {
-    readers_.emplace_back(std::span(gathered_)
-                              .subspan(static_cast<std::size_t>(places_[r]),
-                                       static_cast<std::size_t>(sizes_[r])));
+    readers_.emplace_back(std::span(gathered_).subspan(static_cast<std::size_t>(places_[r]),
+                                                       static_cast<std::size_t>(sizes_[r])));
     latest = std::max(latest, readers_.back().get<double>());
   }
   // Recursive doubling: as many rounds as the number of ranks has binary digits.
@@ -222,8 +221,8 @@ Bytes Ranks::swap_bytes(const std::vector<Bytes>& to) {
   MPI_Alltoall(own_sizes.data(), 1, MPI_INT, sizes_.data(), 1, MPI_INT, comm_);
   gather_sizes();
   in.resize(static_cast<std::size_t>(places_.back() + sizes_.back()));
-  MPI_Alltoallv(out.data(), own_sizes.data(), own_places.data(), MPI_BYTE, in.data(),
-                sizes_.data(), places_.data(), MPI_BYTE, comm_);
+  MPI_Alltoallv(out.data(), own_sizes.data(), own_places.data(), MPI_BYTE, in.data(), sizes_.data(),
+                places_.data(), MPI_BYTE, comm_);
   if (tape_.records()) {
     tape_.write(bytes_of_sizes());
     tape_.write(in);

@@ -10,13 +10,22 @@
 #include <vector>
 
 #include "message.h"
-#include "tape.h"
 #include "tandem/mpi/cluster.h"
+#include "tape.h"
 
 namespace tandem::mpi {
 
 /// What a message is about: each kind has a tag of its own, so that none is taken for another.
-enum class Topic : int { States = 1, Links, WarmStart, Velocities, Corrections, Boxes, Wanted, Copies };
+enum class Topic : int {
+  States = 1,
+  Links,
+  WarmStart,
+  Velocities,
+  Corrections,
+  Boxes,
+  Wanted,
+  Copies
+};
 
 /// Messages between ranks, and the clock of StepCost. What lies between two calls is work; what
 /// happens within one is not.
@@ -60,9 +69,7 @@ class Ranks {
   void gather_bytes(const Bytes& bytes);
   Bytes swap_bytes(const std::vector<Bytes>& to);
   void gather_sizes();
-  std::span<std::byte> bytes_of_sizes() {
-    return std::as_writable_bytes(std::span(sizes_));
-  }
+  std::span<std::byte> bytes_of_sizes() { return std::as_writable_bytes(std::span(sizes_)); }
 
   NetworkModel network_;
   Tape tape_;

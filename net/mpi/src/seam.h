@@ -11,10 +11,10 @@
 
 namespace tandem::mpi {
 
-/// Contacts between own bodies and copies, solved after all others of a sweep: the owners' velocities
-/// come before, what the rows have changed goes back after. So between two ranks a sweep is one of
-/// Gauss and Seidel, and no impulse is applied to one side alone. What several ranks change of one
-/// body adds up.
+/// Contacts between own bodies and copies, solved after all others of a sweep: the owners'
+/// velocities come before, what the rows have changed goes back after. So between two ranks a sweep
+/// is one of Gauss and Seidel, and no impulse is applied to one side alone. What several ranks
+/// change of one body adds up.
 class Seam final : public pbd::ConstraintBlock {
  public:
   Seam(Ranks& ranks, Neighbours& neighbours) : ranks_(ranks), neighbours_(neighbours) {}
@@ -66,7 +66,7 @@ class Seam final : public pbd::ConstraintBlock {
   Neighbours& neighbours_;
   pbd::ContactBlock rows_;
   std::vector<std::uint8_t> touched_;  ///< by slot, scratch
-  std::vector<Motion> before_;  ///< of copies, in the order of for_touched()
+  std::vector<Motion> before_;         ///< of copies, in the order of for_touched()
 };
 
 }  // namespace tandem::mpi

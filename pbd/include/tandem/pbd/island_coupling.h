@@ -20,9 +20,9 @@ struct TANDEM_API IslandPart {
   double wanted = 0.0;          ///< substeps that its rows ask for
 };
 
-/// Islands that go on in other worlds, each of which steps a part of them at the same time. Parts of
-/// one island wake, sleep and are refined together. Entries of `islands` are indexed by the lowest
-/// slot of a body of the island, as entries of `island_of` are; the others are unused.
+/// Islands that go on in other worlds, each of which steps a part of them at the same time. Parts
+/// of one island wake, sleep and are refined together. Entries of `islands` are indexed by the
+/// lowest slot of a body of the island, as entries of `island_of` are; the others are unused.
 /// @par Thread safety  Called by the thread that steps the world.
 class TANDEM_API IslandCoupling {
  public:

@@ -107,8 +107,8 @@ class TANDEM_API World {
   /// touches. One that is told to sleep is woken by the next step as ever.
   /// @throws std::invalid_argument where a number is not finite or the orientation is not unit
   void resume(BodyId id, const BodyState& state, const BodyActivity& activity);
-  /// Another number than before where WorldCopy::set_state() or resume() has moved a body and let it sleep: a
-  /// contact source that passes over sleeping bodies looks at all of them then.
+  /// Another number than before where WorldCopy::set_state() or resume() has moved a body and let
+  /// it sleep: a contact source that passes over sleeping bodies looks at all of them then.
   std::uint64_t sleepers_moved() const { return sleepers_moved_; }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }

@@ -26,12 +26,13 @@ class TANDEM_API Environment {
 
   int rank() const;
   int count() const;  ///< of ranks
-  /// Ends all ranks, with a reason on standard error: what one of them cannot do, none goes on with.
+  /// Ends all ranks, with a reason on standard error: what one of them cannot do, none goes on
+  /// with.
   [[noreturn]] static void abort(const std::string& reason);
 };
 
-/// What a message takes, for StepCost::modelled. The defaults are a 25 Gbit/s network whose software
-/// stack is a good one.
+/// What a message takes, for StepCost::modelled. The defaults are a 25 Gbit/s network whose
+/// software stack is a good one.
 struct TANDEM_API NetworkModel {
   double latency = 5e-6;     ///< s, from send to receive, of an empty message; >= 0
   double bandwidth = 2.5e9;  ///< B/s, > 0
@@ -66,7 +67,7 @@ struct TANDEM_API ClusterOptions {
 
 /// What the last step took on this rank.
 struct TANDEM_API StepCost {
-  double cpu = 0.0;       ///< s of the calling thread, without what MPI waits or moves
+  double cpu = 0.0;  ///< s of the calling thread, without what MPI waits or moves
   /// s by NetworkModel: processor time of this rank and of those that it had to wait for, and the
   /// network's time.
   double modelled = 0.0;
@@ -76,11 +77,11 @@ struct TANDEM_API StepCost {
 
 /// How the world lies on the ranks.
 struct TANDEM_API ClusterState {
-  std::size_t own = 0;        ///< bodies of this rank
-  std::size_t copies = 0;     ///< of other ranks' bodies
-  std::size_t seam_rows = 0;  ///< contacts that this rank solves between its bodies and others'
+  std::size_t own = 0;          ///< bodies of this rank
+  std::size_t copies = 0;       ///< of other ranks' bodies
+  std::size_t seam_rows = 0;    ///< contacts that this rank solves between its bodies and others'
   std::size_t cut_islands = 0;  ///< that go on elsewhere
-  double imbalance = 1.0;  ///< load of the busiest rank over the mean, as work is counted
+  double imbalance = 1.0;       ///< load of the busiest rank over the mean, as work is counted
   std::uint64_t migrated = 0;   ///< bodies that this rank has sent away so far
   std::uint64_t balanced = 0;   ///< times that the load was shared out
 };
@@ -89,10 +90,10 @@ struct TANDEM_API ClusterState {
 struct TANDEM_API Totals {
   std::size_t bodies = 0;
   std::size_t awake = 0;
-  double kinetic_energy = 0.0;                   ///< J
-  double mechanical_energy = 0.0;                ///< J, zero height at the origin
-  pbd::Vec3 momentum = pbd::Vec3::Zero();        ///< kg m/s
-  std::uint64_t hash = 0;  ///< of all poses and twists, whoever has them
+  double kinetic_energy = 0.0;             ///< J
+  double mechanical_energy = 0.0;          ///< J, zero height at the origin
+  pbd::Vec3 momentum = pbd::Vec3::Zero();  ///< kg m/s
+  std::uint64_t hash = 0;                  ///< of all poses and twists, whoever has them
 };
 
 /// One world on all ranks of MPI ([friston] Sec. 8.3; [preclik2015]). Each dynamic body has one
