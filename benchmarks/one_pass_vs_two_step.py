@@ -28,7 +28,7 @@ SECTIONS = {"couplings": "## The couplings", "pareto": "## Error against run tim
             "stability": "## Which shares are stable at which delay",
             "extreme": "## Stiff and extreme, with two and more peers", "influence": "## Influence",
             "predictors": "## Which prediction with which share",
-            "ablation": "## What each part is worth", "partition": "## A world in parts"}
+            "ablation": "## What each part is worth"}
 
 import pages
 

@@ -28,7 +28,7 @@ void release(std::vector<ColliderPair>& found, std::size_t usual) {
 
 bool may_touch(const Collider& a, const Collider& b) {
   if (!a.alive || !b.alive || a.def.body == b.def.body) return false;
-  if (!a.dynamic && !b.dynamic) return false;
+  if (!a.active() && !b.active()) return false;
   // Of those that are not convex, only a mesh and a half-space meet.
   if (!a.is_convex() && !b.is_convex() && !(a.is_mesh() && b.is_half_space()) &&
       !(b.is_mesh() && a.is_half_space())) {
@@ -130,7 +130,7 @@ bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
     if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
   }
   const Aabb box = c.needed.expanded(margin);
-  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)}, !c.dynamic);
+  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)}, !c.active());
   return true;
 }
 
@@ -243,7 +243,7 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
         propose(i, j);
       };
       tree_.query(fat(i), search.stack, meet);
-      if (colliders[i].dynamic) fixed_tree_.query(fat(i), search.stack, meet);
+      if (colliders[i].active()) fixed_tree_.query(fat(i), search.stack, meet);
       for (const std::uint32_t plane : half_spaces_) {
         if (colliders[plane].finite && in_reach(colliders[plane], fat(i), dt)) {
           propose(i, plane);

@@ -32,6 +32,7 @@ struct Collider {
   bool alive = false;
   bool finite = true;  ///< pose and twist are numbers
   bool dynamic = false;
+  bool active() const { return dynamic && !def.passive; }  ///< meets what is not, too
   bool still = false;           ///< at rest, and where it was in the last step
   bool asleep = false;          ///< its body is not solved
   bool local_identity = false;  ///< the shape's frame is the body's

@@ -70,8 +70,9 @@ void CollisionScene::Impl::limit_motion(const pbd::World& world, std::span<const
         Worker& worker = workers_[static_cast<std::size_t>(w)];
         for (std::size_t i = begin; i < end; ++i) {
           Collider& c = colliders_[i];
-          if (!c.alive || !c.dynamic || !c.finite || !c.is_convex() || c.motion.span <= 0.0)
+          if (!c.alive || !c.active() || !c.finite || !c.is_convex() || c.motion.span <= 0.0) {
             continue;
+          }
           if (c.def.body.index >= after.size()) continue;
           if (c.guarded > 0) --c.guarded;
           if (!world.awake_at(c.def.body.index)) continue;

@@ -173,6 +173,22 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
   manifolds.clear();
 }
 
+void ContactBlock::adopt(std::span<const Contact> contacts) {
+  const auto by_key = [](const Contact& l, const Contact& r) {
+    return l.manifold.key < r.manifold.key;
+  };
+  std::vector<Contact>& own = impl_->contacts;
+  const auto old_end = static_cast<std::ptrdiff_t>(own.size());
+  own.insert(own.end(), contacts.begin(), contacts.end());
+  std::stable_sort(own.begin() + old_end, own.end(), by_key);
+  // Equal ones: those that were here come first.
+  std::inplace_merge(own.begin(), own.begin() + old_end, own.end(), by_key);
+  const auto last = std::unique(own.begin(), own.end(), [](const Contact& l, const Contact& r) {
+    return l.manifold.key == r.manifold.key;
+  });
+  own.erase(last, own.end());
+}
+
 void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
   m.put_in_sequence();

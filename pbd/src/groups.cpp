@@ -31,6 +31,14 @@ bool disagrees(const PoseTarget& target, const SolverBody& body) {
 
 bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
 
+/// By slot: 1 where another world answers for the body; none where it is short.
+std::span<const std::uint8_t> copies_of(const IslandCoupling* coupling) {
+  return coupling != nullptr ? coupling->copies() : std::span<const std::uint8_t>();
+}
+bool is_copy(std::span<const std::uint8_t> copies, std::uint32_t body) {
+  return body < copies.size() && copies[body] != 0;
+}
+
 }  // namespace
 
 void Groups::arrange(const Rule& rule, const Islands& islands,
@@ -40,6 +48,7 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
   const bool pushed = sum_islands(rule, islands, activity, bodies);
   if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
   if (rule.sleep_after > 0.0 && pushed) disturb(edges, bodies);
+  if (rule.coupling != nullptr) rule.coupling->agree_awake(islands.of(), islands_);
   form_groups(rule, props, activity, bodies);
 }
 
@@ -47,6 +56,7 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
                          std::span<const BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   islands_.assign(count, {});
+  const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   bool pushed = false;
   for (std::uint32_t i = 0; i < count; ++i) {
     bodies[i].island = islands.of()[i];
@@ -54,16 +64,12 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
       pushed = pushed || moves(bodies[i]);
       continue;
     }
-    Island& island = islands_[bodies[i].island];
+    if (is_copy(copies, i)) continue;
+    IslandPart& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
     island.level_sum += activity[i].level;
     ++island.bodies;
-  }
-  for (Island& island : islands_) {
-    if (island.bodies == 0) continue;
-    island.level =
-        static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
   }
   return pushed;
 }
@@ -82,14 +88,21 @@ void Groups::wake_islands(std::span<const std::uint32_t> changed,
 void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
+  levels_.assign(count, 0);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const IslandPart& island = islands_[i];
+    if (island.bodies == 0) continue;
+    levels_[i] =
+        static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
+  }
   for (Group& group : groups_) {
     group.bodies.clear();
     group.locked = false;
   }
   std::array<bool, kMaxLevel + 1> used{};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Island& island = islands_[bodies[i].island];
-    if (bodies[i].inv_mass > 0.0 && island.awake) used[island.level] = true;
+    const bool awake = islands_[bodies[i].island].awake;
+    if (bodies[i].inv_mass > 0.0 && awake) used[levels_[bodies[i].island]] = true;
   }
   std::array<std::uint32_t, kMaxLevel + 1> group_of{};
   count_ = 0;
@@ -101,9 +114,8 @@ void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
     group_of[level] = static_cast<std::uint32_t>(count_++);
   }
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Island& island = islands_[bodies[i].island];
-    if (bodies[i].inv_mass == 0.0 || !island.awake) continue;
-    bodies[i].group = group_of[island.level];
+    if (bodies[i].inv_mass == 0.0 || !islands_[bodies[i].island].awake) continue;
+    bodies[i].group = group_of[levels_[bodies[i].island]];
     Group& group = groups_[bodies[i].group];
     group.bodies.push_back(i);
     group.locked = group.locked || props[i].locks.any();
@@ -116,10 +128,14 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const ConstraintEdge> edges, std::span<const double> wanted,
                     std::span<const BodyState> before, std::span<const BodyProps> props,
                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
-  if (count_ == 0) return;
+  if (count_ == 0) {
+    if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
+    return;
+  }
   const auto count = static_cast<std::uint32_t>(bodies.size());
   sprung_.assign(count, 0);
   if (rule.sleep_after > 0.0) judge_rest(edges, bodies);
+  const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
   const auto is_steady = [&](std::uint32_t i) {
     const Vec3 dv = bodies[i].v - before[i].twist.linear;
@@ -128,24 +144,27 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
-    Island& island = islands_[islands.of()[i]];
+    IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
                       bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin &&
                       (sprung_[i] == 0 || is_steady(i));
     activity[i].still = slow ? activity[i].still + dt : 0.0;
+    if (is_copy(copies, i)) continue;
     island.sleepy = island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
   }
+  if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
-    const Island& island = islands_[islands.of()[i]];
+    const IslandPart& island = islands_[islands.of()[i]];
+    const std::uint8_t island_level = levels_[islands.of()[i]];
     std::uint8_t level = 0;
     while (level < kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
-    activity[i].level = std::max(level, island.level);
-    if (level >= island.level) {
+    activity[i].level = std::max(level, island_level);
+    if (level >= island_level) {
       activity[i].calm = 0;
     } else if (++activity[i].calm >= kCalmSteps) {
-      activity[i].level = static_cast<std::uint8_t>(island.level - 1);
+      activity[i].level = static_cast<std::uint8_t>(island_level - 1);
       activity[i].calm = 0;
     }
     if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) continue;
@@ -177,7 +196,7 @@ void Groups::judge_rest(std::span<const ConstraintEdge> edges, std::span<const S
     }
     for (std::size_t k = 0; k < 2; ++k) {
       if (ends[k] == BodyId::kNone) continue;
-      Island& island = islands_[bodies[ends[k]].island];
+      IslandPart& island = islands_[bodies[ends[k]].island];
       // What drifts freely is slow, but not at rest.
       if (edge.supports && fixed[1 - k] && !fixed[k]) island.held = true;
       if (edge.actuated) island.driven = true;

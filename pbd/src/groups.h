@@ -10,6 +10,7 @@
 #include "islands.h"
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/island_coupling.h"
 #include "tandem/pbd/pose_target.h"
 
 namespace tandem::pbd {
@@ -29,10 +30,11 @@ class Groups {
   static constexpr std::uint8_t kMaxLevel = 5;
 
   struct Rule {
-    int substeps = 0;          ///< at level 0
-    double sleep_after = 0.0;  ///< s, 0 = never
-    double sleep_speed = 0.0;  ///< m/s
-    double sleep_spin = 0.0;   ///< rad/s
+    int substeps = 0;                    ///< at level 0
+    double sleep_after = 0.0;            ///< s, 0 = never
+    double sleep_speed = 0.0;            ///< m/s
+    double sleep_spin = 0.0;             ///< rad/s
+    IslandCoupling* coupling = nullptr;  ///< null: no island goes on in another world
   };
 
   /// Wake what is disturbed, put the others into groups by level and write each body's island and
@@ -53,17 +55,6 @@ class Groups {
               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
  private:
-  struct Island {
-    bool awake = false;
-    bool held = false;            ///< rests on or is joined to something that cannot move
-    bool driven = false;          ///< by a motor or an anchor that moves
-    bool sleepy = true;           ///< all of it may sleep and has been slow for long enough
-    std::uint32_t level_sum = 0;  ///< over its bodies
-    std::uint32_t bodies = 0;
-    /// Their mean, rounded: a few refined bodies that fall on a heap do not refine the heap.
-    std::uint8_t level = 0;
-    double wanted = 0.0;
-  };
   /// What the bodies of each island say of it. @return whether something immovable moves
   bool sum_islands(const Rule& rule, const Islands& islands, std::span<const BodyActivity> activity,
                    std::span<SolverBody> bodies);
@@ -78,7 +69,10 @@ class Groups {
   /// What is held, driven or sprung.
   void judge_rest(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
 
-  std::vector<Island> islands_;       ///< by the index of the lowest body
+  std::vector<IslandPart> islands_;  ///< by the index of the lowest body
+  /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
+  /// not refine the heap.
+  std::vector<std::uint8_t> levels_;
   std::vector<std::uint8_t> sprung_;  ///< by body: springs or motors act on it
   std::vector<Group> groups_;
   std::size_t count_ = 0;

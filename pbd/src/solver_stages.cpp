@@ -293,7 +293,8 @@ Groups::Rule Solver::Impl::group_rule() const {
   return {.substeps = options_.substeps,
           .sleep_after = options_.sleep_after,
           .sleep_speed = options_.sleep_speed,
-          .sleep_spin = options_.sleep_spin};
+          .sleep_spin = options_.sleep_spin,
+          .coupling = world_->island_coupling_};
 }
 
 bool Solver::Impl::usable(const PoseTarget& target) const {

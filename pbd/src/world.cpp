@@ -7,6 +7,7 @@
 #include <string>
 
 #include "body_def.h"
+#include "groups.h"
 #include "integrate.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
@@ -251,6 +252,19 @@ void World::add_impulse(std::uint32_t index, const Wrench& impulse, const char* 
 }
 
 bool World::awake(BodyId id) const { return activity_[checked_index(id, "awake")].awake; }
+
+void World::resume(BodyId id, const BodyState& state, const BodyActivity& activity) {
+  const std::uint32_t index = checked_index(id, "resume");
+  check_pose(state.pose, "World::resume");
+  check_twist(state.twist, "World::resume");
+  detail::require(activity.level <= Groups::kMaxLevel, "World::resume", "activity.level",
+                  activity.level, "a level of refinement");
+  detail::require(activity.still >= 0.0, "World::resume", "activity.still", activity.still,
+                  ">= 0 s");
+  if (!activity.awake) ++sleepers_moved_;
+  states_[index] = state;
+  activity_[index] = activity;
+}
 
 void World::wake(BodyId id) {
   const std::uint32_t index = checked_index(id, "wake");

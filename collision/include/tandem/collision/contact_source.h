@@ -39,6 +39,9 @@ struct TANDEM_API ColliderDef {
   Filter filter;
   /// Makes no contacts: ContactEvents reports what passes through it.
   bool sensor = false;
+  /// Meets colliders of dynamic bodies that are not passive, and nothing else: of a copy of a body
+  /// whose other contacts are found where the body itself is.
+  bool passive = false;
   std::uint64_t user_data = 0;  ///< the application's own number: nothing here reads it
 };
 

@@ -86,6 +86,9 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   /// Take this step's manifolds (any order; left empty) and carry forces over from the contact of
   /// the same pair, point by point: same feature, else nearest anchor.
   void set_manifolds(std::vector<Manifold>& manifolds);
+  /// Contacts that another block has solved until now: the next set_manifolds() carries on what it
+  /// finds of them, as if they had been here. Those of pairs that are here already are left out.
+  void adopt(std::span<const Contact> contacts);
   void configure(const ContactOptions& options);
   std::span<const Contact> contacts() const;
   bool any_friction() const;     ///< some contact has a coefficient above 0

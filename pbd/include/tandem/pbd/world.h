@@ -21,6 +21,7 @@ namespace tandem::pbd {
 
 class BodyBuffer;
 class ContactBlock;
+class IslandCoupling;
 class WorldCopy;
 
 /// Where a kinematic body is to be after the next step.
@@ -100,8 +101,14 @@ class TANDEM_API World {
   void wake(BodyId id);
   /// By slot, without the generation check; immovable bodies count as awake where they move.
   bool awake_at(std::uint32_t index) const { return activity_[index].awake; }
-  /// Another number than before where WorldCopy::set_state() has moved a body and let it sleep: a
-  /// contact source that passes over sleeping bodies looks at all of them then.
+  /// By slot, likewise: what the solver remembers of bodies.
+  std::span<const BodyActivity> activities() const { return activity_; }
+  /// Make a body what it was in another world, or before: nothing is woken, neither it nor what it
+  /// touches. One that is told to sleep is woken by the next step as ever.
+  /// @throws std::invalid_argument where a number is not finite or the orientation is not unit
+  void resume(BodyId id, const BodyState& state, const BodyActivity& activity);
+  /// Another number than before where WorldCopy::set_state() or resume() has moved a body and let
+  /// it sleep: a contact source that passes over sleeping bodies looks at all of them then.
   std::uint64_t sleepers_moved() const { return sleepers_moved_; }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
@@ -133,6 +140,9 @@ class TANDEM_API World {
   /// Targets from `source` are solved from the next step on. The caller keeps it alive.
   void set_target_source(TargetSource* source) { target_source_ = source; }
   TargetSource* target_source() const { return target_source_; }
+  /// Islands may go on in other worlds from the next step on; null: none does. The caller keeps it
+  /// alive.
+  void set_island_coupling(IslandCoupling* coupling) { island_coupling_ = coupling; }
 
   /// What agreement did to a body in the last step; zeros where nothing was shared.
   Correction correction(BodyId id) const;
@@ -201,6 +211,7 @@ class TANDEM_API World {
   ContactBlock* contacts_ = nullptr;  ///< one of blocks_
   ContactSource* contact_source_ = nullptr;
   TargetSource* target_source_ = nullptr;
+  IslandCoupling* island_coupling_ = nullptr;
 };
 
 }  // namespace tandem::pbd

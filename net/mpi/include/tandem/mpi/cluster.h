@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "tandem/collision/contact_source.h"
+#include "tandem/pbd/export.h"
+#include "tandem/pbd/solver.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::mpi {
+
+/// MPI for as long as the object lives; made once in a program, before any Cluster.
+class TANDEM_API Environment {
+ public:
+  /// @throws std::runtime_error where MPI is running already or cannot start
+  Environment(int& argc, char**& argv);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+  int rank() const;
+  int count() const;  ///< of ranks
+  /// Ends all ranks, with a reason on standard error: what one of them cannot do, none goes on
+  /// with.
+  [[noreturn]] static void abort(const std::string& reason);
+};
+
+/// What a message takes, for StepCost::modelled. The defaults are a 25 Gbit/s network whose
+/// software stack is a good one.
+struct TANDEM_API NetworkModel {
+  double latency = 5e-6;     ///< s, from send to receive, of an empty message; >= 0
+  double bandwidth = 2.5e9;  ///< B/s, > 0
+  double overhead = 5e-7;    ///< s of the processor, for each message at either end; >= 0
+};
+
+struct TANDEM_API ClusterOptions {
+  pbd::Vec3 gravity = pbd::Vec3(0.0, 0.0, -9.81);  ///< m/s^2
+  /// Of the whole world: of ContactOptions::extra_rows each rank has its share.
+  pbd::SolverOptions solver;
+  collision::CollisionOptions collision;
+  /// Steps from one look at the load to the next, >= 1.
+  int balance_every = 20;
+  /// The load is shared out anew where the busiest rank has more than this many times the mean, or
+  /// where a small island lies on several ranks.
+  double balance_above = 1.05;
+  /// An island is cut where it is more than this share of a rank's mean load, 0 to 1.
+  double cut_above = 0.25;
+  /// Steps for which neighbours of other ranks' bodies are looked for ahead, >= 1.
+  int refresh_every = 4;
+  NetworkModel network;
+  /// Each rank writes what it is told into `record`.RANK; empty: none does.
+  std::string record;
+  /// One of these files: this process is that rank once more, without MPI and by itself. It takes
+  /// the same steps to the same bits, under a debugger or on a processor of its own. The program
+  /// must call what it called then.
+  std::string replay;
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
+/// What the last step took on this rank.
+struct TANDEM_API StepCost {
+  double cpu = 0.0;  ///< s of the calling thread, without what MPI waits or moves
+  /// s by NetworkModel: processor time of this rank and of those that it had to wait for, and the
+  /// network's time.
+  double modelled = 0.0;
+  std::size_t messages = 0;  ///< sent
+  std::size_t bytes = 0;     ///< sent
+};
+
+/// How the world lies on the ranks.
+struct TANDEM_API ClusterState {
+  std::size_t own = 0;          ///< bodies of this rank
+  std::size_t copies = 0;       ///< of other ranks' bodies
+  std::size_t seam_rows = 0;    ///< contacts that this rank solves between its bodies and others'
+  std::size_t cut_islands = 0;  ///< that go on elsewhere
+  double imbalance = 1.0;       ///< load of the busiest rank over the mean, as work is counted
+  std::uint64_t migrated = 0;   ///< bodies that this rank has sent away so far
+  std::uint64_t balanced = 0;   ///< times that the load was shared out
+};
+
+/// Sums over all bodies of all ranks.
+struct TANDEM_API Totals {
+  std::size_t bodies = 0;
+  std::size_t awake = 0;
+  double kinetic_energy = 0.0;             ///< J
+  double mechanical_energy = 0.0;          ///< J, zero height at the origin
+  pbd::Vec3 momentum = pbd::Vec3::Zero();  ///< kg m/s
+  std::uint64_t hash = 0;                  ///< of all poses and twists, whoever has them
+};
+
+/// One world on all ranks of MPI ([friston] Sec. 8.3; [preclik2015]). Each dynamic body has one
+/// owner, who alone integrates it. Bodies that may touch another rank's are copied there, and the
+/// contacts between two ranks are solved by one of the two. In each sweep velocities go there and
+/// corrections come back, one message each way for each neighbour. Islands that fit a rank stay
+/// whole. See docs/scale.md.
+///
+///     Environment mpi(argc, argv);
+///     Cluster cluster;
+///     cluster.add(static_def, colliders);      // all ranks alike
+///     if (mine(i)) cluster.add(def, colliders);  // each dynamic body on one rank, whichever
+///     cluster.start();
+///     while (running) cluster.step(1.0 / 60.0);
+///
+/// All ranks call start(), step(), totals(), save() and load() together. One rank gives the bits of
+/// the same world without MPI; any number gives the same bits in every run with that number.
+/// Contacts are the only constraints: joints would have to move with their bodies.
+/// @par Thread safety  One thread of each process.
+class TANDEM_API Cluster {
+ public:
+  /// @throws std::invalid_argument where an option is not what it must be
+  explicit Cluster(const ClusterOptions& options = {});
+  ~Cluster();
+  Cluster(const Cluster&) = delete;
+  Cluster& operator=(const Cluster&) = delete;
+
+  int rank() const;
+  int count() const;
+
+  /// Add a body before start(). Static and kinematic ones: all ranks, in the same order. Dynamic
+  /// ones: one rank, with a stable id below 2^63; of spheres, boxes, capsules, cylinders and cones.
+  /// @param colliders  `body` is set here
+  /// @throws std::invalid_argument where that does not hold
+  pbd::BodyId add(const pbd::BodyDef& def, std::span<const collision::ColliderDef> colliders);
+  /// Share out the bodies.
+  void start();
+  /// Advance by dt (s). Where a rank is gone MPI ends all of them.
+  const pbd::StepReport& step(double dt);
+
+  /// This rank's bodies, copies of others' and what does not move. Pose, twist and forces of own
+  /// bodies may be set between steps; bodies come and go through add() alone.
+  pbd::World& world();
+  const pbd::World& world() const;
+  const collision::CollisionScene& shapes() const;
+  /// Whether this rank owns a body; false for copies.
+  bool owns(pbd::BodyId body) const;
+
+  const StepCost& cost() const;
+  const ClusterState& state() const;
+  Totals totals();
+  /// Steps since the world began.
+  std::uint64_t steps() const;
+
+  /// Write a checkpoint: all ranks into one file, which takes the place of an earlier one when it
+  /// is complete.
+  /// @throws std::runtime_error on all ranks where it cannot be written
+  void save(const std::string& path);
+  /// Instead of adding dynamic bodies and start(): go on from a checkpoint, on any number of ranks.
+  /// What does not move has been added before, as it was then.
+  /// @throws std::runtime_error on all ranks where the file is none or is damaged
+  void load(const std::string& path);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem::mpi
