@@ -4,10 +4,12 @@
 #
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
-#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice] [--with-python]
+#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
+#     [--with-cluster] [--with-python]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
-# what TANDEM_WITH_ICE and its tests need, with --with-python what TANDEM_BUILD_PYTHON and its tests
+# what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_BUILD_NATS and its tests need,
+# with --with-python what TANDEM_BUILD_PYTHON and its tests
 # need; all is built without it, too, and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
@@ -36,6 +38,7 @@ for argument in "$@"; do
       ;;
     --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib python3-scour) ;;
     --with-ice) packages+=(libnice-dev coturn nftables iproute2) ;;
+    --with-cluster) packages+=(nats-server libnats-dev) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2
       exit 2

@@ -55,6 +55,7 @@ PeerId UdpNode::relay_of(PeerId peer) const {
 }
 
 void UdpNode::on_told(Connection& connection, const KnownPeer& known, std::int64_t now) {
+  if (!options_.introduces) return;
   const PeerId teller = connection.link->session().remote.peer;
   if (known.peer == 0 || known.peer == options_.handshake.self || known.peer == teller) return;
   if (!is_relayed(connection.address)) acquaintances_.note(known.peer, teller, now);
@@ -111,6 +112,7 @@ void UdpNode::on_relayed(Connection& connection, const UdpConnection::Relayed& r
 }
 
 void UdpNode::tell_others(const Connection& connection) {
+  if (!options_.introduces) return;
   const PeerId peer = connection.link->session().remote.peer;
   for (auto& [number, other] : connections_) {
     if (other.attached && &other != &connection) {
@@ -120,7 +122,7 @@ void UdpNode::tell_others(const Connection& connection) {
 }
 
 void UdpNode::introduce(Connection& connection, std::int64_t now) {
-  if (!connection.attached || now < connection.tell_due) return;
+  if (!options_.introduces || !connection.attached || now < connection.tell_due) return;
   const PeerId other = connection.link->session().remote.peer;
   // The next ones in the order of their ids, after whom it was told of last.
   std::size_t told = 0;

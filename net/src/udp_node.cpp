@@ -37,6 +37,17 @@ void UdpNode::dial(const Address& address, std::int64_t now) {
   dials_.push_back({.address = address, .due = now, .backoff = options_.backoff_min});
 }
 
+void UdpNode::hang_up(std::uint64_t path, const std::string& reason, std::int64_t now) {
+  now_ = now;
+  const Address address = path_address(path);
+  std::erase_if(dials_, [&](const Dial& dial) { return dial.address == address; });
+  for (auto& [receiver, connection] : connections_) {
+    if (connection.address != address) continue;
+    connection.link->leave(reason, now);
+    detach(connection);
+  }
+}
+
 bool UdpNode::on_datagram(std::span<const std::byte> datagram, const Address& from,
                           std::int64_t now) {
   now_ = now;
@@ -205,7 +216,9 @@ std::int64_t UdpNode::next_due(std::int64_t now) {
   for (const auto& [receiver, connection] : connections_) {
     due = std::min(due, connection.link->next_due(now));
     due = std::min(due, path_due(connection, now));
-    if (connection.attached) due = std::min(due, std::max(now, connection.tell_due));
+    if (connection.attached && options_.introduces) {
+      due = std::min(due, std::max(now, connection.tell_due));
+    }
   }
   for (const Dial& dial : dials_) {
     if (!is_wanted(dial)) continue;
