@@ -13,6 +13,7 @@ namespace tandem::nats {
 namespace {
 
 constexpr std::chrono::milliseconds kDriveEvery{5};
+constexpr std::chrono::milliseconds kTryAgain{100};
 constexpr std::int64_t kConnectTimeout = 2000;  // ms
 constexpr std::int64_t kPingEvery = 2000;       // ms: a server that has gone silent is noticed
 constexpr int kPingsOut = 2;
@@ -96,6 +97,12 @@ NatsHub::Impl::~Impl() {
   }
   woken_.notify_all();
   if (thread_.joinable()) thread_.join();
+  {
+    const std::scoped_lock lock(work_mutex_);
+    work_stop_ = true;
+  }
+  work_woken_.notify_all();
+  if (worker_.joinable()) worker_.join();
   if (connection_ == nullptr) return;
   natsConnection_FlushTimeout(connection_.get(), 100);
   natsConnection_Close(connection_.get());
@@ -158,6 +165,31 @@ void NatsHub::Impl::run() {
     woken_.wait_for(lock, kDriveEvery, [this] { return stop_ || awake_; });
     awake_ = false;
     for (Driven* driven : all_) driven->drive();
+  }
+}
+
+void NatsHub::Impl::later(std::function<bool()> job) {
+  {
+    const std::scoped_lock lock(work_mutex_);
+    jobs_.push_back(std::move(job));
+    if (!worker_.joinable()) worker_ = std::thread([this] { work(); });
+  }
+  work_woken_.notify_one();
+}
+
+void NatsHub::Impl::work() {
+  std::unique_lock lock(work_mutex_);
+  for (;;) {
+    work_woken_.wait(lock, [this] { return work_stop_ || !jobs_.empty(); });
+    if (work_stop_) return;
+    std::function<bool()> job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    const bool done = job();
+    lock.lock();
+    if (done) continue;
+    jobs_.push_front(std::move(job));
+    work_woken_.wait_for(lock, kTryAgain, [this] { return work_stop_; });
   }
 }
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -63,11 +64,17 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   /// Something was posted: look soon.
   void wake();
 
+  /// Do it on a thread of its own, after all that was given before; it may wait for the server.
+  /// Where it says false it is done again a little later. What is left when the hub goes is not
+  /// done.
+  void later(std::function<bool()> job);
+
   HubStatus status() const;
   natsConnection* connection() { return connection_.get(); }
 
  private:
   void run();
+  void work();
 
   const bool driven_by_thread_;
   NatsOwned<natsConnection> connection_;
@@ -80,6 +87,12 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   std::atomic<bool> awake_ = false;
   bool stop_ = false;
   std::thread thread_;
+
+  std::mutex work_mutex_;
+  std::condition_variable work_woken_;
+  std::deque<std::function<bool()>> jobs_;
+  bool work_stop_ = false;
+  std::thread worker_;  ///< from the first job on
 };
 
 }  // namespace tandem::nats
