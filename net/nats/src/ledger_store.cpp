@@ -149,7 +149,7 @@ Result LedgerStore::write(LedgerRecord& record, const Cell& from) {
     revision = now.record->record.revision;
   }
   record.revision = revision;
-  tell(record, token);
+  tell(record, token, from);
   if (record.cell != from) take_back(index_subject(from, id), revision);
   return Result::Done;
 }
@@ -165,7 +165,7 @@ void LedgerStore::take_back(const std::string& subject, std::uint64_t revision) 
   js_PurgeStream(context_.get(), stream_.c_str(), &options, nullptr);
 }
 
-void LedgerStore::tell(const LedgerRecord& record, Token token) {
+void LedgerStore::tell(const LedgerRecord& record, Token token, const Cell& from) {
   // Sealed anew: now its revision is known.
   std::vector<std::byte> sealed;
   seal_record(record, token, session_key_, random_, sealed);
@@ -175,6 +175,7 @@ void LedgerStore::tell(const LedgerRecord& record, Token token) {
   writer.u64(record.id.low);
   writer.bytes(sealed);
   hub_.publish(news(record.cell), bytes);
+  if (from != record.cell) hub_.publish(news(from), bytes);
 }
 
 std::optional<LedgerRecord> LedgerStore::read_news(std::span<const std::byte> bytes) const {

@@ -49,7 +49,7 @@ class __attribute__((visibility("hidden"))) LedgerStore {
   Read read(const consensus::SharedId& id);
   /// @param revision  of the record that says so: what was written later stays
   void take_back(const std::string& subject, std::uint64_t revision);
-  void tell(const LedgerRecord& record, Token token);
+  void tell(const LedgerRecord& record, Token token, const Cell& from);
 
   NatsHub::Impl& hub_;
   Subjects subjects_;

@@ -207,7 +207,9 @@ void NatsNode::reconcile(std::int64_t now) {
   for (const consensus::PeerStatus& peer : peers) {
     if (peer.connected && !hood_.is_met(peer.id)) note(peer.id);
   }
-  for (const PeerId peer : hood_.met_peers()) {
+  std::vector<NearPeer> met;
+  hood_.met_peers(met);
+  for (const auto& [peer, position] : met) {
     const auto at = std::ranges::lower_bound(peers, peer, {}, &consensus::PeerStatus::id);
     if (at == peers.end() || at->id != peer || !at->connected) note(peer);
   }

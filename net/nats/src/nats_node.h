@@ -37,6 +37,7 @@ class NatsNode {
 
   net::UdpNode& node() { return node_; }
   void move(const pbd::Vec3& position) { hood_.move(position); }
+  void near_peers(std::vector<NearPeer>& out) const { hood_.met_peers(out); }
   bool speaks(int level, std::int64_t now) const;
   bool set_summary(int level, std::span<const std::byte> content);
   void drain(std::vector<consensus::Packet>& out);

@@ -165,6 +165,10 @@ void NatsTransport::set_position(const pbd::Vec3& position) {
   impl_->with([&](NatsNode& node, std::int64_t) { node.move(position); });
 }
 
+void NatsTransport::near_peers(std::vector<NearPeer>& out) const {
+  impl_->with([&](const NatsNode& node, std::int64_t) { node.near_peers(out); });
+}
+
 bool NatsTransport::speaks(int level) const {
   return impl_->with(
       [level](const NatsNode& node, std::int64_t now) { return node.speaks(level, now); });

@@ -34,12 +34,10 @@ std::size_t Neighbourhood::met() const {
       std::ranges::count_if(contacts_, [](const auto& entry) { return entry.second.met; }));
 }
 
-std::vector<consensus::PeerId> Neighbourhood::met_peers() const {
-  std::vector<PeerId> out;
+void Neighbourhood::met_peers(std::vector<NearPeer>& out) const {
   for (const auto& [peer, contact] : contacts_) {
-    if (contact.met) out.push_back(peer);
+    if (contact.met) out.push_back({peer, contact.position});
   }
-  return out;
 }
 
 std::size_t Neighbourhood::people_in(const Cell& cell) const {

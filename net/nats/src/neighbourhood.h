@@ -10,6 +10,7 @@
 #include "cell_wire.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/nats/cells.h"
+#include "tandem/nats/nats_transport.h"
 
 namespace tandem::nats {
 
@@ -62,7 +63,8 @@ class Neighbourhood {
   double hears() const { return hears_; }
   std::size_t contacts() const { return contacts_.size(); }
   std::size_t met() const;
-  std::vector<PeerId> met_peers() const;
+  /// By ascending id, appended.
+  void met_peers(std::vector<NearPeer>& out) const;
   /// Peers that are in a cell, as far as is known here.
   std::size_t people_in(const Cell& cell) const;
   bool listens_to(const Cell& cell) const { return cells_.contains(cell); }

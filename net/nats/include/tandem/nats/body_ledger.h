@@ -72,7 +72,7 @@ class TANDEM_API BodyLedger {
   BodyLedger(const BodyLedger&) = delete;
   BodyLedger& operator=(const BodyLedger&) = delete;
 
-  /// Hear of all bodies that are in a cell, and of those that come, until unwatch().
+  /// Hear of all bodies that are in a cell, and of those that come and go, until unwatch().
   void watch(const Cell& cell);
   void unwatch(const Cell& cell);
   /// Write where a body is. Its cell is that of the pose, or the one of before where it has not

@@ -62,6 +62,12 @@ struct TANDEM_API CellSummary {
   std::vector<std::byte> content;
 };
 
+/// A peer that is connected because it is near, and where it has said that its user is.
+struct TANDEM_API NearPeer {
+  consensus::PeerId peer = 0;
+  pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world; untrusted
+};
+
 struct TANDEM_API NatsStatus {
   HubStatus hub;
   double hears = 0.0;         ///< m: whom this peer connects to now
@@ -110,6 +116,8 @@ class TANDEM_API NatsTransport final : public consensus::Transport {
 
   /// The user is here now, m, world; not finite: he stays where he was.
   void set_position(const pbd::Vec3& position);
+  /// Who is near, by ascending id; appended. For consensus::NearbyInterest.
+  void near_peers(std::vector<NearPeer>& out) const;
   /// Whether this peer speaks for its cell of that level, from 1.
   bool speaks(int level) const;
   /// What it says where it does, from now on: a packet of tandem::consensus, at most
