@@ -18,7 +18,7 @@ constexpr double kApart = 0.5;        // m: more than copies differ that agree
 constexpr double kNobodyKeeps = 1.0;  // s, before somebody does
 constexpr double kFresh = 0.5;        // s
 constexpr double kOnItsWay = 3.0;     // s: a keeper who says nothing for longer has gone
-constexpr double kFarAway = 2.0;      // in `near`: others see to what is further
+constexpr double kFarAway = 2.0;      // in reach(): others see to what is further
 
 double flat(const pbd::Vec3& a, const pbd::Vec3& b) { return (a - b).head<2>().norm(); }
 
@@ -31,14 +31,12 @@ Custody::Custody(const PlazaOptions& options, consensus::PeerId self, tandem::Sc
       self_(self),
       scene_(scene),
       peer_(peer),
-      ledger_(ledger) {
-  for (std::size_t i = 0; i < options_.bodies; ++i) numbers_[PlazaBody::id(i)] = i;
-}
+      ledger_(ledger) {}
 
 void Custody::watch_cells(const pbd::Vec3& feet) {
-  const double near = options_.near;
+  const double reach = options_.reach();
   for (auto at = watched_.begin(); at != watched_.end();) {
-    if (nats::distance_to(cells_, *at, feet) <= near + 2.0 * cells_.slack) {
+    if (nats::distance_to(cells_, *at, feet) <= reach + 2.0 * cells_.slack) {
       ++at;
       continue;
     }
@@ -46,7 +44,7 @@ void Custody::watch_cells(const pbd::Vec3& feet) {
     std::erase_if(lying_, [&](const auto& entry) { return entry.second.record.cell == *at; });
     at = watched_.erase(at);
   }
-  const pbd::Vec3 corner(near, near, 0.0);
+  const pbd::Vec3 corner(reach, reach, 0.0);
   const nats::Cell low = nats::cell_at(cells_, feet - corner);
   const nats::Cell high = nats::cell_at(cells_, feet + corner);
   for (std::int32_t x = low.x; x <= high.x; ++x) {
@@ -92,7 +90,7 @@ void Custody::settle(std::map<consensus::SharedId, Local>::iterator local,
       near_, [&, id = id](consensus::PeerId peer) { return peer_.heard(id, peer).has_value(); });
   if (heard && apart < kApart) return;  // they agree by themselves
   // Somebody has it who was not near: this copy is of before.
-  if (record.keeper != 0 ? apart < kApart : heard && apart < options_.near) return;
+  if (record.keeper != 0 ? apart < kApart : heard && apart < options_.reach()) return;
   vanish(local);
 }
 
@@ -112,26 +110,26 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
   for (const nats::LedgerNews& news : news_) hear(news, now);
   // Neighbours know best; what nobody near has is where it was left.
   for (const consensus::UnknownState& state : peer_.unknown()) {
-    const auto known = numbers_.find(state.update.id);
-    if (known == numbers_.end() || local_.contains(state.update.id)) continue;
-    if (flat(state.update.pose.position, feet) > options_.near) continue;
+    const auto number = PlazaBody::number(state.update.id, options_.bodies);
+    if (!number || local_.contains(state.update.id)) continue;
+    if (flat(state.update.pose.position, feet) > options_.reach()) continue;
     const double age = net::seconds(now - state.update.stamp);
     if (age < 0.0 || age > kFresh) continue;
     pbd::Pose pose = state.update.pose;
     if (!state.update.oriented) pose.orientation = pbd::Quat::Identity();
-    appear(known->second, pose, state.update.twist);
+    appear(*number, pose, state.update.twist);
   }
   for (const auto& [id, lying] : lying_) {
-    const auto known = numbers_.find(id);
-    if (known == numbers_.end() || local_.contains(id)) continue;
+    const auto number = PlazaBody::number(id, options_.bodies);
+    if (!number || local_.contains(id)) continue;
     const nats::LedgerRecord& record = lying.record;
     // What somebody keeps is on its way: he tells of it, or of where it came to rest.
     const bool kept = record.keeper != 0 && record.keeper != self_;
     if (kept && (is_connected(record.keeper) || net::seconds(now - lying.heard) < kOnItsWay)) {
       continue;
     }
-    if (flat(record.pose.position, feet) > options_.near) continue;
-    appear(known->second, record.pose, {});
+    if (flat(record.pose.position, feet) > options_.reach()) continue;
+    appear(*number, record.pose, {});
     // Whose keeper has gone is nobody's.
     if (kept) ledger_.write(id, 0, record.pose, {});
   }
@@ -186,10 +184,10 @@ bool Custody::may_go(const consensus::SharedId& id, const Local& local,
                      const pbd::Vec3& feet) const {
   const pbd::Vec3& position = scene_.world().pose(local.body).position;
   const double apart = flat(position, feet);
-  if (apart <= options_.near + cells_.slack) return false;
+  if (apart <= options_.reach() + options_.slack()) return false;
   const nats::LedgerRecord* const record = ledger_.known(id);
   if (record == nullptr || record->keeper == self_) return false;
-  if (apart > kFarAway * options_.near) return true;
+  if (apart > kFarAway * options_.reach()) return true;
   // What moves stays until it is somebody's or rests where it is written.
   const bool kept = record->keeper != 0 && peer_.heard(id, record->keeper).has_value();
   return kept || (position - record->pose.position).norm() <= kMoved;

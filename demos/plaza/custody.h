@@ -83,7 +83,6 @@ class Custody {
   tandem::Scene& scene_;
   consensus::Peer& peer_;
   nats::BodyLedger& ledger_;
-  std::map<consensus::SharedId, std::size_t> numbers_;  ///< of all bodies that there are
   std::map<consensus::SharedId, Local> local_;
   std::set<nats::Cell> watched_;
   std::map<consensus::SharedId, Lying> lying_;  ///< in the cells about, by their records

@@ -30,7 +30,7 @@ std::string usage() {
          "  --side       m, of the square, 2 to 10000: 100\n"
          "  --density    m^2 for each person, in place of --side; and one body for each person\n"
          "  --seconds    s of session time that are counted, after 3 s to settle: 20\n"
-         "  --near       m: whom and what a person hears, 1 to 50: 6\n"
+         "  --near       m: whom a person hears; bodies half as far; 2 to 50: 8\n"
          "  --hz         steps and --update-hz states a second: 60, 20\n"
          "  --per-hub    people who share a connection: 32\n"
          "  --no-far     no summaries of cells\n"
@@ -57,7 +57,7 @@ PlazaOptions read(std::span<const std::string_view> words) {
        {"--side", [&](Argument& in) { out.side = in.number(2.0, 1e4, "from 2 to 10000 m"); }},
        {"--density", [&](Argument& in) { density = in.number(0.5, 1e4, "from 0.5 to 10000 m^2"); }},
        {"--seconds", [&](Argument& in) { out.seconds = in.number(1.0, 1e5, "from 1 to 1e5 s"); }},
-       {"--near", [&](Argument& in) { out.near = in.number(1.0, 50.0, "from 1 to 50 m"); }},
+       {"--near", [&](Argument& in) { out.near = in.number(2.0, 50.0, "from 2 to 50 m"); }},
        {"--hz", [&](Argument& in) { out.step_hz = in.number(10.0, 1000.0, "from 10 to 1000"); }},
        {"--update-hz",
         [&](Argument& in) { out.update_hz = in.number(1.0, 1000.0, "from 1 to 1000"); }},

@@ -11,6 +11,8 @@ namespace tandem::demos {
 
 namespace {
 
+constexpr std::uint64_t kSquare = 0x706c617a61;  // "plaza", first half of all bodies' ids
+
 /// Uniform over the square but for its rim, by what is drawn for.
 pbd::Vec3 place(const PlazaOptions& options, std::uint64_t what, std::size_t number) {
   constexpr double kRim = 0.5;  // m
@@ -24,9 +26,9 @@ pbd::Vec3 place(const PlazaOptions& options, std::uint64_t what, std::size_t num
 
 nats::CellOptions PlazaOptions::cells() const {
   nats::CellOptions out;
-  out.edge = std::max(0.5, 0.75 * near);
+  out.edge = 0.5 * near;
   out.near = near;
-  out.slack = 0.15 * near;
+  out.slack = 2.0 * slack();
   // The largest cells are about as large as the square.
   out.levels = 1;
   while (tells_far && out.levels < 4 && nats::cell_edge(out, out.levels) < 2.0 * side) ++out.levels;
@@ -49,8 +51,11 @@ std::uint64_t PlazaOptions::scene_hash() const {
   return out;
 }
 
-consensus::SharedId PlazaBody::id(std::size_t number) {
-  return consensus::SharedId::from_name("plaza/" + std::to_string(number));
+consensus::SharedId PlazaBody::id(std::size_t number) { return {kSquare, number + 1}; }
+
+std::optional<std::size_t> PlazaBody::number(const consensus::SharedId& id, std::size_t bodies) {
+  if (id.high != kSquare || id.low == 0 || id.low > bodies) return std::nullopt;
+  return id.low - 1;
 }
 
 collision::Shape PlazaBody::shape(std::size_t number) {

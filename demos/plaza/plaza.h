@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "tandem/collision/shape.h"
@@ -31,11 +32,15 @@ struct PlazaOptions {
   std::string server = "127.0.0.1:4222";
   PlazaWire wire = PlazaWire::Nats;
   std::size_t per_hub = 32;  ///< people who share a connection to the server
-  double near = 6.0;         ///< m: whom and what a person simulates and hears
+  double near = 8.0;         ///< m: whom a person is connected to
   bool tells_far = true;     ///< cells are summarised
   std::string json = {};     ///< file for the figures, "-" = standard output
   bool quiet = false;
 
+  /// m: which bodies a person simulates, half of `near`: two who have one in common are connected.
+  double reach() const { return 0.5 * near; }
+  /// m: that much further before he lets go of one.
+  double slack() const { return 0.075 * near; }
   nats::CellOptions cells() const;
   consensus::PeerOptions peer() const;
   /// Of what peers compare before they play together.
@@ -48,6 +53,8 @@ struct PlazaBody {
   static constexpr double kMass = 3.0;   ///< kg
 
   static consensus::SharedId id(std::size_t number);
+  /// None where it is no body of a square with so many.
+  static std::optional<std::size_t> number(const consensus::SharedId& id, std::size_t bodies);
   static collision::Shape shape(std::size_t number);
 };
 

@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kServerPatience{20};
 constexpr double kSettle = 3.0;     // s: people have met, and nothing before is counted
 constexpr double kLookEvery = 0.1;  // s
 constexpr double kMoving = 0.05;    // m/s
-constexpr double kCloseBy = 0.7;    // of `near`: both have had the body for a while
+constexpr double kCloseBy = 0.7;    // of reach(): both have had the body for a while
 
 double cpu_seconds() {
   rusage usage{};
@@ -126,7 +126,7 @@ void Square::look() {
     for (const auto& [id, local] : visitor->custody()->local()) {
       const pbd::Vec3& at = visitor->copy_of(id)->pose.position;
       const double apart = (at - visitor->feet()).head<2>().norm();
-      if (apart < kCloseBy * options_.near) who[id].push_back(visitor.get());
+      if (apart < kCloseBy * options_.reach()) who[id].push_back(visitor.get());
     }
   }
   for (const auto& [id, have] : who) {

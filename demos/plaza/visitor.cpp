@@ -77,7 +77,8 @@ Visitor::Visitor(const PlazaOptions& options, std::size_t number, const VisitorL
   peer_ = std::make_unique<consensus::Peer>(scene_.world(), wire(), options.peer());
   interest_ = std::make_unique<consensus::NearbyInterest>(
       scene_.world(), *peer_,
-      consensus::NearbyInterestOptions{.radius = options.near, .slack = options.cells().slack});
+      consensus::NearbyInterestOptions{.radius = options.reach() + 2.0 * options.slack(),
+                                       .slack = options.slack()});
   if (link.hub != nullptr) {
     ledger_ =
         std::make_unique<nats::BodyLedger>(nats::LedgerOptions{.hub = link.hub,
