@@ -39,6 +39,8 @@ nats::NatsOptions nats_options(const PlazaOptions& options, consensus::PeerId id
   out.member.session_key = plaza_key();
   out.member.kbit_per_s = 2000.0;
   out.member.idle_timeout = std::chrono::milliseconds(15000);
+  // The square's time stands still at the end.
+  out.member.flush_timeout = std::chrono::milliseconds(0);
   out.cells = options.cells();
   out.steady = link.clock;
   return out;

@@ -26,6 +26,7 @@ void check(natsStatus status, const char* what) {
 
 std::vector<std::string> urls_of(const HubOptions& options) {
   std::vector<std::string> out;
+  out.reserve(options.servers.size());
   for (const net::HostPort& server : options.servers) {
     out.push_back((options.tls ? "tls://" : "nats://") + net::to_string(server));
   }
@@ -39,6 +40,7 @@ NatsOwned<natsOptions> library_options(const HubOptions& options,
   NatsOwned<natsOptions> out(made);
   const std::vector<std::string> urls = urls_of(options);
   std::vector<const char*> texts;
+  texts.reserve(urls.size());
   for (const std::string& url : urls) texts.push_back(url.c_str());
   check(natsOptions_SetServers(made, texts.data(), static_cast<int>(texts.size())), "use a server");
   if (!options.user.empty()) {

@@ -38,11 +38,9 @@ using Hear = std::function<void(std::span<const std::byte>)>;
 /// Driven by the hub's thread.
 class Driven {
  public:
+  virtual ~Driven() = default;
   /// Called every few ms. Does not wait.
   virtual void drive() = 0;
-
- protected:
-  ~Driven() = default;
 };
 
 class __attribute__((visibility("hidden"))) NatsHub::Impl {

@@ -150,7 +150,7 @@ void NatsNode::on_summary(const Inbox::Message& message) {
                           summary->people,
                           {summary->content.begin(), summary->content.end()}});
   } else {
-    std::ranges::rotate(summaries_, summaries_.begin() + 1);
+    std::rotate(summaries_.begin(), summaries_.begin() + 1, summaries_.end());
     summaries_.back() = {
         cell, opened->sender, summary->people, {summary->content.begin(), summary->content.end()}};
   }

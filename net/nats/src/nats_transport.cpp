@@ -72,7 +72,7 @@ class __attribute__((visibility("hidden"))) NatsTransport::Impl final : public D
     hub->impl().attach(*this);
   }
 
-  ~Impl() {
+  ~Impl() override {
     hub->impl().detach(*this);
     leave();
   }
