@@ -4,11 +4,12 @@
 #
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
-#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice] [--with-cluster] [--with-python]
+#   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
+#     [--with-cluster] [--with-python]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
-# what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI and its tests need
-# (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
+# what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI, TANDEM_BUILD_NATS and
+# their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
 # need; all is built without it, too, and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
@@ -37,7 +38,8 @@ for argument in "$@"; do
       ;;
     --with-benchmarks) packages+=(pkgconf libbullet-dev libbenchmark-dev python3 python3-matplotlib python3-scour) ;;
     --with-ice) packages+=(libnice-dev coturn nftables iproute2) ;;
-    --with-cluster) packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev) ;;
+    --with-cluster)
+      packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev nats-server libnats-dev) ;;
     *)
       echo "install-deps: unknown argument: $argument" >&2
       exit 2

@@ -28,7 +28,7 @@ install(FILES "${CMAKE_CURRENT_LIST_DIR}/NOTICES.txt"
         COMPONENT demos EXCLUDE_FROM_ALL)
 
 set(folder "${CMAKE_INSTALL_LIBEXECDIR}/tandem/demos")
-_install_programs("${folder}" cliff cubes piano pile room tennis)
+_install_programs("${folder}" cliff cubes piano pile plaza room tennis)
 _install_programs("${CMAKE_INSTALL_BINDIR}" tandem-peer tandem-key tandem-replay)
 file(RELATIVE_PATH up "/${CMAKE_INSTALL_BINDIR}" "/${folder}")
 configure_file("${CMAKE_CURRENT_LIST_DIR}/tandem-demo.in" "${CMAKE_CURRENT_BINARY_DIR}/tandem-demo"

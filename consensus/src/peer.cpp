@@ -14,6 +14,7 @@
 #include "receive/receiver.h"
 #include "replay/replay.h"
 #include "send/sender.h"
+#include "tandem/consensus/summary.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -227,6 +228,34 @@ std::optional<SessionTime> Peer::heard(const SharedId& id, PeerId from) const {
     if (received.peer == from) return inbox.holds_until(received);
   }
   return std::nullopt;
+}
+
+void Peer::held_bodies(std::vector<HeldBody>& out) const {
+  impl_->data.springs.held(impl_->data.self(), out);
+}
+
+pbd::BodyId Peer::body_of(const SharedId& id) const {
+  const SharedBody* const shared = impl_->data.bodies.find(id);
+  return shared != nullptr ? shared->def.body : pbd::BodyId{};
+}
+
+std::optional<StateUpdate> Peer::fused(const SharedId& id) const {
+  PeerData& data = impl_->data;
+  const SharedBody* const shared = data.bodies.find(id);
+  if (shared == nullptr || !data.world.contains(shared->def.body)) return std::nullopt;
+  const pbd::BodyState& own = data.world.state(shared->def.body);
+  std::vector<StateUpdate> states;
+  states.push_back({.id = id,
+                    .pose = own.pose,
+                    .twist = own.twist,
+                    .influence = static_cast<float>(data.announced(*shared)),
+                    .stamp = data.now,
+                    .flags = {.in_contact = shared->coupled && !shared->held,
+                              .held = shared->held,
+                              .leads = shared->initiative.strength() >= 1.0},
+                    .oriented = shared->def.orientation});
+  impl_->remote.as_of_now(*shared, data.inbox.newest(id), states);
+  return fuse(states);
 }
 
 bool Peer::held(const SharedId& id) const {

@@ -75,5 +75,6 @@ void set_members(const DemoOptions& from, Options& to) {
 // The kinds that there are.
 std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint64_t scene_hash);
 std::unique_ptr<Network> make_udp_network(const DemoOptions& options, std::uint64_t scene_hash);
+std::unique_ptr<Network> make_nats_network(const DemoOptions& options, std::uint64_t scene_hash);
 
 }  // namespace tandem::demos

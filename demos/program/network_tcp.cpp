@@ -54,6 +54,7 @@ class TcpNetwork final : public Network {
 }  // namespace
 
 std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t scene_hash) {
+  if (options.wire == Wire::Nats) return make_nats_network(options, scene_hash);
   return options.udp() ? make_udp_network(options, scene_hash)
                        : make_tcp_network(options, scene_hash);
 }

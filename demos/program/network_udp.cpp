@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include "program/network_udp.h"
+
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include "program/network.h"
 #include "tandem/net/session.h"
 #include "tandem/net/udp.h"
 
@@ -20,6 +21,8 @@ net::Key known_key() {
   std::copy(text.begin(), text.end(), key.begin());
   return key;
 }
+
+}  // namespace
 
 net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash) {
   net::UdpOptions result;
@@ -47,6 +50,8 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   }
   return result;
 }
+
+namespace {
 
 class UdpNetwork final : public Network {
  public:

@@ -58,7 +58,7 @@ void read_link(Argument& in, DemoOptions& o) {
 }
 
 void read_send(Argument& in, DemoOptions& o) {
-  constexpr std::array<std::string_view, 4> kItems{"hz", "compact", "budget", "tolerance"};
+  constexpr std::array<std::string_view, 5> kItems{"hz", "compact", "budget", "tolerance", "near"};
   in.items(kItems, [&o](std::string_view key, std::string_view value) {
     if (key == "hz") {
       o.update_hz = number("--send hz", value, 0.1, 1000.0, "a number from 0.1 to 1000");
@@ -73,6 +73,7 @@ void read_send(Argument& in, DemoOptions& o) {
     if (key == "tolerance") {
       o.tolerance = number("--send tolerance", value, 0.0, 10.0, "a number from 0 to 10 m");
     }
+    if (key == "near") o.near = limit("--send near", value, 0.1, 1e4, "0 or from 0.1 to 1e4 m");
   });
 }
 

@@ -43,6 +43,7 @@ enum class Wire : std::uint8_t {
   Auto,  ///< UDP with a key or `insecure`, TCP else
   Tcp,
   Udp,
+  Nats,  ///< through servers; of tandem-peer alone, in builds with tandem::nats
 };
 
 /// What all demos understand on their command line.
@@ -73,10 +74,12 @@ struct DemoOptions {
   double clock_spread = 0.0;                ///< s, from one virtual peer's clock to the next one's
   bool compact = false;                     ///< states are rounded to few bits
   double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = no limit
+  double near = 0.0;       ///< m: others are told of what is near their users; 0 = of everything
   double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here
   std::vector<std::string> connect;     ///< "HOST:PORT" of other processes
+  std::vector<std::string> servers;     ///< "HOST:PORT" of NATS servers, of one cluster
   std::uint64_t peer_id = 0;            ///< of this process
   double wait = 0.0;     ///< s, how long to wait for the first other process; 0 = for ever
   std::string key;       ///< file with the session's key, 64 hex digits; "" = this machine alone
@@ -101,7 +104,7 @@ struct DemoOptions {
   bool no_script = false;                  ///< nobody acts but from a page
   bool endless = false;                    ///< until it is stopped; `seconds` is the script's
 
-  bool over_network() const { return listen.has_value() || !connect.empty(); }
+  bool over_network() const { return wire == Wire::Nats || listen.has_value() || !connect.empty(); }
   bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
   /// Whether virtual peers step at times that no common clock gives them.
   bool steps_off_grid() const { return off_grid || timeline == Timeline::None; }

@@ -49,7 +49,8 @@ Session:
                      (known)
   --send KEY=VALUE,..  hz, states each second (60); compact, states rounded to few bits; budget in
                      kbit/s to each other peer, headers included (0 = unlimited; over UDP 2000);
-                     tolerance in m: states that the others expect nearly right are not sent (0)
+                     tolerance in m: states that the others expect nearly right are not sent (0);
+                     near in m: each is told of what is near his user or in his hands (0 = of all)
   --rates F,F,..     steps each second of the peers, in turn (60)
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
   --substeps N       of Tandem's solver (4)

@@ -99,7 +99,13 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
 }
 
 void Participant::make_peer(const DemoOptions& options) {
+  interest_.reset();
   peer_.emplace(*scene_.world, signals_, options.peer_options(options.scheme_of(number_)));
+  if (options.near > 0.0) {
+    interest_.emplace(
+        *scene_.world, *peer_,
+        consensus::NearbyInterestOptions{.radius = options.near, .slack = 0.1 * options.near});
+  }
   peer_->set_observer(this);
   targets_ = options.ablation.around(*peer_);
   if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
@@ -119,6 +125,13 @@ void Participant::change_rules(const DemoOptions& options) {
   make_peer(options);
   if (watch_ != nullptr) watch_->attach(scene_, *peer_);
   for (Seat& seat : seats_) seat.controls->hold_again();
+}
+
+void Participant::place_users() {
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    if (record_.owners[i] != 0) interest_->set_position(record_.owners[i], scene_.pose(i).position);
+  }
+  interest_->update();
 }
 
 void Participant::record_nothing() {
@@ -219,6 +232,7 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 void Participant::finish(consensus::SessionTime now) {
   if (watch_ != nullptr) watch_->finish(now);
   const double cpu_before = pbd::thread_cpu_seconds();
+  if (interest_) place_users();
   peer_->after_step(now + clock_ahead_);
   record_.cpu_s += pbd::thread_cpu_seconds() - cpu_before;
   if (watch_ != nullptr) watch_->sent();

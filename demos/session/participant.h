@@ -17,6 +17,7 @@
 #include "session/track.h"
 #include "session/virtual_coupling.h"
 #include "tandem/collision/contact_events.h"
+#include "tandem/consensus/nearby_interest.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/pbd/report.h"
 
@@ -79,6 +80,8 @@ class Participant final : private consensus::PeerObserver {
  private:
   void on_estimate(const consensus::EstimateEvent& event) override;
   void make_peer(const DemoOptions& options);
+  /// Where the others' users are: at what they move by hand, else where they last held something.
+  void place_users();
   void record_bodies(consensus::SessionTime now);
   void look_at_springs(consensus::SessionTime now);
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
@@ -101,9 +104,10 @@ class Participant final : private consensus::PeerObserver {
   BodiesBySlot bodies_;
   std::unique_ptr<Physics> physics_;
   Signals signals_;
-  std::optional<consensus::Peer> peer_;         ///< always there; controls keep its address
-  std::unique_ptr<pbd::TargetSource> targets_;  ///< null: the peer is asked
-  std::optional<VirtualCoupling> pull_;         ///< of Scheme::Pd
+  std::optional<consensus::Peer> peer_;                ///< always there; controls keep its address
+  std::optional<consensus::NearbyInterest> interest_;  ///< none: all are told of everything
+  std::unique_ptr<pbd::TargetSource> targets_;         ///< null: the peer is asked
+  std::optional<VirtualCoupling> pull_;                ///< of Scheme::Pd
   consensus::PeerObserver* observer_ = nullptr;
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;

@@ -122,6 +122,7 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   send.flag("compact", o.compact);
   send.number("budget", o.budget, usual.budget);
   send.number("tolerance", o.tolerance, usual.tolerance);
+  send.number("near", o.near, usual.near);
   words.list("--send", send);
   if (o.rates != usual.rates) {
     words.add("--rates", joined(o.rates, [](double rate) { return digits(rate); }));

@@ -52,7 +52,7 @@ class AddressLimiter {
   }
 
   std::size_t index(const Address& from) const {
-    const bool whole = is_v4(from) || is_relayed(from);
+    const bool whole = is_v4(from) || is_relayed(from) || is_path(from);
     const auto tag = crypto::mac16(key_, std::span(from.ip).first(whole ? 16 : 8));
     return (tag[0] | std::size_t{tag[1]} << 8) % buckets_.size();
   }

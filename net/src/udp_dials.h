@@ -37,6 +37,10 @@ class UdpDials {
   void add(const Address& address, std::int64_t now) {
     dials_.push_back({.address = address, .due = now, .backoff = options_.backoff_min});
   }
+  /// Try it no more.
+  void remove(const Address& address) {
+    std::erase_if(dials_, [&](const Dial& dial) { return dial.address == address; });
+  }
   /// An address that the connected peer `teller` has told of, until nobody does any more.
   void add_told(const KnownPeer& known, PeerId teller, std::int64_t now);
   /// A peer that can be reached through others only.

@@ -50,6 +50,17 @@ UdpNode::UdpNode(const UdpNodeOptions& options, const crypto::Random& random, Se
   receiver_prefix_ = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
 }
 
+void UdpNode::hang_up(std::uint64_t path, const std::string& reason, std::int64_t now) {
+  now_ = now;
+  const Address address = path_address(path);
+  dials_.remove(address);
+  for (auto& [receiver, connection] : peers_.connections()) {
+    if (connection.path.address() != address) continue;
+    connection.link->leave(reason, now);
+    peers_.detach(connection);
+  }
+}
+
 bool UdpNode::on_datagram(std::span<const std::byte> datagram, const Address& from,
                           std::int64_t now) {
   now_ = now;
@@ -197,7 +208,9 @@ std::int64_t UdpNode::next_due(std::int64_t now) {
   std::int64_t due = dials_.next_due(now);
   for (const auto& [receiver, connection] : peers_.connections()) {
     due = std::min({due, connection.link->next_due(now), connection.path.next_due(now)});
-    if (connection.record != nullptr) due = std::min(due, std::max(now, connection.tell_due));
+    if (connection.record != nullptr && options_.introduces) {
+      due = std::min(due, std::max(now, connection.tell_due));
+    }
   }
   return due;
 }
@@ -245,6 +258,7 @@ Credentials::Changed UdpNode::change_group(std::span<const std::byte> signed_cha
 }
 
 void UdpNode::told(PeerId teller, const KnownPeer& known, std::int64_t now) {
+  if (!options_.introduces) return;
   const Connection* connection = peers_.attached(teller);
   if (connection == nullptr || known.peer == 0 || known.peer == options_.handshake.self ||
       known.peer == teller) {

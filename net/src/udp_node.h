@@ -32,6 +32,8 @@ class UdpNode {
 
   /// Keep trying to have a connection to whoever is there.
   void dial(const Address& address, std::int64_t now) { dials_.add(address, now); }
+  /// Dial no more by this path, and end what goes over it.
+  void hang_up(std::uint64_t path, const std::string& reason, std::int64_t now);
   /// False where it was of no use to anybody.
   bool on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
   /// The same of what came by the DatagramPath with this number. What is sent to path_address() of
@@ -64,6 +66,8 @@ class UdpNode {
   /// Take over what the organiser has signed and pass it on: whoever is revoked is told so and cut
   /// off at once.
   Credentials::Changed change_group(std::span<const std::byte> signed_change, std::int64_t now);
+  /// Who this is and whom it lets in, with all that the organiser has said since.
+  const Credentials& credentials() const { return options_.handshake; }
   /// Number of the change that holds; 0: none.
   std::uint64_t group() const { return options_.handshake.group; }
 

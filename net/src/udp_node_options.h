@@ -24,7 +24,10 @@ struct UdpNodeOptions {
   std::int64_t backoff_min = 100'000'000;
   std::int64_t backoff_max = 3'000'000'000;
   std::int64_t drop_hold = 1'000'000'000;
-  bool relay = true;          ///< for others, and by others
+  bool relay = true;  ///< for others, and by others
+  /// Members tell each other of third ones and dial whom they are told of; false: whoever drives
+  /// the node says whom to meet.
+  bool introduces = true;
   double relay_kbit = 256.0;  ///< from each peer, for others
   Clock clock = Clock::Session;
   /// DatagramPath::max_datagram() of the path with this number; empty: what fits into another one.

@@ -272,6 +272,7 @@ std::vector<consensus::PeerStatus> UdpPeers::statuses() const {
 }
 
 void UdpPeers::tell_others(const Connection& connection) {
+  if (!options_.introduces) return;
   const PeerId peer = connection.link->session().remote.peer;
   for (auto& [number, other] : connections_) {
     if (other.record == nullptr || &other == &connection) continue;
@@ -280,7 +281,7 @@ void UdpPeers::tell_others(const Connection& connection) {
 }
 
 void UdpPeers::introduce(Connection& connection, std::int64_t now) {
-  if (connection.record == nullptr || now < connection.tell_due) return;
+  if (!options_.introduces || connection.record == nullptr || now < connection.tell_due) return;
   const PeerId other = connection.link->session().remote.peer;
   // The next ones in the order of their ids, after whom it was told of last.
   std::size_t told = 0;

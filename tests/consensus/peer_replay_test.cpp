@@ -129,5 +129,33 @@ TEST_CASE("peer: a recorded inbox played back gives the same bits", "[consensus]
   CHECK(replay(false) != lived);
 }
 
+TEST_CASE("peer: bodies that come and go while a replay is under way are none of its business",
+          "[consensus][fault]") {
+  Session session({.latency = 0.1, .jitter = 0.02});
+  Site& a = session.add(1, 0.0, {}, kWeightless);
+  Site& b = session.add(2, 0.003, {}, kWeightless);
+  for (Site* site : {&a, &b}) site->share(ball(Vec3::Zero(), Vec3(0.3, 0.0, 0.0)));
+  // In each step another one comes and is given a speed, and the oldest of eight goes.
+  std::vector<pbd::BodyId> guests;
+  a.user = [&](Site& site, SessionTime) {
+    guests.push_back(
+        site.world.add_body(ball(Vec3(0.0, 5.0, static_cast<double>(guests.size() % 16)))));
+    for (const pbd::BodyId& guest : guests) {
+      site.world.set_twist(guest, {Vec3(0.0, 0.1, 0.0), Vec3::Zero()});
+      site.world.apply_force(guest, Vec3(0.0, 0.0, 0.1));
+    }
+    if (guests.size() <= 8) return;
+    site.world.remove_body(guests.front());
+    guests.erase(guests.begin());
+  };
+  b.user = [](Site& site, SessionTime) {
+    site.world.set_twist(site.body, {Vec3(0.3, 0.05, 0.0), Vec3::Zero()});
+  };
+  session.run(3.0);
+  CHECK(a.peer->stats().replay.fresh > 10);
+  CHECK(a.x().allFinite());
+  CHECK(gap_now(a, b) < 0.05);
+}
+
 }  // namespace
 }  // namespace tandem::consensus::peer_replay_test

@@ -74,7 +74,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
                                "--json",
                                "-",
                                "--send",
-                               "compact,budget=256,hz=30,tolerance=0.002",
+                               "compact,budget=256,hz=30,tolerance=0.002,near=4",
                                "--iterations",
                                "2,20",
                                "--csv",
@@ -105,6 +105,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.peer_options().sending.format == consensus::StateFormat::Compact);
   CHECK(o.peer_options().sending.kbit_per_s == 256.0);
   CHECK(o.peer_options().sending.tolerance == 0.002);
+  CHECK(o.near == 4.0);
   CHECK(o.peer_options().update_hz == 30.0);
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
 }

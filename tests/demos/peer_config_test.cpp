@@ -33,6 +33,21 @@ TEST_CASE("peer config: the least that is needed is an id and a way to others", 
   CHECK(c.metrics_address == "127.0.0.1");
 }
 
+TEST_CASE("peer config: over NATS a server is needed and no port", "[demos][unit]") {
+  const std::string servers =
+      "id = 3\n[network]\nservers = [\"localhost:4222\"]\ninsecure = true\n";
+  const PeerConfig c = parse_config(servers + "transport = \"nats\"\n", "peers.toml");
+  CHECK(c.session.wire == Wire::Nats);
+  CHECK(c.session.servers == std::vector<std::string>{"localhost:4222"});
+  CHECK_FALSE(c.session.udp());
+  CHECK(parse_config(servers, "peers.toml", "nats").session.wire == Wire::Nats);
+  CHECK(refusal(servers).find("network.listen must be given") != std::string::npos);
+  CHECK(refusal("id = 3\n" + kNetwork + "transport = \"nats\"\n").find("network.servers must be") !=
+        std::string::npos);
+  CHECK(refusal("id = 3\n" + kNetwork + "transport = \"pigeon\"\n")
+            .find("network.transport must be \"udp\", \"tcp\" or \"nats\"") != std::string::npos);
+}
+
 TEST_CASE("peer config: without an id a peer has the one of its key, which is kept",
           "[demos][unit]") {
   const std::filesystem::path folder = std::filesystem::temp_directory_path();

@@ -208,23 +208,34 @@ void read_ice(Section& in, const std::filesystem::path& folder, PeerConfig& conf
   for (const char* key : {"stun", "turn"}) {
     if (in.has(key) && config.meetings.empty()) in.refuse(key, "absent without ice");
   }
+  if (config.session.wire == Wire::Nats && in.has("ice")) {
+    in.refuse("ice", "absent with transport = \"nats\"");
+  }
 }
 
-void read_network(Section in, const std::filesystem::path& file, PeerConfig& config) {
+void read_network(Section in, const std::filesystem::path& file, const std::string& chosen,
+                  PeerConfig& config) {
   const std::filesystem::path folder = file.parent_path();
   DemoOptions& o = config.session;
-  in.expect({"transport", "listen", "connect", "key", "identity", "insecure", "clock", "kbit_per_s",
-             "compact", "tolerance", "trusted", "organiser", "certificate", "group", "ice", "stun",
-             "turn"});
+  in.expect({"transport", "listen", "connect", "servers", "key", "identity", "insecure", "clock",
+             "kbit_per_s", "compact", "tolerance", "near", "trusted", "organiser", "certificate",
+             "group", "ice", "stun", "turn"});
   std::string transport = "udp";
   in.read("transport", transport);
-  if (transport != "udp" && transport != "tcp") in.refuse("transport", "\"udp\" or \"tcp\"");
-  const bool udp = transport == "udp";
+  if (!chosen.empty()) transport = chosen;
+  if (transport != "udp" && transport != "tcp" && transport != "nats") {
+    in.refuse("transport", "\"udp\", \"tcp\" or \"nats\"");
+  }
+  o.wire = transport == "tcp" ? Wire::Tcp : transport == "nats" ? Wire::Nats : Wire::Udp;
   std::uint16_t port = 0;
   in.read("listen", port, 0, 65535, "a port from 0 (any) to 65535");
   if (in.has("listen")) o.listen = port;
   in.read("connect", o.connect, "a list of \"HOST:PORT\", port 1 to 65535", is_host_port);
+  in.read("servers", o.servers, "a list of \"HOST:PORT\", port 1 to 65535", is_host_port);
   if (!o.over_network()) in.refuse("listen", "given where connect is not");
+  if (o.wire == Wire::Nats && o.servers.empty()) {
+    in.refuse("servers", "given with transport = \"nats\"");
+  }
   in.read("key", o.key);
   in.read("identity", o.identity);
   in.read("insecure", o.insecure);
@@ -239,8 +250,8 @@ void read_network(Section in, const std::filesystem::path& file, PeerConfig& con
   in.read("kbit_per_s", o.budget, 32.0, 1e6, "a number from 32 to 1e6 kbit/s");
   in.read("compact", o.compact);
   in.read("tolerance", o.tolerance, 0.0, 10.0, "a number from 0 to 10 m");
-  o.wire = udp ? Wire::Udp : Wire::Tcp;
-  if (!udp) {
+  in.read("near", o.near, 0.0, 1e4, "a number from 0 to 1e4 m");
+  if (o.wire == Wire::Tcp) {
     for (const char* key : {"clock", "kbit_per_s", "ice", "stun", "turn"}) {
       if (in.has(key)) in.refuse(key, "absent with transport = \"tcp\"");
     }
@@ -278,7 +289,7 @@ void read_network(Section in, const std::filesystem::path& file, PeerConfig& con
   }
 }
 
-PeerConfig read(const toml::table& table, const std::string& name) {
+PeerConfig read(const toml::table& table, const std::string& name, const std::string& transport) {
   const std::filesystem::path folder = std::filesystem::path(name).parent_path();
   PeerConfig config;
   DemoOptions& o = config.session;
@@ -290,7 +301,7 @@ PeerConfig read(const toml::table& table, const std::string& name) {
   top.read("seed", o.seed, 0, kMost, "an integer >= 0");
   top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");
   top.read("update_hz", o.update_hz, 0.1, 1000.0, "a number from 0.1 to 1000");
-  read_network(top.section("network"), name, config);
+  read_network(top.section("network"), name, transport, config);
   if (!top.has("id") && o.insecure) top.refuse("id", "given, unique in the session, without a key");
 
   Section user = top.section("user");
@@ -330,9 +341,10 @@ PeerConfig read(const toml::table& table, const std::string& name) {
 
 }  // namespace
 
-PeerConfig parse_config(std::string_view text, const std::string& name) {
+PeerConfig parse_config(std::string_view text, const std::string& name,
+                        const std::string& transport) {
   try {
-    return read(toml::parse(text, name), name);
+    return read(toml::parse(text, name), name, transport);
   } catch (const toml::parse_error& error) {
     throw ConfigError(name + ':' + std::to_string(error.source().begin.line) +
                       ": no TOML: " + std::string(error.description()));
@@ -351,12 +363,12 @@ void derive_id(PeerConfig& config) {
   }
 }
 
-PeerConfig read_config(const std::string& path) {
+PeerConfig read_config(const std::string& path, const std::string& transport) {
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
   text << file.rdbuf();
   if (!file) throw ConfigError(path + ": cannot be read");
-  return parse_config(text.str(), path);
+  return parse_config(text.str(), path, transport);
 }
 
 }  // namespace tandem::demos

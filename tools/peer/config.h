@@ -49,9 +49,12 @@ class ConfigError : public std::invalid_argument {
 /// where there is none yet. Nobody else can have it. @throws ConfigError
 void derive_id(PeerConfig& config);
 
-/// Reads a file. Names of files in it are relative to its folder. @throws ConfigError
-PeerConfig read_config(const std::string& path);
+/// Reads a file. Names of files in it are relative to its folder.
+/// @param transport  in place of the file's network.transport; "" = as that says  @throws
+/// ConfigError
+PeerConfig read_config(const std::string& path, const std::string& transport = {});
 /// The same from its text. @param name  of the file, for errors and relative names
-PeerConfig parse_config(std::string_view text, const std::string& name);
+PeerConfig parse_config(std::string_view text, const std::string& name,
+                        const std::string& transport = {});
 
 }  // namespace tandem::demos

@@ -26,12 +26,14 @@ using namespace tandem::demos;
 
 std::string usage() {
   return "usage: tandem-peer SCENE --config FILE [--check] [--trace FILE] [--view [PORT]]\n"
+         "                   [--transport NAME]\n"
          "  SCENE     " +
          scenario_names() +
          ", the same for all peers\n"
          "  --config  TOML, see docs/tandem-peer.md\n"
          "  --check   read the file, say what is wrong with it, do nothing else\n"
          "  --trace   write all that enters this peer, for tandem-replay, see docs/trace.md\n"
+         "  --transport  udp, tcp or nats, whatever network.transport says\n"
          "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or "
          "PORT\n";
 }
@@ -40,6 +42,7 @@ struct Arguments {
   std::string scene;
   std::string config;
   std::string trace;
+  std::string transport;
   bool check = false;
   std::optional<std::uint16_t> view;
 };
@@ -51,6 +54,14 @@ Arguments read(std::span<const std::string_view> words) {
       words,
       {{"--config", [&](Argument& in) { result.config = in.text(); }},
        {"--check", [&](Argument&) { result.check = true; }},
+       {"--transport",
+        [&](Argument& in) {
+          result.transport = in.text();
+          for (const char* known : {"udp", "tcp", "nats"}) {
+            if (result.transport == known) return;
+          }
+          refuse("--transport", result.transport, "udp, tcp or nats");
+        }},
        {"--trace", [&](Argument& in) { result.trace = in.text(); }},
        {"--view",
         [&](Argument& in) {
@@ -74,7 +85,7 @@ int run(std::span<const std::string_view> words) {
   if (scenario == nullptr) refuse("SCENE", arguments.scene, "one of " + scenario_names());
   PeerConfig config;
   try {
-    config = read_config(arguments.config);
+    config = read_config(arguments.config, arguments.transport);
   } catch (const ConfigError& error) {
     throw UsageError(error.what());
   }

@@ -30,6 +30,7 @@
 #include "session/participant.h"
 #include "session/physics.h"
 #include "session/signals.h"
+#include "tandem/consensus/nearby_interest.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/membership.h"
 #include "tandem/net/session.h"
@@ -95,6 +96,11 @@ class Node {
         signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().timestamps),
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
+    if (config.session.near > 0.0) {
+      interest_.emplace(*scene_.world, peer_,
+                        consensus::NearbyInterestOptions{.radius = config.session.near,
+                                                         .slack = 0.1 * config.session.near});
+    }
     peer_.set_observer(&divergence_);
     estimates_.first = &divergence_;
     began_ = clock_.physics_time();
@@ -120,7 +126,9 @@ class Node {
     log_.line(Level::Info, "started",
               {{"scene", scenario_.name()},
                {"peer", config_.session.peer_id},
-               {"transport", config_.session.udp() ? "udp" : "tcp"},
+               {"transport", config_.session.wire == Wire::Nats ? "nats"
+                             : config_.session.udp()            ? "udp"
+                                                                : "tcp"},
                {"port", std::uint64_t{network_->local_port()}},
                {"fingerprint", network_->fingerprint()},
                {"metrics_port", std::uint64_t{metrics_ ? metrics_->port() : 0U}},
@@ -231,6 +239,7 @@ class Node {
 
   void finish(SessionTime now) {
     if (trace_) trace_->finish(now);
+    if (interest_) interest_->update();
     peer_.after_step(now);
     if (!trace_) return;
     trace_->sent();
@@ -329,6 +338,7 @@ class Node {
   Signals signals_;
   Both estimates_;
   consensus::Peer peer_;
+  std::optional<consensus::NearbyInterest> interest_;  ///< none: all are told of everything
   net::PhysicsClock clock_;
   std::optional<Fidget> fidget_;
   std::unique_ptr<MetricsServer> metrics_;

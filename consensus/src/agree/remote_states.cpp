@@ -7,6 +7,7 @@
 
 #include "common/body_state.h"
 #include "tandem/consensus/compact.h"
+#include "tandem/consensus/influence.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::consensus {
@@ -76,6 +77,25 @@ Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& updat
   const double way = missing.translation.norm() + kLeverArm * missing.rotation.norm();
   there.apart = way + age * speed(missing.twist) > data_.options.replay.tolerance;
   return there;
+}
+
+void RemoteStates::as_of_now(const SharedBody& shared, std::span<const Inbox::Received> newest,
+                             std::vector<StateUpdate>& out) {
+  const pbd::BodyState& own = data_.world.state(shared.def.body);
+  for (const Inbox::Received& received : newest) {
+    StateUpdate update = as_meant(received, shared);
+    const double age = std::max(0.0, seconds(data_.now - update.stamp));
+    pbd::Correction missing;
+    (void)compare(shared, update, missing);
+    missing.translation += age * missing.twist.linear;
+    const pbd::BodyState now = moved(own, missing);
+    update.pose = now.pose;
+    update.twist = now.twist;
+    update.stamp = data_.now;
+    update.influence = static_cast<float>(
+        effective_share(data_.options.influence, static_cast<double>(update.influence), age));
+    out.push_back(update);
+  }
 }
 
 Prediction RemoteStates::carry(SharedBody& shared, PeerId from, const StateUpdate& update) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "agree/estimates.h"
 #include "peer_data.h"
@@ -20,6 +22,10 @@ class RemoteStates {
   /// A state, and what the own one of its stamp misses to it.
   Stamped compare(const SharedBody& shared, const StateUpdate& update,
                   pbd::Correction& missing) const;
+  /// What each peer says of a body, brought to now by the own motion since, with what it counts
+  /// now; appended.
+  void as_of_now(const SharedBody& shared, std::span<const Inbox::Received> newest,
+                 std::vector<StateUpdate>& out);
   /// A state carried to now by the predictor.
   Prediction carry(SharedBody& shared, PeerId from, const StateUpdate& update);
   /// Tell the observer of an estimate.

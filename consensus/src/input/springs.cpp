@@ -355,6 +355,13 @@ bool Springs::holds(pbd::BodyId body) const {
   return std::ranges::any_of(own_, mine) || std::ranges::any_of(remote_, theirs);
 }
 
+void Springs::held(PeerId self, std::vector<HeldBody>& out) const {
+  for (const Own& own : own_) out.push_back({self, own.body, own.def.anchor_w});
+  for (const Remote& remote : remote_) {
+    if (pulls(remote)) out.push_back({remote.peer, remote.def.body, remote.def.anchor_w});
+  }
+}
+
 void Springs::mark(std::vector<std::uint8_t>& grips) const {
   const auto set = [&](pbd::BodyId body, Grip grip) {
     if (world_.contains(body)) grips[body.index] |= grip;

@@ -75,6 +75,8 @@ class Springs {
     kAlone = 2,   ///< by another own one
     kRemote = 4,  ///< by another user's
   };
+  /// What all users hold, own ones as of `self`; appended.
+  void held(PeerId self, std::vector<HeldBody>& out) const;
   /// Set those bits of all bodies that somebody holds; by slot.
   void mark(std::vector<std::uint8_t>& grips) const;
   /// How many springs of that peer's user hold the body.

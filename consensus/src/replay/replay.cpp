@@ -82,6 +82,7 @@ void Replay::update(ReplayStats& stats) {
     schedule_.begun();
   } else if (!slots_.empty() && schedule_.steps_along() && reached_ + 1 == history_.last()) {
     ++stats.postponed;
+    forget_strangers();
   } else {
     ++stats.without;
     return drop();
@@ -129,6 +130,16 @@ void Replay::bring_together() {
   for (News& news : news_) news.frame = std::max(news.frame, start_);
 }
 
+bool Replay::is_here(std::uint32_t slot) const {
+  const pbd::BodyId body = copy_.world().body_at(slot);
+  return body.valid() && body == world_.body_at(slot);
+}
+
+void Replay::forget_strangers() {
+  std::erase_if(news_, [this](const News& news) { return !is_here(news.slot); });
+  std::erase_if(prescribed_, [this](const Prescribed& body) { return !is_here(body.slot); });
+}
+
 bool Replay::start() {
   const Snapshots::Snapshot* const snapshot = snapshots_.find(start_, history_.last());
   if (snapshot == nullptr || !copy_.assign(snapshot->world.world())) return false;
@@ -137,11 +148,7 @@ bool Replay::start() {
                               : (a.slot != b.slot ? a.slot < b.slot : a.peer < b.peer);
   };
   pbd::World& world = copy_.world();
-  const auto gone = [&](std::uint32_t slot) {
-    return !world.body_at(slot).valid() || world.body_at(slot) != world_.body_at(slot);
-  };
-  std::erase_if(news_, [&](const News& news) { return gone(news.slot); });
-  std::erase_if(prescribed_, [&](const Prescribed& body) { return gone(body.slot); });
+  forget_strangers();
   std::sort(news_.begin(), news_.end(), by_frame);
   next_ = 0;
   reached_ = start_;
@@ -204,9 +211,10 @@ void Replay::apply_inputs(std::size_t number) {
   const WorldHistory::Frame& frame = history_.frame(number);
   if (world.gravity() != frame.gravity) world.set_gravity(frame.gravity);
   for (const WorldHistory::State& placed : frame.placed) {
-    copy_.set_state(placed.slot, placed.state, true);
+    if (is_here(placed.slot)) copy_.set_state(placed.slot, placed.state, true);
   }
   for (const WorldHistory::Push& pushed : frame.pushed) {
+    if (!is_here(pushed.slot)) continue;
     pbd::BodyState state = world.states()[pushed.slot];
     state.twist.linear += pushed.twist.linear;
     state.twist.angular += pushed.twist.angular;
@@ -222,7 +230,7 @@ void Replay::apply_inputs(std::size_t number) {
   }
   for (const WorldHistory::Force& force : frame.forces) {
     const pbd::BodyId body = world.body_at(force.slot);
-    if (!body.valid() || world.props(body).type != pbd::BodyType::Dynamic) continue;
+    if (!is_here(force.slot) || world.props(body).type != pbd::BodyType::Dynamic) continue;
     world.apply_force(body, force.wrench.force);
     world.apply_torque(body, force.wrench.torque);
   }

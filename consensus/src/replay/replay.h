@@ -82,6 +82,10 @@ class Replay {
   /// Set the frames at which news are taken in: at one all that a peer said at about one time.
   void bring_together();
   bool start();
+  /// Whether the copy has the body that is in that slot now: who came since it was made, or took
+  /// the place of somebody else, is not in it.
+  bool is_here(std::uint32_t slot) const;
+  void forget_strangers();
   bool step_from(std::size_t frame, ReplayStats& stats);
   void blend(std::size_t frame);
   void apply_inputs(std::size_t frame);

@@ -218,6 +218,13 @@ class TANDEM_API Interest {
   virtual bool concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const = 0;
 };
 
+/// A body that somebody's user holds by a spring.
+struct TANDEM_API HeldBody {
+  PeerId user = 0;  ///< at that peer
+  pbd::BodyId body;
+  pbd::Vec3 anchor_w = pbd::Vec3::Zero();  ///< m, world: where the hand is
+};
+
 /// A state of a body that is not shared here.
 struct TANDEM_API UnknownState {
   PeerId from = 0;
@@ -270,6 +277,14 @@ class TANDEM_API Peer final : public pbd::TargetSource {
   void release(GrabId id);
   /// Whether any user's spring, own or remote, holds the body.
   bool held(const SharedId& id) const;
+
+  /// What all users hold, own and remote; one for each spring, appended.
+  void held_bodies(std::vector<HeldBody>& out) const;
+  /// The instance of a shared body here; an invalid id where it is not shared.
+  pbd::BodyId body_of(const SharedId& id) const;
+  /// One state for all that is known of a body now, own and others', with the sum of their weights:
+  /// see fuse() of summary.h. nullopt where it is not shared, or nothing of it has a weight.
+  std::optional<StateUpdate> fused(const SharedId& id) const;
 
   /// Take in what has come and set this step's springs and estimates. `now`: session time of the
   /// world before the step, ns, above 0 (0 means "never" in what is remembered).

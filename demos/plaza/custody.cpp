@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "plaza/custody.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/net/clock.h"
+
+namespace tandem::demos {
+
+namespace {
+
+constexpr double kSlow = 0.02;        // m/s and rad/s
+constexpr double kStill = 0.5;        // s
+constexpr double kMoved = 0.02;       // m, from where the record has it
+constexpr double kApart = 0.5;        // m: more than copies differ that agree
+constexpr double kNobodyKeeps = 1.0;  // s, before somebody does
+constexpr double kFresh = 0.5;        // s
+constexpr double kOnItsWay = 3.0;     // s: a keeper who says nothing for longer has gone
+constexpr double kFarAway = 2.0;      // in reach(): others see to what is further
+
+double flat(const pbd::Vec3& a, const pbd::Vec3& b) { return (a - b).head<2>().norm(); }
+
+}  // namespace
+
+Custody::Custody(const PlazaOptions& options, consensus::PeerId self, tandem::Scene& scene,
+                 consensus::Peer& peer, nats::BodyLedger& ledger)
+    : options_(options),
+      cells_(options.cells()),
+      self_(self),
+      scene_(scene),
+      peer_(peer),
+      ledger_(ledger) {}
+
+void Custody::watch_cells(const pbd::Vec3& feet) {
+  const double reach = options_.reach();
+  for (auto at = watched_.begin(); at != watched_.end();) {
+    if (nats::distance_to(cells_, *at, feet) <= reach + 2.0 * cells_.slack) {
+      ++at;
+      continue;
+    }
+    ledger_.unwatch(*at);
+    std::erase_if(lying_, [&](const auto& entry) { return entry.second.record.cell == *at; });
+    at = watched_.erase(at);
+  }
+  const pbd::Vec3 corner(reach, reach, 0.0);
+  const nats::Cell low = nats::cell_at(cells_, feet - corner);
+  const nats::Cell high = nats::cell_at(cells_, feet + corner);
+  for (std::int32_t x = low.x; x <= high.x; ++x) {
+    for (std::int32_t y = low.y; y <= high.y; ++y) {
+      if (watched_.insert({0, x, y}).second) ledger_.watch({0, x, y});
+    }
+  }
+}
+
+void Custody::appear(std::size_t number, const pbd::Pose& pose, const pbd::Twist& twist) {
+  const pbd::BodyId body = scene_.add(PlazaBody::shape(number), {.mass = PlazaBody::kMass,
+                                                                 .pose = pose,
+                                                                 .twist = twist,
+                                                                 .linear_damping = 0.1,
+                                                                 .angular_damping = 1.0,
+                                                                 .stable_id = number + 1});
+  const consensus::SharedId id = PlazaBody::id(number);
+  peer_.share({.id = id, .body = body});
+  local_[id] = {.number = number, .body = body};
+  ++counters_.appeared;
+}
+
+void Custody::hear(const nats::LedgerNews& news, consensus::SessionTime now) {
+  const nats::LedgerRecord& record = news.record;
+  const bool written = news.kind == nats::LedgerNews::Kind::Written;
+  if (written) ++counters_.written;
+  if (news.kind == nats::LedgerNews::Kind::Refused) ++counters_.refused;
+  const auto before = lying_.find(record.id);
+  if (written && before != lying_.end() && before->second.record.cell != record.cell) {
+    ++counters_.crossings;
+  }
+  lying_[record.id] = {record, now};
+  const auto local = local_.find(record.id);
+  if (!written && local != local_.end()) settle(local, record);
+}
+
+void Custody::settle(std::map<consensus::SharedId, Local>::iterator local,
+                     const nats::LedgerRecord& record) {
+  const auto& [id, copy] = *local;
+  const double apart = (scene_.world().pose(copy.body).position - record.pose.position).norm();
+  if (apart <= kMoved || (held_ && *held_ == id)) return;
+  const bool heard = std::ranges::any_of(
+      near_, [&, id = id](consensus::PeerId peer) { return peer_.heard(id, peer).has_value(); });
+  if (heard && apart < kApart) return;  // they agree by themselves
+  // Somebody has it who was not near: this copy is of before.
+  if (record.keeper != 0 ? apart < kApart : heard && apart < options_.reach()) return;
+  vanish(local);
+}
+
+void Custody::vanish(std::map<consensus::SharedId, Local>::iterator local) {
+  peer_.unshare(local->first);
+  scene_.remove(local->second.body);
+  ++counters_.vanished;
+  local_.erase(local);
+}
+
+void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near,
+                    consensus::SessionTime now) {
+  near_.assign(near.begin(), near.end());
+  watch_cells(feet);
+  news_.clear();
+  ledger_.take(news_);
+  for (const nats::LedgerNews& news : news_) hear(news, now);
+  // Neighbours know best; what nobody near has is where it was left.
+  for (const consensus::UnknownState& state : peer_.unknown()) {
+    const auto number = PlazaBody::number(state.update.id, options_.bodies);
+    if (!number || local_.contains(state.update.id)) continue;
+    if (flat(state.update.pose.position, feet) > options_.reach()) continue;
+    const double age = net::seconds(now - state.update.stamp);
+    if (age < 0.0 || age > kFresh) continue;
+    pbd::Pose pose = state.update.pose;
+    if (!state.update.oriented) pose.orientation = pbd::Quat::Identity();
+    appear(*number, pose, state.update.twist);
+  }
+  for (const auto& [id, lying] : lying_) {
+    const auto number = PlazaBody::number(id, options_.bodies);
+    if (!number || local_.contains(id)) continue;
+    const nats::LedgerRecord& record = lying.record;
+    // What somebody keeps is on its way: he tells of it, or of where it came to rest.
+    const bool kept = record.keeper != 0 && record.keeper != self_;
+    if (kept && (is_connected(record.keeper) || net::seconds(now - lying.heard) < kOnItsWay)) {
+      continue;
+    }
+    if (flat(record.pose.position, feet) > options_.reach()) continue;
+    appear(*number, record.pose, {});
+    // Whose keeper has gone is nobody's.
+    if (kept) ledger_.write(id, 0, record.pose, {});
+  }
+}
+
+void Custody::keep(const consensus::SharedId& id, Local& local, bool held,
+                   consensus::SessionTime now) {
+  const pbd::BodyState& state = scene_.world().state(local.body);
+  const bool slow = state.twist.linear.norm() < kSlow && state.twist.angular.norm() < kSlow;
+  if (!slow || held) local.still_since = 0;
+  if (slow && !held && local.still_since == 0) local.still_since = now;
+  const nats::LedgerRecord* const record = ledger_.known(id);
+  if (record == nullptr) return;
+  const bool still = local.still_since != 0 && net::seconds(now - local.still_since) > kStill;
+  const bool moved = (state.pose.position - record->pose.position).norm() > kMoved;
+  if (record->keeper == self_) {
+    local.astray_since = 0;
+    const bool crosses =
+        nats::distance_to(cells_, record->cell, state.pose.position) > cells_.slack;
+    if (still || crosses) ledger_.write(id, still ? 0 : self_, state.pose, state.twist);
+    return;
+  }
+  const bool kept = record->keeper != 0 && peer_.heard(id, record->keeper).has_value();
+  if (held && !kept) {
+    ledger_.write(id, self_, state.pose, state.twist);
+    return;
+  }
+  // It is not where its record says, and whoever should write that does not.
+  if (kept || !moved) {
+    local.astray_since = 0;
+  } else if (local.astray_since == 0) {
+    local.astray_since = now + static_cast<consensus::SessionTime>(self_ % 16) * 100'000'000;
+  } else if (net::seconds(now - local.astray_since) > kNobodyKeeps) {
+    local.astray_since = 0;
+    ledger_.write(id, still ? 0 : self_, state.pose, state.twist);
+  }
+}
+
+bool Custody::is_stale(const consensus::SharedId& id, Local& local,
+                       consensus::SessionTime now) const {
+  const nats::LedgerRecord* const record = ledger_.known(id);
+  const bool kept = record != nullptr && record->keeper != 0 && record->keeper != self_;
+  if (!kept || peer_.heard(id, record->keeper).has_value()) {
+    local.unheard_since = 0;
+    return false;
+  }
+  if (local.unheard_since == 0) local.unheard_since = now;
+  return net::seconds(now - local.unheard_since) > kNobodyKeeps;
+}
+
+bool Custody::may_go(const consensus::SharedId& id, const Local& local,
+                     const pbd::Vec3& feet) const {
+  const pbd::Vec3& position = scene_.world().pose(local.body).position;
+  const double apart = flat(position, feet);
+  if (apart <= options_.reach() + options_.slack()) return false;
+  const nats::LedgerRecord* const record = ledger_.known(id);
+  if (record == nullptr || record->keeper == self_) return false;
+  if (apart > kFarAway * options_.reach()) return true;
+  // What moves stays until it is somebody's or rests where it is written.
+  const bool kept = record->keeper != 0 && peer_.heard(id, record->keeper).has_value();
+  return kept || (position - record->pose.position).norm() <= kMoved;
+}
+
+void Custody::finish(const pbd::Vec3& feet, const consensus::SharedId* held,
+                     consensus::SessionTime now) {
+  held_ = held != nullptr ? std::optional(*held) : std::nullopt;
+  for (auto at = local_.begin(); at != local_.end();) {
+    auto& [id, local] = *at;
+    const bool mine = held != nullptr && *held == id;
+    keep(id, local, mine, now);
+    if (mine || !(is_stale(id, local, now) || may_go(id, local, feet))) {
+      ++at;
+      continue;
+    }
+    vanish(at++);
+  }
+}
+
+void Custody::leave() {
+  for (const auto& [id, local] : local_) {
+    const nats::LedgerRecord* const record = ledger_.known(id);
+    if (record == nullptr || record->keeper != self_) continue;
+    const pbd::BodyState& state = scene_.world().state(local.body);
+    pbd::Pose pose = state.pose;
+    pose.position.z() = std::max(pose.position.z(), PlazaBody::kHalf);
+    ledger_.write(id, 0, pose, {});
+  }
+}
+
+}  // namespace tandem::demos

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <nats/nats.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tandem/nats/hub.h"
+
+namespace tandem::nats {
+
+struct NatsFree {
+  void operator()(natsOptions* options) const { natsOptions_Destroy(options); }
+  void operator()(natsConnection* connection) const { natsConnection_Destroy(connection); }
+  void operator()(natsSubscription* subscription) const { natsSubscription_Destroy(subscription); }
+  void operator()(natsMsg* message) const { natsMsg_Destroy(message); }
+  void operator()(jsCtx* context) const { jsCtx_Destroy(context); }
+  void operator()(jsPubAck* ack) const { jsPubAck_Destroy(ack); }
+  void operator()(jsStreamInfo* info) const { jsStreamInfo_Destroy(info); }
+};
+template <class T>
+using NatsOwned = std::unique_ptr<T, NatsFree>;
+
+/// Hears what comes on a subscription, on a thread of the client library; does not wait.
+using Hear = std::function<void(std::span<const std::byte>)>;
+
+/// Driven by the hub's thread.
+class Driven {
+ public:
+  virtual ~Driven() = default;
+  /// Called every few ms. Does not wait.
+  virtual void drive() = 0;
+};
+
+class __attribute__((visibility("hidden"))) NatsHub::Impl {
+ public:
+  explicit Impl(const HubOptions& options);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  /// Lost where there is no server.
+  void publish(const std::string& subject, std::span<const std::byte> bytes);
+  /// Until the subscription is destroyed, and perhaps once more at that time: what `hear` holds
+  /// lives as long as `hear`. Null where the connection is closed for good.
+  NatsOwned<natsSubscription> subscribe(const std::string& subject, Hear hear);
+
+  void attach(Driven& driven);
+  /// drive() does not run any more when this returns.
+  void detach(Driven& driven);
+  /// Something was posted: look soon.
+  void wake();
+
+  /// Do it on a thread of its own, after all that was given before; it may wait for the server.
+  /// Where it says false it is done again a little later. What is left when the hub goes is not
+  /// done.
+  void later(std::function<bool()> job);
+
+  HubStatus status() const;
+  natsConnection* connection() { return connection_.get(); }
+
+ private:
+  void run();
+  void work();
+
+  const bool driven_by_thread_;
+  NatsOwned<natsConnection> connection_;
+  std::atomic<std::uint64_t> lost_ = 0;
+  std::atomic<std::uint64_t> slow_ = 0;
+
+  std::mutex mutex_;
+  std::condition_variable woken_;
+  std::vector<Driven*> all_;
+  std::atomic<bool> awake_ = false;
+  bool stop_ = false;
+  std::thread thread_;
+
+  std::mutex work_mutex_;
+  std::condition_variable work_woken_;
+  std::deque<std::function<bool()>> jobs_;
+  bool work_stop_ = false;
+  std::thread worker_;  ///< from the first job on
+};
+
+}  // namespace tandem::nats

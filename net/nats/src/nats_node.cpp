@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "nats_node.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "node_options.h"
+#include "octets.h"
+#include "tandem/pbd/bytes.h"
+
+namespace tandem::nats {
+
+namespace crypto = net::crypto;
+using net::octets;
+
+namespace {
+
+constexpr std::size_t kSenderBytes = 8;              // before each datagram
+constexpr std::int64_t kFollowEvery = 50'000'000;    // ns
+constexpr std::int64_t kCoarsePeriod = 500'000'000;  // ns, of levels above 1
+constexpr std::int64_t kPartLife = 5'000'000'000;    // ns, of what was said of a part
+constexpr std::int64_t kPatience = 3'000'000'000;    // ns, for a handshake and a farewell
+constexpr std::size_t kMaxPackets = 1024;            // of summaries that nobody drains
+
+net::UdpNodeOptions options_of(const NatsOptions& options, std::int64_t now,
+                               std::int64_t correction) {
+  net::UdpNodeOptions out = net::node_options(options.member);
+  out.max_peers = std::min<std::size_t>(1024, 2 * options.cells.max_near + 8);
+  out.relay = false;
+  out.introduces = false;
+  out.path_limit = [](std::uint64_t) { return net::kMaxDatagram; };
+  out.start = now;
+  out.correction = correction;
+  return out;
+}
+
+std::int64_t period(double hz) { return static_cast<std::int64_t>(1e9 / hz); }
+
+}  // namespace
+
+NatsNode::NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std::int64_t now,
+                   std::int64_t correction, std::function<std::int64_t()> steady)
+    : cells_(options.cells),
+      self_(options.member.self),
+      subjects_(options.prefix, options.member.scene_hash, options.cells),
+      hub_(std::move(hub)),
+      steady_(std::move(steady)),
+      node_(options_of(options, now, correction), crypto::system_random(),
+            [this](std::span<const std::byte> datagram, const net::Address& to) {
+              send(datagram, to);
+            }),
+      hood_(options.cells, options.member.self) {
+  if (options.speaker) speaker_secret_.emplace(*options.speaker);
+  for (const TrustedSpeaker& each : options.speakers) speakers_[each.peer] = each.public_key;
+  for (int level = 1; level < cells_.levels; ++level) levels_.emplace_back(self_, now);
+  own_ = subscribe(subjects_.to(self_), Inbox::Kind::Datagram);
+}
+
+NatsOwned<natsSubscription> NatsNode::subscribe(const std::string& subject, Inbox::Kind kind) {
+  return hub_->impl().subscribe(
+      subject, [inbox = inbox_, steady = steady_, kind](std::span<const std::byte> bytes) {
+        inbox->put(kind, bytes, steady());
+      });
+}
+
+void NatsNode::send(std::span<const std::byte> datagram, const net::Address& to) {
+  if (!net::is_path(to)) return;
+  sealed_.clear();
+  pbd::ByteWriter writer(sealed_);
+  writer.u64(self_);
+  writer.bytes(datagram);
+  hub_->impl().publish(subjects_.to(net::path_number(to)), sealed_);
+}
+
+void NatsNode::tick(std::int64_t now) {
+  for (const Inbox::Message& message : inbox_->take()) {
+    // The node's time does not go back, and what waited here has come when it came.
+    last_ = std::max(last_, std::min(message.at, now));
+    switch (message.kind) {
+      case Inbox::Kind::Datagram:
+        on_datagram(message);
+        break;
+      case Inbox::Kind::Presence:
+        on_presence(message);
+        break;
+      case Inbox::Kind::Summary:
+        on_summary(message);
+        break;
+    }
+  }
+  last_ = std::max(last_, now);
+  if (now >= next_follow_) {
+    next_follow_ = now + kFollowEvery;
+    follow(now);
+  }
+  if (now >= next_presence_) say_where(now);
+  speak(now);
+  node_.poll(now);
+}
+
+void NatsNode::on_datagram(const Inbox::Message& message) {
+  pbd::ByteReader reader(message.bytes);
+  const PeerId from = reader.u64();
+  if (reader.failed() || from == 0 || from == self_) return;
+  (void)node_.on_path(std::span(message.bytes).subspan(kSenderBytes), from, last_);
+}
+
+void NatsNode::on_presence(const Inbox::Message& message) {
+  const auto opened = opener_.open(message.bytes, node_.credentials());
+  if (!opened) return;
+  const auto presence = decode_presence(opened->plain);
+  if (!presence) {
+    ++unbelieved_;
+  } else if (opened->sender == self_) {
+    load_.heard(presence->sent, steady_());
+  } else {
+    hood_.hear(opened->sender, *presence, last_);
+  }
+}
+
+bool NatsNode::is_believed(PeerId sender, const Summary& summary,
+                           std::span<const std::byte> plain) const {
+  if (speakers_.empty()) return true;
+  const auto trusted = speakers_.find(sender);
+  return trusted != speakers_.end() &&
+         crypto::verify(trusted->second,
+                        octets(plain.first(plain.size() - crypto::kSignatureBytes)),
+                        summary.signature);
+}
+
+void NatsNode::on_summary(const Inbox::Message& message) {
+  const auto opened = opener_.open(message.bytes, node_.credentials());
+  if (!opened || opened->sender == self_) return;
+  const auto summary = decode_summary(opened->plain);
+  if (!summary || summary->cell.level >= cells_.levels ||
+      !is_believed(opened->sender, *summary, opened->plain)) {
+    ++unbelieved_;
+    return;
+  }
+  const Cell cell = summary->cell;
+  levels_[static_cast<std::size_t>(cell.level) - 1].speaker.hear(cell, opened->sender, last_);
+  if (cell.level + 1 < cells_.levels) {
+    Level& above = levels_[static_cast<std::size_t>(cell.level)];
+    if (above.of_within == parent_of(cell)) above.people[cell] = {summary->people, last_};
+  }
+  if (summaries_.size() < NatsTransport::kMaxSummaries) {
+    summaries_.push_back({cell,
+                          opened->sender,
+                          summary->people,
+                          {summary->content.begin(), summary->content.end()}});
+  } else {
+    std::rotate(summaries_.begin(), summaries_.begin() + 1, summaries_.end());
+    summaries_.back() = {
+        cell, opened->sender, summary->people, {summary->content.begin(), summary->content.end()}};
+  }
+  if (summary->content.empty() || packets_.size() >= kMaxPackets) return;
+  packets_.push_back({.from = opened->sender,
+                      .bytes = {summary->content.begin(), summary->content.end()},
+                      .received = node_.session_now(last_)});
+}
+
+void NatsNode::follow(std::int64_t now) {
+  const HubStatus hub = hub_->status();
+  switch (load_.look(inbox_->dropped() + hub.slow, hub.connected, now)) {
+    case Load::Verdict::Slow:
+      hood_.lower_limit();
+      break;
+    case Load::Verdict::Well:
+      hood_.raise_limit();
+      break;
+    case Load::Verdict::Wait:
+      break;
+  }
+  const Neighbourhood::Changes& changes = hood_.update(hub.connected, now);
+  for (const Cell& cell : changes.unlisten) heard_cells_.erase(cell);
+  for (const Cell& cell : changes.listen) {
+    heard_cells_[cell] = cell.level == 0 ? subscribe(subjects_.who(cell), Inbox::Kind::Presence)
+                                         : subscribe(subjects_.summary(cell), Inbox::Kind::Summary);
+  }
+  // Both ends find each other at about the same time; the lower id dials.
+  for (const PeerId peer : changes.meet) {
+    if (self_ < peer) node_.dial(net::path_address(peer), now);
+  }
+  for (const PeerId peer : changes.part) node_.hang_up(peer, "too far away", now);
+  reconcile(now);
+  for (int level = 1; level < cells_.levels; ++level) {
+    Level& each = levels_[static_cast<std::size_t>(level) - 1];
+    each.speaker.enter(cell_at(cells_, hood_.position(), level), now);
+    listen_within(each, level, now);
+  }
+}
+
+void NatsNode::reconcile(std::int64_t now) {
+  std::map<PeerId, std::int64_t> amiss;
+  const auto note = [&](PeerId peer) {
+    const auto before = amiss_.find(peer);
+    const std::int64_t since = before != amiss_.end() ? before->second : now;
+    if (now - since < kPatience) {
+      amiss[peer] = since;
+      return;
+    }
+    node_.hang_up(peer, "too far away", now);
+    hood_.lose(peer);
+  };
+  const auto peers = node_.peers();
+  for (const consensus::PeerStatus& peer : peers) {
+    if (peer.connected && !hood_.is_met(peer.id)) note(peer.id);
+  }
+  std::vector<NearPeer> met;
+  hood_.met_peers(met);
+  for (const auto& [peer, position] : met) {
+    const auto at = std::ranges::lower_bound(peers, peer, {}, &consensus::PeerStatus::id);
+    if (at == peers.end() || at->id != peer || !at->connected) note(peer);
+  }
+  amiss_ = std::move(amiss);
+}
+
+void NatsNode::renew_seal() {
+  const net::Credentials& credentials = node_.credentials();
+  if (sealer_ != nullptr && sealed_for_ == credentials.group) return;
+  sealer_ = std::make_unique<GroupSealer>(credentials.session_key, self_, crypto::system_random());
+  sealed_for_ = credentials.group;
+}
+
+void NatsNode::publish_sealed(const std::string& subject, std::span<const std::byte> plain) {
+  renew_seal();
+  sealer_->seal(plain, sealed_);
+  hub_->impl().publish(subject, sealed_);
+}
+
+void NatsNode::say_where(std::int64_t now) {
+  const std::int64_t every = period(cells_.presence_hz);
+  // Not all at once, whoever began together.
+  if (next_presence_ == INT64_MIN)
+    next_presence_ = now + static_cast<std::int64_t>(self_ % 16) * every / 16 - every;
+  next_presence_ = std::max(next_presence_ + every, now);
+  plain_.clear();
+  encode(Presence{.sent = steady_(), .position = hood_.position(), .hears = hood_.hears()}, plain_);
+  publish_sealed(subjects_.who(cell_at(cells_, hood_.position())), plain_);
+  load_.said(now);
+}
+
+bool NatsNode::speaks(int level, std::int64_t now) const {
+  if (level < 1 || level >= cells_.levels) return false;
+  if (!speakers_.empty() && !(speakers_.contains(self_) && speaker_secret_)) return false;
+  return levels_[static_cast<std::size_t>(level) - 1].speaker.speaks(now);
+}
+
+void NatsNode::listen_within(Level& level, int number, std::int64_t now) {
+  const bool wanted = speaks(number, now);
+  const Cell cell = level.speaker.cell();
+  if (wanted == (level.within != nullptr) && (!wanted || level.of_within == cell)) return;
+  level.within.reset();
+  level.people.clear();
+  level.of_within = {-1, 0, 0};
+  if (!wanted) return;
+  level.of_within = cell;
+  level.within = number == 1 ? subscribe(subjects_.who_within(cell), Inbox::Kind::Presence)
+                             : subscribe(subjects_.summaries_within(cell), Inbox::Kind::Summary);
+}
+
+std::uint32_t NatsNode::people_of(Level& level, const Cell& cell, std::int64_t now) {
+  if (cell.level == 1) return static_cast<std::uint32_t>(hood_.people_in(cell));
+  std::erase_if(level.people,
+                [now](const auto& entry) { return now - entry.second.second > kPartLife; });
+  std::uint64_t sum = 0;
+  for (const auto& [part, people] : level.people) sum += people.first;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, UINT32_MAX));
+}
+
+void NatsNode::speak(std::int64_t now) {
+  for (int number = 1; number < cells_.levels; ++number) {
+    Level& level = levels_[static_cast<std::size_t>(number) - 1];
+    const std::int64_t every = number == 1 ? period(cells_.summary_hz) : kCoarsePeriod;
+    if (!speaks(number, now) || !level.speaker.due(every, now)) continue;
+    const Cell cell = level.speaker.cell();
+    Summary summary{.cell = cell, .people = people_of(level, cell, now), .content = level.content};
+    plain_.clear();
+    encode(summary, plain_);
+    if (speaker_secret_)
+      summary.signature = crypto::sign(*speaker_secret_, octets(std::span(std::as_const(plain_))));
+    pbd::ByteWriter(plain_).bytes(std::as_bytes(std::span(summary.signature)));
+    publish_sealed(subjects_.summary(cell), plain_);
+    if (number + 1 < cells_.levels) {
+      Level& above = levels_[static_cast<std::size_t>(number)];
+      if (above.of_within == parent_of(cell)) above.people[cell] = {summary.people, now};
+    }
+  }
+}
+
+bool NatsNode::set_summary(int level, std::span<const std::byte> content) {
+  if (level < 1 || level >= cells_.levels || content.size() > kMaxContent) return false;
+  levels_[static_cast<std::size_t>(level) - 1].content.assign(content.begin(), content.end());
+  return true;
+}
+
+void NatsNode::drain(std::vector<consensus::Packet>& out) {
+  node_.drain(out);
+  const auto peers = node_.peers();
+  for (consensus::Packet& packet : packets_) {
+    const auto known = std::ranges::find(peers, packet.from, &consensus::PeerStatus::id);
+    if (known == peers.end() || !known->connected) out.push_back(std::move(packet));
+  }
+  packets_.clear();
+}
+
+void NatsNode::take_summaries(std::vector<CellSummary>& out) {
+  std::ranges::move(summaries_, std::back_inserter(out));
+  summaries_.clear();
+}
+
+NatsStatus NatsNode::status() const {
+  return {.hub = hub_->status(),
+          .hears = hood_.hears(),
+          .limit = hood_.limit(),
+          .met = hood_.met(),
+          .contacts = hood_.contacts(),
+          .cells = hood_.cells(),
+          .lag = load_.lag(),
+          .dropped = inbox_->dropped(),
+          .refused = opener_.refused() + unbelieved_};
+}
+
+}  // namespace tandem::nats

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cell_wire.h"
+#include "group_seal.h"
+#include "hub_impl.h"
+#include "inbox.h"
+#include "load.h"
+#include "neighbourhood.h"
+#include "speaker.h"
+#include "subjects.h"
+#include "tandem/nats/nats_transport.h"
+#include "udp_node.h"
+
+namespace tandem::nats {
+
+/// One peer of NatsTransport without its lock: a node whose datagrams go to subjects, and what is
+/// said to cells and heard of them. Times in ns, of the transport's clock.
+class NatsNode {
+ public:
+  NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std::int64_t now,
+           std::int64_t correction, std::function<std::int64_t()> steady);
+  NatsNode(const NatsNode&) = delete;
+  NatsNode& operator=(const NatsNode&) = delete;
+
+  /// Take in what has come, and do what is due.
+  void tick(std::int64_t now);
+
+  net::UdpNode& node() { return node_; }
+  void move(const pbd::Vec3& position) { hood_.move(position); }
+  void near_peers(std::vector<NearPeer>& out) const { hood_.met_peers(out); }
+  bool speaks(int level, std::int64_t now) const;
+  bool set_summary(int level, std::span<const std::byte> content);
+  void drain(std::vector<consensus::Packet>& out);
+  void take_summaries(std::vector<CellSummary>& out);
+  NatsStatus status() const;
+
+ private:
+  using PeerId = consensus::PeerId;
+
+  struct Level {
+    explicit Level(PeerId self, std::int64_t now) : speaker(self, now) {}
+    Speaker speaker;
+    std::vector<std::byte> content;
+    /// Of all that it speaks for, while it does.
+    NatsOwned<natsSubscription> within;
+    Cell of_within{-1, 0, 0};
+    std::map<Cell, std::pair<std::uint32_t, std::int64_t>> people;  ///< of its parts, when heard
+  };
+
+  void send(std::span<const std::byte> datagram, const net::Address& to);
+  void on_datagram(const Inbox::Message& message);
+  void on_presence(const Inbox::Message& message);
+  void on_summary(const Inbox::Message& message);
+  bool is_believed(PeerId sender, const Summary& summary, std::span<const std::byte> plain) const;
+  void follow(std::int64_t now);
+  /// The node's connections and those that the neighbourhood wants come to the same.
+  void reconcile(std::int64_t now);
+  void say_where(std::int64_t now);
+  void speak(std::int64_t now);
+  void listen_within(Level& level, int number, std::int64_t now);
+  std::uint32_t people_of(Level& level, const Cell& cell, std::int64_t now);
+  NatsOwned<natsSubscription> subscribe(const std::string& subject, Inbox::Kind kind);
+  void publish_sealed(const std::string& subject, std::span<const std::byte> plain);
+  void renew_seal();
+
+  CellOptions cells_;
+  PeerId self_;
+  Subjects subjects_;
+  std::shared_ptr<NatsHub> hub_;
+  std::function<std::int64_t()> steady_;
+  std::optional<net::crypto::Secret> speaker_secret_;
+  std::map<PeerId, net::crypto::PublicKey> speakers_;
+
+  std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
+  net::UdpNode node_;
+  Neighbourhood hood_;
+  Load load_;
+  std::vector<Level> levels_;  ///< from level 1 on
+  std::unique_ptr<GroupSealer> sealer_;
+  std::uint64_t sealed_for_ = 0;  ///< the group that sealer_ is for
+  GroupOpener opener_;
+  NatsOwned<natsSubscription> own_;
+  std::map<Cell, NatsOwned<natsSubscription>> heard_cells_;
+
+  std::int64_t last_ = INT64_MIN;  ///< of the newest thing that the node was told
+  std::int64_t next_follow_ = INT64_MIN;
+  std::int64_t next_presence_ = INT64_MIN;
+  std::map<PeerId, std::int64_t> amiss_;  ///< whose connection is not as wanted, since when
+  std::uint64_t unbelieved_ = 0;
+  std::vector<consensus::Packet> packets_;  ///< of summaries
+  std::vector<CellSummary> summaries_;
+  std::vector<std::byte> plain_;   ///< scratch
+  std::vector<std::byte> sealed_;  ///< scratch
+};
+
+}  // namespace tandem::nats

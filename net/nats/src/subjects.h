@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "tandem/consensus/transport.h"
+#include "tandem/nats/cells.h"
+
+namespace tandem::nats {
+
+/// What a session's subjects are called:
+///   PREFIX.SCENE.to.PEER             datagrams for a peer
+///   PREFIX.SCENE.who.PATH            who is in a cell of level 0
+///   PREFIX.SCENE.sum.LEVEL.PATH      what a cell of that level comes to
+/// PATH is that of the cell from the top level down, so that a wildcard stands for a larger one.
+class Subjects {
+ public:
+  Subjects(std::string_view prefix, std::uint64_t scene_hash, const CellOptions& cells);
+
+  std::string to(consensus::PeerId peer) const;
+  std::string who(const Cell& cell) const;
+  /// Of all cells of level 0 in one of level 1.
+  std::string who_within(const Cell& cell) const { return base_ + "who." + path(cell) + ".*"; }
+  std::string summary(const Cell& cell) const;
+  /// Of the cells of the level below in this one.
+  std::string summaries_within(const Cell& cell) const;
+
+  /// Tokens from the top level down to this cell.
+  std::string path(const Cell& cell) const;
+  const std::string& base() const { return base_; }
+
+ private:
+  CellOptions cells_;
+  std::string base_;
+};
+
+/// Sixteen hex digits.
+std::string hex(std::uint64_t value);
+
+/// Whether a word may stand in a subject: 1 to 64 letters, digits, - and _.
+bool is_token(std::string_view word);
+
+}  // namespace tandem::nats

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// No body is lost and none is in two places, whoever writes and whatever becomes of the server.
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "ledger_wire.h"
+#include "nats/peers.h"
+#include "net/protocol_support.h"
+#include "tandem/nats/body_ledger.h"
+#include "tandem/pbd/random.h"
+
+namespace tandem::nats::ledger_test {
+namespace {
+
+using namespace testing;
+using consensus::SharedId;
+using Kind = LedgerNews::Kind;
+
+LedgerOptions ledger_options(std::uint16_t port) {
+  LedgerOptions out;
+  out.hub = std::make_shared<NatsHub>(HubOptions{.servers = {{"127.0.0.1", port}}});
+  out.scene_hash = 42;
+  out.session_key = session_key();
+  out.cells = {.edge = 4.0, .levels = 3, .near = 4.0, .slack = 0.5};
+  return out;
+}
+
+pbd::Pose at(double x, double y) { return {Vec3(x, y, 0.5), pbd::Quat::Identity()}; }
+
+SharedId body(int number) { return SharedId::from_name("body/" + std::to_string(number)); }
+
+/// Waits for the news of one body.
+std::vector<LedgerNews> news_of(BodyLedger& ledger, const SharedId& id) {
+  std::vector<LedgerNews> all;
+  const auto is_his = [&](const LedgerNews& each) { return each.record.id == id; };
+  REQUIRE(eventually([&] {
+    ledger.take(all);
+    return std::ranges::any_of(all, is_his);
+  }));
+  std::erase_if(all, [&](const LedgerNews& each) { return !is_his(each); });
+  return all;
+}
+
+/// Where all bodies are by what somebody finds who looks at all cells anew.
+std::map<SharedId, int> census(const LedgerOptions& options, int cells) {
+  BodyLedger ledger(options);
+  for (int x = -1; x <= cells; ++x) {
+    for (int y = -1; y <= cells; ++y) ledger.watch({0, x, y});
+  }
+  std::map<SharedId, int> out;
+  REQUIRE(eventually([&] { return ledger.waiting() == 0; }, std::chrono::seconds(60)));
+  std::vector<LedgerNews> all;
+  ledger.take(all);
+  for (const LedgerNews& each : all) ++out[each.record.id];
+  return out;
+}
+
+TEST_CASE("ledger: who comes into a cell finds what was left there", "[nats]") {
+  if (!has_server()) return;
+  Server server;
+  const LedgerOptions options = ledger_options(server.port());
+  {
+    BodyLedger first(options);
+    CHECK(first.write(body(1), 7, at(1.0, 1.0), {}));
+    CHECK_FALSE(first.write(body(1), 7, at(2.0, 1.0), {}));  // one at a time
+    const auto news = news_of(first, body(1));
+    CHECK(news.back().kind == Kind::Written);
+    CHECK(first.known(body(1))->cell == Cell{0, 0, 0});
+  }
+  BodyLedger second(ledger_options(server.port()));
+  second.watch({0, 0, 0});
+  const LedgerRecord found = news_of(second, body(1)).back().record;
+  CHECK(found.keeper == 7);
+  CHECK(found.pose.position == Vec3(1.0, 1.0, 0.5));
+  // It goes on a little over the border, and then further.
+  CHECK(second.write(body(1), 8, at(4.3, 1.0), {}));
+  CHECK(news_of(second, body(1)).back().record.cell == Cell{0, 0, 0});
+  CHECK(second.write(body(1), 8, at(4.6, 1.0), {}));
+  CHECK(news_of(second, body(1)).back().record.cell == Cell{0, 1, 0});
+  BodyLedger third(options);
+  third.watch({0, 1, 0});
+  CHECK(news_of(third, body(1)).back().record.keeper == 8);
+  CHECK(census(options, 3) == std::map<SharedId, int>{{body(1), 1}});
+}
+
+TEST_CASE("ledger: of two who take a body at once one is refused and told who has it", "[nats]") {
+  if (!has_server()) return;
+  Server server;
+  std::vector<std::unique_ptr<BodyLedger>> all;
+  for (int i = 0; i < 4; ++i) {
+    all.push_back(std::make_unique<BodyLedger>(ledger_options(server.port())));
+  }
+  CHECK(all[0]->write(body(1), 0, at(1.0, 1.0), {}));
+  news_of(*all[0], body(1));
+  for (int i = 1; i < 4; ++i) {
+    all[static_cast<std::size_t>(i)]->watch({0, 0, 0});
+    news_of(*all[static_cast<std::size_t>(i)], body(1));
+  }
+  for (int round = 0; round < 20; ++round) {
+    int written = 0;
+    std::set<PeerId> keepers;
+    for (int i = 0; i < 4; ++i) {
+      REQUIRE(all[static_cast<std::size_t>(i)]->write(
+          body(1), static_cast<PeerId>(10 * round + i + 1), at(1.0, 1.0), {}));
+    }
+    for (auto& each : all) {
+      std::vector<LedgerNews> news;
+      REQUIRE(eventually([&] { return each->waiting() == 0; }));
+      each->take(news);
+      for (const LedgerNews& one : news) written += one.kind == Kind::Written ? 1 : 0;
+    }
+    // News that are on their way still.
+    REQUIRE(eventually([&] {
+      keepers.clear();
+      std::vector<LedgerNews> news;
+      for (auto& each : all) {
+        each->take(news);
+        keepers.insert(each->known(body(1))->keeper);
+      }
+      return keepers.size() == 1;
+    }));
+    CHECK(written == 1);
+  }
+}
+
+TEST_CASE(
+    "ledger: ten thousand crossings lose no body and show none twice, though the server is "
+    "killed among them",
+    "[nats][fault]") {
+  if (!has_server()) return;
+  Server server;
+  constexpr int kBodies = 100;
+  constexpr int kKeepers = 4;
+  constexpr int kCells = 6;
+  constexpr int kCrossings = 10000;
+  const LedgerOptions options = ledger_options(server.port());
+  std::vector<std::unique_ptr<BodyLedger>> keepers;
+  for (int k = 0; k < kKeepers; ++k) {
+    keepers.push_back(std::make_unique<BodyLedger>(ledger_options(server.port())));
+    for (int x = 0; x < kCells; ++x) {
+      for (int y = 0; y < kCells; ++y) keepers.back()->watch({0, x, y});
+    }
+  }
+  pbd::SplitMix64 dice(3);
+  const auto anywhere = [&] {
+    return at(dice.uniform(0.0, 4.0 * kCells), dice.uniform(0.0, 4.0 * kCells));
+  };
+  for (int i = 0; i < kBodies; ++i) REQUIRE(keepers[0]->write(body(i), 1, anywhere(), {}));
+  int crossings = 0;
+  int refused = 0;
+  int killed = 0;
+  std::vector<LedgerNews> news;
+  while (crossings < kCrossings) {
+    for (int k = 0; k < kKeepers; ++k) {
+      BodyLedger& keeper = *keepers[static_cast<std::size_t>(k)];
+      news.clear();
+      keeper.take(news);
+      for (const LedgerNews& each : news) {
+        const auto cell = each.record.cell;
+        CHECK((cell.x >= 0 && cell.x < kCells && cell.y >= 0 && cell.y < kCells));
+        if (each.kind == Kind::Written) ++crossings;
+        if (each.kind == Kind::Refused) ++refused;
+      }
+      // Each takes any body at any time, so that they are often at odds.
+      for (int n = 0; n < 8; ++n) {
+        const SharedId id = body(static_cast<int>(dice.below(kBodies)));
+        if (keeper.known(id) != nullptr && keeper.waiting() < 32) {
+          keeper.write(id, static_cast<PeerId>(k + 1), anywhere(), {});
+        }
+      }
+    }
+    if (crossings > (killed + 1) * kCrossings / 3 && killed < 2) {
+      ++killed;
+      server.kill();
+      server.start();
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  for (auto& keeper : keepers) {
+    REQUIRE(eventually([&] { return keeper->waiting() == 0; }));
+  }
+  CHECK(refused > 0);
+  CHECK(killed == 2);
+  const auto found = census(options, kCells);
+  CHECK(found.size() == kBodies);
+  CHECK(std::ranges::all_of(found, [](const auto& entry) { return entry.second == 1; }));
+}
+
+TEST_CASE("ledger: what was written while there is no server is written when there is one",
+          "[nats][fault]") {
+  if (!has_server()) return;
+  Server server;
+  const LedgerOptions options = ledger_options(server.port());
+  BodyLedger ledger(options);
+  CHECK(ledger.write(body(1), 7, at(1.0, 1.0), {}));
+  news_of(ledger, body(1));
+  server.kill();
+  CHECK(ledger.write(body(1), 7, at(9.0, 1.0), {}));
+  CHECK(ledger.write(body(2), 7, at(9.0, 9.0), {}));
+  server.start();
+  CHECK(news_of(ledger, body(2)).back().kind == Kind::Written);
+  CHECK(census(options, 3).size() == 2);
+}
+
+TEST_CASE("ledger: a record opens for its body alone, and no number gets in that cannot be",
+          "[nats][fault]") {
+  const auto key = protocol::secret(1);
+  const LedgerRecord record{.id = body(1), .cell = {0, 3, -4}, .keeper = 9, .pose = at(1.0, 2.0)};
+  std::vector<std::byte> bytes;
+  seal_record(record, 5, key, protocol::seeded(2), bytes);
+  const auto opened = open_record(bytes, body(1), key);
+  REQUIRE(opened.has_value());
+  CHECK(opened->token == 5);
+  CHECK(opened->record.cell == record.cell);
+  CHECK(opened->record.pose.position == record.pose.position);
+  CHECK_FALSE(open_record(bytes, body(2), key).has_value());
+  CHECK_FALSE(open_record(bytes, body(1), protocol::secret(2)).has_value());
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    auto changed = bytes;
+    changed[i] ^= std::byte{1};
+    CHECK_FALSE(open_record(changed, body(1), key).has_value());
+    CHECK_FALSE(open_record(std::span(bytes).first(i), body(1), key).has_value());
+  }
+  LedgerRecord bad = record;
+  bad.pose.position.x() = std::numeric_limits<double>::quiet_NaN();
+  seal_record(bad, 5, key, protocol::seeded(3), bytes);
+  CHECK_FALSE(open_record(bytes, body(1), key).has_value());
+}
+
+}  // namespace
+}  // namespace tandem::nats::ledger_test

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The long-running peer over a server, in wall time.
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+
+#include "demos/processes.h"
+#include "nats/server.h"
+
+namespace tandem::nats::peer_process_test {
+namespace {
+
+using namespace testing;
+using tandem::demos::Process;
+using tandem::testing::eventually;
+using tandem::testing::Folder;
+
+TEST_CASE("tandem-peer: two of them hold a session over NATS through a server that is killed",
+          "[nats][demos]") {
+  if (!has_server()) return;
+  Server server;
+  const Folder folder;
+  folder.write("key", std::string(64, 'b'));
+  const auto start = [&](int id) {
+    const std::string name = std::to_string(id);
+    const std::string text =
+        "id = " + name +
+        "\n[network]\nkey = \"key\"\nservers = [\"127.0.0.1:" + std::to_string(server.port()) +
+        "\"]\nidentity = \"" + name + ".identity\"\n[user]\nfidget = true\n[log]\nfile = \"" +
+        name + ".log\"\n";
+    folder.write(name + ".identity", std::string(63, 'a') + name);
+    return Process("tandem-peer", {"cubes", "--transport", "nats", "--config",
+                                   folder.write(name + ".toml", text)});
+  };
+  Process a = start(1);
+  Process b = start(2);
+  const auto says = [&](const char* log, const std::string& text) {
+    return folder.text(log).find(text) != std::string::npos;
+  };
+  REQUIRE(eventually([&] {
+    return says("1.log", "event=peer_connected peer=2") &&
+           says("2.log", "event=peer_connected peer=1");
+  }));
+  CHECK(says("1.log", "transport=nats"));
+  server.kill();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  server.start();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  CHECK_FALSE(says("1.log", "event=peer_lost"));
+  b.send(SIGTERM);
+  CHECK(b.wait() == 0);
+  CHECK(eventually([&] { return says("1.log", "event=peer_lost peer=2"); }));
+  a.send(SIGINT);
+  CHECK(a.wait() == 0);
+  CHECK_FALSE(says("1.log", "level=error"));
+}
+
+}  // namespace
+}  // namespace tandem::nats::peer_process_test
