@@ -94,7 +94,8 @@ bool UdpTransport::change_group(std::span<const std::byte> signed_change) {
 }
 
 std::uint64_t UdpTransport::group() const {
-  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.group(); });
+  return impl_->socket.with(false,
+                            [](UdpNode& node, std::int64_t) { return node.credentials().group; });
 }
 
 SessionTime UdpTransport::session_now() const {

@@ -66,10 +66,9 @@ class UdpNode {
   /// Take over what the organiser has signed and pass it on: whoever is revoked is told so and cut
   /// off at once.
   Credentials::Changed change_group(std::span<const std::byte> signed_change, std::int64_t now);
-  /// Who this is and whom it lets in, with all that the organiser has said since.
+  /// Who this is and whom it lets in, with all that the organiser has said since (`group` is the
+  /// number of his change that holds; 0: none).
   const Credentials& credentials() const { return options_.handshake; }
-  /// Number of the change that holds; 0: none.
-  std::uint64_t group() const { return options_.handshake.group; }
 
   /// The connected peer `teller` says where a third one is.
   void told(consensus::PeerId teller, const KnownPeer& known, std::int64_t now);

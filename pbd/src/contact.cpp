@@ -226,7 +226,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
       rows.b_below = static_cast<LaneMask>(rows.b_below | unsigned{b < a} << lane);
     }
     repeat_first_row(rows);
-    m.kernels->prepare(rows, m.options.evenness, numbers);
+    m.kernels->prepare(rows, numbers);
   };
   const auto block = [&](std::size_t k) {
     return places.subspan(std::min(k, blocks - 1) * kLanes, kLanes);
@@ -246,7 +246,6 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
   const double weight = ctx.gravity.norm() * ctx.h;  // m/s, what gravity adds in a substep
   const SubstepRule rule{.h = ctx.h,
                          .first = ctx.substep == 0,
-                         .push_gain = m.options.push_gain,
                          .push_speed = m.options.push_speed,
                          .push_slop = push_slop(ctx) * weight * ctx.h,
                          .warm_start_gap = m.options.warm_start_gap,

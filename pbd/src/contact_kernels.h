@@ -40,10 +40,9 @@ template <class A, class Half>
 constexpr ContactKernels kernels() {
   static_assert(xsimd::batch<double, Half>::size == kLanes / 2);
   ContactKernels out;
-  out.prepare = [](ContactRows& rows, double evenness, BodyNumbers bodies) {
+  out.prepare = [](ContactRows& rows, BodyNumbers bodies) {
     for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
-      rows.faces ? prepare<B, true>(rows, at, evenness, bodies)
-                 : prepare<B, false>(rows, at, evenness, bodies);
+      rows.faces ? prepare<B, true>(rows, at, bodies) : prepare<B, false>(rows, at, bodies);
     });
   };
   out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies) {

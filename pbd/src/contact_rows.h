@@ -101,11 +101,13 @@ struct alignas(64) Blow {
   LaneMask struck = 0;     ///< by any round
 };
 
+/// Share of an overlap that is opened in a substep.
+inline constexpr double kPushGain = 0.6;
+
 /// How gaps become velocities in a substep.
 struct SubstepRule {
   double h = 0.0;               ///< s
   bool first = false;           ///< of its step: impulses come as forces, N
-  double push_gain = 0.0;       ///< share of an overlap opened in a substep
   double push_speed = 0.0;      ///< m/s, at most
   double push_slop = 0.0;       ///< m, overlap that is left alone
   double warm_start_gap = 0.0;  ///< m, carried impulses of wider gaps are dropped
@@ -153,7 +155,7 @@ struct BodyNumbers {
 /// other, and nothing is contracted.
 struct ContactKernels {
   /// Responses, from frames, arms and the places of the points. `idle` comes as a unit vector.
-  void (*prepare)(ContactRows& rows, double evenness, BodyNumbers bodies);
+  void (*prepare)(ContactRows& rows, BodyNumbers bodies);
   /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is
   /// carried from substep to substep, which heaps need, but starts anew in each step: carried on,
   /// it never comes to rest.

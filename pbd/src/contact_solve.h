@@ -9,9 +9,14 @@
 
 namespace tandem::pbd::kernel {
 
+/// How strongly the four points of a face are drawn to sharing a load evenly, relative to their
+/// mobility. Rigid points leave the split open in one combination (two opposite corners up, two
+/// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over. Motion
+/// is not affected.
+inline constexpr double kEvenness = 0.1;
+
 template <class A, bool faces>
-[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, double evenness,
-                              BodyNumbers bodies) {
+[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const Pair<A> pair(rows, at, bodies);
   Responses<V> m{};
@@ -35,7 +40,7 @@ template <class A, bool faces>
     Face<V> plain = face;
     for (V& idle : plain.idle.p) idle = V(0.0);
     const Sym4<V> B = plain.mobility(m);
-    const V scale = xsimd::sqrt(V(evenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
+    const V scale = xsimd::sqrt(V(kEvenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
     for (std::size_t i = 0; i < 4; ++i) store(scale * face.idle[i], rows.idle[i], at);
   }
 }
@@ -103,7 +108,7 @@ template <class A, bool faces>
     const Mask<V> there = count > V(static_cast<double>(i));
     const V gap =
         apart + dot(n_b, load<V>(rows.anchor_b[i], at)) - dot(n_a, load<V>(rows.anchor_a[i], at));
-    const V opened = most(V(rule.push_gain) * gap / h, V(-rule.push_speed));
+    const V opened = most(V(kPushGain) * gap / h, V(-rule.push_speed));
     store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
     sunk = sunk | (there & (gap < V(-rule.push_slop)));
     impulse[i] = xsimd::select(gap < V(rule.warm_start_gap), share * impulse[i], zero);

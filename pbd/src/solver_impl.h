@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "body_buffer.h"
+#include "constraint_edges.h"
 #include "groups.h"
 #include "islands.h"
 #include "stage_clock.h"
@@ -53,7 +54,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   bool usable(const PoseTarget& target) const;
   /// Islands, and from them the groups that are solved together.
   void arrange_groups();
-  void list_edges();
   Groups::Rule group_rule() const;
   void list_parts();
   void project_joints();
@@ -77,10 +77,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void restore_locked_bodies(const Group& group);
   /// Nothing tunnels: bodies that would get through something stop on their way.
   void limit_motion();
-  /// Non-penetration has the last word in each sweep.
-  static bool is_last(const ConstraintBlock& block) {
-    return block.order() >= static_cast<int>(SolveOrder::Contact);
-  }
   template <class Visit>
   void for_blocks(Visit&& visit) {
     for (const auto& block : world_->blocks_) {
@@ -110,11 +106,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   bool has_rows_ = false;  ///< there is a row, and a body that is awake
   bool projects_ = false;  ///< some row projects poses
   Groups groups_;
-  /// Of all rows: first of blocks that project poses, then of the others but contacts, then
-  /// contacts.
-  std::vector<ConstraintEdge> edges_;
-  std::size_t projecting_edges_ = 0;
-  std::size_t contact_edges_ = 0;       ///< where those of contacts begin
+  ConstraintEdges edges_;
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
   std::vector<double> wanted_;          ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;        ///< the one being solved

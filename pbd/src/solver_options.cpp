@@ -25,12 +25,10 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(sleep_speed, 0.0, 1e6, "sleep_speed", error) &&
          in_range(sleep_spin, 0.0, 1e6, "sleep_spin", error) &&
          in_range(threads, 1, 64, "threads", error) &&
-         in_range(contact.push_gain, 0.0, 1.0, "contact.push_gain", error) &&
          in_range(contact.extra_rows, 0, 1e9, "contact.extra_rows", error) &&
          in_range(contact.resting_tolerance, 0.0, 1e6, "contact.resting_tolerance", error) &&
          in_range(contact.push_speed, 0.0, 1e6, "contact.push_speed", error) &&
          in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&
-         in_range(contact.evenness, 0.0, 10.0, "contact.evenness", error) &&
          in_range(contact.restitution_threshold, 0.0, 1e6, "contact.restitution_threshold",
                   error) &&
          in_range(contact.lanes, 0, 4, "contact.lanes", error);

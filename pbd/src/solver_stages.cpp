@@ -23,8 +23,7 @@ void Solver::Impl::begin_step(World& world, double dt) {
   bodies_.load(world, workers_);
   collect_targets();
   arrange_groups();
-  report_.turning =
-      bodies_.prepare(world, std::span(edges_).first(contact_edges_), groups_.all(), workers_);
+  report_.turning = bodies_.prepare(world, edges_.without_contacts(), groups_.all(), workers_);
   list_parts();
   context_ = {.bodies = bodies_.all(),
               .h = dt / options_.substeps,
@@ -142,9 +141,10 @@ void Solver::Impl::end_step() {
   if (report_.parts.refinement) {
     for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
   }
-  if (options_.sleep_after > 0.0) list_edges();  // what rows did in this step decides who rests
-  groups_.settle(group_rule(), dt_, islands_, edges_, wanted_, world_->states_, world_->props_,
-                 world_->activity_, bodies_.all());
+  if (options_.sleep_after > 0.0)
+    edges_.list(*world_);  // what rows did in this step decides who rests
+  groups_.settle(group_rule(), dt_, islands_, edges_.all(), wanted_, world_->states_,
+                 world_->props_, world_->activity_, bodies_.all());
   limit_motion();
   bodies_.store(*world_, dt_, groups_.all(), report_);
   world_->wrenches_.clear();
@@ -238,12 +238,12 @@ void Solver::Impl::collect_targets() {
 }
 
 void Solver::Impl::arrange_groups() {
-  list_edges();
-  islands_.build(edges_, bodies_.all());
+  edges_.list(*world_);
+  islands_.build(edges_.all(), bodies_.all());
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
   note_new_overlaps();
-  groups_.arrange(group_rule(), islands_, changed_, edges_, pose_targets_, world_->props_,
+  groups_.arrange(group_rule(), islands_, changed_, edges_.all(), pose_targets_, world_->props_,
                   world_->activity_, bodies_.all());
   if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.all());
   report_.groups = static_cast<int>(groups_.all().size());
@@ -256,22 +256,10 @@ void Solver::Impl::arrange_groups() {
     has_rows_ = true;
     projects_ = projects_ || !is_last(block);
   });
-  for (const ConstraintEdge& edge : std::span(edges_).first(projecting_edges_)) {
+  for (const ConstraintEdge& edge : edges_.projecting()) {
     if (edge.body_a != BodyId::kNone) bodies_[edge.body_a].projected = true;
     if (edge.body_b != BodyId::kNone) bodies_[edge.body_b].projected = true;
   }
-}
-
-void Solver::Impl::list_edges() {
-  edges_.clear();
-  projecting_edges_ = 0;
-  for (const auto& block : world_->blocks_) {
-    if (block.get() == world_->contacts_) continue;
-    block->append_edges(edges_);
-    if (!is_last(*block)) projecting_edges_ = edges_.size();
-  }
-  contact_edges_ = edges_.size();
-  if (world_->contacts_ != nullptr) world_->contacts_->append_edges(edges_);
 }
 
 /// A collider or a filter may have changed between bodies that sleep.

@@ -386,7 +386,7 @@ TEST_CASE("membership: a revoked member reads nothing from one second after, and
   world.run(10 * kSecond);
   CHECK(had_by_revoked == 0);
   for (PeerId a = 1; a <= 3; ++a) {
-    CHECK(world.node(a).group() == 1);
+    CHECK(world.node(a).credentials().group == 1);
     CHECK_FALSE(status(world.node(a), 4).connected);
     for (PeerId b = 1; b < a; ++b) CHECK(linked(world, a, b));
     CHECK(had[a] > 900);  // 1250 from two others, 10 % lost: nothing has stopped
@@ -410,7 +410,7 @@ TEST_CASE("membership: a revoked member reads nothing from one second after, and
   world.start(5, 2).dial(address_of(1), world.now);
   world.run(10 * kSecond);
   for (PeerId a = 1; a <= 3; ++a) CHECK(linked(world, a, 5));
-  CHECK(world.node(5).group() == 1);
+  CHECK(world.node(5).credentials().group == 1);
 
   // And where it is the one that is dialled.
   world.stop(5);
@@ -446,7 +446,7 @@ TEST_CASE("membership: a group change that the organiser has not signed moves no
   CHECK(world.node(1).change_group(forged, world.now) == Credentials::Changed::Forged);
   CHECK(world.node(3).change_group(forged, world.now) == Credentials::Changed::Yes);
   world.run(kSecond);
-  CHECK(world.node(1).group() == 0);
+  CHECK(world.node(1).credentials().group == 0);
   CHECK(linked(world, 1, 2));
   CHECK(reason(world, 1, 3) == "dropped: group change that the organiser has not signed");
   // An older one is no news, and one of another session is nobody's.
@@ -456,7 +456,7 @@ TEST_CASE("membership: a group change that the organiser has not signed moves no
   CHECK(world.node(1).change_group(second, world.now) == Credentials::Changed::Yes);
   CHECK(world.node(1).change_group(first, world.now) == Credentials::Changed::Known);
   CHECK(world.node(1).change_group(elsewhere, world.now) == Credentials::Changed::Forged);
-  CHECK(world.node(1).group() == 2);
+  CHECK(world.node(1).credentials().group == 2);
 }
 
 }  // namespace membership_test

@@ -192,7 +192,7 @@ bool NatsTransport::change_group(std::span<const std::byte> signed_change) {
 }
 
 std::uint64_t NatsTransport::group() const {
-  return impl_->with([](NatsNode& node, std::int64_t) { return node.node().group(); });
+  return impl_->with([](NatsNode& node, std::int64_t) { return node.node().credentials().group; });
 }
 
 consensus::SessionTime NatsTransport::session_now() const {

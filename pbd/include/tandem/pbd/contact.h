@@ -15,18 +15,12 @@ namespace tandem::pbd {
 
 /// How contacts are solved; part of SolverOptions.
 struct TANDEM_API ContactOptions {
-  /// Bodies that overlap are pushed apart by this share of the overlap in each substep, 0 to 1, but
-  /// no faster than push_speed (m/s); where they hardly do, in every other substep and in the last.
-  /// It moves poses and never enters velocity.
-  double push_gain = 0.6;
+  /// m/s: bodies that overlap are pushed apart by 0.6 of the overlap in each substep, but no faster
+  /// than this; where they hardly do, in every other substep and in the last. It moves poses and
+  /// never enters velocity.
   double push_speed = 1.0;
   /// m: carried multipliers are applied before the sweep where the gap is below this.
   double warm_start_gap = 1e-3;
-  /// How strongly the four points of a face are drawn to sharing a load evenly, relative to their
-  /// mobility. Rigid points leave the split open in one combination (two opposite corners up, two
-  /// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over.
-  /// Motion is not affected.
-  double evenness = 0.1;
   /// What a step may cost beyond the solver's substeps: rows that are solved once more. Islands
   /// that want more substeps come first: where the rows of all of them in all further substeps are
   /// more than this, each gets a share. What they leave, a sixth of it, is for rows that one

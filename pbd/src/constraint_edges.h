@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/contact.h"
+#include "tandem/pbd/world.h"
+
+namespace tandem::pbd {
+
+/// Non-penetration has the last word in each sweep.
+inline bool is_last(const ConstraintBlock& block) {
+  return block.order() >= static_cast<int>(SolveOrder::Contact);
+}
+
+/// The edges of all rows of a world; memory is used again.
+class ConstraintEdges {
+ public:
+  void list(const World& world) {
+    edges_.clear();
+    projecting_ = 0;
+    for (const auto& block : world.blocks()) {
+      if (block.get() == world.contacts()) continue;
+      block->append_edges(edges_);
+      if (!is_last(*block)) projecting_ = edges_.size();
+    }
+    contacts_ = edges_.size();
+    if (world.contacts() != nullptr) world.contacts()->append_edges(edges_);
+  }
+  std::span<const ConstraintEdge> all() const { return edges_; }
+  /// Of the blocks that project poses: those before contacts, which come first.
+  std::span<const ConstraintEdge> projecting() const { return all().first(projecting_); }
+  std::span<const ConstraintEdge> without_contacts() const { return all().first(contacts_); }
+
+ private:
+  std::vector<ConstraintEdge> edges_;
+  std::size_t projecting_ = 0;
+  std::size_t contacts_ = 0;
+};
+
+}  // namespace tandem::pbd
