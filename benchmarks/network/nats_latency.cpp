@@ -87,13 +87,22 @@ std::uint64_t heard(const Ends& ends) {
 
 /// Messages a second that arrive while all say as much as they can.
 double saturation(Ends& ends, std::size_t bytes) {
+  // More under way, and the server would drop who is slow to take it.
+  constexpr std::uint64_t kUnderWay = 20000;
   std::atomic<bool> stop = false;
+  std::atomic<std::uint64_t> said = 0;
   std::vector<std::thread> threads;
   for (int i = 0; i < kConnections; ++i) {
-    threads.emplace_back([i, bytes, &ends, &stop] {
+    threads.emplace_back([i, bytes, &ends, &stop, &said] {
       std::vector<char> payload(bytes);
-      for (int k = 0; !stop; ++k)
+      for (int k = 0; !stop; ++k) {
+        if (said - heard(ends) > kUnderWay) {
+          std::this_thread::sleep_for(std::chrono::microseconds(200));
+          continue;
+        }
+        ++said;
         say(ends, i, (i + 1 + k % (kConnections - 1)) % kConnections, payload, 0);
+      }
     });
   }
   std::this_thread::sleep_for(kFast / 4);
@@ -167,6 +176,10 @@ int main(int argc, char** argv) {
       const std::scoped_lock lock(end.mutex);
       late.insert(late.end(), end.late.begin(), end.late.end());
       end.late.clear();
+    }
+    if (late.empty()) {
+      std::puts("nothing arrived");
+      continue;
     }
     std::ranges::sort(late);
     const auto at = [&](double q) {
