@@ -8,7 +8,7 @@ only records what each rank is told; then each rank runs again by itself, --repe
 step the least time counts. The undivided world is one rank, measured alike, in between.
 
     benchmarks/cluster.py build/release/bin --scene cliff --ranks 4 8
-    benchmarks/cluster.py build/release/bin --scene heap --per-rank 1000 --ranks 4 16 64 --balance-every 8
+    benchmarks/cluster.py build/release/bin --scene heap --per-rank 1000 --ranks 4 16 64
 """
 import argparse
 import json
