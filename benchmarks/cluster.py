@@ -76,8 +76,8 @@ def main():
     parser.add_argument("--ranks", type=int, nargs="+", default=[4])
     parser.add_argument("--seconds", type=float, default=6.0)
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("more", nargs="*", help="further arguments of tandem-cluster, after --")
-    options = parser.parse_args()
+    # What it does not know is for tandem-cluster.
+    options, options.more = parser.parse_known_args()
     with tempfile.TemporaryDirectory() as folder:
         whole, _ = measure(options, 1, options.per_rank or options.size, folder)
         print(f"{options.scene}: undivided {1e3 * mean(whole[0]):.3f} ms")

@@ -41,8 +41,8 @@ bool write_at(MPI_File file, std::uint64_t place, const Bytes& bytes) {
     const int count = static_cast<int>(std::min(kPiece, bytes.size() - at));
     MPI_Status status;
     int written = 0;
-    if (MPI_File_write_at(file, static_cast<MPI_Offset>(place + at), bytes.data() + at, count,
-                          MPI_BYTE, &status) != MPI_SUCCESS) {
+    if (MPI_File_write_at(file, static_cast<MPI_Offset>(place) + static_cast<MPI_Offset>(at),
+                          bytes.data() + at, count, MPI_BYTE, &status) != MPI_SUCCESS) {
       return false;
     }
     MPI_Get_count(&status, MPI_BYTE, &written);
@@ -56,8 +56,8 @@ bool read_at(MPI_File file, std::uint64_t place, Bytes& bytes) {
     const int count = static_cast<int>(std::min(kPiece, bytes.size() - at));
     MPI_Status status;
     int read = 0;
-    if (MPI_File_read_at(file, static_cast<MPI_Offset>(place + at), bytes.data() + at, count,
-                         MPI_BYTE, &status) != MPI_SUCCESS) {
+    if (MPI_File_read_at(file, static_cast<MPI_Offset>(place) + static_cast<MPI_Offset>(at),
+                         bytes.data() + at, count, MPI_BYTE, &status) != MPI_SUCCESS) {
       return false;
     }
     MPI_Get_count(&status, MPI_BYTE, &read);

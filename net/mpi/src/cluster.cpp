@@ -175,7 +175,7 @@ void Cluster::Impl::migrate(const std::vector<std::pair<std::uint32_t, int>>& mo
   }
   for (const auto& [slot, rank] : moves) part_.remove(slot);
   arrived_.assign(world_.slot_count(), 0);
-  for (const Bytes& bytes : ranks_.swap(out)) read_section(bytes);
+  for (const Bytes& bytes : ranks_.exchange(out)) read_section(bytes);
 }
 
 /// Bodies with their contacts.

@@ -169,7 +169,8 @@ void Ranks::gather_bytes(const Bytes& bytes) {
   const int size = as_count(bytes.size());
   MPI_Allgather(&size, 1, MPI_INT, sizes_.data(), 1, MPI_INT, comm_);
   gather_sizes();
-  gathered_.resize(static_cast<std::size_t>(places_.back() + sizes_.back()));
+  gathered_.resize(static_cast<std::size_t>(places_.back()) +
+                   static_cast<std::size_t>(sizes_.back()));
   MPI_Allgatherv(bytes.data(), size, MPI_BYTE, gathered_.data(), sizes_.data(), places_.data(),
                  MPI_BYTE, comm_);
   if (!tape_.records()) return;
@@ -200,7 +201,7 @@ std::span<MessageReader> Ranks::gather(const Bytes& own) {
   return readers_;
 }
 
-Bytes Ranks::swap_bytes(const std::vector<Bytes>& to) {
+Bytes Ranks::exchange_bytes(const std::vector<Bytes>& to) {
   Bytes in;
   if (tape_.replays()) {
     tape_.read(in);
@@ -220,7 +221,7 @@ Bytes Ranks::swap_bytes(const std::vector<Bytes>& to) {
   as_count(out.size());
   MPI_Alltoall(own_sizes.data(), 1, MPI_INT, sizes_.data(), 1, MPI_INT, comm_);
   gather_sizes();
-  in.resize(static_cast<std::size_t>(places_.back() + sizes_.back()));
+  in.resize(static_cast<std::size_t>(places_.back()) + static_cast<std::size_t>(sizes_.back()));
   MPI_Alltoallv(out.data(), own_sizes.data(), own_places.data(), MPI_BYTE, in.data(), sizes_.data(),
                 places_.data(), MPI_BYTE, comm_);
   if (tape_.records()) {
@@ -230,9 +231,9 @@ Bytes Ranks::swap_bytes(const std::vector<Bytes>& to) {
   return in;
 }
 
-std::vector<Bytes> Ranks::swap(const std::vector<Bytes>& to) {
+std::vector<Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
   pause();
-  const Bytes in = swap_bytes(to);
+  const Bytes in = exchange_bytes(to);
   std::size_t sent = 0;
   for (const Bytes& bytes : to) sent += bytes.size();
   std::vector<Bytes> from;

@@ -50,7 +50,7 @@ class Ranks {
   /// Everybody's bytes, by rank; valid until the next call.
   std::span<MessageReader> gather(const Bytes& own);
   /// `to[r]` goes to rank r; the same the other way round.
-  std::vector<Bytes> swap(const std::vector<Bytes>& to);
+  std::vector<Bytes> exchange(const std::vector<Bytes>& to);
   bool any(bool own);
 
   void begin_step();
@@ -67,7 +67,7 @@ class Ranks {
   };
   void complete_sent();
   void gather_bytes(const Bytes& bytes);
-  Bytes swap_bytes(const std::vector<Bytes>& to);
+  Bytes exchange_bytes(const std::vector<Bytes>& to);
   void gather_sizes();
   std::span<std::byte> bytes_of_sizes() { return std::as_writable_bytes(std::span(sizes_)); }
 

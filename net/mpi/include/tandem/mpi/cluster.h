@@ -45,7 +45,7 @@ struct TANDEM_API ClusterOptions {
   pbd::SolverOptions solver;
   collision::CollisionOptions collision;
   /// Steps from one look at the load to the next, >= 1.
-  int balance_every = 20;
+  int balance_every = 8;
   /// The load is shared out anew where the busiest rank has more than this many times the mean, or
   /// where a small island lies on several ranks.
   double balance_above = 1.05;
