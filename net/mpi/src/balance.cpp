@@ -247,16 +247,12 @@ void Balance::tell_cut(std::vector<Item>& cut) {
   }
 }
 
-std::vector<std::pair<std::uint32_t, int>> Balance::decide(const Load& load) {
-  set_axes();
-  double total = 0.0;
-  std::vector<Item> cut = gather_cut(load, total);
-  const double most = cut_above_ * total / ranks_.count();
-  items_.clear();
-  std::map<std::uint32_t, Item> whole;  // by the lowest slot of the island
-  const auto island_of = [&](std::uint32_t slot) {
-    return slot < islands_.islands().size() ? islands_.islands()[slot] : slot;
-  };
+std::uint32_t Balance::island_of(std::uint32_t slot) const {
+  return slot < islands_.islands().size() ? islands_.islands()[slot] : slot;
+}
+
+std::map<std::uint32_t, Balance::Item> Balance::gather_whole(const Load& load) const {
+  std::map<std::uint32_t, Item> whole;
   for (const std::uint32_t slot : part_.own()) {
     if (islands_.cut_island(island_of(slot)) != IslandAgreement::kNone) continue;
     Item& item = whole[island_of(slot)];
@@ -265,6 +261,16 @@ std::vector<std::pair<std::uint32_t, int>> Balance::decide(const Load& load) {
     item.place += part_.world().states()[slot].pose.position;
     item.bodies += 1.0;
   }
+  return whole;
+}
+
+std::vector<std::pair<std::uint32_t, int>> Balance::decide(const Load& load) {
+  set_axes();
+  double total = 0.0;
+  std::vector<Item> cut = gather_cut(load, total);
+  const double most = cut_above_ * total / ranks_.count();
+  items_.clear();
+  std::map<std::uint32_t, Item> whole = gather_whole(load);
   // Which item each body goes with; those of large islands are items themselves.
   std::map<std::uint32_t, std::size_t> place;  // by island
   for (auto& [island, item] : whole) {

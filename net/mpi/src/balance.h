@@ -61,6 +61,9 @@ class Balance {
   void partition();
   void ask_zoltan();
   std::vector<Item> gather_cut(const Load& load, double& total);
+  /// Islands that lie on this rank alone, by their lowest slot.
+  std::map<std::uint32_t, Item> gather_whole(const Load& load) const;
+  std::uint32_t island_of(std::uint32_t slot) const;
   void tell_cut(std::vector<Item>& cut);
 
   Part& part_;

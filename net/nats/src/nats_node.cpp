@@ -51,8 +51,9 @@ NatsNode::NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std
               send(datagram, to);
             }),
       hood_(options.cells, options.member.self) {
-  if (options.speaker) speaker_secret_.emplace(*options.speaker);
-  for (const TrustedSpeaker& each : options.speakers) speakers_[each.peer] = each.public_key;
+  if (options.speaker) speaking_.secret.emplace(*options.speaker);
+  for (const TrustedSpeaker& each : options.speakers)
+    speaking_.trusted[each.peer] = each.public_key;
   for (int level = 1; level < cells_.levels; ++level) levels_.emplace_back(self_, now);
   own_ = subscribe(subjects_.to(self_), Inbox::Kind::Datagram);
 }
@@ -66,11 +67,11 @@ NatsOwned<natsSubscription> NatsNode::subscribe(const std::string& subject, Inbo
 
 void NatsNode::send(std::span<const std::byte> datagram, const net::Address& to) {
   if (!net::is_path(to)) return;
-  sealed_.clear();
-  pbd::ByteWriter writer(sealed_);
+  seal_.sealed.clear();
+  pbd::ByteWriter writer(seal_.sealed);
   writer.u64(self_);
   writer.bytes(datagram);
-  hub_->impl().publish(subjects_.to(net::path_number(to)), sealed_);
+  hub_->impl().publish(subjects_.to(net::path_number(to)), seal_.sealed);
 }
 
 void NatsNode::tick(std::int64_t now) {
@@ -90,11 +91,11 @@ void NatsNode::tick(std::int64_t now) {
     }
   }
   last_ = std::max(last_, now);
-  if (now >= next_follow_) {
-    next_follow_ = now + kFollowEvery;
+  if (now >= due_.follow) {
+    due_.follow = now + kFollowEvery;
     follow(now);
   }
-  if (now >= next_presence_) say_where(now);
+  if (now >= due_.presence) say_where(now);
   speak(now);
   node_.poll(now);
 }
@@ -107,7 +108,7 @@ void NatsNode::on_datagram(const Inbox::Message& message) {
 }
 
 void NatsNode::on_presence(const Inbox::Message& message) {
-  const auto opened = opener_.open(message.bytes, node_.credentials());
+  const auto opened = seal_.opener.open(message.bytes, node_.credentials());
   if (!opened) return;
   const auto presence = decode_presence(opened->plain);
   if (!presence) {
@@ -121,16 +122,16 @@ void NatsNode::on_presence(const Inbox::Message& message) {
 
 bool NatsNode::is_believed(PeerId sender, const Summary& summary,
                            std::span<const std::byte> plain) const {
-  if (speakers_.empty()) return true;
-  const auto trusted = speakers_.find(sender);
-  return trusted != speakers_.end() &&
+  if (speaking_.trusted.empty()) return true;
+  const auto trusted = speaking_.trusted.find(sender);
+  return trusted != speaking_.trusted.end() &&
          crypto::verify(trusted->second,
                         octets(plain.first(plain.size() - crypto::kSignatureBytes)),
                         summary.signature);
 }
 
 void NatsNode::on_summary(const Inbox::Message& message) {
-  const auto opened = opener_.open(message.bytes, node_.credentials());
+  const auto opened = seal_.opener.open(message.bytes, node_.credentials());
   if (!opened || opened->sender == self_) return;
   const auto summary = decode_summary(opened->plain);
   if (!summary || summary->cell.level >= cells_.levels ||
@@ -218,32 +219,35 @@ void NatsNode::reconcile(std::int64_t now) {
 
 void NatsNode::renew_seal() {
   const net::Credentials& credentials = node_.credentials();
-  if (sealer_ != nullptr && sealed_for_ == credentials.group) return;
-  sealer_ = std::make_unique<GroupSealer>(credentials.session_key, self_, crypto::system_random());
-  sealed_for_ = credentials.group;
+  if (seal_.sealer != nullptr && seal_.group == credentials.group) return;
+  seal_.sealer =
+      std::make_unique<GroupSealer>(credentials.session_key, self_, crypto::system_random());
+  seal_.group = credentials.group;
 }
 
 void NatsNode::publish_sealed(const std::string& subject, std::span<const std::byte> plain) {
   renew_seal();
-  sealer_->seal(plain, sealed_);
-  hub_->impl().publish(subject, sealed_);
+  seal_.sealer->seal(plain, seal_.sealed);
+  hub_->impl().publish(subject, seal_.sealed);
 }
 
 void NatsNode::say_where(std::int64_t now) {
   const std::int64_t every = period(cells_.presence_hz);
   // Not all at once, whoever began together.
-  if (next_presence_ == INT64_MIN)
-    next_presence_ = now + static_cast<std::int64_t>(self_ % 16) * every / 16 - every;
-  next_presence_ = std::max(next_presence_ + every, now);
-  plain_.clear();
-  encode(Presence{.sent = steady_(), .position = hood_.position(), .hears = hood_.hears()}, plain_);
-  publish_sealed(subjects_.who(cell_at(cells_, hood_.position())), plain_);
+  if (due_.presence == INT64_MIN)
+    due_.presence = now + static_cast<std::int64_t>(self_ % 16) * every / 16 - every;
+  due_.presence = std::max(due_.presence + every, now);
+  seal_.plain.clear();
+  encode(Presence{.sent = steady_(), .position = hood_.position(), .hears = hood_.hears()},
+         seal_.plain);
+  publish_sealed(subjects_.who(cell_at(cells_, hood_.position())), seal_.plain);
   load_.said(now);
 }
 
 bool NatsNode::speaks(int level, std::int64_t now) const {
   if (level < 1 || level >= cells_.levels) return false;
-  if (!speakers_.empty() && !(speakers_.contains(self_) && speaker_secret_)) return false;
+  if (!speaking_.trusted.empty() && !(speaking_.trusted.contains(self_) && speaking_.secret))
+    return false;
   return levels_[static_cast<std::size_t>(level) - 1].speaker.speaks(now);
 }
 
@@ -276,12 +280,13 @@ void NatsNode::speak(std::int64_t now) {
     if (!speaks(number, now) || !level.speaker.due(every, now)) continue;
     const Cell cell = level.speaker.cell();
     Summary summary{.cell = cell, .people = people_of(level, cell, now), .content = level.content};
-    plain_.clear();
-    encode(summary, plain_);
-    if (speaker_secret_)
-      summary.signature = crypto::sign(*speaker_secret_, octets(std::span(std::as_const(plain_))));
-    pbd::ByteWriter(plain_).bytes(std::as_bytes(std::span(summary.signature)));
-    publish_sealed(subjects_.summary(cell), plain_);
+    seal_.plain.clear();
+    encode(summary, seal_.plain);
+    if (speaking_.secret)
+      summary.signature =
+          crypto::sign(*speaking_.secret, octets(std::span(std::as_const(seal_.plain))));
+    pbd::ByteWriter(seal_.plain).bytes(std::as_bytes(std::span(summary.signature)));
+    publish_sealed(subjects_.summary(cell), seal_.plain);
     if (number + 1 < cells_.levels) {
       Level& above = levels_[static_cast<std::size_t>(number)];
       if (above.of_within == parent_of(cell)) above.people[cell] = {summary.people, now};
@@ -319,7 +324,7 @@ NatsStatus NatsNode::status() const {
           .cells = hood_.cells(),
           .lag = load_.lag(),
           .dropped = inbox_->dropped(),
-          .refused = opener_.refused() + unbelieved_};
+          .refused = seal_.opener.refused() + unbelieved_};
 }
 
 }  // namespace tandem::nats

@@ -57,6 +57,24 @@ class NatsNode {
     std::map<Cell, std::pair<std::uint32_t, std::int64_t>> people;  ///< of its parts, when heard
   };
 
+  /// What is sealed for all of the group, and opened.
+  struct Seal {
+    std::unique_ptr<GroupSealer> sealer;
+    std::uint64_t group = 0;  ///< that `sealer` is for
+    GroupOpener opener;
+    std::vector<std::byte> plain;   ///< scratch
+    std::vector<std::byte> sealed;  ///< scratch
+  };
+  /// Who may speak for a cell.
+  struct Speaking {
+    std::optional<net::crypto::Secret> secret;  ///< own
+    std::map<PeerId, net::crypto::PublicKey> trusted;
+  };
+  struct Due {
+    std::int64_t follow = INT64_MIN;
+    std::int64_t presence = INT64_MIN;
+  };
+
   void send(std::span<const std::byte> datagram, const net::Address& to);
   void on_datagram(const Inbox::Message& message);
   void on_presence(const Inbox::Message& message);
@@ -78,29 +96,23 @@ class NatsNode {
   Subjects subjects_;
   std::shared_ptr<NatsHub> hub_;
   std::function<std::int64_t()> steady_;
-  std::optional<net::crypto::Secret> speaker_secret_;
-  std::map<PeerId, net::crypto::PublicKey> speakers_;
+  Speaking speaking_;
 
   std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
   net::UdpNode node_;
   Neighbourhood hood_;
   Load load_;
   std::vector<Level> levels_;  ///< from level 1 on
-  std::unique_ptr<GroupSealer> sealer_;
-  std::uint64_t sealed_for_ = 0;  ///< the group that sealer_ is for
-  GroupOpener opener_;
+  Seal seal_;
   NatsOwned<natsSubscription> own_;
   std::map<Cell, NatsOwned<natsSubscription>> heard_cells_;
 
   std::int64_t last_ = INT64_MIN;  ///< of the newest thing that the node was told
-  std::int64_t next_follow_ = INT64_MIN;
-  std::int64_t next_presence_ = INT64_MIN;
+  Due due_;
   std::map<PeerId, std::int64_t> amiss_;  ///< whose connection is not as wanted, since when
   std::uint64_t unbelieved_ = 0;
   std::vector<consensus::Packet> packets_;  ///< of summaries
   std::vector<CellSummary> summaries_;
-  std::vector<std::byte> plain_;   ///< scratch
-  std::vector<std::byte> sealed_;  ///< scratch
 };
 
 }  // namespace tandem::nats
