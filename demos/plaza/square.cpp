@@ -199,84 +199,43 @@ void Square::census() {
   }
 }
 
-SquareReport Square::run() {
-  arrive();
+std::array<double, 5> Square::counts() const {
   const auto total = [this](auto field) {
     std::uint64_t sum = 0;
     for (const auto& hub : hubs_) sum += hub->status().*field;
     return static_cast<double>(sum);
   };
-  const auto far = [this] {
-    std::uint64_t sum = 0;
-    for (const auto& visitor : people_) sum += visitor->far().summaries;
-    return static_cast<double>(sum);
-  };
-  const auto steps = [this](double seconds) {
-    return static_cast<std::int64_t>(seconds * options_.step_hz);
-  };
-  const std::int64_t settle = steps(kSettle);
-  const std::int64_t all = settle + steps(options_.seconds);
-  const std::int64_t every = std::max<std::int64_t>(1, steps(kLookEvery));
-  double cpu = 0.0;
-  double watching = 0.0;  // s of CPU that is not the visitors'
-  double connected = 0.0;
-  double simulated = 0.0;
-  double cells = 0.0;
-  std::size_t looks = 0;
-  std::array<double, 5> counted{};
-  auto wall = std::chrono::steady_clock::now();
-  const auto counts = [&] {
-    return std::array<double, 5>{
-        total(&nats::HubStatus::bytes_in), total(&nats::HubStatus::bytes_out),
-        total(&nats::HubStatus::messages_in), total(&nats::HubStatus::messages_out), far()};
-  };
-  std::int64_t now = clock_.begin_step();
-  for (std::int64_t step = 0; step < all; ++step) {
-    const std::int64_t end = now + static_cast<std::int64_t>(1e9 / options_.step_hz);
-    if (step == settle) {
-      cpu = cpu_seconds();
-      watching = 0.0;
-      counted = counts();
-      wall = std::chrono::steady_clock::now();
-      all_moving_.clear(), all_resting_.clear(), moving_.clear(), resting_.clear();
-    }
-    for (const auto& visitor : people_) visitor->step(now, end);
-    const double before = cpu_seconds();
-    if (step % every == 0) {
-      look();
-      if (step >= settle) {
-        ++looks;
-        for (const auto& visitor : people_) {
-          connected += static_cast<double>(visitor->connected());
-          if (visitor->custody() == nullptr) continue;
-          simulated += static_cast<double>(visitor->custody()->local().size());
-          cells += static_cast<double>(visitor->transport()->status().cells);
-        }
-      }
-    }
-    if ((step + 1) % std::max<std::int64_t>(1, steps(1.0)) == 0) {
-      tell(static_cast<double>(step + 1 - settle) / options_.step_hz);
-    }
-    watching += cpu_seconds() - before;
-    now = clock_.begin_step();
+  std::uint64_t far = 0;
+  for (const auto& visitor : people_) far += visitor->far().summaries;
+  return {total(&nats::HubStatus::bytes_in), total(&nats::HubStatus::bytes_out),
+          total(&nats::HubStatus::messages_in), total(&nats::HubStatus::messages_out),
+          static_cast<double>(far)};
+}
+
+void Square::sample() {
+  ++samples_;
+  for (const auto& visitor : people_) {
+    report_.connected += static_cast<double>(visitor->connected());
+    if (visitor->custody() == nullptr) continue;
+    report_.simulated += static_cast<double>(visitor->custody()->local().size());
+    report_.cells += static_cast<double>(visitor->transport()->status().cells);
   }
-  report_.session_s = options_.seconds;
-  report_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
-  report_.cpu_s = cpu_seconds() - cpu - watching;
+}
+
+void Square::sum_up(const std::array<double, 5>& before) {
   const auto after = counts();
   const double people = static_cast<double>(people_.size());
   const auto per = [&](std::size_t i) {
-    return (after[i] - counted[i]) / people / options_.seconds;
+    return (after[i] - before[i]) / people / options_.seconds;
   };
+  report_.session_s = options_.seconds;
   report_.kbit_in = 8e-3 * per(0);
   report_.kbit_out = 8e-3 * per(1);
   report_.messages_in = per(2);
   report_.messages_out = per(3);
   report_.summaries = per(4);
-  const double samples = people * static_cast<double>(std::max<std::size_t>(1, looks));
-  report_.connected = connected / samples;
-  report_.simulated = simulated / samples;
-  report_.cells = cells / samples;
+  const double samples = people * static_cast<double>(std::max<std::size_t>(1, samples_));
+  for (double* sum : {&report_.connected, &report_.simulated, &report_.cells}) *sum /= samples;
   report_.moving_mm = spread_of(all_moving_);
   report_.resting_mm = spread_of(all_resting_);
   for (const auto& visitor : people_) {
@@ -288,6 +247,44 @@ SquareReport Square::run() {
     report_.written += counters.written;
     report_.refused += counters.refused;
   }
+}
+
+SquareReport Square::run() {
+  arrive();
+  const auto steps = [this](double seconds) {
+    return std::max<std::int64_t>(1, static_cast<std::int64_t>(seconds * options_.step_hz));
+  };
+  const std::int64_t settle = steps(kSettle);
+  const std::int64_t all = settle + steps(options_.seconds);
+  double cpu = 0.0;
+  double watching = 0.0;  // s of CPU that is not the visitors'
+  std::array<double, 5> counted{};
+  auto wall = std::chrono::steady_clock::now();
+  std::int64_t now = clock_.begin_step();
+  for (std::int64_t step = 0; step < all; ++step) {
+    const std::int64_t end = now + static_cast<std::int64_t>(1e9 / options_.step_hz);
+    if (step == settle) {
+      cpu = cpu_seconds();
+      watching = 0.0;
+      counted = counts();
+      wall = std::chrono::steady_clock::now();
+      for (auto* values : {&all_moving_, &all_resting_, &moving_, &resting_}) values->clear();
+    }
+    for (const auto& visitor : people_) visitor->step(now, end);
+    const double before = cpu_seconds();
+    if (step % steps(kLookEvery) == 0) {
+      look();
+      if (step >= settle) sample();
+    }
+    if ((step + 1) % steps(1.0) == 0) {
+      tell(static_cast<double>(step + 1 - settle) / options_.step_hz);
+    }
+    watching += cpu_seconds() - before;
+    now = clock_.begin_step();
+  }
+  report_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
+  report_.cpu_s = cpu_seconds() - cpu - watching;
+  sum_up(counted);
   for (const auto& visitor : people_) visitor->leave(now);
   people_.clear();
   hubs_.clear();

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -81,6 +82,12 @@ class Square {
   void arrive();
   void look();
   void tell(double time);
+  /// All that is counted from the beginning on: bytes and messages in and out, and summaries heard.
+  std::array<double, 5> counts() const;
+  /// What is averaged over the run.
+  void sample();
+  /// @param before  counts() where the run began
+  void sum_up(const std::array<double, 5>& before);
   void census();
 
   PlazaOptions options_;
@@ -88,6 +95,7 @@ class Square {
   std::vector<std::shared_ptr<nats::NatsHub>> hubs_;
   std::vector<std::unique_ptr<Visitor>> people_;
   SquareReport report_;
+  std::size_t samples_ = 0;
   std::vector<double> moving_;  ///< mm, since the last tell()
   std::vector<double> resting_;
   std::vector<double> all_moving_;
