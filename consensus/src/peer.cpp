@@ -199,6 +199,7 @@ void Peer::leave(SessionTime now) {
 void Peer::share(const ShareDef& def) {
   impl_->data.bodies.add(def, impl_->sender.most_bodies());
   impl_->data.inbox.add_id(def.id);
+  impl_->agreement.clear();  // its targets point to where bodies were
 }
 
 void Peer::set_owner(const SharedId& id, std::optional<PeerId> owner) {

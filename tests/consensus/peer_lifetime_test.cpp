@@ -56,6 +56,30 @@ TEST_CASE("peer lifetime: a peer that is gone leaves the world's blocks as it fo
   CHECK(run() == expected);
 }
 
+TEST_CASE("peer lifetime: bodies are shared and no longer shared within a step", "[consensus]") {
+  // Ids below and above that of the body for which the step has a target: lists are made anew.
+  Session session;
+  for (int i = 0; i < 2; ++i) {
+    Site& site = session.add(static_cast<PeerId>(i + 1), 0.0, {.authority_ramp = 0.0}, kWeightless);
+    site.share(ball(Vec3(0.1 * i, 0.0, 0.0)));
+    site.coupled = [count = 0](Site& s, SessionTime) mutable {
+      if (++count < 30 || count > 130) return;
+      const SharedId below{kBody.high, kBody.low - 1};
+      const SharedId above{kBody.high, kBody.low + static_cast<std::uint64_t>(count)};
+      const Vec3 elsewhere(10.0 * count, 0.0, 0.0);
+      if (count % 2 == 0) {
+        s.peer->share({.id = below, .body = s.world.add_body(ball(elsewhere))});
+      } else if (count > 30) {
+        s.peer->unshare(below);
+      }
+      s.peer->share({.id = above, .body = s.world.add_body(ball(elsewhere + Vec3::UnitY()))});
+    };
+  }
+  session.run(5.0);
+  CHECK(gap(session[0], session[1]) < 1e-3);
+  CHECK(session[0].x().x() == Approx(0.05).epsilon(0.01));
+}
+
 TEST_CASE("peer lifetime: a world that is moved away from its peer keeps its blocks",
           "[consensus][fault]") {
   StubTransport transport(1);
