@@ -19,7 +19,7 @@ namespace tandem::pbd {
 /// better choice than islands: a pyramid of 30 rows, swept whole or not at all, shears by 0.2 m at
 /// twice the cost. In a block with such a row those of its
 /// island are swept with it, as the other lanes cost nothing: asked for one by one, rows filled 1
-/// lane of 2 (katamari), which took 8 % more time for the same overlap. Other islands keep their
+/// lane of 2 (katamari), which took 5 % more time for the same overlap. Other islands keep their
 /// bits as long as the budget lasts.
 class ContactConvergence {
  public:
