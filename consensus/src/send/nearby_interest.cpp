@@ -3,38 +3,11 @@
 #include "tandem/consensus/nearby_interest.h"
 
 #include <algorithm>
-#include <span>
 
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
-namespace {
-
-using Involved = std::vector<std::pair<PeerId, std::uint32_t>>;
-
-/// Takes in the other end of all that touches or is joined to a body that somebody holds.
-class Partners final : public pbd::LinkVisitor {
- public:
-  Partners(std::span<const HeldBody> held, Involved& out) : held_(held), out_(out) {}
-  void link(std::uint32_t a, std::uint32_t b) override {
-    for (const HeldBody& each : held_) {
-      if (each.body.index == a) add(each.user, b);
-      if (each.body.index == b) add(each.user, a);
-    }
-  }
-
- private:
-  void add(PeerId user, std::uint32_t slot) {
-    if (slot != pbd::BodyId::kNone) out_.emplace_back(user, slot);
-  }
-
-  std::span<const HeldBody> held_;
-  Involved& out_;
-};
-
-}  // namespace
-
 void NearbyInterestOptions::validate() const {
   pbd::detail::require_in(0.0, 1e7, "NearbyInterestOptions", "radius", radius, "m");
   pbd::detail::require_in(0.0, 1e7, "NearbyInterestOptions", "slack", slack, "m");
@@ -73,13 +46,23 @@ void NearbyInterest::update() {
     involved_.emplace_back(each.user, each.body.index);
     if (!placed_.contains(each.user)) places_[each.user] = each.anchor_w;
   }
-  Partners partners(held_, involved_);
+  edges_.clear();
   for (const auto& block : world_.blocks()) {
-    if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->links(partners);
+    if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->append_edges(edges_);
   }
   if (world_.contacts() != nullptr) {
     for (const pbd::Contact& contact : world_.contacts()->contacts()) {
-      if (contact.impulse > 0.0) partners.link(contact.manifold.body_a, contact.manifold.body_b);
+      if (!(contact.impulse > 0.0)) continue;
+      edges_.push_back({.body_a = contact.manifold.body_a, .body_b = contact.manifold.body_b});
+    }
+  }
+  const auto add = [&](PeerId user, std::uint32_t slot) {
+    if (slot != pbd::BodyId::kNone) involved_.emplace_back(user, slot);
+  };
+  for (const pbd::ConstraintEdge& edge : edges_) {
+    for (const HeldBody& each : held_) {
+      if (each.body.index == edge.body_a) add(each.user, edge.body_b);
+      if (each.body.index == edge.body_b) add(each.user, edge.body_a);
     }
   }
   std::ranges::sort(involved_);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tandem/consensus/peer.h"
+#include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 #include "tandem/pbd/world.h"
@@ -56,6 +57,7 @@ class TANDEM_API NearbyInterest final : public Interest {
   std::map<PeerId, pbd::Vec3> places_;
   std::set<PeerId> placed_;  ///< by set_position()
   std::vector<HeldBody> held_;
+  std::vector<pbd::ConstraintEdge> edges_;  ///< of the last update(): joined, or touching
   std::vector<Near> involved_;  ///< what users hold and what touches it; sorted
   mutable std::set<std::pair<PeerId, SharedId>> told_;
 };
