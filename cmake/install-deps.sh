@@ -32,7 +32,7 @@ for argument in "$@"; do
     --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
     --with-view) with_view ;;
     --with-checks)
-      packages+=(clang clang-format clang-tidy libclang-rt-14-dev python3-clang-14 doxygen python3 git iproute2)
+      packages+=(ccache clang clang-format clang-tidy libclang-rt-14-dev python3-clang-14 doxygen python3 git iproute2)
       with_view
       command -v chromium >/dev/null || packages+=(chromium)
       ;;

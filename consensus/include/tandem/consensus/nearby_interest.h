@@ -58,7 +58,7 @@ class TANDEM_API NearbyInterest final : public Interest {
   std::set<PeerId> placed_;  ///< by set_position()
   std::vector<HeldBody> held_;
   std::vector<pbd::ConstraintEdge> edges_;  ///< of the last update(): joined, or touching
-  std::vector<Near> involved_;  ///< what users hold and what touches it; sorted
+  std::vector<Near> involved_;              ///< what users hold and what touches it; sorted
   mutable std::set<std::pair<PeerId, SharedId>> told_;
 };
 
