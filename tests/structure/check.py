@@ -65,7 +65,9 @@ def _place(cursor):
 def _arguments(command):
     """The arguments that libclang needs of a compile command."""
     words = shlex.split(command["command"]) if "command" in command else command["arguments"]
-    kept, skip = [], True  # the compiler
+    while not words[0].startswith("-"):  # the compiler, and what launches it
+        words = words[1:]
+    kept, skip = [], False
     for word in words:
         if skip:
             skip = False
