@@ -7,7 +7,7 @@
   benchmarks/people.py BIN udp       the same eight people over UDP and NATS, by seed
   benchmarks/people.py BIN restart   a server that is killed and started again in the middle
 
-BIN is the folder of a build with -DTANDEM_BUILD_NATS=ON. Costs are processor time (user and system) and bytes for each
+BIN is the folder of a build with -DTANDEM_WITH_NATS=ON. Costs are processor time (user and system) and bytes for each
 person and second of the session, of the one process that has all people; the server's are apart. No wall clock.
 """
 import argparse

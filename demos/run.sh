@@ -33,7 +33,7 @@ run_plaza() {
   bash "$root/cmake/install-deps.sh" --with-cluster >&2
   (
     cd "$root"
-    cmake --preset release -B build/nats -DTANDEM_BUILD_NATS=ON -DTANDEM_BUILD_BENCHMARKS=OFF >&2
+    cmake --preset release -B build/nats -DTANDEM_WITH_NATS=ON -DTANDEM_BUILD_BENCHMARKS=OFF >&2
     cmake --build build/nats --target plaza >&2
   )
   if [[ " $* " == *" --server"* ]]; then

@@ -8,7 +8,7 @@ namespace tandem::demos {
 
 std::unique_ptr<Network> make_nats_network(const DemoOptions& /*options*/,
                                            std::uint64_t /*scene_hash*/) {
-  throw std::runtime_error("NATS needs a build with -DTANDEM_BUILD_NATS=ON (Debian: libnats-dev)");
+  throw std::runtime_error("NATS needs a build with -DTANDEM_WITH_NATS=ON (Debian: libnats-dev)");
 }
 
 }  // namespace tandem::demos
