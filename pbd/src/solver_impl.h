@@ -111,8 +111,10 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   std::vector<double> wanted_;          ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;        ///< the one being solved
   std::vector<Manifold> manifolds_;
-  std::vector<Pose> after_;  ///< by slot
-  std::vector<MotionLimit> limits_;
+  struct {
+    std::vector<Pose> after;  ///< by slot
+    std::vector<MotionLimit> limits;
+  } motion_;  ///< what stops bodies on their way
   std::vector<PoseTarget> pose_targets_;
 };
 

@@ -294,10 +294,10 @@ bool Solver::Impl::usable(const PoseTarget& target) const {
 
 void Solver::Impl::limit_motion() {
   if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
-  after_.resize(bodies_.size());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) after_[i] = {bodies_[i].x, bodies_[i].q};
-  world_->contact_source_->limit_motion(*world_, after_, workers_, limits_);
-  for (const MotionLimit& limit : limits_) {
+  motion_.after.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
+  world_->contact_source_->limit_motion(*world_, motion_.after, workers_, motion_.limits);
+  for (const MotionLimit& limit : motion_.limits) {
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
     const Vec3& carried = limit.obstacle_moves;
@@ -306,7 +306,7 @@ void Solver::Impl::limit_motion() {
     body.v -= std::min(0.0, (body.v - carried / dt_).dot(limit.normal)) * limit.normal;
     enforce_locks(body, world_->props_[limit.body].locks);
   }
-  report_.stopped = static_cast<int>(limits_.size());
+  report_.stopped = static_cast<int>(motion_.limits.size());
 }
 
 }  // namespace tandem::pbd
