@@ -132,7 +132,7 @@ TEST_CASE("ledger: of two who take a body at once one is refused and told who ha
 
 TEST_CASE(
     "ledger: ten thousand crossings lose no body and show none twice, though the server is "
-    "killed among them",
+    "stopped among them",
     "[nats][fault]") {
   if (!has_server()) return;
   Server server;
@@ -155,7 +155,7 @@ TEST_CASE(
   for (int i = 0; i < kBodies; ++i) REQUIRE(keepers[0]->write(body(i), 1, anywhere(), {}));
   int crossings = 0;
   int refused = 0;
-  int killed = 0;
+  int stopped = 0;
   std::vector<LedgerNews> news;
   while (crossings < kCrossings) {
     for (int k = 0; k < kKeepers; ++k) {
@@ -176,9 +176,9 @@ TEST_CASE(
         }
       }
     }
-    if (crossings > (killed + 1) * kCrossings / 3 && killed < 2) {
-      ++killed;
-      server.kill();
+    if (crossings > (stopped + 1) * kCrossings / 3 && stopped < 2) {
+      ++stopped;
+      server.stop();
       server.start();
     }
     std::this_thread::sleep_for(std::chrono::microseconds(200));
@@ -187,7 +187,7 @@ TEST_CASE(
     REQUIRE(eventually([&] { return keeper->waiting() == 0; }));
   }
   CHECK(refused > 0);
-  CHECK(killed == 2);
+  CHECK(stopped == 2);
   const auto found = census(options, kCells);
   CHECK(found.size() == kBodies);
   CHECK(std::ranges::all_of(found, [](const auto& entry) { return entry.second == 1; }));

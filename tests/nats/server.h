@@ -55,15 +55,19 @@ class Server {
     REQUIRE(tandem::testing::eventually([this] { return answers(); }));
   }
   /// As a crash does.
-  void kill() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-    pid_ = -1;
-  }
+  /// At once: what it has acknowledged in its last moment may not be on the disk.
+  void kill() { end(SIGKILL); }
+  /// It writes first what it has acknowledged.
+  void stop() { end(SIGTERM); }
   std::uint16_t port() const { return port_; }
 
  private:
+  void end(int signal) {
+    if (pid_ <= 0) return;
+    ::kill(pid_, signal);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
   bool answers() const {
     const int fd = socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
