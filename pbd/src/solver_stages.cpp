@@ -141,8 +141,8 @@ void Solver::Impl::end_step() {
   if (report_.parts.refinement) {
     for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
   }
-  if (options_.sleep_after > 0.0)
-    edges_.list(*world_);  // what rows did in this step decides who rests
+  // What rows did in this step decides who rests; a world that sleeps does not ask.
+  if (options_.sleep_after > 0.0 && !groups_.all().empty()) edges_.list(*world_);
   groups_.settle(group_rule(), dt_, islands_, edges_.all(), wanted_, world_->states_,
                  world_->props_, world_->activity_, bodies_.all());
   limit_motion();

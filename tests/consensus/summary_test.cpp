@@ -103,9 +103,9 @@ TEST_CASE("summary: what a peer says for all has the weight of all, and is where
   const auto fused = session[0].peer->fused(kBody);
   REQUIRE(fused.has_value());
   CHECK((fused->pose.position - session[0].x()).norm() < 1e-3);
-  // Four baselines of 0.08, those of the others a step old.
+  // Four baselines of 0.08.
   CHECK(static_cast<double>(fused->influence) ==
-        Approx(share_of_weight(4.0 * weight_of_share(0.08))).epsilon(0.05));
+        Approx(share_of_weight(4.0 * weight_of_share(0.08))).epsilon(1e-6));
   CHECK(check(*fused).ok());
   CHECK_FALSE(session[0].peer->fused(SharedId::from_name("nothing")).has_value());
 }
