@@ -84,7 +84,7 @@ void follow(const Manifold& manifold, const Contact& old, Contact& contact) {
   contact.overlap = old.overlap;
   contact.manifold = manifold;
   contact.friction_force.setZero();
-  contact.carried_share = old.carried_share;
+  contact.warm_start_scale = old.warm_start_scale;
   contact.approach_speed = 0.0;
   contact.impulse = 0.0;
 }
@@ -107,8 +107,8 @@ void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double
 /// Whether what the next step takes from it is made of numbers.
 bool contact_is_sound(const Contact& contact) {
   const Manifold& m = contact.manifold;
-  bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.carried_share >= 0.0 &&
-               contact.carried_share <= 1.0;
+  bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.warm_start_scale >= 0.0 &&
+               contact.warm_start_scale <= 1.0;
   for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution}) {
     sound = sound && std::isfinite(value);
   }
@@ -271,16 +271,17 @@ void ContactBlock::warm_start(const SubstepContext& ctx) {
 
 double ContactBlock::project(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const bool fresh = ctx.substep == 0;
+  const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, ctx.reverse, numbers);
-    m.kernels->solve(m.rows[k], ContactPass::Motion, turns_of(fresh), kAllLanes, numbers);
+    m.kernels->solve(m.rows[k], ContactPass::Motion, normal_friction_iterations(first_substep),
+                     kAllLanes, numbers);
   });
   const ContactConvergence::Rule rule{
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
       .rows = m.rows_to_sweep(m.refined_rows, ctx.substeps),
-      .fresh = fresh};
+      .first_substep = first_substep};
   const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
                                                *m.kernels, ctx.bodies, *ctx.workers);
   m.extra_rows += swept;
@@ -288,7 +289,8 @@ double ContactBlock::project(const SubstepContext& ctx) {
   m.pushed.assign(ctx.bodies.size(), 0);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     const ContactRows& rows = m.rows[k];
-    m.push(rows, static_cast<LaneMask>(rows.sunk & ~m.shared(rows, ctx)), m.kernels->push, numbers);
+    m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.shared(rows, ctx)), m.kernels->push,
+           numbers);
   });
   return ctx.h * m.largest_change(ctx.group);
 }
@@ -310,7 +312,7 @@ void ContactBlock::solve_displacement(const SubstepContext& ctx) {
   for (int i = 0; i < sweeps; ++i) {
     m.order.sweep(ctx.group, (i % 2 == 0) == ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
       const ContactRows& rows = m.rows[k];
-      const auto meant = static_cast<LaneMask>(rows.sunk & m.shared(rows, ctx));
+      const auto meant = static_cast<LaneMask>(rows.penetrating & m.shared(rows, ctx));
       m.push(rows, meant, m.kernels->hold, numbers);
     });
   }
@@ -318,7 +320,7 @@ void ContactBlock::solve_displacement(const SubstepContext& ctx) {
 
 double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const bool fresh = ctx.substep == 0;
+  const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (m.any_restitution) {
     m.impacts.run(m.order.range(ctx.group), m.rows, *m.kernels, ctx.bodies,
@@ -326,7 +328,8 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   }
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, ctx.reverse, numbers);
-    m.kernels->solve(m.rows[k], ContactPass::Velocity, turns_of(fresh), kAllLanes, numbers);
+    m.kernels->solve(m.rows[k], ContactPass::Velocity, normal_friction_iterations(first_substep),
+                     kAllLanes, numbers);
   });
   return m.largest_change(ctx.group);
 }
@@ -339,7 +342,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
     const double load = rows.load(lane);
     contact.impulse = rows.pressed[lane] + load;
     contact.approach_speed = std::max(rows.fastest[lane], load > 0.0 ? rows.approach[lane] : 0.0);
-    contact.carried_share = share_to_carry(rows, lane, growth);
+    contact.warm_start_scale = warm_start_scale(rows, lane, growth);
     contact.friction_force = friction_of(rows, lane) / ctx.h;
     // What a spoiled step leaves behind must not spoil the next one.
     for (std::size_t i = 0; i < rows.most_points(); ++i) {
@@ -412,7 +415,7 @@ void ContactBlock::save(ByteWriter& out) const {
     out.vec3(m.normal);
     for (const double value :
          {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
-          contact.impulse, contact.carried_share, contact.overlap}) {
+          contact.impulse, contact.warm_start_scale, contact.overlap}) {
       out.f64(value);
     }
     out.vec3(contact.friction_force);
@@ -448,7 +451,7 @@ void ContactBlock::load(ByteReader& in) {
     m.normal = in.vec3();
     for (double* value :
          {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
-          &contact.impulse, &contact.carried_share, &contact.overlap}) {
+          &contact.impulse, &contact.warm_start_scale, &contact.overlap}) {
       *value = in.f64();
     }
     contact.friction_force = in.vec3();

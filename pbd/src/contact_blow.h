@@ -75,17 +75,17 @@ void strike(const ContactRows& rows, Blow& blow, std::size_t at, LaneMask asked,
   if constexpr (faces) {
     const Face<V> face(rows, at);
     const Sym4<V> B = face.mobility(m);
-    const V idle = dot(face.idle, z);
+    const V self_stress = dot(face.self_stress, z);
     for (std::size_t i = 0; i < 4; ++i) {
-      e[i] = xsimd::select(meant & face.there[i], e[i] + idle * face.idle[i], zero);
+      e[i] = xsimd::select(meant & face.there[i], e[i] + self_stress * face.self_stress[i], zero);
     }
     alone = {{B.m00 * z[0], B.m11 * z[1], B.m22 * z[2], B.m33 * z[3]}};
     dz = solve_lcp<V>(face.there, B, z, e);
     apply(sum(dz), dot(face.s, dz), dot(face.r, dz));
   } else {
     e[0] = xsimd::select(meant, e[0], zero);
-    alone[0] = m.press_n * z[0];
-    dz[0] = solve_point(m.press_n, z[0], e[0]);
+    alone[0] = m.k_nn * z[0];
+    dz[0] = solve_point(m.k_nn, z[0], e[0]);
     apply(dz[0], zero, zero);
   }
   V change = zero;

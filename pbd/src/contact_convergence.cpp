@@ -114,8 +114,8 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const Cont
     reverse = !reverse;
     plan(order);
     plan_.sweep(reverse, workers, [&](std::uint32_t i) {
-      kernels.solve(rows[open_[i].block], ContactPass::Motion, turns_of(rule.fresh), open_[i].lanes,
-                    numbers);
+      kernels.solve(rows[open_[i].block], ContactPass::Motion,
+                    normal_friction_iterations(rule.first_substep), open_[i].lanes, numbers);
     });
     for (const Open& open : open_) note(rows[open.block], open.lanes);
     outcome.swept += kept;

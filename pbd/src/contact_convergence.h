@@ -24,9 +24,9 @@ namespace tandem::pbd {
 class ContactConvergence {
  public:
   struct Rule {
-    double tolerance = 0.0;  ///< m/s, a normal velocity that changes by less is solved
-    int rows = 0;            ///< swept again at most
-    bool fresh = false;      ///< friction starts anew in this substep
+    double tolerance = 0.0;      ///< m/s, a normal velocity that changes by less is solved
+    int rows = 0;                ///< swept again at most
+    bool first_substep = false;  ///< friction starts anew in this substep
   };
   struct Outcome {
     int swept = 0;  ///< rows, each as often as it was

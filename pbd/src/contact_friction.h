@@ -10,7 +10,7 @@ namespace tandem::pbd::kernel {
 
 /// Responses of V_1, V_2 and W_n to F_1, F_2 and T_n; symmetric.
 template <class V>
-struct Grip {
+struct TangentBlock {
   V m11 = V(0.0), m12 = V(0.0), m22 = V(0.0), m1n = V(0.0), m2n = V(0.0), mnn = V(0.0);
 };
 
@@ -31,11 +31,11 @@ struct FrictionLimit {
 /// that spins fast hardly resists being pushed. Two limits of their own would brake such a body
 /// twice over.
 template <class V>
-void keep_within(const Grip<V>& grip, const V& determinant, const FrictionLimit<V>& limit,
+void keep_within(const TangentBlock<V>& k_tt, const V& determinant, const FrictionLimit<V>& limit,
                  Slide<V>& f) {
   const V zero(0.0), one(1.0);
   const Mask<V> holds = limit.slide > zero;
-  const Mask<V> twists = holds & (grip.mnn > zero) & (limit.twist > zero);
+  const Mask<V> twists = holds & (k_tt.mnn > zero) & (limit.twist > zero);
   f.f1 = xsimd::select(holds, f.f1, zero);
   f.f2 = xsimd::select(holds, f.f2, zero);
   f.tn = xsimd::select(twists, f.tn, zero);
@@ -48,14 +48,14 @@ void keep_within(const Grip<V>& grip, const V& determinant, const FrictionLimit<
   V slide_scale = xsimd::select(outside, one / u, one);
   if (xsimd::any(bent)) {
     constexpr int kIterations = 10;
-    const V m_slide = (determinant + determinant) / (grip.m11 + grip.m22);
+    const V m_slide = (determinant + determinant) / (k_tt.m11 + k_tt.m22);
     const V p = m_slide * limit.slide * limit.slide;
-    const V q = grip.mnn * limit.twist * limit.twist;
+    const V q = k_tt.mnn * limit.twist * limit.twist;
     // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is concave and nearly
     // straight, so that it comes from below wherever it starts: here from the answer for equal p
     // and q, with a mean of both. Started from 0 it looks 3.3 times, not 1.7, at what is cut back.
     const V a = m_slide * slide * limit.slide;
-    const V b = grip.mnn * xsimd::abs(f.tn) * limit.twist;
+    const V b = k_tt.mnn * xsimd::abs(f.tn) * limit.twist;
     V bound = most(zero, xsimd::sqrt(a * a + b * b) - (a * p + b * q) / (a + b)), use = zero;
     Mask<V> open = bent;
     for (int i = 0; i < kIterations; ++i) {

@@ -58,7 +58,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
 
   /// A contact without a successor: what it held up has to wake.
   void note_lost(const Contact& lost) {
-    if (!lost.loaded() || !(lost.carried_share > 0.0)) return;
+    if (!lost.loaded() || !(lost.warm_start_scale > 0.0)) return;
     changed.push_back(lost.manifold.body_a);
     changed.push_back(lost.manifold.body_b);
   }

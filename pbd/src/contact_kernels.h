@@ -46,12 +46,12 @@ constexpr ContactKernels kernels() {
     });
   };
   out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies) {
-    rows.sunk = 0;
+    rows.penetrating = 0;
     rows.bounces = false;
     for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
       const Begun begun = rows.faces ? begin<B, true>(rows, at, rule, bodies)
                                      : begin<B, false>(rows, at, rule, bodies);
-      rows.sunk = static_cast<LaneMask>(rows.sunk | begun.sunk);
+      rows.penetrating = static_cast<LaneMask>(rows.penetrating | begun.penetrating);
       rows.bounces = rows.bounces || begun.bounces;
     });
   };
@@ -60,11 +60,11 @@ constexpr ContactKernels kernels() {
       rows.faces ? warm_start<B, true>(rows, at, bodies) : warm_start<B, false>(rows, at, bodies);
     });
   };
-  out.solve = [](ContactRows& rows, ContactPass pass, int turns, LaneMask asked,
+  out.solve = [](ContactRows& rows, ContactPass pass, int iterations, LaneMask asked,
                  BodyNumbers bodies) {
     for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
-      rows.faces ? solve_faces<B>(rows, at, pass, turns, asked, bodies)
-                 : solve_points<B>(rows, at, pass, turns, asked, bodies);
+      rows.faces ? solve_faces<B>(rows, at, pass, iterations, asked, bodies)
+                 : solve_points<B>(rows, at, pass, iterations, asked, bodies);
     });
   };
   out.push = push_all<A, Half, false>;

@@ -64,12 +64,12 @@ struct Pair {
 /// Responses of a row at the centre of pressure, in its axes; see ContactRows.
 template <class V>
 struct Responses {
-  V press_n = V(0.0), n1 = V(0.0), n2 = V(0.0);  ///< of V_n, W_1, W_2 to F_n, T_1, T_2; symmetric
+  V k_nn = V(0.0), n1 = V(0.0), n2 = V(0.0);  ///< of V_n, W_1, W_2 to F_n, T_1, T_2; symmetric
   V w11 = V(0.0), w12 = V(0.0), w22 = V(0.0);
-  Grip<V> grip;
-  V slip_1n = V(0.0), slip_11 = V(0.0), slip_12 = V(0.0);  ///< of V_1 to F_n, T_1, T_2
-  V slip_2n = V(0.0), slip_21 = V(0.0), slip_22 = V(0.0);
-  V slip_nn = V(0.0), slip_n1 = V(0.0), slip_n2 = V(0.0);  ///< of W_n
+  TangentBlock<V> k_tt;
+  V tn_1n = V(0.0), tn_11 = V(0.0), tn_12 = V(0.0);  ///< of V_1 to F_n, T_1, T_2
+  V tn_2n = V(0.0), tn_21 = V(0.0), tn_22 = V(0.0);
+  V tn_nn = V(0.0), tn_n1 = V(0.0), tn_n2 = V(0.0);  ///< of W_n
 
   /// Add those of a body, of whose inverse mass and inertia a share counts.
   template <class Body>
@@ -87,27 +87,27 @@ struct Responses {
     const V s1n = i11 * l2 - i12 * l1, s11 = i12 * ln - in1 * l2, s12 = in1 * l1 - i11 * ln;
     const V s2n = i12 * l2 - i22 * l1, s21 = i22 * ln - in2 * l2, s22 = in2 * l1 - i12 * ln;
     // V per force, beside 1/m: W x arm.
-    press_n += inv_mass + (s1n * l2 - s2n * l1);
-    slip_1n += s2n * ln - snn * l2;
-    slip_2n += snn * l1 - s1n * ln;
-    grip.m11 += inv_mass + (s21 * ln - sn1 * l2);
-    grip.m12 += sn1 * l1 - s11 * ln;
-    grip.m22 += inv_mass + (sn2 * l1 - s12 * ln);
+    k_nn += inv_mass + (s1n * l2 - s2n * l1);
+    tn_1n += s2n * ln - snn * l2;
+    tn_2n += snn * l1 - s1n * ln;
+    k_tt.m11 += inv_mass + (s21 * ln - sn1 * l2);
+    k_tt.m12 += sn1 * l1 - s11 * ln;
+    k_tt.m22 += inv_mass + (sn2 * l1 - s12 * ln);
     n1 += s1n;
     n2 += s2n;
     w11 += i11;
     w12 += i12;
     w22 += i22;
-    slip_11 += s11;
-    slip_12 += s21;
-    slip_21 += s12;
-    slip_22 += s22;
-    slip_nn += snn;
-    slip_n1 += in1;
-    slip_n2 += in2;
-    grip.m1n += sn1;
-    grip.m2n += sn2;
-    grip.mnn += inn;
+    tn_11 += s11;
+    tn_12 += s21;
+    tn_21 += s12;
+    tn_22 += s22;
+    tn_nn += snn;
+    tn_n1 += in1;
+    tn_n2 += in2;
+    k_tt.m1n += sn1;
+    k_tt.m2n += sn2;
+    k_tt.mnn += inn;
   }
 };
 
@@ -115,7 +115,7 @@ struct Responses {
 template <class V>
 struct Face {
   std::array<Mask<V>, 4> there;
-  Four<V> s, r, idle;
+  Four<V> s, r, self_stress;
 
   Face(const ContactRows& rows, std::size_t at) {
     const V points = load<V>(rows.points, at);
@@ -123,21 +123,22 @@ struct Face {
       there[i] = points > V(static_cast<double>(i));
       s[i] = load<V>(rows.s[i], at);
       r[i] = load<V>(rows.r[i], at);
-      idle[i] = load<V>(rows.idle[i], at);
+      self_stress[i] = load<V>(rows.self_stress[i], at);
     }
   }
 
-  /// Response of the points' normal velocities to their impulses, idle combination included, 1/kg.
+  /// Response of the points' normal velocities to their impulses, self_stress combination included,
+  /// 1/kg.
   Sym4<V> mobility(const Responses<V>& m) const {
     // Responses of V_n, W_1 and W_2 to a unit impulse at each point.
     Four<V> v, w1, w2;
     for (std::size_t i = 0; i < 4; ++i) {
-      v[i] = m.press_n + m.n1 * s[i] + m.n2 * r[i];
+      v[i] = m.k_nn + m.n1 * s[i] + m.n2 * r[i];
       w1[i] = m.n1 + m.w11 * s[i] + m.w12 * r[i];
       w2[i] = m.n2 + m.w12 * s[i] + m.w22 * r[i];
     }
     const auto of = [&](std::size_t i, std::size_t j) {
-      return v[j] + s[i] * w1[j] + r[i] * w2[j] + idle[i] * idle[j];
+      return v[j] + s[i] * w1[j] + r[i] * w2[j] + self_stress[i] * self_stress[j];
     };
     return {of(0, 0), of(1, 0), of(1, 1), of(2, 0), of(2, 1),
             of(2, 2), of(3, 0), of(3, 1), of(3, 2), of(3, 3)};
@@ -148,28 +149,28 @@ struct Face {
 template <class V, bool faces>
 [[gnu::always_inline]] inline Responses<V> responses(const ContactRows& rows, std::size_t at) {
   Responses<V> m;
-  m.press_n = load<V>(rows.press_n, at);
-  m.grip.m11 = load<V>(rows.grip[0], at);
-  m.grip.m12 = load<V>(rows.grip[1], at);
-  m.grip.m22 = load<V>(rows.grip[2], at);
-  m.slip_1n = load<V>(rows.slip_n[0], at);
-  m.slip_2n = load<V>(rows.slip_n[1], at);
+  m.k_nn = load<V>(rows.k_nn, at);
+  m.k_tt.m11 = load<V>(rows.k_tt[0], at);
+  m.k_tt.m12 = load<V>(rows.k_tt[1], at);
+  m.k_tt.m22 = load<V>(rows.k_tt[2], at);
+  m.tn_1n = load<V>(rows.k_tn[0], at);
+  m.tn_2n = load<V>(rows.k_tn[1], at);
   if constexpr (faces) {
-    m.n1 = load<V>(rows.press_w[0], at);
-    m.n2 = load<V>(rows.press_w[1], at);
-    m.w11 = load<V>(rows.press_w[2], at);
-    m.w12 = load<V>(rows.press_w[3], at);
-    m.w22 = load<V>(rows.press_w[4], at);
-    m.grip.m1n = load<V>(rows.grip_w[0], at);
-    m.grip.m2n = load<V>(rows.grip_w[1], at);
-    m.grip.mnn = load<V>(rows.grip_w[2], at);
-    m.slip_11 = load<V>(rows.slip_w[0], at);
-    m.slip_12 = load<V>(rows.slip_w[1], at);
-    m.slip_21 = load<V>(rows.slip_w[2], at);
-    m.slip_22 = load<V>(rows.slip_w[3], at);
-    m.slip_nn = load<V>(rows.slip_w[4], at);
-    m.slip_n1 = load<V>(rows.slip_w[5], at);
-    m.slip_n2 = load<V>(rows.slip_w[6], at);
+    m.n1 = load<V>(rows.k_nn_face[0], at);
+    m.n2 = load<V>(rows.k_nn_face[1], at);
+    m.w11 = load<V>(rows.k_nn_face[2], at);
+    m.w12 = load<V>(rows.k_nn_face[3], at);
+    m.w22 = load<V>(rows.k_nn_face[4], at);
+    m.k_tt.m1n = load<V>(rows.k_tt_face[0], at);
+    m.k_tt.m2n = load<V>(rows.k_tt_face[1], at);
+    m.k_tt.mnn = load<V>(rows.k_tt_face[2], at);
+    m.tn_11 = load<V>(rows.k_tn_face[0], at);
+    m.tn_12 = load<V>(rows.k_tn_face[1], at);
+    m.tn_21 = load<V>(rows.k_tn_face[2], at);
+    m.tn_22 = load<V>(rows.k_tn_face[3], at);
+    m.tn_nn = load<V>(rows.k_tn_face[4], at);
+    m.tn_n1 = load<V>(rows.k_tn_face[5], at);
+    m.tn_n2 = load<V>(rows.k_tn_face[6], at);
   }
   return m;
 }

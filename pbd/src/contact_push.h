@@ -36,14 +36,14 @@ template <class A, bool faces, bool holds>
       own_1 = dot(pair.t1, own.spin());
       own_2 = dot(pair.t2, own.spin());
     }
-    const Mask<V> sunk = lanes_of<V>(rows.sunk, at);
+    const Mask<V> penetrating = lanes_of<V>(rows.penetrating, at);
     for (std::size_t i = 0; i < (faces ? 4 : 1); ++i) {
       const V bias = load<V>(rows.bias[i], at);
       V room = bias + own_n;
       if constexpr (faces) {
         room += own_1 * load<V>(rows.s[i], at) + own_2 * load<V>(rows.r[i], at);
       }
-      e[i] += xsimd::select(bias > zero, most(room, zero), xsimd::select(sunk, bias, zero));
+      e[i] += xsimd::select(bias > zero, most(room, zero), xsimd::select(penetrating, bias, zero));
     }
   } else {
     for (std::size_t i = 0; i < (faces ? 4 : 1); ++i) e[i] += load<V>(rows.bias[i], at);
@@ -71,7 +71,7 @@ template <class A, bool faces, bool holds>
     Responses<V> s{};
     s.add(share_a, pair.a, pair.arm_a, pair.n, pair.t1, pair.t2);
     s.add(share_b, pair.b, pair.arm_b, pair.n, pair.t1, pair.t2);
-    m.press_n = xsimd::select(scaled, s.press_n, m.press_n);
+    m.k_nn = xsimd::select(scaled, s.k_nn, m.k_nn);
     if constexpr (faces) {
       m.n1 = xsimd::select(scaled, s.n1, m.n1);
       m.n2 = xsimd::select(scaled, s.n2, m.n2);
@@ -89,7 +89,7 @@ template <class A, bool faces, bool holds>
                               dot(face.s, dz) * pair.t1 + dot(face.r, dz) * pair.t2, share_a,
                               share_b);
   } else {
-    const V3<V> force = solve_point(m.press_n, zero, xsimd::select(active, e[0], zero)) * pair.n;
+    const V3<V> force = solve_point(m.k_nn, zero, xsimd::select(active, e[0], zero)) * pair.n;
     pair.template apply<false>(rows, bits, force, force, share_a, share_b);
   }
   return static_cast<LaneMask>(bits);

@@ -15,7 +15,7 @@ double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.d
 
 /// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
 /// u_i is the area of the triangle of the other three, signs alternating.
-std::array<double, 4> idle_combination(const ContactArms& arms, const Vec3& normal) {
+std::array<double, 4> self_stress_of(const ContactArms& arms, const Vec3& normal) {
   const auto area = [&](std::size_t i, std::size_t j, std::size_t k) {
     return cross_component(normal, arms.b[j] - arms.b[i], arms.b[k] - arms.b[i]);
   };
@@ -127,7 +127,7 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   set_vector(rows.t1, lane, t1);
   set_vector(rows.arm_a, lane, arm_a);
   set_vector(rows.arm_b, lane, arm_b);
-  rows.carried[lane] = contact.carried_share;
+  rows.carried[lane] = contact.warm_start_scale;
   rows.friction[lane] = m.friction;
   rows.restitution[lane] = m.restitution;
   rows.radii[lane] = m.radius_a + m.radius_b;
@@ -140,8 +140,8 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   rows.slide[0][lane] = rows.slide[1][lane] = rows.twist[lane] = 0.0;
   rows.points[lane] = m.count;
   if (!rows.faces) return;
-  const std::array<double, 4> idle =
-      m.count == 4 ? idle_combination(arms, m.normal) : std::array<double, 4>{};
+  const std::array<double, 4> self_stress =
+      m.count == 4 ? self_stress_of(arms, m.normal) : std::array<double, 4>{};
   for (std::size_t i = 0; i < 4; ++i) {
     const bool there = i < static_cast<std::size_t>(m.count);
     const Vec3 from_centre = there ? Vec3(arms.a[i] - arm_a) : Vec3(Vec3::Zero());
@@ -150,7 +150,7 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
     rows.s[i][lane] = s;
     rows.r[i][lane] = r;
     rows.reach[i][lane] = std::sqrt(s * s + r * r);
-    rows.idle[i][lane] = idle[i];
+    rows.self_stress[i][lane] = self_stress[i];
   }
 }
 
@@ -164,7 +164,8 @@ void repeat_first_row(ContactRows& rows) {
   for (std::size_t i = 0; i < 4; ++i) {
     repeat_first(rows.count, rows.anchor_a[i], rows.anchor_b[i]);
   }
-  if (rows.faces) repeat_first(rows.count, rows.s, rows.r, rows.reach, rows.idle, rows.twist);
+  if (rows.faces)
+    repeat_first(rows.count, rows.s, rows.r, rows.reach, rows.self_stress, rows.twist);
 }
 
 Vec3 friction_of(const ContactRows& rows, std::size_t lane) {
@@ -177,9 +178,9 @@ Vec3 friction_of(const ContactRows& rows, std::size_t lane) {
   return {along(0), along(1), along(2)};
 }
 
-double share_to_carry(const ContactRows& rows, std::size_t lane, double growth) {
+double warm_start_scale(const ContactRows& rows, std::size_t lane, double growth) {
   const double load = rows.load(lane);
-  const double most = kGrowth * rows.carried[lane] + growth / rows.press_n[lane];
+  const double most = kGrowth * rows.carried[lane] + growth / rows.k_nn[lane];
   return load > most ? most / load : 1.0;
 }
 

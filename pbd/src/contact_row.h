@@ -20,7 +20,7 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
 void repeat_first_row(ContactRows& rows);
 
 /// Share of its impulses that a row hands on, see kGrowth.
-double share_to_carry(const ContactRows& rows, std::size_t lane, double growth);
+double warm_start_scale(const ContactRows& rows, std::size_t lane, double growth);
 
 /// N s, world, on body b.
 Vec3 friction_of(const ContactRows& rows, std::size_t lane);

@@ -35,8 +35,8 @@ struct alignas(64) ContactRows {
   bool faces = false;                           ///< two to four points each; else one
   LaneMask a_moves = 0;                         ///< a is not immovable
   LaneMask b_moves = 0;
-  LaneMask sunk = 0;     ///< some point overlaps
-  LaneMask a_below = 0;  ///< a is nearer to what cannot move: it carries b
+  LaneMask penetrating = 0;  ///< some point overlaps
+  LaneMask a_below = 0;      ///< a is nearer to what cannot move: it carries b
   LaneMask b_below = 0;
   bool bounces = false;  ///< some point of some contact does
   /// N s, sum of what the substep began with; before the first one, the share of the last step's
@@ -51,10 +51,12 @@ struct alignas(64) ContactRows {
   LaneArray<3> arm_a{};  ///< m, world, centre of mass to centre of pressure
   LaneArray<3> arm_b{};
   LaneArray<2> slide{};  ///< N s, both passes
-  // Responses to forces (1/kg), couples (1/(kg m^2)) and between both (1/(kg m)).
-  Lanes press_n{};         ///< of V_n to F_n
-  LaneArray<3> grip{};     ///< of V_1, V_2 to F_1, F_2; symmetric: 11, 12, 22
-  LaneArray<2> slip_n{};   ///< of V_1, V_2 to F_n
+  // K, 6 x 6: how V and W answer an impulse and a couple at the centre of pressure. In blocks of
+  // normal (n) and tangential (t) rows and columns; of impulses alone 1/kg, of couples alone
+  // 1/(kg m^2), between both 1/(kg m). What faces have beside points is further down.
+  Lanes k_nn{};            ///< of V_n to F_n
+  LaneArray<3> k_tt{};     ///< of V_1, V_2 to F_1, F_2; symmetric: 11, 12, 22
+  LaneArray<2> k_tn{};     ///< of V_1, V_2 to F_n
   LaneArray<4> impulse{};  ///< N s, normal, >= 0, of both passes
   /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
   /// which the overlap is pushed open.
@@ -71,13 +73,13 @@ struct alignas(64) ContactRows {
   LaneArray<4> r{};      ///< m, against t1
   LaneArray<4> reach{};  ///< m, from the centre of pressure
   /// Combination of the four impulses that changes no motion, times the root of its compliance.
-  LaneArray<4> idle{};
-  /// Of V_n, W_1, W_2 to F_n, T_1, T_2, beside press_n; symmetric: n1, n2, 11, 12, 22
-  LaneArray<5> press_w{};
-  /// Of V_1, V_2, W_n to F_n, T_1, T_2, beside slip_n: 11, 12, 21, 22, nn, n1, n2
-  LaneArray<7> slip_w{};
-  /// Of V_1, V_2, W_n to F_1, F_2, T_n, beside grip; symmetric: 1n, 2n, nn
-  LaneArray<3> grip_w{};
+  LaneArray<4> self_stress{};
+  /// Of V_n, W_1, W_2 to F_n, T_1, T_2, beside k_nn; symmetric: n1, n2, 11, 12, 22
+  LaneArray<5> k_nn_face{};
+  /// Of V_1, V_2, W_n to F_n, T_1, T_2, beside k_tn: 11, 12, 21, 22, nn, n1, n2
+  LaneArray<7> k_tn_face{};
+  /// Of V_1, V_2, W_n to F_1, F_2, T_n, beside k_tt; symmetric: 1n, 2n, nn
+  LaneArray<3> k_tt_face{};
   Lanes twist{};  ///< N m s, both passes
 
   std::size_t most_points() const { return faces ? 4 : 1; }
@@ -154,7 +156,8 @@ struct BodyNumbers {
 /// What is done with four rows at once. All widths give the same bits: lanes know nothing of each
 /// other, and nothing is contracted.
 struct ContactKernels {
-  /// Responses, from frames, arms and the places of the points. `idle` comes as a unit vector.
+  /// Responses, from frames, arms and the places of the points. `self_stress` comes as a unit
+  /// vector.
   void (*prepare)(ContactRows& rows, BodyNumbers bodies);
   /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is
   /// carried from substep to substep, which heaps need, but starts anew in each step: carried on,
@@ -163,9 +166,10 @@ struct ContactKernels {
   /// Change v and w of both bodies as the rows' impulses do.
   void (*warm_start)(const ContactRows& rows, BodyNumbers bodies);
   /// Solve each row's normals, then its friction. Sets `change`.
-  /// @param turns  how often normals and friction take turns
+  /// @param iterations  how often normals and friction take turns
   /// @param asked  the rows meant
-  void (*solve)(ContactRows& rows, ContactPass pass, int turns, LaneMask asked, BodyNumbers bodies);
+  void (*solve)(ContactRows& rows, ContactPass pass, int iterations, LaneMask asked,
+                BodyNumbers bodies);
   /// Open overlaps through v_push and w_push, which move poses and are forgotten after the substep.
   /// What lies below counts as no lighter than what lies on it, as if the ground helped: pushed
   /// into what it stands on, a light body would never get a heavy one off. Boxes of 300 times the
@@ -190,9 +194,9 @@ struct ContactKernels {
   void (*settle)(ContactRows& rows, const Blow& blow, BodyNumbers bodies);
 };
 
-/// Where friction starts anew, normals and friction take as many turns: left half-way, what stands
-/// on a slope would creep. Elsewhere once is enough.
-constexpr int turns_of(bool fresh) { return fresh ? 3 : 1; }
+/// Where friction starts anew, normals and friction take turns as often: left half-way, what
+/// stands on a slope would creep. Elsewhere once is enough.
+constexpr int normal_friction_iterations(bool first_substep) { return first_substep ? 3 : 1; }
 
 /// @param width  rows at once: 2 or 4; 0, as many as this processor can
 const ContactKernels& contact_kernels(int width);

@@ -22,32 +22,31 @@ template <class A, bool faces>
   Responses<V> m{};
   m.add(V(1.0), pair.a, pair.arm_a, pair.n, pair.t1, pair.t2);
   m.add(V(1.0), pair.b, pair.arm_b, pair.n, pair.t1, pair.t2);
-  store(m.press_n, rows.press_n, at);
-  store(m.grip.m11, rows.grip[0], at);
-  store(m.grip.m12, rows.grip[1], at);
-  store(m.grip.m22, rows.grip[2], at);
-  store(m.slip_1n, rows.slip_n[0], at);
-  store(m.slip_2n, rows.slip_n[1], at);
+  store(m.k_nn, rows.k_nn, at);
+  store(m.k_tt.m11, rows.k_tt[0], at);
+  store(m.k_tt.m12, rows.k_tt[1], at);
+  store(m.k_tt.m22, rows.k_tt[2], at);
+  store(m.tn_1n, rows.k_tn[0], at);
+  store(m.tn_2n, rows.k_tn[1], at);
   if constexpr (faces) {
-    const std::array<V, 5> press{m.n1, m.n2, m.w11, m.w12, m.w22};
-    for (std::size_t i = 0; i < press.size(); ++i) store(press[i], rows.press_w[i], at);
-    const std::array<V, 3> grip{m.grip.m1n, m.grip.m2n, m.grip.mnn};
-    for (std::size_t i = 0; i < grip.size(); ++i) store(grip[i], rows.grip_w[i], at);
-    const std::array<V, 7> slip{m.slip_11, m.slip_12, m.slip_21, m.slip_22,
-                                m.slip_nn, m.slip_n1, m.slip_n2};
-    for (std::size_t i = 0; i < slip.size(); ++i) store(slip[i], rows.slip_w[i], at);
+    const std::array<V, 5> normal{m.n1, m.n2, m.w11, m.w12, m.w22};
+    for (std::size_t i = 0; i < normal.size(); ++i) store(normal[i], rows.k_nn_face[i], at);
+    const std::array<V, 3> tangent{m.k_tt.m1n, m.k_tt.m2n, m.k_tt.mnn};
+    for (std::size_t i = 0; i < tangent.size(); ++i) store(tangent[i], rows.k_tt_face[i], at);
+    const std::array<V, 7> coupling{m.tn_11, m.tn_12, m.tn_21, m.tn_22, m.tn_nn, m.tn_n1, m.tn_n2};
+    for (std::size_t i = 0; i < coupling.size(); ++i) store(coupling[i], rows.k_tn_face[i], at);
     const Face<V> face(rows, at);
     Face<V> plain = face;
-    for (V& idle : plain.idle.p) idle = V(0.0);
+    for (V& self_stress : plain.self_stress.p) self_stress = V(0.0);
     const Sym4<V> B = plain.mobility(m);
     const V scale = xsimd::sqrt(V(kEvenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
-    for (std::size_t i = 0; i < 4; ++i) store(scale * face.idle[i], rows.idle[i], at);
+    for (std::size_t i = 0; i < 4; ++i) store(scale * face.self_stress[i], rows.self_stress[i], at);
   }
 }
 
 /// What begin() finds, as bits.
 struct Begun {
-  unsigned sunk = 0;
+  unsigned penetrating = 0;
   bool bounces = false;
 };
 
@@ -95,7 +94,7 @@ template <class A, bool faces>
     }
   }
   const V limit = rule.first ? carried * pressed
-                             : V(kGrowth) * carried + V(rule.growth) / load<V>(rows.press_n, at);
+                             : V(kGrowth) * carried + V(rule.growth) / load<V>(rows.k_nn, at);
   const Mask<V> over = (pressed > limit) & (closing <= V(rule.growth));
   const V share = xsimd::select(over, limit / pressed, one);
 
@@ -103,14 +102,14 @@ template <class A, bool faces>
   const V restitution = load<V>(rows.restitution, at);
   const bool elastic = xsimd::any(restitution > zero);
   V fastest = zero;
-  Mask<V> sunk = zero != zero, bounces = zero != zero;
+  Mask<V> penetrating = zero != zero, bounces = zero != zero;
   for (std::size_t i = 0; i < points; ++i) {
     const Mask<V> there = count > V(static_cast<double>(i));
     const V gap =
         apart + dot(n_b, load<V>(rows.anchor_b[i], at)) - dot(n_a, load<V>(rows.anchor_a[i], at));
     const V opened = most(V(kPushGain) * gap / h, V(-rule.push_speed));
     store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
-    sunk = sunk | (there & (gap < V(-rule.push_slop)));
+    penetrating = penetrating | (there & (gap < V(-rule.push_slop)));
     impulse[i] = xsimd::select(gap < V(rule.warm_start_gap), share * impulse[i], zero);
     store(impulse[i], rows.impulse[i], at);
     V approach = zero - vn;
@@ -139,7 +138,7 @@ template <class A, bool faces>
   store(friction * load<V>(rows.slide[0], at), rows.slide[0], at);
   store(friction * load<V>(rows.slide[1], at), rows.slide[1], at);
   if constexpr (faces) store(friction * load<V>(rows.twist, at), rows.twist, at);
-  return {bits_of<V>(sunk, at), xsimd::any(bounces)};
+  return {bits_of<V>(penetrating, at), xsimd::any(bounces)};
 }
 
 template <class A, bool faces>
@@ -166,8 +165,8 @@ template <class A, bool faces>
 }
 
 template <class A>
-[[gnu::flatten]] void solve_points(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
-                                   LaneMask asked, BodyNumbers bodies) {
+[[gnu::flatten]] void solve_points(ContactRows& rows, std::size_t at, ContactPass pass,
+                                   int iterations, LaneMask asked, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
   Pair<A> pair(rows, at, bodies);
@@ -189,47 +188,47 @@ template <class A>
   if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
   e = xsimd::select(active, e, zero);
   const Responses<V> m = responses<V, false>(rows, at);
-  const V change = xsimd::abs(least(e, m.press_n * z));
+  const V change = xsimd::abs(least(e, m.k_nn * z));
   store(xsimd::select(meant, change, before), rows.change, at);
   const V friction = load<V>(rows.friction, at);
-  const Mask<V> rubs = active & (friction > zero);
+  const Mask<V> has_friction = active & (friction > zero);
   const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
-  const V scale = V(1.0) / (m.grip.m11 * m.grip.m22 - m.grip.m12 * m.grip.m12);
+  const V scale = V(1.0) / (m.k_tt.m11 * m.k_tt.m22 - m.k_tt.m12 * m.k_tt.m12);
   V f1 = load<V>(rows.slide[0], at), f2 = load<V>(rows.slide[1], at);
-  V pressed = zero, rubbed_1 = zero, rubbed_2 = zero;  // N s, changes so far
-  for (int turn = 0; turn < turns; ++turn) {
-    V dz = solve_point(m.press_n, z, e);
-    if (turn > 0) dz = xsimd::select(rubs, dz, zero);
+  V pressed = zero, friction_1 = zero, friction_2 = zero;  // N s, changes so far
+  for (int k = 0; k < iterations; ++k) {
+    V dz = solve_point(m.k_nn, z, e);
+    if (k > 0) dz = xsimd::select(has_friction, dz, zero);
     z += dz;
     pressed += dz;
-    if (xsimd::none(rubs)) break;
+    if (xsimd::none(has_friction)) break;
     // Friction sees what the normal has just done, and the normal what it does.
-    const V v1 = slip_1 + m.slip_1n * pressed + (m.grip.m11 * rubbed_1 + m.grip.m12 * rubbed_2);
-    const V v2 = slip_2 + m.slip_2n * pressed + (m.grip.m12 * rubbed_1 + m.grip.m22 * rubbed_2);
-    V s1 = f1 - scale * (m.grip.m22 * v1 - m.grip.m12 * v2);
-    V s2 = f2 - scale * (m.grip.m11 * v2 - m.grip.m12 * v1);
+    const V v1 = slip_1 + m.tn_1n * pressed + (m.k_tt.m11 * friction_1 + m.k_tt.m12 * friction_2);
+    const V v2 = slip_2 + m.tn_2n * pressed + (m.k_tt.m12 * friction_1 + m.k_tt.m22 * friction_2);
+    V s1 = f1 - scale * (m.k_tt.m22 * v1 - m.k_tt.m12 * v2);
+    V s2 = f2 - scale * (m.k_tt.m11 * v2 - m.k_tt.m12 * v1);
     const V limit = friction * z;
     const V length = xsimd::sqrt(s1 * s1 + s2 * s2);
     const V share = xsimd::select(length > limit, limit / length, V(1.0));
-    s1 = xsimd::select(rubs, xsimd::select(limit > zero, share * s1, zero), f1);
-    s2 = xsimd::select(rubs, xsimd::select(limit > zero, share * s2, zero), f2);
+    s1 = xsimd::select(has_friction, xsimd::select(limit > zero, share * s1, zero), f1);
+    s2 = xsimd::select(has_friction, xsimd::select(limit > zero, share * s2, zero), f2);
     const V d1 = s1 - f1, d2 = s2 - f2;
     f1 = s1;
     f2 = s2;
-    rubbed_1 += d1;
-    rubbed_2 += d2;
-    if (turn + 1 < turns) e += m.press_n * dz + (m.slip_1n * d1 + m.slip_2n * d2);
+    friction_1 += d1;
+    friction_2 += d2;
+    if (k + 1 < iterations) e += m.k_nn * dz + (m.tn_1n * d1 + m.tn_2n * d2);
   }
   store(z, rows.impulse[0], at);
   store(f1, rows.slide[0], at);
   store(f2, rows.slide[1], at);
-  const V3<V> force = pressed * pair.n + rubbed_1 * pair.t1 + rubbed_2 * pair.t2;
+  const V3<V> force = pressed * pair.n + friction_1 * pair.t1 + friction_2 * pair.t2;
   pair.template apply<false>(rows, bits_of<V>(active, at), force, force);
 }
 
 template <class A>
-[[gnu::flatten]] void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass, int turns,
-                                  LaneMask asked, BodyNumbers bodies) {
+[[gnu::flatten]] void solve_faces(ContactRows& rows, std::size_t at, ContactPass pass,
+                                  int iterations, LaneMask asked, BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const V zero(0.0);
   Pair<A> pair(rows, at, bodies);
@@ -259,9 +258,9 @@ template <class A>
   active = active & meant;
   const V before = load<V>(rows.change, at);
   if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
-  const V idle = dot(face.idle, z);
+  const V self_stress = dot(face.self_stress, z);
   for (std::size_t i = 0; i < 4; ++i) {
-    e[i] = xsimd::select(active & face.there[i], e[i] + idle * face.idle[i], zero);
+    e[i] = xsimd::select(active & face.there[i], e[i] + self_stress * face.self_stress[i], zero);
   }
   const Responses<V> m = responses<V, true>(rows, at);
   const Sym4<V> B = face.mobility(m);
@@ -274,48 +273,53 @@ template <class A>
   store(xsimd::select(meant, change, before), rows.change, at);
 
   const V friction = load<V>(rows.friction, at);
-  const Mask<V> rubs = active & (friction > zero);
+  const Mask<V> has_friction = active & (friction > zero);
   const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
   const V slip_n = dot(pair.n, spin);
-  const Grip<V>& grip = m.grip;
-  const V determinant = grip.m11 * grip.m22 - grip.m12 * grip.m12;
+  const TangentBlock<V>& k_tt = m.k_tt;
+  const V determinant = k_tt.m11 * k_tt.m22 - k_tt.m12 * k_tt.m12;
   const V scale = V(1.0) / determinant;
-  const V inverse_twist = xsimd::select(grip.mnn > zero, V(1.0) / grip.mnn, zero);
+  const V inverse_twist = xsimd::select(k_tt.mnn > zero, V(1.0) / k_tt.mnn, zero);
   const Four<V> reach{{load<V>(rows.reach[0], at), load<V>(rows.reach[1], at),
                        load<V>(rows.reach[2], at), load<V>(rows.reach[3], at)}};
   Slide<V> slide{load<V>(rows.slide[0], at), load<V>(rows.slide[1], at), load<V>(rows.twist, at)};
   V fn = zero, c1 = zero, c2 = zero;  // N s, N m s: what the normals did so far
-  Slide<V> rubbed{zero, zero, zero};
-  for (int turn = 0; turn < turns; ++turn) {
+  Slide<V> friction_change{zero, zero, zero};
+  for (int k = 0; k < iterations; ++k) {
     Four<V> dz = solve_lcp<V>(face.there, B, z, e);
     for (std::size_t i = 0; i < 4; ++i) {
-      if (turn > 0) dz[i] = xsimd::select(rubs, dz[i], zero);
+      if (k > 0) dz[i] = xsimd::select(has_friction, dz[i], zero);
       z[i] += dz[i];
     }
     fn += sum(dz);
     c1 += dot(face.s, dz);
     c2 += dot(face.r, dz);
-    if (xsimd::none(rubs)) break;
+    if (xsimd::none(has_friction)) break;
     // Friction sees what the normals have just done, and they what it does.
-    const V v1 = slip_1 + (m.slip_1n * fn + m.slip_11 * c1 + m.slip_12 * c2) +
-                 (grip.m11 * rubbed.f1 + grip.m12 * rubbed.f2 + grip.m1n * rubbed.tn);
-    const V v2 = slip_2 + (m.slip_2n * fn + m.slip_21 * c1 + m.slip_22 * c2) +
-                 (grip.m12 * rubbed.f1 + grip.m22 * rubbed.f2 + grip.m2n * rubbed.tn);
-    const V wn = slip_n + (m.slip_nn * fn + m.slip_n1 * c1 + m.slip_n2 * c2) +
-                 (grip.m1n * rubbed.f1 + grip.m2n * rubbed.f2 + grip.mnn * rubbed.tn);
-    Slide<V> next{slide.f1 - scale * (grip.m22 * v1 - grip.m12 * v2),
-                  slide.f2 - scale * (grip.m11 * v2 - grip.m12 * v1),
+    const V v1 = slip_1 + (m.tn_1n * fn + m.tn_11 * c1 + m.tn_12 * c2) +
+                 (k_tt.m11 * friction_change.f1 + k_tt.m12 * friction_change.f2 +
+                  k_tt.m1n * friction_change.tn);
+    const V v2 = slip_2 + (m.tn_2n * fn + m.tn_21 * c1 + m.tn_22 * c2) +
+                 (k_tt.m12 * friction_change.f1 + k_tt.m22 * friction_change.f2 +
+                  k_tt.m2n * friction_change.tn);
+    const V wn = slip_n + (m.tn_nn * fn + m.tn_n1 * c1 + m.tn_n2 * c2) +
+                 (k_tt.m1n * friction_change.f1 + k_tt.m2n * friction_change.f2 +
+                  k_tt.mnn * friction_change.tn);
+    Slide<V> next{slide.f1 - scale * (k_tt.m22 * v1 - k_tt.m12 * v2),
+                  slide.f2 - scale * (k_tt.m11 * v2 - k_tt.m12 * v1),
                   slide.tn - inverse_twist * wn};
-    keep_within<V>(grip, determinant, {friction * sum(z), friction * dot(z, reach)}, next);
-    next = {xsimd::select(rubs, next.f1, slide.f1), xsimd::select(rubs, next.f2, slide.f2),
-            xsimd::select(rubs, next.tn, slide.tn)};
+    keep_within<V>(k_tt, determinant, {friction * sum(z), friction * dot(z, reach)}, next);
+    next = {xsimd::select(has_friction, next.f1, slide.f1),
+            xsimd::select(has_friction, next.f2, slide.f2),
+            xsimd::select(has_friction, next.tn, slide.tn)};
     const Slide<V> d{next.f1 - slide.f1, next.f2 - slide.f2, next.tn - slide.tn};
     slide = next;
-    rubbed = {rubbed.f1 + d.f1, rubbed.f2 + d.f2, rubbed.tn + d.tn};
-    if (turn + 1 == turns) break;
-    const V back_n = m.slip_1n * d.f1 + m.slip_2n * d.f2 + m.slip_nn * d.tn;
-    const V back_1 = m.slip_11 * d.f1 + m.slip_21 * d.f2 + m.slip_n1 * d.tn;
-    const V back_2 = m.slip_12 * d.f1 + m.slip_22 * d.f2 + m.slip_n2 * d.tn;
+    friction_change = {friction_change.f1 + d.f1, friction_change.f2 + d.f2,
+                       friction_change.tn + d.tn};
+    if (k + 1 == iterations) break;
+    const V back_n = m.tn_1n * d.f1 + m.tn_2n * d.f2 + m.tn_nn * d.tn;
+    const V back_1 = m.tn_11 * d.f1 + m.tn_21 * d.f2 + m.tn_n1 * d.tn;
+    const V back_2 = m.tn_12 * d.f1 + m.tn_22 * d.f2 + m.tn_n2 * d.tn;
     const Four<V> response = B * dz;
     for (std::size_t i = 0; i < 4; ++i) {
       e[i] += response[i] + (back_n + back_1 * face.s[i] + back_2 * face.r[i]);
@@ -325,9 +329,10 @@ template <class A>
   store(slide.f1, rows.slide[0], at);
   store(slide.f2, rows.slide[1], at);
   store(slide.tn, rows.twist, at);
-  pair.template apply<true>(rows, bits_of<V>(active, at),
-                            fn * pair.n + rubbed.f1 * pair.t1 + rubbed.f2 * pair.t2,
-                            rubbed.tn * pair.n + c1 * pair.t1 + c2 * pair.t2);
+  pair.template apply<true>(
+      rows, bits_of<V>(active, at),
+      fn * pair.n + friction_change.f1 * pair.t1 + friction_change.f2 * pair.t2,
+      friction_change.tn * pair.n + c1 * pair.t1 + c2 * pair.t2);
 }
 
 }  // namespace tandem::pbd::kernel

@@ -16,7 +16,7 @@ constexpr double kLevel = 0.5;
 
 /// N, of a load that lasts.
 double force_of(const Contact& contact) {
-  return contact.carried_share *
+  return contact.warm_start_scale *
          (contact.force[0] + contact.force[1] + contact.force[2] + contact.force[3]);
 }
 
@@ -50,26 +50,26 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const ContactL
   const double g = gravity.norm();
   if (!(g > 0.0)) return;
   up_ = -gravity / g;
-  fresh_.clear();
+  new_contacts_.clear();
   for (std::uint32_t k = 0; k < arranged.size(); ++k) {
-    if (!arranged[k].fresh) continue;
+    if (!arranged[k].is_new) continue;
     const Contact& contact = contacts[arranged[k].contact];
     const Manifold& m = contact.manifold;
     const double closing = m.normal.dot(bodies[m.body_a].v - bodies[m.body_b].v);
     if (rest_of(contact, support).cosine < kLevel || std::abs(closing) > 2.0 * g * h) continue;
     const std::array<bool, 4> near = near_points(contact, bodies, reach);
-    if (std::find(near.begin(), near.end(), true) != near.end()) fresh_.push_back(k);
+    if (std::find(near.begin(), near.end(), true) != near.end()) new_contacts_.push_back(k);
   }
-  if (fresh_.empty()) return;
+  if (new_contacts_.empty()) return;
   missing_.assign(bodies.size(), 0.0);
   count_.assign(bodies.size(), 0);
-  for (const std::uint32_t k : fresh_) {
+  for (const std::uint32_t k : new_contacts_) {
     const std::uint32_t body = rest_of(contacts[arranged[k].contact], support).upper;
     if (count_[body]++ == 0)
       missing_[body] = bodies[body].gravity_scale * g / bodies[body].inv_mass;
   }
   for (const ContactLink& link : arranged) {
-    if (link.fresh) continue;
+    if (link.is_new) continue;
     const Contact& contact = contacts[link.contact];
     const Rest rest = rest_of(contact, support);
     if (rest.cosine <= 0.0) continue;
@@ -77,7 +77,7 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const ContactL
     missing_[rest.lower] += rest.cosine * force_of(contact);
   }
   // What a body carries has a higher place than what carries it.
-  for (auto k = fresh_.rbegin(); k != fresh_.rend(); ++k) {
+  for (auto k = new_contacts_.rbegin(); k != new_contacts_.rend(); ++k) {
     Contact& contact = contacts[arranged[*k].contact];
     const Rest rest = rest_of(contact, support);
     const double load = std::max(0.0, missing_[rest.upper]) / count_[rest.upper];

@@ -35,9 +35,9 @@ class ContactStatics {
   Rest rest_of(const Contact& contact, const ContactSupport& support) const;
 
   Vec3 up_ = Vec3::UnitZ();
-  std::vector<std::uint32_t> fresh_;  ///< contacts to guess, ascending by place
-  std::vector<double> missing_;       ///< N, by body: weight and load that nothing holds up
-  std::vector<std::uint32_t> count_;  ///< by body: contacts to guess that hold it up
+  std::vector<std::uint32_t> new_contacts_;  ///< contacts to guess, ascending by place
+  std::vector<double> missing_;              ///< N, by body: weight and load that nothing holds up
+  std::vector<std::uint32_t> count_;         ///< by body: contacts to guess that hold it up
 };
 
 }  // namespace tandem::pbd

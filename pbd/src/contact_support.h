@@ -19,8 +19,8 @@ struct ContactLink {
   std::uint32_t group = 0;  ///< that it is solved with
   bool moves_a = false;     ///< a is not immovable
   bool moves_b = false;
-  bool face = false;   ///< more than one point
-  bool fresh = false;  ///< not there in the last step
+  bool face = false;    ///< more than one point
+  bool is_new = false;  ///< not there in the last step
 };
 
 /// Puts contacts in the order in which load passes through them: those with what cannot move first,

@@ -72,13 +72,14 @@ DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& g
 
 void DistanceJoint::forgive(const SubstepContext& ctx) {
   SolverBody ground;
-  gap_ = ForceLaw::gap(axis(), arms(ctx, ground).length - def_.rest_length);
+  displacement_residual_ =
+      ForceLaw::displacement_residual(axis(), arms(ctx, ground).length - def_.rest_length);
 }
 
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  if (!arm.a->shared && !arm.b->shared) gap_ *= kGapDecay;
+  if (!arm.a->shared && !arm.b->shared) displacement_residual_ *= kDisplacementResidualDecay;
   c_start_ = arm.length - def_.rest_length;
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;
@@ -96,7 +97,8 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   if (n_.dot(arm.n) < 0.5) n_ = arm.n;
   if (n_.isZero(0.0)) return 0.0;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
-  const double dlambda = ForceLaw::of(axis(), c_start_, gap_, ctx.h).multiplier(c, lambda_, w);
+  const double dlambda =
+      ForceLaw::of(axis(), c_start_, displacement_residual_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   force_ = lambda_ / (ctx.h * ctx.h);
   apply_pair(*arm.a, *arm.b, dlambda * n_, r_a_, r_b_);
@@ -111,7 +113,7 @@ void DistanceJoint::finish_velocity(const SubstepContext& /*ctx*/) {
 
 void DistanceJoint::begin_displacement(const SubstepContext& ctx) {
   SolverBody ground;
-  bound_ = arms(ctx, ground).length - def_.rest_length - gap_;
+  bound_ = arms(ctx, ground).length - def_.rest_length - displacement_residual_;
   lambda_ = 0.0;
 }
 
@@ -129,7 +131,8 @@ double DistanceJoint::project_displacement(const SubstepContext& ctx) {
 
 void DistanceJoint::end_displacement(const SubstepContext& ctx) {
   SolverBody ground;
-  gap_ = ForceLaw::gap(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
+  displacement_residual_ =
+      ForceLaw::displacement_residual(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
 }
 
 void DistanceJoint::end_step(const SubstepContext& ctx) {
@@ -138,10 +141,10 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;
     broke_ = false;
-    gap_ = residual_ = 0.0;
+    displacement_residual_ = residual_ = 0.0;
   }
   // What a spoiled step leaves behind must not spoil the next one.
-  for (double* value : {&gap_, &force_, &residual_}) {
+  for (double* value : {&displacement_residual_, &force_, &residual_}) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
   if (!n_.allFinite()) n_.setZero();
@@ -166,7 +169,7 @@ void DistanceJoint::save(ByteWriter& out) const {
   out.u8(def_.enabled ? 1 : 0);
   out.u8(broken_ ? 1 : 0);
   out.vec3(n_);
-  out.f64(gap_);
+  out.f64(displacement_residual_);
   out.f64(force_);
   out.f64(residual_);
 }
@@ -190,10 +193,10 @@ void DistanceJoint::load(ByteReader& in) {
   def_.enabled = in.u8() != 0;
   broken_ = in.u8() != 0;
   n_ = in.vec3();
-  gap_ = in.f64();
+  displacement_residual_ = in.f64();
   force_ = in.f64();
   residual_ = in.f64();
-  if (!n_.allFinite() || !std::isfinite(gap_) || !std::isfinite(force_) ||
+  if (!n_.allFinite() || !std::isfinite(displacement_residual_) || !std::isfinite(force_) ||
       !std::isfinite(residual_)) {
     in.fail();
   }

@@ -119,7 +119,7 @@ void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
     Group& group = groups_[bodies[i].group];
     group.bodies.push_back(i);
     group.locked = group.locked || props[i].locks.any();
-    if (!activity[i].awake) activity[i].still = 0.0;
+    if (!activity[i].awake) activity[i].low_speed_time = 0.0;
     activity[i].awake = true;
   }
 }
@@ -149,9 +149,10 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
                       bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin &&
                       (sprung_[i] == 0 || is_steady(i));
-    activity[i].still = slow ? activity[i].still + dt : 0.0;
+    activity[i].low_speed_time = slow ? activity[i].low_speed_time + dt : 0.0;
     if (is_copy(copies, i)) continue;
-    island.sleepy = island.sleepy && props[i].can_sleep && activity[i].still >= rule.sleep_after;
+    island.sleepy =
+        island.sleepy && props[i].can_sleep && activity[i].low_speed_time >= rule.sleep_after;
   }
   if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -162,10 +163,10 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     while (level < kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
     activity[i].level = std::max(level, island_level);
     if (level >= island_level) {
-      activity[i].calm = 0;
-    } else if (++activity[i].calm >= kCalmSteps) {
+      activity[i].steps_at_lower_level = 0;
+    } else if (++activity[i].steps_at_lower_level >= kCalmSteps) {
       activity[i].level = static_cast<std::uint8_t>(island_level - 1);
-      activity[i].calm = 0;
+      activity[i].steps_at_lower_level = 0;
     }
     if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) continue;
     activity[i].awake = false;

@@ -74,15 +74,15 @@ void refresh_inertia(SolverBody& body, const BodyProps& props) {
   inverse_inertia_w(body.q, props, body.inv_inertia_w);
 }
 
-void take_out(const std::array<bool, 3>& locked, Vec3& vector) {
+void zero_locked_axes(const std::array<bool, 3>& locked, Vec3& vector) {
   for (int axis = 0; axis < 3; ++axis) {
     if (locked[static_cast<std::size_t>(axis)]) vector[axis] = 0.0;
   }
 }
 
 void enforce_locks(SolverBody& body, const AxisLocks& locks) {
-  take_out(locks.linear, body.v);
-  take_out(locks.angular, body.w);
+  zero_locked_axes(locks.linear, body.v);
+  zero_locked_axes(locks.angular, body.w);
 }
 
 void restore_locked(SolverBody& body, const AxisLocks& locks, const Vec3& start) {
@@ -118,7 +118,7 @@ void advance_pose(SolverBody& body, double h) {
   body.v_push.setZero();
   body.w_push.setZero();
   body.w_applied = body.w;
-  if (!turn.isZero(0.0)) body.q = turned(body.q, turn);
+  if (!turn.isZero(0.0)) body.q = rotated_about(body.q, turn);
 }
 
 /// Fast spin is cut into parts of half a radian.

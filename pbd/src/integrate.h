@@ -12,7 +12,7 @@
 namespace tandem::pbd {
 
 /// As rotated(), without a root where q has unit length but for rounding.
-inline Quat turned(const Quat& q, const Vec3& r) {
+inline Quat rotated_about(const Quat& q, const Vec3& r) {
   Quat result = exp_map(r) * q;
   const double excess = result.squaredNorm() - 1.0;
   if (std::abs(excess) < 1e-8) {
@@ -51,7 +51,7 @@ void absorb_corrections(SolverBody& body, const BodyProps& props, double h);
 Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h);
 
 /// Take out the components of locked axes.
-void take_out(const std::array<bool, 3>& locked, Vec3& vector);
+void zero_locked_axes(const std::array<bool, 3>& locked, Vec3& vector);
 
 /// Take out the velocity along and about locked axes.
 void enforce_locks(SolverBody& body, const AxisLocks& locks);

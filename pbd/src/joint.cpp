@@ -192,7 +192,8 @@ void JointBlock::begin_displacement(const SubstepContext& ctx) {
   impl_->for_shared(ctx, [&](JointRecord& record) {
     record.bound.fill(0.0);
     impl_->place(record, ctx.bodies, record.bound.data());
-    for (std::size_t i = 0; i < kCoordinates; ++i) record.bound[i] -= record.gap[i];
+    for (std::size_t i = 0; i < kCoordinates; ++i)
+      record.bound[i] -= record.displacement_residual[i];
   });
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
     if (!impl_->system.is_shared(part, ctx.bodies)) return;
@@ -215,7 +216,8 @@ void JointBlock::end_displacement(const SubstepContext& ctx) {
     double c[kCoordinates] = {};
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
-      record.gap[i] = ForceLaw::gap(record.axis(i), c[i], record.bound[i]);
+      record.displacement_residual[i] =
+          ForceLaw::displacement_residual(record.axis(i), c[i], record.bound[i]);
     }
   });
 }
@@ -234,8 +236,8 @@ void JointBlock::end_step(const SubstepContext& ctx) {
         !state.torque.allFinite()) {
       // The step was spoiled: the bodies go back to where it began, and so does the joint.
       record.twist = record.twist_before;
-      record.surplus = 0.0;
-      record.gap.fill(0.0);
+      record.energy_excess = 0.0;
+      record.displacement_residual.fill(0.0);
       state.force.setZero();
       state.torque.setZero();
       state.load.fill(0.0);
@@ -261,9 +263,9 @@ void JointBlock::end_step(const SubstepContext& ctx) {
       state.residual = std::max(state.residual, ForceLaw::violation(record.axis(i), c[i]));
     });
     // What a spoiled step leaves behind must not spoil the next one.
-    if (!std::isfinite(record.surplus)) record.surplus = 0.0;
-    for (double& gap : record.gap) {
-      if (!std::isfinite(gap)) gap = 0.0;
+    if (!std::isfinite(record.energy_excess)) record.energy_excess = 0.0;
+    for (double& residual : record.displacement_residual) {
+      if (!std::isfinite(residual)) residual = 0.0;
     }
   }
 }
@@ -293,8 +295,8 @@ BlockReport JointBlock::report() const {
   for (const JointRecord& record : impl_->records) {
     if (!record.active()) continue;
     report.residual = std::max(report.residual, record.state.residual);
-    for (const double gap : record.gap) {
-      report.displacement_residual = std::max(report.displacement_residual, std::abs(gap));
+    for (const double residual : record.displacement_residual) {
+      report.displacement_residual = std::max(report.displacement_residual, std::abs(residual));
     }
   }
   return report;

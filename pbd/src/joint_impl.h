@@ -56,7 +56,8 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
       if (!record.active() || !(moved(record.def.a) || moved(record.def.b))) continue;
       double c[kCoordinates] = {};
       place(record, ctx.bodies, c);
-      for (int i = 0; i < kCoordinates; ++i) record.gap[i] = ForceLaw::gap(record.axis(i), c[i]);
+      for (int i = 0; i < kCoordinates; ++i)
+        record.displacement_residual[i] = ForceLaw::displacement_residual(record.axis(i), c[i]);
     }
   }
   /// Those of the group.

@@ -248,7 +248,7 @@ void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
     slot.carried = body.inv_inertia_w.determinant() > 0.0;  // no axis is locked
   }
   if (!slot.carried) {
-    body.q = turned(body.q, slot.dtheta);
+    body.q = rotated_about(body.q, slot.dtheta);
     return;
   }
   const Mat3 axes = slot.q.toRotationMatrix();

@@ -53,13 +53,14 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     node.pull_a = node.pull_b = 0.0;
     add_pull(plan, node, h2 * record.state.force);
     if (channel == Channel::Real && !a.shared && !b.shared) {
-      for (double& gap : record.gap) gap *= kGapDecay;
+      for (double& residual : record.displacement_residual) residual *= kDisplacementResidualDecay;
     }
     for (int i = 0; i < 3; ++i) {
       const JointAxis& axis = record.def.linear[static_cast<std::size_t>(i)];
-      const ForceLaw law = channel == Channel::Real
-                               ? ForceLaw::of(axis, place.d[i], record.gap[i], ctx.h)
-                               : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
+      const ForceLaw law =
+          channel == Channel::Real
+              ? ForceLaw::of(axis, place.d[i], record.displacement_residual[i], ctx.h)
+              : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
       node.target[i] = law.target;
       node.softness = law.at;
     }

@@ -104,9 +104,9 @@ void JointRecord::save(ByteWriter& out) const {
   out.f64(def.break_torque);
   out.u8(def.enabled ? 1 : 0);
   out.u8(alive ? 1 : 0);
-  for (const double value : gap) out.f64(value);
+  for (const double value : displacement_residual) out.f64(value);
   out.f64(twist);
-  out.f64(surplus);
+  out.f64(energy_excess);
   out.f64(h);
   for (const double position : state.position) out.f64(position);
   out.f64(state.swing);
@@ -133,9 +133,9 @@ void JointRecord::load(ByteReader& in) {
   def.break_torque = in.f64();
   def.enabled = in.u8() != 0;
   alive = in.u8() != 0;
-  for (double& value : gap) value = in.f64();
+  for (double& value : displacement_residual) value = in.f64();
   twist = in.f64();
-  surplus = in.f64();
+  energy_excess = in.f64();
   h = in.f64();
   for (double& position : state.position) position = in.f64();
   state.swing = in.f64();
@@ -146,13 +146,13 @@ void JointRecord::load(ByteReader& in) {
   state.broken = in.u8() != 0;
   refresh();
   bool finite = state.force.allFinite() && state.torque.allFinite();
-  for (const double value : {twist, surplus, h, state.swing, state.residual}) {
+  for (const double value : {twist, energy_excess, h, state.swing, state.residual}) {
     finite = finite && std::isfinite(value);
   }
   const auto check = [&](const auto& values) {
     for (const double value : values) finite = finite && std::isfinite(value);
   };
-  check(gap);
+  check(displacement_residual);
   check(state.position);
   check(state.load);
   if (!finite || h < 0.0) in.fail();

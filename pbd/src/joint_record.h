@@ -15,12 +15,13 @@ namespace tandem::pbd {
 struct JointRecord {
   SixDofJointDef def;
   JointState state;
-  std::array<double, kCoordinates> gap{};    ///< what agreement left of each coordinate
+  std::array<double, kCoordinates>
+      displacement_residual{};               ///< what agreement left of each coordinate
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
   double twist = 0.0;                        ///< rad, counting turns
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it
-  /// comes second in a part with loops. See guard().
-  double surplus = 0.0;
+  /// comes second in a part with loops. See limit_energy_gain().
+  double energy_excess = 0.0;
   double h = 0.0;             ///< s, length of the last substep; 0 before the first
   double twist_before = 0.0;  ///< rad, twist when the step began
   bool broke = false;         ///< in this step

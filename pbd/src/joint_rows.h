@@ -98,8 +98,9 @@ struct ForceLaw {
   double motor_max = 0.0;  ///< h^2 max_force; 0 = none
   double motor_target = 0.0;
 
-  /// @param c_start  coordinate at the start of the substep     @param gap  what agreement left
-  static ForceLaw of(const JointAxis& axis, double c_start, double gap, double h) {
+  /// @param c_start  coordinate at the start of the substep     @param residual  what agreement
+  /// left
+  static ForceLaw of(const JointAxis& axis, double c_start, double residual, double h) {
     ForceLaw law;
     const double h2 = h * h;
     const bool rigid = axis.compliance == 0.0;
@@ -110,14 +111,14 @@ struct ForceLaw {
     };
     if (axis.freedom == Freedom::Locked) {
       law.locked = true;
-      law.target = (rigid ? 0.0 : soft(0.0)) + gap;
+      law.target = (rigid ? 0.0 : soft(0.0)) + residual;
       law.at = rigid ? 0.0 : 1.0 / k;
       return law;
     }
     if (axis.freedom == Freedom::Limited) {
       law.limited = true;
-      law.lower = axis.lower + std::min(gap, 0.0);
-      law.upper = axis.upper + std::max(gap, 0.0);
+      law.lower = axis.lower + std::min(residual, 0.0);
+      law.upper = axis.upper + std::max(residual, 0.0);
       law.stop_k = k;
       law.lower_target = rigid ? law.lower : soft(law.lower);
       law.upper_target = rigid ? law.upper : soft(law.upper);
@@ -167,16 +168,16 @@ struct ForceLaw {
 
   /// What the displacement channel left of a rigid row that should have kept `bound`. A soft row
   /// keeps no debt: its stretch is a force.
-  static double gap(const JointAxis& axis, double c, double bound) {
+  static double displacement_residual(const JointAxis& axis, double c, double bound) {
     if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
     if (axis.freedom == Freedom::Locked) return c - bound;
     return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
   }
 
   /// The same where nothing was kept: all that the row violates.
-  static double gap(const JointAxis& axis, double c) {
-    return gap(axis, c,
-               axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
+  static double displacement_residual(const JointAxis& axis, double c) {
+    return displacement_residual(
+        axis, c, axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
   }
 
   /// The piece of the graph on which the row by itself would end: that of c with

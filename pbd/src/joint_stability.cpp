@@ -142,7 +142,7 @@ void JointSystem::apply_stiffness(Slot& slot, SolverBody& body) {
   slot.inv_inertia = slot.inertia + (kStiffShare + kStiffDamping) * slot.stiffness;
   block::invert(slot.inv_inertia);
   const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
-  body.q = turned(body.q, dtheta);
+  body.q = rotated_about(body.q, dtheta);
   body.dtheta += dtheta;
   slot.sum_dtheta += dtheta;
   slot.stiffness.setZero();
@@ -193,15 +193,15 @@ JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const Su
 }
 
 /// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
-/// a substep than its gradients can follow, the surplus is taken back from the motion of the part
-/// against its mean: it may shake where it is not resolved, but not more and more.
+/// a substep than its gradients can follow, the excess is taken back from the motion of the
+/// part against its mean: it may shake where it is not resolved, but not more and more.
 ///
 /// Loops lose energy as well. Where rows repeat each other to first order only, as in a lattice
 /// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
 /// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
 /// contacts have left to lose. What floats freely keeps its angular momentum instead.
-void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> records,
-                        const SubstepContext& ctx) {
+void JointSystem::limit_energy_gain(const JointGraph::Part& part, std::span<JointRecord> records,
+                                    const SubstepContext& ctx) {
   double mass = 0.0;
   Vec3 mean = Vec3::Zero();
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
@@ -218,12 +218,12 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
     return k;
   };
   const std::uint32_t first = joint_after(part.node);
-  double& surplus = records[graph_.nodes()[first].joint].surplus;
+  double& balance = records[graph_.nodes()[first].joint].energy_excess;
   const double room = kSurplus * energy;
   double least = -room;
   if (!part.regular) {
     // What contacts do to one body the joints share out next, and lose that much at most.
-    double& shared = records[graph_.nodes()[joint_after(first + 1)].joint].surplus;
+    double& shared = records[graph_.nodes()[joint_after(first + 1)].joint].energy_excess;
     const double lost = std::clamp(-work, 0.0, shared);
     work += lost;
     shared = 0.5 * (shared - lost);
@@ -233,10 +233,10 @@ void JointSystem::guard(const JointGraph::Part& part, std::span<JointRecord> rec
       least -= kMostGiven * energy;
     }
   }
-  surplus = std::max(surplus + work, least);
-  const double kept = std::clamp(surplus, -room, room);
-  const double excess = surplus - kept;
-  surplus = kept;
+  balance = std::max(balance + work, least);
+  const double kept = std::clamp(balance, -room, room);
+  const double excess = balance - kept;
+  balance = kept;
   if (!(std::abs(excess) > 0.0)) return;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {

@@ -105,7 +105,7 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     slots_[s].q_start = ctx.bodies[graph_.bodies()[s]].q;
   }
-  if (channel == Channel::Real) keep_time(part, records, ctx);
+  if (channel == Channel::Real) resync_leapfrog(part, records, ctx);
   if (!part.regular) {
     for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
       const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
@@ -138,7 +138,7 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
     const SolverBody& a = body_of(def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(def.b, ctx.bodies, ground);
     if (channel == Channel::Real && !a.shared && !b.shared) {
-      for (double& gap : record.gap) gap *= kGapDecay;
+      for (double& residual : record.displacement_residual) residual *= kDisplacementResidualDecay;
     }
     NodeRows& rows = rows_[k];
     node.lambda.fill(0.0);
@@ -154,7 +154,7 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       rows.law[i] = channel == Channel::Real
-                        ? ForceLaw::of(axis, c[i], record.gap[i], ctx.h)
+                        ? ForceLaw::of(axis, c[i], record.displacement_residual[i], ctx.h)
                         : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
     });
   }
@@ -163,8 +163,8 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
 /// Velocities stand half a substep behind poses (leapfrog), so that between substeps of different
 /// length gravity acts for half of either. Joints find their own forces; without this a chain that
 /// is given more substeps while it falls loses energy each time.
-void JointSystem::keep_time(const JointGraph::Part& part, std::span<JointRecord> records,
-                            const SubstepContext& ctx) {
+void JointSystem::resync_leapfrog(const JointGraph::Part& part, std::span<JointRecord> records,
+                                  const SubstepContext& ctx) {
   double before = 0.0;
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const std::uint32_t joint = graph_.nodes()[k].joint;
@@ -191,7 +191,7 @@ Vec3 JointSystem::impulse(const JointGraph::Part& part, std::uint32_t k, std::ui
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
-  if (passive_[p] != 0) guard(part, records, ctx);
+  if (passive_[p] != 0) limit_energy_gain(part, records, ctx);
   const double inverse_h2 = 1.0 / (ctx.h * ctx.h);
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];

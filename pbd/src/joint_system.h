@@ -123,8 +123,8 @@ class JointSystem {
                     const SubstepContext& ctx, Channel channel);
   void begin_rows(const JointGraph::Part& part, std::span<JointRecord> records,
                   const SubstepContext& ctx, Channel channel);
-  void keep_time(const JointGraph::Part& part, std::span<JointRecord> records,
-                 const SubstepContext& ctx);
+  void resync_leapfrog(const JointGraph::Part& part, std::span<JointRecord> records,
+                       const SubstepContext& ctx);
   static void turn(SolverBody& body, Slot& slot, double h);
   void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
                const SubstepContext& ctx);
@@ -157,8 +157,8 @@ class JointSystem {
   /// @return the largest move of a body, m or rad
   double move(const JointGraph::Part& part, const SubstepContext& ctx);
   Balance balance(const JointGraph::Part& part, const SubstepContext& ctx, const Vec3& mean) const;
-  void guard(const JointGraph::Part& part, std::span<JointRecord> records,
-             const SubstepContext& ctx);
+  void limit_energy_gain(const JointGraph::Part& part, std::span<JointRecord> records,
+                         const SubstepContext& ctx);
   static void take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,
                              const SolverBody& a, const SolverBody& b);
   /// Inverse inertia times gradients, and the mobility of each row by itself.

@@ -89,8 +89,8 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const Bod
     const double before = kinetic_energy(body.q, props[row.body], body.v, body.w);
     Vec3 dv = row.share * row.e_v;
     Vec3 dw = row.share * row.e_w;
-    take_out(props[row.body].locks.linear, dv);
-    take_out(props[row.body].locks.angular, dw);
+    zero_locked_axes(props[row.body].locks.linear, dv);
+    zero_locked_axes(props[row.body].locks.angular, dw);
     body.v += dv;
     body.w += dw;
     row.e_v -= dv;
@@ -122,8 +122,8 @@ void Targets::pull(std::span<SolverBody> bodies, std::span<const BodyProps> prop
     }
     body.dx = row.share * row.e_x;
     body.dtheta = row.share * row.e_q;
-    take_out(props[row.body].locks.linear, body.dx);
-    take_out(props[row.body].locks.angular, body.dtheta);
+    zero_locked_axes(props[row.body].locks.linear, body.dx);
+    zero_locked_axes(props[row.body].locks.angular, body.dtheta);
     body.x += body.dx;
     body.q = rotated(body.q, body.dtheta);
   }

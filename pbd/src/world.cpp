@@ -18,7 +18,7 @@ namespace {
 
 void wake_up(BodyActivity& activity) {
   activity.awake = true;
-  activity.still = 0.0;
+  activity.low_speed_time = 0.0;
 }
 
 }  // namespace
@@ -241,7 +241,7 @@ void World::add_impulse(std::uint32_t index, const Wrench& impulse, const char* 
   detail::require_finite(impulse.torque, what, "moment");
   Twist twist = states_[index].twist;
   Vec3 change = props.inverse_mass * impulse.force;
-  take_out(props.locks.linear, change);
+  zero_locked_axes(props.locks.linear, change);
   twist.linear += change;
   Mat3 inverse_inertia;
   inverse_inertia_w(states_[index].pose.orientation, props, inverse_inertia);
@@ -259,8 +259,8 @@ void World::resume(BodyId id, const BodyState& state, const BodyActivity& activi
   check_twist(state.twist, "World::resume");
   detail::require(activity.level <= Groups::kMaxLevel, "World::resume", "activity.level",
                   activity.level, "a level of refinement");
-  detail::require(activity.still >= 0.0, "World::resume", "activity.still", activity.still,
-                  ">= 0 s");
+  detail::require(activity.low_speed_time >= 0.0, "World::resume", "activity.low_speed_time",
+                  activity.low_speed_time, ">= 0 s");
   if (!activity.awake) ++sleepers_moved_;
   states_[index] = state;
   activity_[index] = activity;

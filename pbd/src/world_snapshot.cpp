@@ -62,15 +62,15 @@ void load_props(ByteReader& in, BodyProps& props) {
 void save_activity(ByteWriter& out, const BodyActivity& activity) {
   out.u8(activity.awake ? 1 : 0);
   out.u8(activity.level);
-  out.u32(activity.calm);
-  out.f64(activity.still);
+  out.u32(activity.steps_at_lower_level);
+  out.f64(activity.low_speed_time);
 }
 
 void load_activity(ByteReader& in, BodyActivity& activity) {
   activity.awake = in.u8() != 0;
   activity.level = in.u8();
-  activity.calm = static_cast<std::uint16_t>(in.u32());
-  activity.still = in.f64();
+  activity.steps_at_lower_level = static_cast<std::uint16_t>(in.u32());
+  activity.low_speed_time = in.f64();
 }
 
 void save_state(ByteWriter& out, const BodyState& state) {
@@ -91,7 +91,7 @@ void load_state(ByteReader& in, BodyState& state) {
 bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const BodyState& state) {
   const bool dynamic = props.type == BodyType::Dynamic;
   if (props.type > BodyType::Dynamic || activity.level > Groups::kMaxLevel ||
-      !(activity.still >= 0.0) || dynamic != (props.inverse_mass > 0.0) ||
+      !(activity.low_speed_time >= 0.0) || dynamic != (props.inverse_mass > 0.0) ||
       !std::isfinite(props.mass) || !std::isfinite(props.inverse_mass) ||
       !props.inertia_l.allFinite() || !props.inverse_inertia_l.allFinite()) {
     return false;

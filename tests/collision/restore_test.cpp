@@ -140,7 +140,7 @@ std::vector<std::byte> readings(const Scene& s) {
     out.u32(m.body_b);
     for (const Vec3& v : {m.normal, c.friction_force}) out.vec3(v);
     for (const double v : {m.radius_a, m.radius_b, m.friction, m.restitution, c.approach_speed,
-                           c.impulse, c.carried_share, c.overlap}) {
+                           c.impulse, c.warm_start_scale, c.overlap}) {
       out.f64(v);
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {

@@ -36,14 +36,15 @@ struct Train {
       rows[k].count = 1;
       rows[k].normal[0].fill(1.0);
       rows[k].t1[1].fill(1.0);
-      rows[k].press_n.fill(k > 0 ? 2.0 : 1.0);
+      rows[k].k_nn.fill(k > 0 ? 2.0 : 1.0);
     }
     order.build(links, bodies.size());
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(rows.size()); }
   void sweep() {
     for (std::uint32_t k = 0; k < count(); ++k) {
-      kernels.solve(rows[k], ContactPass::Motion, turns_of(false), kAllLanes, numbers_of(bodies));
+      kernels.solve(rows[k], ContactPass::Motion, normal_friction_iterations(false), kAllLanes,
+                    numbers_of(bodies));
     }
   }
   ContactConvergence::Outcome run(double tolerance, int most) {

@@ -62,16 +62,16 @@ pbd::BodyState read_state(MessageReader& in) {
 void write_activity(const pbd::BodyActivity& activity, MessageWriter& out) {
   out.put<std::uint8_t>(activity.awake ? 1 : 0);
   out.put(activity.level);
-  out.put(activity.calm);
-  out.put(activity.still);
+  out.put(activity.steps_at_lower_level);
+  out.put(activity.low_speed_time);
 }
 
 pbd::BodyActivity read_activity(MessageReader& in) {
   pbd::BodyActivity activity;
   activity.awake = in.get<std::uint8_t>() != 0;
   activity.level = in.get<std::uint8_t>();
-  activity.calm = in.get<std::uint16_t>();
-  activity.still = in.get<double>();
+  activity.steps_at_lower_level = in.get<std::uint16_t>();
+  activity.low_speed_time = in.get<double>();
   return activity;
 }
 
@@ -86,7 +86,7 @@ void write_contact(const NamedContact& named, MessageWriter& out) {
   out.vec3(m.normal);
   for (const double value :
        {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed, contact.impulse,
-        contact.carried_share, contact.overlap}) {
+        contact.warm_start_scale, contact.overlap}) {
     out.put(value);
   }
   out.vec3(contact.friction_force);
@@ -111,7 +111,7 @@ NamedContact read_contact(MessageReader& in) {
   m.normal = in.vec3();
   for (double* value :
        {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
-        &contact.impulse, &contact.carried_share, &contact.overlap}) {
+        &contact.impulse, &contact.warm_start_scale, &contact.overlap}) {
     *value = in.get<double>();
   }
   contact.friction_force = in.vec3();

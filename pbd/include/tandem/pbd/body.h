@@ -87,8 +87,9 @@ struct TANDEM_API BodyProps {
 struct TANDEM_API BodyActivity {
   bool awake = true;
   std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
-  std::uint16_t calm = 0;  ///< steps in a row for which a lower level would have done
-  double still = 0.0;      ///< s for which it has been slow
+  std::uint16_t steps_at_lower_level =
+      0;                        ///< steps in a row for which a lower level would have done
+  double low_speed_time = 0.0;  ///< s for which it has been slow
 };
 
 /// The order in which bodies are taken wherever a result depends on one: those with a stable id by

@@ -45,7 +45,7 @@ struct TANDEM_API Contact {
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
   /// Of the force, that the next step starts from: less after impacts that are over.
-  double carried_share = 1.0;
+  double warm_start_scale = 1.0;
   /// m/s, fastest approach that an impulse stopped in the last step; >= 0
   double approach_speed = 0.0;
   double impulse = 0.0;   ///< N s, normal, sum over points and substeps of the last step

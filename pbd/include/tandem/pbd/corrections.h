@@ -81,6 +81,6 @@ inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
 
 /// What agreement left of a row's violation is let into the real channel at this rate for each
 /// substep once no target is about that could repair it without velocity: 1 mm fades at 12 mm/s.
-inline constexpr double kGapDecay = 0.98;
+inline constexpr double kDisplacementResidualDecay = 0.98;
 
 }  // namespace tandem::pbd

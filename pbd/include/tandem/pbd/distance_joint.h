@@ -58,7 +58,7 @@ class TANDEM_API DistanceJoint {
     return (def_.elastic && def_.compliance > 0.0) || def_.range_compliance > 0.0;
   }
   double residual() const { return residual_; }
-  double displacement_residual() const { return std::abs(gap_); }
+  double displacement_residual() const { return std::abs(displacement_residual_); }
   /// Force (N) along the joint in the last substep, positive = pushes the points apart.
   /// In the step in which it breaks that of the substep that broke it.
   double force() const { return force_; }
@@ -85,8 +85,8 @@ class TANDEM_API DistanceJoint {
   Vec3 r_a_ = Vec3::Zero();  ///< m, world, lever arms and direction at the start of the substep
   Vec3 r_b_ = Vec3::Zero();
   Vec3 n_ = Vec3::Zero();
-  double gap_ = 0.0;    ///< m, the part of C that agreement left behind
-  double bound_ = 0.0;  ///< m, where the displacement channel holds C
+  double displacement_residual_ = 0.0;  ///< m, the part of C that agreement left behind
+  double bound_ = 0.0;                  ///< m, where the displacement channel holds C
   double force_ = 0.0;
   double residual_ = 0.0;
   bool broken_ = false;

@@ -42,9 +42,9 @@ inline Vec3 log_map(const Quat& q) {
 
 /// q turned by the world-frame rotation vector `r`, kept at unit length.
 inline Quat rotated(const Quat& q, const Vec3& r) {
-  Quat turned = exp_map(r) * q;
-  turned.normalize();
-  return turned;
+  Quat result = exp_map(r) * q;
+  result.normalize();
+  return result;
 }
 
 /// World-frame rotation vector that turns `from` into `to` along the shorter arc.
