@@ -104,21 +104,6 @@ void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double
   worst = std::max(worst, contact.overlap);
 }
 
-/// Whether what the next step takes from it is made of numbers.
-bool contact_is_sound(const Contact& contact) {
-  const Manifold& m = contact.manifold;
-  bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.warm_start_scale >= 0.0 &&
-               contact.warm_start_scale <= 1.0;
-  for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution}) {
-    sound = sound && std::isfinite(value);
-  }
-  for (int i = 0; i < m.count; ++i) {
-    sound = sound && m.points[i].anchor_a_l.allFinite() && m.points[i].anchor_b_l.allFinite() &&
-            contact.force[i] >= 0.0 && std::isfinite(contact.force[i]);
-  }
-  return sound;
-}
-
 }  // namespace
 
 ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
@@ -295,7 +280,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   return ctx.h * m.largest_change(ctx.group);
 }
 
-void ContactBlock::solve_displacement(const SubstepContext& ctx) {
+double ContactBlock::project_displacement(const SubstepContext& ctx) {
   Impl& m = *impl_;
   double fastest = 0.0;
   for (std::size_t i = 0; i < ctx.bodies.size(); ++i) {
@@ -316,6 +301,7 @@ void ContactBlock::solve_displacement(const SubstepContext& ctx) {
       m.push(rows, meant, m.kernels->hold, numbers);
     });
   }
+  return 0.0;
 }
 
 double ContactBlock::solve_velocity(const SubstepContext& ctx) {
@@ -357,7 +343,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
   });
 }
 
-void ContactBlock::end_step(const SubstepContext& ctx) {
+void ContactBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
   Impl& m = *impl_;
   m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), 0.0);
   ctx.workers->for_chunks(m.contacts.size(), Impl::kGrain,
@@ -368,6 +354,7 @@ void ContactBlock::end_step(const SubstepContext& ctx) {
                             }
                           });
   m.residual = *std::max_element(m.worst.begin(), m.worst.end());
+  if (!wanted.empty()) m.want_substeps(ctx, wanted);
 }
 
 void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
@@ -397,86 +384,6 @@ BlockReport ContactBlock::report() const {
           .refused_rows = impl_->refused_rows,
           .open_rows = impl_->open_rows,
           .residual = impl_->residual};
-}
-
-void ContactBlock::save(ByteWriter& out) const {
-  out.u32(static_cast<std::uint32_t>(impl_->changed.size()));
-  for (const std::uint32_t body : impl_->changed) out.u32(body);
-  out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
-  out.u32(static_cast<std::uint32_t>(impl_->open_rows));
-  out.f64(impl_->residual);
-  out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
-  for (const Contact& contact : impl_->contacts) {
-    const Manifold& m = contact.manifold;
-    out.u64(m.key);
-    out.u32(m.body_a);
-    out.u32(m.body_b);
-    out.u64(m.order);
-    out.vec3(m.normal);
-    for (const double value :
-         {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
-          contact.impulse, contact.warm_start_scale, contact.overlap}) {
-      out.f64(value);
-    }
-    out.vec3(contact.friction_force);
-    out.u8(static_cast<std::uint8_t>(m.count));
-    for (int i = 0; i < m.count; ++i) {
-      out.vec3(m.points[i].anchor_a_l);
-      out.vec3(m.points[i].anchor_b_l);
-      out.u32(m.points[i].feature);
-      out.f64(contact.force[i]);
-    }
-  }
-}
-
-void ContactBlock::load(ByteReader& in) {
-  auto& contacts = impl_->contacts;
-  contacts.clear();
-  impl_->changed.clear();
-  const std::uint32_t changed = in.u32();
-  for (std::uint32_t k = 0; k < changed && !in.failed(); ++k) impl_->changed.push_back(in.u32());
-  impl_->extra_rows = static_cast<int>(in.u32());
-  impl_->open_rows = static_cast<int>(in.u32());
-  impl_->residual = in.f64();
-  impl_->any_friction = false;
-  impl_->any_restitution = false;
-  const std::uint32_t size = in.u32();
-  for (std::uint32_t k = 0; k < size && !in.failed(); ++k) {
-    Contact& contact = contacts.emplace_back();
-    Manifold& m = contact.manifold;
-    m.key = in.u64();
-    m.body_a = in.u32();
-    m.body_b = in.u32();
-    m.order = in.u64();
-    m.normal = in.vec3();
-    for (double* value :
-         {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
-          &contact.impulse, &contact.warm_start_scale, &contact.overlap}) {
-      *value = in.f64();
-    }
-    contact.friction_force = in.vec3();
-    m.count = in.u8();
-    if (m.count < 1 || m.count > Manifold::kMaxPoints) {
-      in.fail();
-      return;
-    }
-    for (int i = 0; i < m.count; ++i) {
-      m.points[i].anchor_a_l = in.vec3();
-      m.points[i].anchor_b_l = in.vec3();
-      m.points[i].feature = in.u32();
-      contact.force[i] = in.f64();
-    }
-    impl_->any_friction = impl_->any_friction || m.friction > 0.0;
-    impl_->any_restitution = impl_->any_restitution || m.restitution > 0.0;
-    if (!contact_is_sound(contact)) in.fail();
-  }
-}
-
-bool ContactBlock::fits(const World& world) const {
-  const auto is_there = [&](std::uint32_t body) { return world.body_at(body).valid(); };
-  return std::all_of(impl_->contacts.begin(), impl_->contacts.end(), [&](const Contact& contact) {
-    return is_there(contact.manifold.body_a) && is_there(contact.manifold.body_b);
-  });
 }
 
 }  // namespace tandem::pbd

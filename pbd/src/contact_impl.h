@@ -172,6 +172,9 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     return std::max(0, options.extra_rows - spent) / (kPart * substeps);
   }
 
+  /// What islands under load want: see ConstraintBlock::end_step().
+  void want_substeps(const SubstepContext& ctx, std::span<double> wanted);
+
   double largest_change(std::uint32_t group) const {
     const ContactOrder::Places places = order.range(group);
     double largest = 0.0;

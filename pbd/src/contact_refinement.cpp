@@ -30,10 +30,9 @@ int rounded_up(double wanted, int least) {
 
 }  // namespace
 
-void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
+void ContactBlock::Impl::want_substeps(const SubstepContext& ctx, std::span<double> wanted) {
   const double gravity = ctx.gravity.norm();
   if (!(gravity > 0.0)) return;
-  std::vector<IslandLoad>& loads = impl_->loads;
   loads.assign(ctx.bodies.size(), {});
   for (std::uint32_t rank = 0; rank < ctx.bodies.size(); ++rank) {
     const SolverBody& body = ctx.bodies[ctx.order.slot(rank)];
@@ -42,8 +41,8 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
     island.speed2 += body.v.squaredNorm();
     ++island.bodies;
   }
-  for (std::size_t n = 0; n < impl_->contacts.size(); ++n) {
-    const Contact& contact = impl_->contacts[impl_->nth(n)];
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const Contact& contact = contacts[nth(n)];
     const std::uint32_t a = contact.manifold.body_a;
     const std::uint32_t b = contact.manifold.body_b;
     const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
@@ -58,16 +57,16 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
     island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
   }
-  double rows = 0.0;  // of all further substeps
+  double asked = 0.0;  // rows of all further substeps
   for (IslandLoad& island : loads) {
     if (island.contacts == 0 || island.speed2 > kStanding * kStanding * island.bodies) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
     island.wanted = rounded_up(std::min(kMostSubsteps, island.wanted), ctx.substeps);
-    rows += island.contacts * (island.wanted - ctx.substeps);
+    asked += island.contacts * (island.wanted - ctx.substeps);
   }
   // Where all of them are too many each gets the same share, rounded down.
-  const double share = std::min(1.0, impl_->options.extra_rows / std::max(1.0, rows));
+  const double share = std::min(1.0, options.extra_rows / std::max(1.0, asked));
   double given = 0.0;
   for (std::size_t i = 0; i < loads.size(); ++i) {
     if (!(loads[i].wanted > ctx.substeps)) continue;
@@ -77,7 +76,7 @@ void ContactBlock::want_substeps(const SubstepContext& ctx, std::span<double> wa
     given += loads[i].contacts * (substeps - ctx.substeps);
     wanted[i] = std::max(wanted[i], static_cast<double>(substeps));
   }
-  impl_->refused_rows = static_cast<int>(rows - given);
+  refused_rows = static_cast<int>(asked - given);
 }
 
 }  // namespace tandem::pbd

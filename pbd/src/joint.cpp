@@ -23,6 +23,20 @@ Vec3 relative_spin(const SixDofJointDef& def, std::span<const SolverBody> bodies
   return def.a.valid() ? Vec3(w_b - bodies[def.a.index].w) : w_b;
 }
 
+/// See end_step().
+void want_substeps(std::span<const JointRecord> records, const SubstepContext& ctx,
+                   std::span<double> wanted) {
+  for (const JointRecord& record : records) {
+    if (!record.active()) continue;
+    const Vec3 spin = relative_spin(record.def, ctx.bodies);
+    const Vec3 soon = spin + kAhead * (spin - record.spin);
+    const double most = ctx.h / kTurn * std::max(spin.norm(), soon.norm());
+    for (const BodyId body : {record.def.a, record.def.b}) {
+      if (body.valid()) wanted[body.index] = std::max(wanted[body.index], most);
+    }
+  }
+}
+
 /// Whether the motor of a coordinate moves the joint on.
 bool motor_runs(const JointRecord& record, int c) {
   constexpr double kArrived = 1e-6;  // m or rad
@@ -140,18 +154,6 @@ void JointBlock::take_changed(std::vector<std::uint32_t>& bodies) {
   impl_->changed.clear();
 }
 
-void JointBlock::want_substeps(const SubstepContext& ctx, std::span<double> wanted) const {
-  for (const JointRecord& record : impl_->records) {
-    if (!record.active()) continue;
-    const Vec3 spin = relative_spin(record.def, ctx.bodies);
-    const Vec3 soon = spin + kAhead * (spin - record.spin);
-    const double most = ctx.h / kTurn * std::max(spin.norm(), soon.norm());
-    for (const BodyId body : {record.def.a, record.def.b}) {
-      if (body.valid()) wanted[body.index] = std::max(wanted[body.index], most);
-    }
-  }
-}
-
 void JointBlock::begin_step(const SubstepContext& ctx) {
   if (!ctx.displaced.empty()) impl_->forgive(ctx);
   if (impl_->dirty || impl_->natural != ctx.order.natural() ||
@@ -222,7 +224,8 @@ void JointBlock::end_displacement(const SubstepContext& ctx) {
   });
 }
 
-void JointBlock::end_step(const SubstepContext& ctx) {
+void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
+  if (!wanted.empty()) want_substeps(impl_->records, ctx, wanted);
   for (JointRecord& record : impl_->records) {
     if (!record.alive) continue;
     JointState& state = record.state;

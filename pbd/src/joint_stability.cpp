@@ -218,7 +218,7 @@ void JointSystem::limit_energy_gain(const JointGraph::Part& part, std::span<Join
     return k;
   };
   const std::uint32_t first = joint_after(part.node);
-  double& balance = records[graph_.nodes()[first].joint].energy_excess;
+  double& owed = records[graph_.nodes()[first].joint].energy_excess;
   const double room = kSurplus * energy;
   double least = -room;
   if (!part.regular) {
@@ -233,10 +233,10 @@ void JointSystem::limit_energy_gain(const JointGraph::Part& part, std::span<Join
       least -= kMostGiven * energy;
     }
   }
-  balance = std::max(balance + work, least);
-  const double kept = std::clamp(balance, -room, room);
-  const double excess = balance - kept;
-  balance = kept;
+  owed = std::max(owed + work, least);
+  const double kept = std::clamp(owed, -room, room);
+  const double excess = owed - kept;
+  owed = kept;
   if (!(std::abs(excess) > 0.0)) return;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {

@@ -123,7 +123,9 @@ void Solver::Impl::agree() {
   targets_.pull(bodies_.all(), world_->props_, context_.h * (context_.substep + 1));
   until_joints_hold([&](ConstraintBlock& block) { return block.project_displacement(context_); });
   targets_.to_velocities(bodies_.all(), context_.h);
-  for_blocks([&](ConstraintBlock& block) { block.solve_displacement(context_); });
+  for_blocks([&](ConstraintBlock& block) {
+    if (is_last(block)) block.project_displacement(context_);
+  });
   targets_.to_poses(bodies_.all(), context_.h);
   restore_locked_bodies(*group_);
   for_blocks([&](ConstraintBlock& block) { block.end_displacement(context_); });
@@ -136,11 +138,9 @@ void Solver::Impl::end_step() {
   SubstepContext context = context_;
   context.h = dt_;
   context.substeps = options_.substeps;
-  for_blocks([&](ConstraintBlock& block) { block.end_step(context); });
   wanted_.assign(bodies_.size(), 0.0);
-  if (report_.parts.refinement) {
-    for_blocks([&](ConstraintBlock& block) { block.want_substeps(context, wanted_); });
-  }
+  const std::span<double> wanted = report_.parts.refinement ? wanted_ : std::span<double>{};
+  for_blocks([&](ConstraintBlock& block) { block.end_step(context, wanted); });
   // What rows did in this step decides who rests; a world that sleeps does not ask.
   if (options_.sleep_after > 0.0 && !groups_.all().empty()) edges_.list(*world_);
   groups_.settle(group_rule(), dt_, islands_, edges_.all(), wanted_, world_->states_,

@@ -35,7 +35,7 @@ class Spoiler final : public ConstraintBlock {
     if (armed_) ctx.bodies[body_].x.x() = kNan;
     return 0.0;
   }
-  void end_step(const SubstepContext&) override { armed_ = false; }
+  void end_step(const SubstepContext&, std::span<double>) override { armed_ = false; }
   BlockReport report() const override { return {.name = name()}; }
   void save(ByteWriter&) const override {}
   void load(ByteReader&) override {}

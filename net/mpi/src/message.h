@@ -28,6 +28,11 @@ class MessageWriter {
   }
   void vec3(const pbd::Vec3& v) { doubles({v.data(), 3}); }
   void quat(const pbd::Quat& q) { doubles({q.coeffs().data(), 4}); }
+  /// Bytes that somebody else knows how to read.
+  void record(std::span<const std::byte> bytes) {
+    put(static_cast<std::uint64_t>(bytes.size()));
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+  }
   /// Room for that many numbers, to be written by DoubleWriter.
   std::byte* room(std::size_t count) {
     const std::size_t at = out_.size();
@@ -80,16 +85,24 @@ class MessageReader {
     take(q.coeffs().data(), 4 * sizeof(double));
     return q;
   }
+  std::span<const std::byte> record() {
+    const auto size = get<std::uint64_t>();
+    if (remaining() < size) fail();
+    const auto bytes = failed_ ? std::span<const std::byte>{} : in_.subspan(at_, size);
+    at_ += bytes.size();
+    return bytes;
+  }
   std::size_t remaining() const { return in_.size() - at_; }
+  /// What was read cannot be.
+  void fail() {
+    failed_ = true;
+    at_ = in_.size();
+  }
   bool failed() const { return failed_; }
 
  private:
   void take(void* to, std::size_t size) {
-    if (remaining() < size) {
-      failed_ = true;
-      at_ = in_.size();
-      return;
-    }
+    if (remaining() < size) return fail();
     std::memcpy(to, in_.data() + at_, size);
     at_ += size;
   }

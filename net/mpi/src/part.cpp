@@ -8,6 +8,7 @@
 #include <string>
 
 #include "shape_record.h"
+#include "tandem/pbd/bytes.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::mpi {
@@ -76,52 +77,27 @@ pbd::BodyActivity read_activity(MessageReader& in) {
 }
 
 void write_contact(const NamedContact& named, MessageWriter& out) {
-  const pbd::Contact& contact = named.contact;
-  const pbd::Manifold& m = contact.manifold;
   out.put(named.a);
   out.put(named.b);
   out.put(named.collider_a);
   out.put(named.collider_b);
   out.put(named.cluster);
-  out.vec3(m.normal);
-  for (const double value :
-       {m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed, contact.impulse,
-        contact.warm_start_scale, contact.overlap}) {
-    out.put(value);
-  }
-  out.vec3(contact.friction_force);
-  out.put(static_cast<std::int32_t>(m.count));
-  for (int i = 0; i < m.count; ++i) {
-    out.vec3(m.points[i].anchor_a_l);
-    out.vec3(m.points[i].anchor_b_l);
-    out.put(m.points[i].feature);
-    out.put(contact.force[i]);
-  }
+  Bytes record;
+  pbd::ByteWriter writer(record);
+  named.contact.save(writer);
+  out.record(record);
 }
 
 NamedContact read_contact(MessageReader& in) {
   NamedContact named;
-  pbd::Contact& contact = named.contact;
-  pbd::Manifold& m = contact.manifold;
   named.a = in.get<BodyName>();
   named.b = in.get<BodyName>();
   named.collider_a = in.get<std::uint32_t>();
   named.collider_b = in.get<std::uint32_t>();
   named.cluster = in.get<std::uint32_t>();
-  m.normal = in.vec3();
-  for (double* value :
-       {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &contact.approach_speed,
-        &contact.impulse, &contact.warm_start_scale, &contact.overlap}) {
-    *value = in.get<double>();
-  }
-  contact.friction_force = in.vec3();
-  m.count = std::clamp(in.get<std::int32_t>(), 0, pbd::Manifold::kMaxPoints);
-  for (int i = 0; i < m.count; ++i) {
-    m.points[i].anchor_a_l = in.vec3();
-    m.points[i].anchor_b_l = in.vec3();
-    m.points[i].feature = in.get<std::uint32_t>();
-    contact.force[i] = in.get<double>();
-  }
+  pbd::ByteReader record(in.record());
+  named.contact.load(record);
+  if (record.failed()) in.fail();
   return named;
 }
 

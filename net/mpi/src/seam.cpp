@@ -72,9 +72,9 @@ void Seam::finish_velocity(const SubstepContext& ctx) {
   if (!rows_.empty()) rows_.finish_velocity(ctx);
 }
 
-void Seam::end_step(const SubstepContext& ctx) {
+void Seam::end_step(const SubstepContext& ctx, std::span<double> wanted) {
   neighbours_.note_motion(ctx.bodies);
-  if (!rows_.empty()) rows_.end_step(ctx);
+  if (!rows_.empty()) rows_.end_step(ctx, wanted);
 }
 
 pbd::BlockReport Seam::report() const {

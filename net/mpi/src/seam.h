@@ -35,11 +35,8 @@ class Seam final : public pbd::ConstraintBlock {
   double project(const pbd::SubstepContext& ctx) override;
   double solve_velocity(const pbd::SubstepContext& ctx) override;
   void finish_velocity(const pbd::SubstepContext& ctx) override;
-  void end_step(const pbd::SubstepContext& ctx) override;
+  void end_step(const pbd::SubstepContext& ctx, std::span<double> wanted) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override { rows_.take_changed(bodies); }
-  void want_substeps(const pbd::SubstepContext& ctx, std::span<double> wanted) const override {
-    if (!rows_.empty()) rows_.want_substeps(ctx, wanted);
-  }
   void append_edges(std::vector<pbd::ConstraintEdge>& edges) const override {
     rows_.append_edges(edges);
   }

@@ -109,8 +109,9 @@ struct ConstraintEdge {
   bool force_driven = false;
 };
 
-/// All constraints of one kind in a world: the only thing that the solver knows of them. Each verb
-/// runs over all rows of the block. Only `project` must be given.
+/// All constraints of one kind in a world: the only thing that the solver knows of them. Each of
+/// the ten verbs of a step, `begin_step` to `end_step`, runs over all rows of the block, or over
+/// those of a group. Only `project` must be given.
 ///
 /// Two channels share one Jacobian (docs/ARCHITECTURE.md): the real one carries momentum; the
 /// displacement channel moves bodies on towards their targets and never enters velocity. There a
@@ -139,23 +140,21 @@ class TANDEM_API ConstraintBlock {
   virtual void finish_velocity(const SubstepContext&) {}
   /// Displacement channel of rows on poses: remember the violation before bodies are displaced.
   virtual void begin_displacement(const SubstepContext&) {}
-  /// Move poses until the rows violate no more than before. Returns as `project` does.
+  /// Of rows on poses: move poses until they violate no more than before. Returns as `project`
+  /// does. Of rows on velocities, in islands with a target: what bodies are displaced by, v_push
+  /// and w_push, gives way so that the rows hold.
   virtual double project_displacement(const SubstepContext&) { return 0.0; }
-  /// Rows on velocities in islands with a target: what bodies are displaced by, v_push and w_push,
-  /// gives way so that the rows hold.
-  virtual void solve_displacement(const SubstepContext&) {}
   /// Remember what was left over, so that the real channel does not turn it into velocity.
   virtual void end_displacement(const SubstepContext&) {}
-  virtual void end_step(const SubstepContext&) {}
+  /// Once per step; ctx.h is its length (s), ctx.substeps the solver's. Raise the entries of
+  /// `wanted` (by body) for bodies whose rows need more substeps than that: their islands get them
+  /// from the next step on. Empty where nothing is refined.
+  virtual void end_step(const SubstepContext&, std::span<double> /*wanted*/) {}
 
   /// Append an edge for each row that is active, which names every body that it reads or moves.
   virtual void append_edges(std::vector<ConstraintEdge>& /*edges*/) const {}
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
-  /// At the end of a step of ctx.h (s): raise the entries (by body) of bodies whose rows need that
-  /// many substeps, where that is more than ctx.substeps, the solver's. Their islands get them from
-  /// the next step on.
-  virtual void want_substeps(const SubstepContext&, std::span<double> /*wanted*/) const {}
   /// A body is about to leave the world: drop the rows that name it.
   virtual void remove_body(BodyId) {}
   virtual BlockReport report() const = 0;

@@ -51,6 +51,10 @@ struct TANDEM_API Contact {
   double impulse = 0.0;   ///< N s, normal, sum over points and substeps of the last step
   double overlap = -1.0;  ///< m, at the end of the last step, >= 0; below 0: not known yet
 
+  /// All but which pair it is (key, order, bodies).
+  void save(ByteWriter& out) const;
+  /// The input is untrusted: fails `in` where no contact can have such values.
+  void load(ByteReader& in);
   /// Whether any point carried a load in the last substep.
   bool loaded() const {
     return force[0] > 0.0 || force[1] > 0.0 || force[2] > 0.0 || force[3] > 0.0;
@@ -97,12 +101,11 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   double project(const SubstepContext& ctx) override;
   double solve_velocity(const SubstepContext& ctx) override;
   void finish_velocity(const SubstepContext& ctx) override;
-  void solve_displacement(const SubstepContext& ctx) override;
-  void end_step(const SubstepContext& ctx) override;
+  double project_displacement(const SubstepContext& ctx) override;
+  void end_step(const SubstepContext& ctx, std::span<double> wanted) override;
   /// Bodies whose loaded contact is gone: a collider was removed or filtered, or what they lay on
   /// was moved away.
   void take_changed(std::vector<std::uint32_t>& bodies) override;
-  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   /// What carries a load supports.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void remove_body(BodyId body) override;

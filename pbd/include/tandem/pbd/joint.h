@@ -71,12 +71,11 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   void begin_displacement(const SubstepContext& ctx) override;
   double project_displacement(const SubstepContext& ctx) override;
   void end_displacement(const SubstepContext& ctx) override;
-  void end_step(const SubstepContext& ctx) override;
+  /// Wants as many substeps as keep the bodies of a joint from turning by more than 0.07 rad
+  /// against each other in one, now or two steps on. Taut chains need no more for their stiffness;
+  /// only fast folding does.
+  void end_step(const SubstepContext& ctx, std::span<double> wanted) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;
-  /// As many as keep the bodies of a joint from turning by more than 0.07 rad against each other in
-  /// one substep, now or two steps on. Taut chains need no more for their stiffness; only fast
-  /// folding does.
-  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override;
   /// Not actuated: motors that have arrived, that a limit stops or that do not manage their load.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void remove_body(BodyId body) override;

@@ -134,17 +134,12 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     }
     return largest;
   }
-  void solve_displacement(const SubstepContext& ctx) override {
-    if constexpr (requires(C & c) { c.solve_displacement(ctx); }) {
-      sweep_shared(ctx, [&](C& c) { c.solve_displacement(ctx); });
-    }
-  }
   void end_displacement(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.end_displacement(ctx); }) {
       sweep_shared(ctx, [&](C& c) { c.end_displacement(ctx); });
     }
   }
-  void end_step(const SubstepContext& ctx) override {
+  void end_step(const SubstepContext& ctx, std::span<double> /*wanted*/) override {
     if constexpr (requires(C & c) { c.end_step(ctx); }) {
       sweep(false, [&](C& c) { c.end_step(ctx); });
     }
@@ -163,13 +158,6 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   void take_changed(std::vector<std::uint32_t>& bodies) override {
     bodies.insert(bodies.end(), changed_.begin(), changed_.end());
     changed_.clear();
-  }
-  void want_substeps(const SubstepContext& ctx, std::span<double> wanted) const override {
-    if constexpr (requires(const C& c) { c.want_substeps(ctx, wanted); }) {
-      for (std::uint32_t i = 0; i < rows_.size(); ++i) {
-        if (slots_.alive(i)) rows_[i].want_substeps(ctx, wanted);
-      }
-    }
   }
   void remove_body(BodyId body) override {
     for (std::uint32_t i = 0; i < rows_.size(); ++i) {
