@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "support/bodies.h"
@@ -111,6 +112,33 @@ TEST_CASE("session: the same bits as its parts put together by hand", "[session]
     return std::pair(rooms[0].own.hash(), rooms[1].own.hash());
   };
   CHECK(by_sessions() == by_hand());
+}
+
+TEST_CASE("session: an event comes before one step, once", "[session]") {
+  Fixture f;
+  Room near(0.0);
+  Room far(0.4);
+  Session one(near, f.transport(1));
+  Session two(far, f.transport(2));
+  std::vector<SessionTime> came;
+  SessionTime sent = 0;
+  for (int i = 0; i < 60; ++i) {
+    f.network.advance_to(f.network.now() + kStep);
+    one.advance(f.network.now(), [&](SessionTime now) {
+      if (std::exchange(sent, now) == 0) CHECK(one.events().send("round over", {}) == 1);
+    });
+    two.advance(f.network.now(), [&](SessionTime now) {
+      for (const consensus::Event& event : two.events().received()) {
+        CHECK(event.from == 1);
+        CHECK(event.topic == "round over");
+        came.push_back(now - event.stamp);
+      }
+    });
+  }
+  REQUIRE(came.size() == 1);
+  // The way takes 45 to 55 ms, and it is read at the next step.
+  CHECK(came.front() >= 45'000'000);
+  CHECK(came.front() <= 55'000'000 + 2 * kStep);
 }
 
 TEST_CASE("session: steps are those of the clock", "[session]") {

@@ -49,7 +49,8 @@ class __attribute__((visibility("hidden"))) Session::Impl {
         wire(std::move(through)),
         clock(options.clock ? options.clock : std::exchange(wire.clock, {})),
         pace(options.pace),
-        peer(without_peer(stepped.world), *wire.transport,
+        events(*wire.transport, options.events),
+        peer(without_peer(stepped.world), events,
              peer_options(options.peer, wire.no_clocks)) {
     pace.validate();
     if (!clock) clock = [own = net::SessionClock()]() mutable { return own.now(); };
@@ -66,6 +67,7 @@ class __attribute__((visibility("hidden"))) Session::Impl {
   Wire wire;
   ClockSource clock;
   net::PhysicsClockOptions pace;
+  consensus::EventChannel events;
   consensus::Peer peer;  ///< gone before its transport
   std::optional<net::PhysicsClock> physics;
   double world_time = 0.0;  ///< s, after the last step
@@ -108,6 +110,7 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
   SessionTime time = own.physics->physics_time();
   for (const std::int64_t step : tick.steps) time -= step;
   for (const std::int64_t step : tick.steps) {
+    own.events.poll(time);
     if (before_step) before_step(time);
     if (own.running && own.stopped) break;
     own.peer.before_step(time);
@@ -143,6 +146,7 @@ void Session::run(const BeforeStep& before_step) {
 
 void Session::stop() { impl_->stopped = true; }
 
+consensus::EventChannel& Session::events() { return impl_->events; }
 consensus::Peer& Session::peer() { return impl_->peer; }
 consensus::Transport& Session::transport() { return *impl_->wire.transport; }
 

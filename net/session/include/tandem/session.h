@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "tandem/consensus/events.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/net/clock.h"
 #include "tandem/pbd/export.h"
@@ -43,6 +44,7 @@ struct TANDEM_API Simulation {
 struct TANDEM_API SessionOptions {
   net::PhysicsClockOptions pace;  ///< 60 steps a second; PhysicsClockOptions::at_rate() for others
   consensus::PeerOptions peer;
+  consensus::EventOptions events;
   /// Session time now, ns. Empty: the transport's, where it has one as net::UdpTransport does, else
   /// that of a net::SessionClock.
   std::function<SessionTime()> clock;
@@ -111,6 +113,10 @@ class TANDEM_API Session {
   void run(const BeforeStep& before_step = {});
   /// Ends run(); from within `before_step`, before that step.
   void stop();
+
+  /// Messages of the application. What has come is there from before each step on, and gone with the
+  /// next: read it in `before_step`.
+  consensus::EventChannel& events();
 
   // The parts.
   consensus::Peer& peer();
