@@ -231,6 +231,7 @@ int main(void) {
   what_is_wrong_is_refused();
   snapshot_goes_on_as_before();
   snapshot_brings_its_events_back();
+  queries_find();
   peers_share();
   if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
   return failures > 0 ? 1 : 0;

@@ -266,9 +266,52 @@ static void packets_are_no_longer_than_was_said(void) {
   free(w);
 }
 
+/* An event comes once, with the time at which it was sent, beside what the peers share. */
+static void channels_carry_events(void) {
+  const tandem_link link = {.latency = 0.05, .loss = 0.3};
+  const int64_t start = 1000000000, step = 16666667;
+  tandem_network* network = tandem_network_create(&link, 3, start, NULL);
+  tandem_channel* channels[2];
+  site sites[2];
+  for (int s = 0; s < 2; ++s) {
+    channels[s] =
+        tandem_channel_create(tandem_network_transport(network, (uint64_t)s + 1, NULL), NULL);
+    CHECK(channels[s] != NULL);
+    sites[s] = make_site(tandem_channel_transport(channels[s]), 0.1 * s);
+  }
+  int came = 0;
+  for (int64_t k = 0; k < 240; ++k) {
+    const int64_t now = start + k * step;
+    CHECK(tandem_network_advance(network, now, NULL) == TANDEM_OK);
+    for (int s = 0; s < 2; ++s) CHECK(tandem_channel_poll(channels[s], now, NULL) == TANDEM_OK);
+    if (k == 10) CHECK(tandem_channel_send(channels[0], "door", "open", 4, 0, NULL) == TANDEM_OK);
+    tandem_event event;
+    if (tandem_channel_events(channels[1], &event, 1) == 1) {
+      CHECK(strcmp(event.topic, "door") == 0 && event.topic_size == 4);
+      CHECK(event.payload_size == 4 && memcmp(event.payload, "open", 4) == 0);
+      CHECK(event.from == 1 && event.stamp_ns == start + 10 * step);
+      ++came;
+    }
+    CHECK(tandem_channel_events(channels[0], NULL, 0) == 0);
+    for (int s = 0; s < 2; ++s) step_site(&sites[s], now, now + step);
+  }
+  CHECK(came == 1);
+  CHECK(fabs(place(&sites[0]) - place(&sites[1])) < 1e-3);
+  CHECK(tandem_channel_send(channels[0], NULL, NULL, 0, 0, NULL) == TANDEM_INVALID_ARGUMENT);
+  CHECK(tandem_channel_send(channels[0], "t", NULL, 1, 0, NULL) == TANDEM_INVALID_ARGUMENT);
+  CHECK(tandem_channel_poll(channels[0], 0, NULL) == TANDEM_INVALID_ARGUMENT);
+  CHECK(tandem_channel_create(NULL, NULL) == NULL && tandem_channel_transport(NULL) == NULL);
+  for (int s = 0; s < 2; ++s) {
+    destroy_site(&sites[s]);
+    tandem_channel_destroy(channels[s]);
+  }
+  tandem_network_destroy(network);
+}
+
 void peers_share(void) {
   two_peers_meet_in_the_middle();
   a_hand_moves_and_leaves();
   a_transport_of_ones_own_carries_a_session();
   packets_are_no_longer_than_was_said();
+  channels_carry_events();
 }

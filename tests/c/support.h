@@ -56,6 +56,8 @@ static inline tandem_collider add_shape(tandem_world* world, tandem_body body,
 
 /* What is in refusals.c. */
 void what_is_wrong_is_refused(void);
+/* What is in queries.c. */
+void queries_find(void);
 /* What is in sessions.c. */
 void peers_share(void);
 

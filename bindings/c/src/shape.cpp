@@ -5,6 +5,7 @@
 
 #include "convert.h"
 #include "guard.h"
+#include "shape_impl.h"
 #include "world_impl.h"
 
 using namespace tandem;
@@ -52,7 +53,9 @@ collision::Field heights_of(const tandem_shape& shape) {
                                       std::span(from, count));
 }
 
-collision::Shape shape_of(const tandem_shape& shape) {
+}  // namespace
+
+collision::Shape tandem::c::shape_of(const tandem_shape& shape) {
   switch (shape.kind) {
     case TANDEM_SPHERE:
       return collision::Sphere{shape.radius};
@@ -75,8 +78,6 @@ collision::Shape shape_of(const tandem_shape& shape) {
   }
   refuse_unlisted("shape.kind", shape.kind, "tandem_shape_kind");
 }
-
-}  // namespace
 
 void tandem_shape_init(tandem_shape* shape, tandem_shape_kind kind) {
   if (shape == nullptr) return;

@@ -330,6 +330,75 @@ TANDEM_C_API size_t tandem_world_contacts(const tandem_world* world, tandem_cont
                                           tandem_contact* contacts, size_t capacity);
 TANDEM_C_API size_t tandem_world_hits(const tandem_world* world, tandem_hit* hits, size_t capacity);
 
+/* ---- queries ---- */
+
+/** Rays, casts, overlaps and nearest places among the colliders of a world, as they were at the
+ * last update. They change nothing: a world runs the same with and without them. */
+typedef struct tandem_query tandem_query;
+
+/** Not 0 where a query is to see this collider; called for candidates alone, in no special order.
+ */
+typedef int32_t (*tandem_accept)(void* user, tandem_collider collider);
+
+/** Which colliders a query sees. A null pointer to it is the default. */
+typedef struct tandem_query_filter {
+  uint32_t category, mask; /**< as of a collider; all, all */
+  int32_t group;           /**< likewise; 0 */
+  tandem_body ignore;      /**< all colliders of that body are left out; TANDEM_NO_BODY */
+  int32_t sensors;         /**< not 0: sensors too; 0 */
+  int32_t back_faces;      /**< not 0: the backs of triangles stop rays and casts, too; 0 */
+  tandem_accept accept;    /**< null: all */
+  void* user;              /**< first argument of accept */
+} tandem_query_filter;
+
+typedef struct tandem_query_hit {
+  tandem_collider collider;
+  tandem_body body;
+  tandem_vec3 point;  /**< m, world, on the collider */
+  tandem_vec3 normal; /**< unit, world, out of the collider */
+  double distance;    /**< m: along a ray; to the nearest place; below 0: overlap */
+  double fraction;    /**< of a ray's or a cast's way, 0 to 1; else 0 */
+  uint32_t triangle;  /**< of a mesh; else 0xffffffff */
+} tandem_query_hit;
+
+/** The world must outlive it. It sees the world as it is now. Null where it failed. */
+TANDEM_C_API tandem_query* tandem_query_create(const tandem_world* world, tandem_error* error);
+/** Null: nothing happens. */
+TANDEM_C_API void tandem_query_destroy(tandem_query* query);
+/** Bodies have moved, colliders have changed: see the world as it is now. */
+TANDEM_C_API tandem_result tandem_query_update(tandem_query* query, tandem_error* error);
+TANDEM_C_API void tandem_query_filter_init(tandem_query_filter* filter);
+
+/* Hits come by distance, one for each collider. At most `capacity` of them are written to `hits`,
+ * which may be null where it is 0; `count` says how many there are, where no more than one was
+ * asked for only whether there is any. Shapes to ask with are convex. */
+
+/** @param direction  of any length above 0     @param max_distance  m, > 0 */
+TANDEM_C_API tandem_result tandem_query_ray(const tandem_query* query, tandem_vec3 origin,
+                                            tandem_vec3 direction, double max_distance,
+                                            const tandem_query_filter* filter,
+                                            tandem_query_hit* hits, size_t capacity, size_t* count,
+                                            tandem_error* error);
+/** The shape moves from `start` by `displacement` (m) without turning. */
+TANDEM_C_API tandem_result tandem_query_cast(const tandem_query* query, const tandem_shape* shape,
+                                             const tandem_pose* start, tandem_vec3 displacement,
+                                             const tandem_query_filter* filter,
+                                             tandem_query_hit* hits, size_t capacity, size_t* count,
+                                             tandem_error* error);
+/** What is nearest, no further than `max_distance` (m, >= 0). @param shape  null: a point */
+TANDEM_C_API tandem_result tandem_query_closest(const tandem_query* query,
+                                                const tandem_shape* shape, const tandem_pose* pose,
+                                                double max_distance,
+                                                const tandem_query_filter* filter,
+                                                tandem_query_hit* hits, size_t capacity,
+                                                size_t* count, tandem_error* error);
+/** What shares a point with the shape, in ascending order. */
+TANDEM_C_API tandem_result tandem_query_overlap(const tandem_query* query,
+                                                const tandem_shape* shape, const tandem_pose* pose,
+                                                const tandem_query_filter* filter,
+                                                tandem_collider* colliders, size_t capacity,
+                                                size_t* count, tandem_error* error);
+
 /* ---- transports ---- */
 
 /** Carries bytes between peers. */
@@ -388,6 +457,39 @@ TANDEM_C_API tandem_transport* tandem_network_transport(tandem_network* network,
 /** Deliver what is due. @param time_ns  never goes back */
 TANDEM_C_API tandem_result tandem_network_advance(tandem_network* network, int64_t time_ns,
                                                   tandem_error* error);
+
+/* ---- messages of the application ---- */
+
+/** Events between peers, by topic: each once, those of a sender in their order, through losses and
+ * broken connections. All members of a session use one, or none sends any. */
+typedef struct tandem_channel tandem_channel;
+
+typedef struct tandem_event {
+  uint64_t from;
+  int64_t stamp_ns;    /**< session time at which it was sent */
+  const char* topic;   /**< ends with 0, but may hold one before; untrusted, as the payload is */
+  size_t topic_size;   /**< bytes */
+  const void* payload; /**< valid until the next poll */
+  size_t payload_size; /**< bytes */
+} tandem_event;
+
+/** The transport must outlive it. */
+TANDEM_C_API tandem_channel* tandem_channel_create(tandem_transport* transport,
+                                                   tandem_error* error);
+/** After the peer on its transport. Null: nothing happens. */
+TANDEM_C_API void tandem_channel_destroy(tandem_channel* channel);
+/** What the peer is given in place of the transport; owned by the channel. Null of a null one. */
+TANDEM_C_API tandem_transport* tandem_channel_transport(tandem_channel* channel);
+/** Before each tandem_peer_before_step. */
+TANDEM_C_API tandem_result tandem_channel_poll(tandem_channel* channel, int64_t now_ns,
+                                               tandem_error* error);
+/** With the time of the last poll. @param topic  64 bytes at most     @param to  0: all */
+TANDEM_C_API tandem_result tandem_channel_send(tandem_channel* channel, const char* topic,
+                                               const void* payload, size_t size, uint64_t to,
+                                               tandem_error* error);
+/** Copies at most `capacity` of those that the last poll took in. @return how many there are */
+TANDEM_C_API size_t tandem_channel_events(const tandem_channel* channel, tandem_event* events,
+                                          size_t capacity);
 
 /* ---- sharing ---- */
 

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "convert.h"
+#include "guard.h"
+#include "tandem/consensus/events.h"
+#include "transport_impl.h"
+
+using namespace tandem;
+using namespace tandem::c;
+
+struct tandem_channel {
+  explicit tandem_channel(consensus::Transport& below) : channel(below) {
+    transport.transport = &channel;
+  }
+  consensus::EventChannel channel;
+  tandem_transport transport;
+};
+
+tandem_channel* tandem_channel_create(tandem_transport* transport, tandem_error* error) {
+  tandem_channel* made = nullptr;
+  guarded(error, [&] { made = new tandem_channel(*required(transport, "transport").transport); });
+  return made;
+}
+
+void tandem_channel_destroy(tandem_channel* channel) { delete channel; }
+
+tandem_transport* tandem_channel_transport(tandem_channel* channel) {
+  return channel != nullptr ? &channel->transport : nullptr;
+}
+
+tandem_result tandem_channel_poll(tandem_channel* channel, int64_t now_ns, tandem_error* error) {
+  return guarded(
+      error, [&] { required(channel, "channel").channel.poll(checked_time("now_ns", now_ns, 1)); });
+}
+
+tandem_result tandem_channel_send(tandem_channel* channel, const char* topic, const void* payload,
+                                  size_t size, uint64_t to, tandem_error* error) {
+  return guarded(error, [&] {
+    const auto* const bytes = static_cast<const std::byte*>(payload);
+    if (size > 0) required(bytes, "payload");
+    required(channel, "channel").channel.send(&required(topic, "topic"), {bytes, size}, to);
+  });
+}
+
+size_t tandem_channel_events(const tandem_channel* channel, tandem_event* events, size_t capacity) {
+  if (channel == nullptr) return 0;
+  const auto received = channel->channel.received();
+  for (size_t i = 0; i < received.size() && i < capacity && events != nullptr; ++i) {
+    const consensus::Event& event = received[i];
+    events[i] = {.from = event.from,
+                 .stamp_ns = event.stamp,
+                 .topic = event.topic.c_str(),
+                 .topic_size = event.topic.size(),
+                 .payload = event.payload.data(),
+                 .payload_size = event.payload.size()};
+  }
+  return received.size();
+}

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "tandem/c/tandem.h"
+#include "tandem/collision/shape.h"
+
+namespace tandem::c {
+
+/// @throws std::invalid_argument naming what is wrong with it
+collision::Shape shape_of(const tandem_shape& shape);
+
+}  // namespace tandem::c
