@@ -165,7 +165,8 @@ def peer_lines(points, machine):
 def kernel_lines(path):
     lines = ["| kernel | ns | for one |", "|---|---|---|"]
     for b in json.loads(path.read_text())["benchmarks"]:
-        for counter, what in (("pair_time", "pair"), ("row_time", "row and substep")):
+        for counter, what in (("pair_time", "pair"), ("row_time", "row and substep"),
+                              ("body_time", "body and step")):
             if counter in b:
                 lines.append(f"| {b['name']} | {1e9 * b[counter]:.4g} | {what} |")
                 break

@@ -3,7 +3,8 @@
 //
 // Rows in a step at the default setting: contacts of a resting tower (its contacts are recycled, so
 // that nearly all of the time is the solver's), links of a swinging chain. row_time is that of
-// one manifold or joint in one substep.
+// one manifold or joint in one substep. Boxes in stacks of ten that do not sleep, up to 64 000 of
+// them: body_time is that of one in a whole step, with detection.
 #include "tandem/pbd/solver.h"
 
 #include <benchmark/benchmark.h>
@@ -18,31 +19,54 @@ using pbd::Vec3;
 
 constexpr double kDt = 1.0 / 60.0;
 
+/// s for one of so many.
 benchmark::Counter row_time(double rows) {
   return {rows, benchmark::Counter::kIsRate | benchmark::Counter::kInvert};
 }
 
-void contact_rows(benchmark::State& state) {
-  pbd::World world;
-  collision::CollisionScene shapes;
-  world.set_contact_source(&shapes);
-  shapes.add(world, {.body = world.add_body({.type = pbd::BodyType::Static}),
-                     .shape = collision::HalfSpace{}});
-  const collision::Box cube{Vec3::Constant(0.5)};
-  const auto mass = collision::mass_properties(cube, 100.0);
-  for (int stack = 0; stack < 10; ++stack) {
-    for (int k = 0; k < state.range(0); ++k) {
-      const auto body = world.add_body({.pose = {.position = Vec3(3.0 * stack, 0.0, 0.5 + k)},
-                                        .mass = mass.mass,
-                                        .inertia = mass.inertia_l});
-      shapes.add(world, {.body = body, .shape = cube});
+/// Stacks of cubes that are kept awake.
+struct Stacks {
+  Stacks(int count, int height) {
+    world.set_contact_source(&shapes);
+    shapes.add(world, {.body = world.add_body({.type = pbd::BodyType::Static}),
+                       .shape = collision::HalfSpace{}});
+    const collision::Box cube{Vec3::Constant(0.5)};
+    const auto mass = collision::mass_properties(cube, 100.0);
+    for (int stack = 0; stack < count; ++stack) {
+      const Vec3 foot(3.0 * (stack % 100), 3.0 * (stack / 100), 0.5);
+      for (int k = 0; k < height; ++k) {
+        const auto body = world.add_body({.pose = {.position = foot + Vec3(0.0, 0.0, k)},
+                                          .mass = mass.mass,
+                                          .inertia = mass.inertia_l});
+        shapes.add(world, {.body = body, .shape = cube});
+      }
     }
   }
-  pbd::Solver solver;
-  for (int i = 0; i < 60; ++i) (void)solver.step(world, kDt);
+  int step() { return solver.step(world, kDt).substeps; }
+
+  pbd::World world;
+  collision::CollisionScene shapes;
+  pbd::Solver solver{{.sleep_after = 0.0}};
+};
+
+void contact_rows(benchmark::State& state) {
+  Stacks stacks(10, static_cast<int>(state.range(0)));
+  for (int i = 0; i < 60; ++i) stacks.step();
   int substeps = 0;
-  for (auto _ : state) substeps += solver.step(world, kDt).substeps;
+  for (auto _ : state) substeps += stacks.step();
   state.counters["row_time"] = row_time(10.0 * substeps * static_cast<double>(state.range(0)));
+}
+
+void boxes(benchmark::State& state) {
+  constexpr int kHeight = 10;
+  Stacks stacks(static_cast<int>(state.range(0)) / kHeight, kHeight);
+  for (int i = 0; i < 10; ++i) stacks.step();
+  double stepped = 0.0;
+  for (auto _ : state) {
+    stacks.step();
+    stepped += static_cast<double>(state.range(0));
+  }
+  state.counters["body_time"] = row_time(stepped);
 }
 
 void ball_joint_rows(benchmark::State& state) {
@@ -65,3 +89,4 @@ void ball_joint_rows(benchmark::State& state) {
 
 BENCHMARK(contact_rows)->Arg(1)->Arg(10);
 BENCHMARK(ball_joint_rows)->Arg(1)->Arg(10)->Arg(50);
+BENCHMARK(boxes)->Arg(1000)->Arg(4000)->Arg(16000)->Arg(64000)->Unit(benchmark::kMillisecond);
