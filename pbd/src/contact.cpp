@@ -181,47 +181,51 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
   m.order.build(arranged, ctx.bodies.size());
-  const auto places = m.order.places();
-  const std::size_t blocks = places.size() / kLanes;
-  if (blocks > m.rows.capacity()) {
-    m.rows = {};  // made anew in each step: nothing has to be copied, or be there twice
-    m.rows.reserve(2 * blocks);
-  }
-  m.rows.resize(blocks);
-  if (m.any_restitution) m.impacts.reserve(m.rows.size(), ctx.bodies.size());
+  if (m.any_restitution) m.impacts.reserve(ctx.bodies.size());
+  m.pushed.assign(ctx.bodies.size(), 0);
   m.extra_rows = 0;
   m.refined_rows = 0;
   m.refused_rows = 0;
   m.open_rows = 0;
   m.least_substeps = ctx.substeps;
+}
+
+void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
+  const auto places = order.places(ctx.group);
+  const std::size_t blocks = places.size() / kLanes;
+  if (blocks > room_for_rows.size()) {
+    room_for_rows = {};  // made anew for each group: nothing has to be copied, or be there twice
+    room_for_rows.resize(blocks + blocks / 4);
+  }
+  rows = std::span(room_for_rows).first(blocks);
   const BodyNumbers numbers = numbers_of(ctx.bodies);
-  const auto prepare = [&](ContactRows& rows, std::span<const std::uint32_t> contacts) {
-    rows.faces = m.contacts[contacts[0]].manifold.count > 1;
-    rows.count = 0;
-    rows.change = {};
-    rows.a_moves = rows.b_moves = rows.a_below = rows.b_below = 0;
-    for (const std::uint32_t contact : contacts) {
+  const auto prepare = [&](ContactRows& made, std::span<const std::uint32_t> block) {
+    made.faces = contacts[block[0]].manifold.count > 1;
+    made.count = 0;
+    made.change = {};
+    made.a_moves = made.b_moves = made.a_below = made.b_below = 0;
+    for (const std::uint32_t contact : block) {
       if (contact == ContactOrder::kNone) break;
-      const std::size_t lane = rows.count++;
-      rows.contact[lane] = contact;
-      set_row(m.contacts[contact], ctx.bodies, ctx.gravity, rows, lane);
-      const std::uint32_t a = m.support.distance(rows.a[lane]);
-      const std::uint32_t b = m.support.distance(rows.b[lane]);
-      rows.a_below = static_cast<LaneMask>(rows.a_below | unsigned{a < b} << lane);
-      rows.b_below = static_cast<LaneMask>(rows.b_below | unsigned{b < a} << lane);
+      const std::size_t lane = made.count++;
+      made.contact[lane] = contact;
+      set_row(contacts[contact], ctx.bodies, ctx.gravity, made, lane);
+      const std::uint32_t a = support.distance(made.a[lane]);
+      const std::uint32_t b = support.distance(made.b[lane]);
+      made.a_below = static_cast<LaneMask>(made.a_below | unsigned{a < b} << lane);
+      made.b_below = static_cast<LaneMask>(made.b_below | unsigned{b < a} << lane);
     }
-    repeat_first_row(rows);
-    m.kernels->prepare(rows, numbers);
+    repeat_first_row(made);
+    kernels->prepare(made, numbers);
   };
   const auto block = [&](std::size_t k) {
     return places.subspan(std::min(k, blocks - 1) * kLanes, kLanes);
   };
-  ctx.workers->for_chunks(m.rows.size(), Impl::kGrain / kLanes,
+  ctx.workers->for_chunks(rows.size(), kGrain / kLanes,
                           [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t k = begin; k < end; ++k) {
-                              m.prefetch_contacts(block(k + 2));
-                              m.prefetch_bodies(block(k + 1), ctx.bodies);
-                              prepare(m.rows[k], block(k));
+                              prefetch_contacts(block(k + 2));
+                              prefetch_bodies(block(k + 1), ctx.bodies);
+                              prepare(rows[k], block(k));
                             }
                           });
 }
@@ -238,11 +242,12 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .growth = growth_of(ctx)};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (ctx.substep == 0) {
-    m.refined_rows += m.row_count(ctx.group) * (ctx.substeps - m.least_substeps);
+    m.make_rows(ctx);
+    m.refined_rows += m.row_count() * (ctx.substeps - m.least_substeps);
   }
   m.for_rows(ctx, [&](ContactRows& rows) { m.kernels->begin(rows, rule, numbers); });
   if (!m.any_restitution) return;
-  m.impacts.begin(m.order.range(ctx.group), m.rows, ctx.bodies, rule.bounce_speed);
+  m.impacts.begin(m.rows, ctx.bodies, rule.bounce_speed);
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
@@ -265,25 +270,25 @@ double ContactBlock::project(const SubstepContext& ctx) {
   });
   const ContactConvergence::Rule rule{
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
-      .rows = m.rows_to_sweep(m.refined_rows, ctx.substeps),
+      .rows = m.rows_to_sweep(m.refined_rows, ctx),
       .first_substep = first_substep};
   const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
                                                *m.kernels, ctx.bodies, *ctx.workers);
   m.extra_rows += swept;
   m.open_rows = std::max(m.open_rows, open);
-  m.pushed.assign(ctx.bodies.size(), 0);
+  for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     const ContactRows& rows = m.rows[k];
     m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.shared(rows, ctx)), m.kernels->push,
            numbers);
   });
-  return ctx.h * m.largest_change(ctx.group);
+  return ctx.h * m.largest_change();
 }
 
 double ContactBlock::project_displacement(const SubstepContext& ctx) {
   Impl& m = *impl_;
   double fastest = 0.0;
-  for (std::size_t i = 0; i < ctx.bodies.size(); ++i) {
+  for (const std::uint32_t i : ctx.members) {
     const SolverBody& body = ctx.bodies[i];
     m.pushed[i] = body.shared && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
     if (m.pushed[i] == 0) continue;
@@ -309,15 +314,14 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (m.any_restitution) {
-    m.impacts.run(m.order.range(ctx.group), m.rows, *m.kernels, ctx.bodies,
-                  m.rows_to_sweep(0, ctx.substeps));
+    m.impacts.run(m.rows, *m.kernels, ctx.bodies, m.rows_to_sweep(0, ctx));
   }
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     m.prefetch_bodies(k, ctx.reverse, numbers);
     m.kernels->solve(m.rows[k], ContactPass::Velocity, normal_friction_iterations(first_substep),
                      kAllLanes, numbers);
   });
-  return m.largest_change(ctx.group);
+  return m.largest_change();
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {

@@ -43,13 +43,13 @@ ContactConvergence::Open ContactConvergence::open_rows(const Ends& ends, float t
   return {.lanes = static_cast<LaneMask>(lanes & ends.lanes), .octave = octave_of(fastest)};
 }
 
-void ContactConvergence::find_open(std::uint32_t first, float tolerance) {
+void ContactConvergence::find_open(float tolerance) {
   open_.clear();
   octaves_.fill(0);
   for (std::uint32_t k = 0; k < ends_.size(); ++k) {
     Open open = open_rows(ends_[k], tolerance);
     if (open.lanes == 0) continue;
-    open.block = first + k;
+    open.block = k;
     open_.push_back(open);
     octaves_[open.octave] += std::popcount(open.lanes);
   }
@@ -63,12 +63,12 @@ int ContactConvergence::keep_most_moved(int most) {
   return kept;
 }
 
-void ContactConvergence::plan(const ContactOrder& order) {
+void ContactConvergence::plan(const ContactOrder& order, std::uint32_t group) {
   plan_.clear();
   std::uint32_t begin = 0;
   for (std::uint32_t i = 1; i <= open_.size(); ++i) {
-    const bool same =
-        i < open_.size() && order.level(open_[i].block) == order.level(open_[begin].block);
+    const bool same = i < open_.size() &&
+                      order.level(group, open_[i].block) == order.level(group, open_[begin].block);
     if (same) continue;
     plan_.add_level(begin, i);
     begin = i;
@@ -82,15 +82,16 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const Cont
                                                     std::span<SolverBody> bodies,
                                                     Workers& workers) {
   Outcome outcome;
-  const ContactOrder::Places places = order.range(group);
-  const auto swept = rows.subspan(places.begin, places.end - places.begin);
   const auto solved = [&](const ContactRows& each) {
     return *std::max_element(each.change.begin(), each.change.end()) <= rule.tolerance;
   };
-  if (rule.rows == 0 || std::all_of(swept.begin(), swept.end(), solved)) return outcome;
-  moved_.assign(bodies.size(), 0.0f);
+  if (rule.rows == 0 || std::all_of(rows.begin(), rows.end(), solved)) return outcome;
+  moved_.resize(bodies.size(), 0.0f);
   ends_.clear();
-  for (const ContactRows& each : swept) {
+  for (const ContactRows& each : rows) {
+    for (std::size_t i = 0; i < each.count; ++i) moved_[each.a[i]] = moved_[each.b[i]] = 0.0f;
+  }
+  for (const ContactRows& each : rows) {
     Ends& ends = ends_.emplace_back(Ends{each.a, each.b, {}, lanes_in_use(each)});
     for (std::size_t i = 0; i < kLanes; ++i) {
       ends.island[i] = bodies[(each.a_moves >> i & 1u) != 0 ? each.a[i] : each.b[i]].island;
@@ -99,20 +100,20 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const Cont
   }
   const BodyNumbers numbers = numbers_of(bodies);
   for (;;) {
-    find_open(places.begin, static_cast<float>(rule.tolerance));
+    find_open(static_cast<float>(rule.tolerance));
     outcome.open = std::accumulate(octaves_.begin(), octaves_.end(), 0);
     const int left = rule.rows - outcome.swept;
     if (left < rule.rows / kNotWorthIt) return outcome;
     const int kept = keep_most_moved(left);
     if (kept == 0) return outcome;
     for (const Open& open : open_) {
-      const Ends& ends = ends_[open.block - places.begin];
+      const Ends& ends = ends_[open.block];
       for (std::size_t i = 0; i < kLanes; ++i) {
         if (open.lanes >> i & 1u) moved_[ends.a[i]] = moved_[ends.b[i]] = 0.0f;
       }
     }
     reverse = !reverse;
-    plan(order);
+    plan(order, group);
     plan_.sweep(reverse, workers, [&](std::uint32_t i) {
       kernels.solve(rows[open_[i].block], ContactPass::Motion,
                     normal_friction_iterations(rule.first_substep), open_[i].lanes, numbers);

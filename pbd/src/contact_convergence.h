@@ -33,7 +33,7 @@ class ContactConvergence {
     int open = 0;   ///< rows, in blocks above the tolerance that were left
   };
 
-  /// @param reverse  the direction of the first sweep
+  /// @param rows  of the group     @param reverse  the direction of the first sweep
   Outcome run(const Rule& rule, const ContactOrder& order, std::uint32_t group, bool reverse,
               std::span<ContactRows> rows, const ContactKernels& kernels,
               std::span<SolverBody> bodies, Workers& workers);
@@ -58,13 +58,12 @@ class ContactConvergence {
   /// m/s.
   Open open_rows(const Ends& ends, float tolerance) const;
   /// The blocks with such rows.
-  /// @param first  block
-  void find_open(std::uint32_t first, float tolerance);
+  void find_open(float tolerance);
   /// Keep those open blocks whose bodies moved most, with no more than `most` rows: whole octaves.
   /// @return how many rows
   int keep_most_moved(int most);
   /// Share out the open blocks, level by level.
-  void plan(const ContactOrder& order);
+  void plan(const ContactOrder& order, std::uint32_t group);
 
   std::vector<float> moved_;        ///< m/s, by body: largest change of a row since it was swept
   std::vector<Ends> ends_;          ///< by block of the group

@@ -20,6 +20,17 @@ constexpr double kFaint = 1e-3;
 /// loses 22 % of its energy in 5 s, and 5 % at a half.
 constexpr double kTogether = 0.5;
 
+/// Call visit(body) for both bodies of each row of the blocks, whether it moves or not.
+template <class Visit>
+void for_ends(std::span<const ContactRows> rows, Visit&& visit) {
+  for (const ContactRows& each : rows) {
+    for (std::size_t i = 0; i < each.count; ++i) {
+      visit(each.a[i]);
+      visit(each.b[i]);
+    }
+  }
+}
+
 /// Call visit(body) for the bodies of the lanes that can move.
 template <class Visit>
 void for_bodies(const ContactRows& rows, LaneMask lanes, Visit&& visit) {
@@ -31,32 +42,30 @@ void for_bodies(const ContactRows& rows, LaneMask lanes, Visit&& visit) {
 
 }  // namespace
 
-void ContactImpacts::reserve(std::size_t blocks, std::size_t bodies) {
-  blows_.resize(blocks);
-  open_.reserve(blocks);
+void ContactImpacts::reserve(std::size_t bodies) {
   before_.resize(bodies);
   reached_.resize(bodies);
   moved_.resize(bodies);
 }
 
-void ContactImpacts::begin(const ContactOrder::Places& places, std::span<const ContactRows> rows,
-                           std::span<const SolverBody> bodies, double slow) {
-  const auto swept = rows.subspan(places.begin, places.end - places.begin);
-  any_ = std::any_of(swept.begin(), swept.end(), [](const ContactRows& r) { return r.bounces; });
+void ContactImpacts::begin(std::span<const ContactRows> rows, std::span<const SolverBody> bodies,
+                           double slow) {
+  any_ = std::any_of(rows.begin(), rows.end(), [](const ContactRows& r) { return r.bounces; });
   if (!any_) return;
   slow_ = slow;
-  for (std::size_t i = 0; i < bodies.size(); ++i) before_[i] = {bodies[i].v, bodies[i].w};
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+  blows_.resize(std::max(blows_.size(), rows.size()));
+  open_.reserve(rows.size());
+  for_ends(rows, [&](std::uint32_t i) { before_[i] = {bodies[i].v, bodies[i].w}; });
+  for (std::uint32_t k = 0; k < rows.size(); ++k) {
     blows_[k].impulse = rows[k].impulse;
     blows_[k].struck = 0;
   }
 }
 
-void ContactImpacts::find_open(const ContactOrder::Places& places,
-                               std::span<const ContactRows> rows, const ContactKernels& kernels,
+void ContactImpacts::find_open(std::span<const ContactRows> rows, const ContactKernels& kernels,
                                BodyNumbers bodies, double slow, bool first) {
   open_.clear();
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+  for (std::uint32_t k = 0; k < rows.size(); ++k) {
     LaneMask reached = first && rows[k].bounces ? kAllLanes : 0;
     if (!first) {
       for_bodies(rows[k], kAllLanes, [&](std::size_t i, std::uint32_t body) {
@@ -69,9 +78,11 @@ void ContactImpacts::find_open(const ContactOrder::Places& places,
   }
 }
 
-bool ContactImpacts::take_round(std::span<ContactRows> rows, std::size_t bodies) {
-  reached_.assign(bodies, 0.0);
-  moved_.assign(bodies, 0);
+bool ContactImpacts::take_round(std::span<ContactRows> rows) {
+  for_ends(rows, [&](std::uint32_t body) {
+    reached_[body] = 0.0;
+    moved_[body] = 0;
+  });
   for (const Open& open : open_) {
     const Lanes& approach = blows_[open.block].change;
     for_bodies(rows[open.block], open.lanes, [&](std::size_t i, std::uint32_t body) {
@@ -97,12 +108,12 @@ bool ContactImpacts::take_round(std::span<ContactRows> rows, std::size_t bodies)
   return coupled;
 }
 
-void ContactImpacts::run(const ContactOrder::Places& places, std::span<ContactRows> rows,
-                         const ContactKernels& kernels, std::span<SolverBody> bodies, int most) {
+void ContactImpacts::run(std::span<ContactRows> rows, const ContactKernels& kernels,
+                         std::span<SolverBody> bodies, int most) {
   if (!any_) return;
   any_ = false;
   double fastest = 0.0;
-  for (std::uint32_t k = places.begin; k < places.end; ++k) {
+  for (std::uint32_t k = 0; k < rows.size(); ++k) {
     const auto approach = rows[k].approach.begin();
     if (rows[k].bounces) {
       fastest = std::max(fastest, *std::max_element(approach, approach + rows[k].count));
@@ -110,16 +121,16 @@ void ContactImpacts::run(const ContactOrder::Places& places, std::span<ContactRo
   }
   const double slow = std::max(slow_, kFaint * fastest);
   // What opens overlaps has done so by now: its velocities stand for those of the blows.
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
+  for_ends(rows, [&](std::uint32_t i) {
     bodies[i].v_push = before_[i].linear;
     bodies[i].w_push = before_[i].angular;
-  }
+  });
   const BodyNumbers numbers = numbers_of(bodies);
-  find_open(places, rows, kernels, numbers, slow, true);
+  find_open(rows, kernels, numbers, slow, true);
   bool passes_on = false;
   bool reverse = false;
   for (int struck = 0; !open_.empty() && struck < most;) {
-    const bool coupled = take_round(rows, bodies.size());
+    const bool coupled = take_round(rows);
     double change = 0.0;
     do {
       change = 0.0;
@@ -132,17 +143,17 @@ void ContactImpacts::run(const ContactOrder::Places& places, std::span<ContactRo
       }
       reverse = !reverse;
     } while (coupled && change > kFaint * kFaint * fastest && struck < most);
-    find_open(places, rows, kernels, numbers, slow, false);
+    find_open(rows, kernels, numbers, slow, false);
     passes_on = passes_on || coupled || !open_.empty();
   }
   // Where nothing passed on, each row has its bounce already.
-  for (std::uint32_t k = places.begin; passes_on && k < places.end; ++k) {
+  for (std::uint32_t k = 0; passes_on && k < rows.size(); ++k) {
     if (blows_[k].struck != 0) kernels.settle(rows[k], blows_[k], numbers);
   }
-  for (SolverBody& body : bodies) {
-    body.v_push.setZero();
-    body.w_push.setZero();
-  }
+  for_ends(rows, [&](std::uint32_t i) {
+    bodies[i].v_push.setZero();
+    bodies[i].w_push.setZero();
+  });
 }
 
 }  // namespace tandem::pbd

@@ -24,15 +24,14 @@ namespace tandem::pbd {
 class ContactImpacts {
  public:
   /// Room for a step with so many.
-  void reserve(std::size_t blocks, std::size_t bodies);
+  void reserve(std::size_t bodies);
   /// Velocities as they are before the substep, and impulses as it begins with them.
   /// @param slow  m/s, slower impacts do not bounce
-  void begin(const ContactOrder::Places& places, std::span<const ContactRows> rows,
-             std::span<const SolverBody> bodies, double slow);
+  void begin(std::span<const ContactRows> rows, std::span<const SolverBody> bodies, double slow);
   /// Once in a substep, after the pass: rows that carry nothing did not close and are not hit.
   /// @param most  rows struck; what is left then approaches without a bounce
-  void run(const ContactOrder::Places& places, std::span<ContactRows> rows,
-           const ContactKernels& kernels, std::span<SolverBody> bodies, int most);
+  void run(std::span<ContactRows> rows, const ContactKernels& kernels, std::span<SolverBody> bodies,
+           int most);
 
  private:
   struct Open {
@@ -41,11 +40,11 @@ class ContactImpacts {
   };
 
   /// Rows that are hit next, at once or after others.
-  void find_open(const ContactOrder::Places& places, std::span<const ContactRows> rows,
-                 const ContactKernels& kernels, BodyNumbers bodies, double slow, bool first);
+  void find_open(std::span<const ContactRows> rows, const ContactKernels& kernels,
+                 BodyNumbers bodies, double slow, bool first);
   /// Leave those that make up the next round.
   /// @return whether some body has two rows in it
-  bool take_round(std::span<ContactRows> rows, std::size_t bodies);
+  bool take_round(std::span<ContactRows> rows);
 
   bool any_ = false;  ///< some row bounces in this substep
   double slow_ = 0.0;

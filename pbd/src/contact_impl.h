@@ -36,9 +36,10 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   std::vector<std::uint32_t> sequence;   ///< contacts by Manifold::order; empty where it is by key
   std::vector<std::pair<std::uint64_t, std::uint32_t>> ranks;  ///< scratch of put_in_sequence()
   std::vector<std::uint32_t> changed;  ///< bodies that lost a load, until the next step
-  std::vector<ContactRows> rows;       ///< by place in the order
-  std::vector<std::uint8_t> pushed;    ///< by body: has v_push or w_push in this substep
-  std::vector<double> worst;           ///< m, by worker
+  std::vector<ContactRows> room_for_rows;
+  std::span<ContactRows> rows;       ///< of the group that is solved, by place in the order
+  std::vector<std::uint8_t> pushed;  ///< by body: has v_push or w_push in this substep
+  std::vector<double> worst;         ///< m, by worker
   ContactSupport support;
   ContactStatics statics;
   ContactOrder order;
@@ -121,15 +122,12 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
   }
 
-  /// Call visit(rows) for the blocks of rows of the context's group, shared out among workers.
+  /// Call visit(rows) for all blocks of rows, shared out among workers.
   template <class Visit>
   void for_rows(const SubstepContext& ctx, Visit&& visit) {
-    const ContactOrder::Places places = order.range(ctx.group);
-    ctx.workers->for_chunks(places.end - places.begin, kGrain / kLanes,
+    ctx.workers->for_chunks(rows.size(), kGrain / kLanes,
                             [&](std::size_t begin, std::size_t end, int) {
-                              for (std::size_t k = begin; k < end; ++k) {
-                                visit(rows[places.begin + k]);
-                              }
+                              for (std::size_t k = begin; k < end; ++k) visit(rows[k]);
                             });
   }
 
@@ -159,27 +157,29 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
 
-  int row_count(std::uint32_t group) const {
-    const ContactOrder::Places places = order.range(group);
+  int row_count() const {
     int count = 0;
-    for (std::uint32_t k = places.begin; k < places.end; ++k) count += rows[k].count;
+    for (const ContactRows& each : rows) count += each.count;
     return count;
   }
   /// Rows of a step that may be swept on, or be struck by blows, for each of its substeps.
   /// @param spent  of the budget
-  int rows_to_sweep(int spent, int substeps) const {
+  int rows_to_sweep(int spent, const SubstepContext& ctx) const {
     constexpr int kPart = 6;  // see ContactOptions::extra_rows
-    return std::max(0, options.extra_rows - spent) / (kPart * substeps);
+    const int left = std::max(0, options.extra_rows - spent) / (kPart * ctx.substeps);
+    return static_cast<int>(ctx.share_of_budget * left);
   }
+
+  /// Make the rows of the group that is to be solved next.
+  void make_rows(const SubstepContext& ctx);
 
   /// What islands under load want: see ConstraintBlock::end_step().
   void want_substeps(const SubstepContext& ctx, std::span<double> wanted);
 
-  double largest_change(std::uint32_t group) const {
-    const ContactOrder::Places places = order.range(group);
+  double largest_change() const {
     double largest = 0.0;
-    for (std::uint32_t k = places.begin; k < places.end; ++k) {
-      largest = std::max(largest, *std::max_element(rows[k].change.begin(), rows[k].change.end()));
+    for (const ContactRows& each : rows) {
+      largest = std::max(largest, *std::max_element(each.change.begin(), each.change.end()));
     }
     return largest;
   }

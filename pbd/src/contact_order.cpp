@@ -84,7 +84,8 @@ void ContactOrder::build(std::span<const ContactLink> sequence, std::size_t bodi
   for (std::size_t g = 0; g < groups_; ++g) {
     plans_[g].clear();
     for (std::uint32_t level = first_level_[g]; level < first_level_[g + 1]; ++level) {
-      plans_[g].add_level(first_block_[level], first_block_[level + 1]);
+      const std::uint32_t first = first_block_[first_level_[g]];
+      plans_[g].add_level(first_block_[level] - first, first_block_[level + 1] - first);
     }
   }
   for (std::size_t i = 0; i < sequence.size(); ++i) {

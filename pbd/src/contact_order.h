@@ -49,27 +49,25 @@ class ContactOrder {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// `places()[kLanes * k + lane]` is the contact solved in that lane of block k.
   /// @param sequence  the order meant above     @param bodies  how many there are
   void build(std::span<const ContactLink> sequence, std::size_t bodies);
-  std::span<const std::uint32_t> places() const { return places_; }
+  /// `places(group)[kLanes * k + lane]` is the contact solved in that lane of block k of the group.
+  std::span<const std::uint32_t> places(std::uint32_t group) const {
+    if (group >= groups_) return {};
+    const std::size_t begin = first_block_[first_level_[group]];
+    const std::size_t end = first_block_[first_level_[group + 1]];
+    return std::span(places_).subspan(kLanes * begin, kLanes * (end - begin));
+  }
 
   /// Call visit(block) for the rows of a group, forwards or backwards.
   template <class Visit>
   void sweep(std::uint32_t group, bool reverse, Workers& workers, Visit&& visit) const {
     if (group < groups_) plans_[group].sweep(reverse, workers, visit);
   }
-  struct Places {
-    std::uint32_t begin = 0;  ///< blocks
-    std::uint32_t end = 0;
-  };
-  /// The blocks of a group.
-  Places range(std::uint32_t group) const {
-    if (group >= groups_) return {};
-    return {first_block_[first_level_[group]], first_block_[first_level_[group + 1]]};
+  /// The level of a block of a group.
+  std::uint32_t level(std::uint32_t group, std::uint32_t block) const {
+    return level_of_block_[first_block_[first_level_[group]] + block];
   }
-  /// The level of a block.
-  std::uint32_t level(std::uint32_t block) const { return level_of_block_[block]; }
 
  private:
   std::vector<std::uint32_t> places_;

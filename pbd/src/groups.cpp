@@ -5,11 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
 namespace {
+
+/// Islands of one level are solved group by group, of so many bodies where they are small enough:
+/// what four substeps read again and again stays in the processor's second cache.
+constexpr std::size_t kMostBodies = 1024;
 
 /// Steps in a row that must have been easy before an island gets fewer substeps again.
 constexpr int kCalmSteps = 8;
@@ -49,18 +54,20 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
   if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
   if (rule.sleep_after > 0.0 && pushed) disturb(edges, bodies);
   if (rule.coupling != nullptr) rule.coupling->agree_awake(islands.of(), islands_);
-  form_groups(rule, props, activity, bodies);
+  form_groups(rule, islands, props, activity, bodies);
 }
 
 bool Groups::sum_islands(const Rule& rule, const Islands& islands,
                          std::span<const BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   islands_.assign(count, {});
+  movable_.resize(count);
   const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   bool pushed = false;
   for (std::uint32_t i = 0; i < count; ++i) {
     bodies[i].island = islands.of()[i];
-    if (bodies[i].inv_mass == 0.0) {
+    movable_[i] = bodies[i].inv_mass > 0.0 ? 1 : 0;
+    if (movable_[i] == 0) {
       pushed = pushed || moves(bodies[i]);
       continue;
     }
@@ -85,7 +92,7 @@ void Groups::wake_islands(std::span<const std::uint32_t> changed,
   }
 }
 
-void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
+void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<const BodyProps> props,
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   levels_.assign(count, 0);
@@ -95,32 +102,62 @@ void Groups::form_groups(const Rule& rule, std::span<const BodyProps> props,
     levels_[i] =
         static_cast<std::uint8_t>((2 * island.level_sum + island.bodies) / (2 * island.bodies));
   }
-  for (Group& group : groups_) {
-    group.bodies.clear();
-    group.locked = false;
-  }
-  std::array<bool, kMaxLevel + 1> used{};
+  const auto is_awake = [&](std::uint32_t i) {
+    return movable_[i] != 0 && islands_[islands.of()[i]].awake;
+  };
+  std::array<std::size_t, kMaxLevel + 1> in_level{};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const bool awake = islands_[bodies[i].island].awake;
-    if (bodies[i].inv_mass > 0.0 && awake) used[levels_[bodies[i].island]] = true;
+    if (is_awake(i)) ++in_level[levels_[islands.of()[i]]];
   }
-  std::array<std::uint32_t, kMaxLevel + 1> group_of{};
-  count_ = 0;
+  groups_.clear();
+  group_of_.resize(count);
   for (std::uint8_t level = 0; level <= kMaxLevel; ++level) {
-    if (!used[level]) continue;
-    if (count_ == groups_.size()) groups_.emplace_back();
-    groups_[count_].level = level;
-    groups_[count_].substeps = rule.substeps << level;
-    group_of[level] = static_cast<std::uint32_t>(count_++);
+    const std::size_t begin = groups_.size();
+    for (std::uint32_t i = 0; in_level[level] > 0 && i < count; ++i) {
+      if (islands.of()[i] != i || levels_[i] != level || !is_awake(i)) continue;
+      // An island that goes on in another world is solved there in the group of the same number.
+      const bool full = groups_.size() > begin && rule.coupling == nullptr &&
+                        groups_.back().size + islands_[i].bodies > kMostBodies;
+      if (groups_.size() == begin || full) {
+        groups_.push_back({.level = level, .substeps = rule.substeps << level});
+      }
+      groups_.back().size += islands_[i].bodies;
+      group_of_[i] = static_cast<std::uint32_t>(groups_.size() - 1);
+    }
   }
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (bodies[i].inv_mass == 0.0 || !islands_[bodies[i].island].awake) continue;
-    bodies[i].group = group_of[levels_[bodies[i].island]];
-    Group& group = groups_[bodies[i].group];
-    group.bodies.push_back(i);
+  fill_groups(islands, props, activity, bodies);
+  for (Group& group : groups_) {
+    group.share =
+        static_cast<double>(group.bodies.size()) / static_cast<double>(in_level[group.level]);
+  }
+}
+
+/// Each group's bodies, ascending, one group after the other.
+void Groups::fill_groups(const Islands& islands, std::span<const BodyProps> props,
+                         std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+  for (Group& group : groups_) group.size = 0;
+  const auto for_awake = [&](auto&& visit) {
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+      const std::uint32_t island = islands.of()[i];
+      if (movable_[i] != 0 && islands_[island].awake) visit(i, group_of_[island]);
+    }
+  };
+  for_awake([&](std::uint32_t, std::uint32_t group) { ++groups_[group].size; });
+  std::size_t first = 0;
+  for (Group& group : groups_) first += std::exchange(group.size, first);
+  members_.resize(first);
+  for_awake([&](std::uint32_t i, std::uint32_t number) {
+    Group& group = groups_[number];
+    members_[group.size++] = i;
+    bodies[i].group = number;
     group.locked = group.locked || props[i].locks.any();
     if (!activity[i].awake) activity[i].low_speed_time = 0.0;
     activity[i].awake = true;
+  });
+  std::size_t begin = 0;
+  for (Group& group : groups_) {
+    group.bodies = std::span(members_).subspan(begin, group.size - begin);
+    begin = group.size;
   }
 }
 
@@ -128,7 +165,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const ConstraintEdge> edges, std::span<const double> wanted,
                     std::span<const BodyState> before, std::span<const BodyProps> props,
                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
-  if (count_ == 0) {
+  if (groups_.empty()) {
     if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
     return;
   }

@@ -15,12 +15,14 @@
 
 namespace tandem::pbd {
 
-/// Bodies that are solved together, with the same substeps.
+/// Bodies that are solved together, with the same substeps: whole islands.
 struct Group {
   std::uint8_t level = 0;
   int substeps = 0;
-  bool locked = false;  ///< some body has a locked axis
-  std::vector<std::uint32_t> bodies;
+  double share = 1.0;    ///< of all bodies of the level
+  bool locked = false;   ///< some body has a locked axis
+  std::size_t size = 0;  ///< while it is formed
+  std::span<const std::uint32_t> bodies;
 };
 
 /// Which islands sleep, and which need more substeps than the others.
@@ -44,7 +46,7 @@ class Groups {
                std::span<const ConstraintEdge> edges, std::span<const PoseTarget> targets,
                std::span<const BodyProps> props, std::span<BodyActivity> activity,
                std::span<SolverBody> bodies);
-  std::span<const Group> all() const { return {groups_.data(), count_}; }
+  std::span<const Group> all() const { return groups_; }
 
   /// After the step: levels for the next one, and who falls asleep.
   /// @param wanted  by body: substeps that its rows ask for
@@ -61,7 +63,9 @@ class Groups {
   /// Whose rows were changed, and who is told to be elsewhere.
   void wake_islands(std::span<const std::uint32_t> changed, std::span<const PoseTarget> targets,
                     std::span<const SolverBody> bodies);
-  void form_groups(const Rule& rule, std::span<const BodyProps> props,
+  void form_groups(const Rule& rule, const Islands& islands, std::span<const BodyProps> props,
+                   std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+  void fill_groups(const Islands& islands, std::span<const BodyProps> props,
                    std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
   /// What an immovable body that moves is in touch with does not sleep.
@@ -73,9 +77,11 @@ class Groups {
   /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
   /// not refine the heap.
   std::vector<std::uint8_t> levels_;
-  std::vector<std::uint8_t> sprung_;  ///< by body: springs or motors act on it
+  std::vector<std::uint8_t> movable_;    ///< by body
+  std::vector<std::uint8_t> sprung_;     ///< by body: springs or motors act on it
+  std::vector<std::uint32_t> group_of_;  ///< by the index of the lowest body of an island
+  std::vector<std::uint32_t> members_;   ///< of all groups
   std::vector<Group> groups_;
-  std::size_t count_ = 0;
 };
 
 }  // namespace tandem::pbd

@@ -87,7 +87,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   /// Bodies of the current group, shared out among the workers.
   template <class Visit>
   void for_group(Visit&& visit) {
-    const std::vector<std::uint32_t>& list = group_->bodies;
+    const std::span<const std::uint32_t> list = group_->bodies;
     workers_.for_chunks(list.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t k = begin; k < end; ++k) visit(bodies_[list[k]], list[k]);
     });

@@ -42,10 +42,12 @@ void Solver::Impl::begin_step(World& world, double dt) {
 void Solver::Impl::begin_group(std::uint32_t group) {
   group_ = &groups_.all()[group];
   context_.group = group;
+  context_.members = group_->bodies;
+  context_.share_of_budget = group_->share;
   context_.substeps = group_->substeps;
   context_.h = dt_ / group_->substeps;
   if (group > 0) bodies_.rewind_kinematic(*world_);
-  if (!targets_.empty()) targets_.select_group(group, group_->substeps, bodies_.all());
+  if (!targets_.empty()) targets_.select_group(*group_, bodies_.all());
   report_.substeps = std::max(report_.substeps, group_->substeps);
 }
 

@@ -61,16 +61,16 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
   }
 }
 
-void Targets::select_group(std::uint32_t group, int substeps, std::span<const SolverBody> bodies) {
+void Targets::select_group(const Group& group, std::span<const SolverBody> bodies) {
   in_group_.clear();
   saved_.clear();
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    if (bodies[rows_[k].body].group != group) continue;
-    in_group_.push_back(static_cast<std::uint32_t>(k));
-    rows_[k].share = 1.0 - std::pow(1.0 - rows_[k].step_share, 1.0 / substeps);
+  for (const std::uint32_t i : group.bodies) {
+    if (bodies[i].shared) saved_.emplace_back().body = i;
+    if (row_of_[i] != BodyId::kNone) in_group_.push_back(row_of_[i]);
   }
-  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
-    if (bodies[i].shared && bodies[i].group == group) saved_.emplace_back().body = i;
+  std::sort(in_group_.begin(), in_group_.end());
+  for (const std::uint32_t k : in_group_) {
+    rows_[k].share = 1.0 - std::pow(1.0 - rows_[k].step_share, 1.0 / group.substeps);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "groups.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/report.h"
@@ -32,7 +33,7 @@ class Targets {
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
 
   /// The methods below concern the bodies of this group, until the next call.
-  void select_group(std::uint32_t group, int substeps, std::span<const SolverBody> bodies);
+  void select_group(const Group& group, std::span<const SolverBody> bodies);
   /// Whether some island of the group has a target.
   bool selected() const { return !saved_.empty(); }
 

@@ -72,6 +72,10 @@ struct TANDEM_API SubstepContext {
   /// Verbs between begin_substep and finish_velocity concern only rows of this group: those one of
   /// whose bodies carries its number.
   std::uint32_t group = 0;
+  std::span<const std::uint32_t> members = {};  ///< the bodies of the group, ascending
+  /// Of the bodies that take as many substeps those of the group: what a budget for all of them has
+  /// for it.
+  double share_of_budget = 1.0;
   Workers* workers = nullptr;  ///< may share the work of a verb; never null within a step
   /// What is not taken by slot where the outcome depends on it: the order of rows, sums over
   /// bodies.

@@ -92,6 +92,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
 
   void begin_step(const SubstepContext& ctx) override {
     put_in_sequence(ctx.order);
+    sort_by_group(ctx.bodies);
     if constexpr (requires(C & c) { c.forgive(ctx); }) {
       if (ctx.displaced.empty()) return;
       sweep(false, [&](C& c) {
@@ -258,10 +259,32 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       return true;
     }
   }
-  static bool is_mine(const SubstepContext& ctx, const C& c) {
-    if (!is_active(c)) return false;
-    return (c.body_a().valid() && ctx.bodies[c.body_a().index].group == ctx.group) ||
-           (c.body_b().valid() && ctx.bodies[c.body_b().index].group == ctx.group);
+  /// Rows of bodies that are awake, those of each group together and in sequence.
+  void sort_by_group(std::span<const SolverBody> bodies) {
+    const auto group_of = [&](const C& c) {
+      std::uint32_t group = SolverBody::kNoGroup;
+      for (const BodyId id : {c.body_a(), c.body_b()}) {
+        if (id.valid()) group = std::min(group, bodies[id.index].group);
+      }
+      return group;
+    };
+    first_.assign(1, 0);
+    sweep(false, [&](C& c) {
+      const std::uint32_t group = group_of(c);
+      if (group == SolverBody::kNoGroup) return;
+      if (group + 2 > first_.size()) first_.resize(group + 2, 0);
+      ++first_[group + 1];
+    });
+    for (std::size_t g = 1; g < first_.size(); ++g) first_[g] += first_[g - 1];
+    by_group_.resize(first_.back());
+    sweep(false, [&](C& c) {
+      const std::uint32_t group = group_of(c);
+      if (group == SolverBody::kNoGroup) return;
+      by_group_[first_[group]++] = static_cast<std::uint32_t>(&c - rows_.data());
+    });
+    // Each has run on to where the next one begins.
+    for (std::size_t g = first_.size() - 1; g > 0; --g) first_[g] = first_[g - 1];
+    first_[0] = 0;
   }
   static bool is_shared(const SubstepContext& ctx, const C& c) {
     return (c.body_a().valid() && ctx.bodies[c.body_a().index].shared) ||
@@ -269,14 +292,18 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   }
   template <class Visit>
   void sweep_group(const SubstepContext& ctx, Visit&& visit) {
-    sweep(ctx.reverse, [&](C& c) {
-      if (is_mine(ctx, c)) visit(c);
-    });
+    if (ctx.group + 1 >= first_.size()) return;
+    const std::uint32_t begin = first_[ctx.group];
+    const std::uint32_t count = first_[ctx.group + 1] - begin;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      C& c = rows_[by_group_[begin + (ctx.reverse ? count - 1 - k : k)]];
+      if (is_active(c)) visit(c);
+    }
   }
   template <class Visit>
   void sweep_shared(const SubstepContext& ctx, Visit&& visit) {
-    sweep(ctx.reverse, [&](C& c) {
-      if (is_mine(ctx, c) && is_shared(ctx, c)) visit(c);
+    sweep_group(ctx, [&](C& c) {
+      if (is_shared(ctx, c)) visit(c);
     });
   }
   static void refuse_other(BodyId given, BodyId kept) {
@@ -308,6 +335,8 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   Slots slots_;
   std::vector<std::uint32_t> changed_;   ///< bodies, until the next step
   std::vector<std::uint32_t> sequence_;  ///< slots in the order of sweeps; empty = as they are
+  std::vector<std::uint32_t> by_group_;  ///< slots
+  std::vector<std::uint32_t> first_;     ///< by group, into by_group_
   bool sequence_is_old_ = true;
   bool natural_ = true;  ///< the order of bodies that the sequence was made for
 };
