@@ -159,6 +159,7 @@ def peer_lines(points, machine):
             "count, times do not. What each engine runs with, how it is built and how to repeat this: "
             "[benchmarks/peers](../benchmarks/peers/README.md). A heap whose columns still stand has "
             "fewer pairs to solve: its mean height says so.", "",
+            "![Error and time of seven engines](engines.svg)", "",
             *peer_table.tables(points)]
 
 
@@ -216,6 +217,12 @@ def main():
     figure = args.results / "work_precision.svg"
     if figure.exists():
         shutil.copyfile(figure, args.docs / "work_precision.svg")
+    try:
+        import chart
+    except ImportError:
+        print("no matplotlib in this Python, so engines.svg is as it was: see peers/chart.py")
+    else:
+        chart.draw(peers, args.docs)
     print(f"wrote {args.docs / 'numerics.md'}")
     return 0
 

@@ -12,13 +12,15 @@ from scour import scour
 matplotlib.use("Agg")
 matplotlib.rcParams["svg.hashsalt"] = "tandem"
 matplotlib.rcParams["svg.fonttype"] = "none"  # letters, not their outlines
+matplotlib.rcParams["font.sans-serif"] = ["DejaVu Sans", "Verdana"]  # what browsers may have
 matplotlib.rcParams["path.simplify_threshold"] = 0.5
 import matplotlib.pyplot as plt  # noqa: E402
 
 # What docs/ carries: 300 KB in all. The other figures are left with the results.
-IN_DOCS = ("evaluation_divergence", "evaluation_latency", "evaluation_link", "work_precision")
+IN_DOCS = ("evaluation_divergence", "evaluation_latency", "evaluation_link", "work_precision", "engines")
 
 _SMALL = scour.sanitizeOptions()
+_SMALL.style_to_xml = False  # SVG has no attribute "font": browsers would draw all text in their own size
 _SMALL.digits = _SMALL.cdigits = 4
 _SMALL.strip_ids = _SMALL.shorten_ids = _SMALL.group_create = _SMALL.remove_metadata = True
 _SMALL.indent_type, _SMALL.newlines, _SMALL.quiet = "none", False, True

@@ -100,5 +100,5 @@ int run(std::span<const std::string_view> words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return demos::program_main(argc, argv, demos::usage("predictors [--scene NAME]..."), run);
+  return demos::program_main(argc, argv, demos::usage_of_all("predictors [--scene NAME]..."), run);
 }
