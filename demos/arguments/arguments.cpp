@@ -117,7 +117,7 @@ void read_arguments(std::span<const std::string_view> words, const std::vector<O
     const auto option = std::find_if(options.begin(), options.end(),
                                      [&](const Option& o) { return o.name == name; });
     if (option == options.end()) {
-      std::vector<std::string_view> known{"--help", "--version"};
+      std::vector<std::string_view> known{"--help", "--help-all", "--version"};
       for (const Option& o : options) known.push_back(o.name);
       throw UsageError(unknown("option", name, known));
     }
@@ -136,12 +136,15 @@ std::string program_name(const char* path) {
 }
 
 int program_main(int argc, char** argv, std::string_view usage,
-                 const std::function<int(std::span<const std::string_view> words)>& run) {
+                 const std::function<int(std::span<const std::string_view> words)>& run,
+                 std::string_view usage_of_all) {
   const std::vector<std::string_view> words(argv + 1, argv + argc);
   const std::string program = program_name(argv[0]);
   for (const std::string_view word : words) {
-    if (word == "--help" || word == "-h") {
-      std::fwrite(usage.data(), 1, usage.size(), stdout);
+    if (word == "--help" || word == "-h" || word == "--help-all") {
+      const std::string_view text =
+          word == "--help-all" && !usage_of_all.empty() ? usage_of_all : usage;
+      std::fwrite(text.data(), 1, text.size(), stdout);
       return 0;
     }
     if (word == "--version") {

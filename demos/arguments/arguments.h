@@ -29,7 +29,7 @@ class UsageError : public std::invalid_argument {
 /// near
 std::string unknown(std::string_view kind, std::string_view name,
                     std::span<const std::string_view> known, std::string_view prefix = {},
-                    std::string_view else_hint = "--help lists what there is");
+                    std::string_view else_hint = "--help-all lists what there is");
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high,
@@ -91,11 +91,14 @@ void read_arguments(std::span<const std::string_view> words, const std::vector<O
 /// The last part of argv[0].
 std::string program_name(const char* path);
 
-/// The main() of a program. Answers --help, -h and --version. Returns the exit code: that of `run`;
-/// 2 for a command line that cannot be understood, 1 for any other exception; both are told.
+/// The main() of a program. Answers --help, -h, --help-all and --version. Returns the exit code:
+/// that of `run`; 2 for a command line that cannot be understood, 1 for any other exception; both
+/// are told.
 /// @param run  takes the words after the program's name
+/// @param usage_of_all  for --help-all; empty = there is no more than `usage`
 int program_main(int argc, char** argv, std::string_view usage,
-                 const std::function<int(std::span<const std::string_view> words)>& run);
+                 const std::function<int(std::span<const std::string_view> words)>& run,
+                 std::string_view usage_of_all = {});
 
 /// Before a long run, whether its results can be written. @throws UsageError
 void require_writable_file(std::string_view option, const std::string& path);

@@ -302,11 +302,11 @@ void write_inputs(const Report& report, const std::string& path) {
   write_file(path, text);
 }
 
-int publish(const Report& report) {
+std::FILE* words_go_to(const DemoOptions& options) { return options.json == "-" ? stderr : stdout; }
+
+int publish(const Report& report, const std::string& words) {
   const DemoOptions& o = report.options;
-  // Standard output is the object's alone where it is asked for there.
-  std::FILE* text = o.json == "-" ? stderr : stdout;
-  if (!o.quiet) std::fputs(report_table(report).c_str(), text);
+  if (!o.quiet) std::fputs(words.c_str(), words_go_to(o));
   if (o.json == "-") {
     std::fputs(report_json(report).c_str(), stdout);
   } else if (!o.json.empty()) {

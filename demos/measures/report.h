@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -43,8 +44,11 @@ void write_csv(const Report& report, const std::string& folder);
 /// written
 void write_inputs(const Report& report, const std::string& path);
 
+/// Standard output is the object's alone where it is asked for there.
+std::FILE* words_go_to(const DemoOptions& options);
+
 /// Writes and prints what the options ask for. Returns the exit code: 0, or 1 for a run with a
-/// fault. @throws std::runtime_error saying what cannot be written
-int publish(const Report& report);
+/// fault. @param words  for people @throws std::runtime_error saying what cannot be written
+int publish(const Report& report, const std::string& words);
 
 }  // namespace tandem::demos

@@ -9,7 +9,7 @@
 
 namespace tandem::demos {
 
-Progress::Progress(bool quiet) : on_(!quiet && isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(bool quiet, int runs) : on_(!quiet && isatty(STDERR_FILENO) == 1), runs_(runs) {}
 
 Progress::~Progress() {
   // Back to the start of an empty line.
@@ -18,7 +18,7 @@ Progress::~Progress() {
 
 void Progress::show(double part, const std::string& note) {
   if (!on_) return;
-  const int now = static_cast<int>(1000.0 * std::clamp(part, 0.0, 1.0));
+  const int now = static_cast<int>(1000.0 * (run_ + std::clamp(part, 0.0, 1.0)) / runs_);
   if (now == shown_) return;
   shown_ = now;
   constexpr int kWidth = 40;

@@ -9,7 +9,6 @@
 #include <ctime>
 #include <optional>
 
-#include "runner/progress.h"
 #include "runner/virtual_session.h"
 
 namespace tandem::demos {
@@ -18,17 +17,17 @@ namespace {
 
 using consensus::SessionTime;
 
-std::string session_note(double seconds) {
-  char note[32];
-  std::snprintf(note, sizeof(note), "%.1f s", seconds);
-  return note;
+std::string note(double seconds, double of) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.1f of %.1f s", seconds, of);
+  return text;
 }
 
 }  // namespace
 
 RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
                       const std::vector<Input>* replay,
-                      std::span<consensus::PeerObserver* const> observers) {
+                      std::span<consensus::PeerObserver* const> observers, Progress* progress) {
   const std::clock_t cpu_start = std::clock();
   const auto wall_start = std::chrono::steady_clock::now();
   std::optional<std::vector<Input>> from_file;
@@ -38,12 +37,13 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
     session.actors()[i].participant().watch_with(observers[i]);
   }
 
-  Progress progress(options.quiet);
   const SessionTime end = kVirtualStart + std::llround(options.seconds * 1e9);
   while (const auto now = session.act(end)) {
+    if (progress == nullptr) continue;
     const double passed = static_cast<double>(*now - kVirtualStart) * 1e-9;
-    progress.show(passed / options.seconds, session_note(passed));
+    progress->show(passed / options.seconds, note(passed, options.seconds));
   }
+  if (progress != nullptr) progress->next_run();
 
   session.close_traces();
   RunResult result;
@@ -56,7 +56,7 @@ RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
 }
 
 RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
-                        const RunResult& original) {
+                        const RunResult& original, Progress* progress) {
   DemoOptions alone = options;
   alone.peers = 1;
   alone.trace.clear();
@@ -64,7 +64,7 @@ RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
   for (const PeerRecord& peer : original.peers) {
     inputs.insert(inputs.end(), peer.inputs.begin(), peer.inputs.end());
   }
-  return run_virtual(scenario, alone, &inputs);
+  return run_virtual(scenario, alone, &inputs, {}, progress);
 }
 
 }  // namespace tandem::demos

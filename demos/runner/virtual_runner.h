@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "runner/progress.h"
 #include "scenes/scenario.h"
 #include "session/options.h"
 #include "session/track.h"
@@ -25,13 +26,15 @@ struct RunResult {
 /// ends of steps before beginnings, then peer: same options, same result, bit for bit.
 /// @param replay  what the users do; null: what options.replay holds, else their script
 /// @param observers  watch the peers, in their order, beside the recorder; null = nobody
+/// @param progress  is told how far it is; null = nobody is
 /// @throws std::invalid_argument where scenario or link refuse the options
 RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
                       const std::vector<Input>* replay = nullptr,
-                      std::span<consensus::PeerObserver* const> observers = {});
+                      std::span<consensus::PeerObserver* const> observers = {},
+                      Progress* progress = nullptr);
 
 /// The same inputs at one peer, where nothing is late: what a run is compared with.
 RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
-                        const RunResult& original);
+                        const RunResult& original, Progress* progress = nullptr);
 
 }  // namespace tandem::demos

@@ -8,6 +8,7 @@
 
 #include "demos/scenes/cliff_geometry.h"
 #include "scenes/random.h"
+#include "scenes/words.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
@@ -128,6 +129,13 @@ std::string CliffScenario::fault(const Scene& scene) const {
 
 std::unique_ptr<Referee> CliffScenario::make_referee(const Scene& /*scene*/) const {
   return std::make_unique<CliffReferee>();
+}
+
+Achievement CliffScenario::achievement(const Outcome& outcome) const {
+  const auto over = static_cast<std::size_t>(value_of(outcome, "over_the_cliff"));
+  const auto lost = static_cast<std::size_t>(value_of(outcome, "lost"));
+  return {"saw " + count_words(over, "ball") + " fall over a cliff", "balls over the cliff",
+          std::to_string(over), lost == 0};
 }
 
 }  // namespace tandem::demos

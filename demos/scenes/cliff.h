@@ -28,6 +28,7 @@ class CliffScenario final : public Scenario {
   /// No ball is under the ground or behind a wall.
   std::string fault(const Scene& scene) const override;
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+  Achievement achievement(const Outcome& outcome) const override;
 
  private:
   int balls_;

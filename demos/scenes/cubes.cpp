@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scenes/cubes_users.h"
+#include "scenes/words.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/validate.h"
 
@@ -128,6 +129,13 @@ std::string CubesScenario::fault(const Scene& scene) const {
     }
   }
   return {};
+}
+
+Achievement CubesScenario::achievement(const Outcome& outcome) const {
+  const std::string carried = length_words(value_of(outcome, "plate_carried_m"));
+  const auto on = static_cast<std::size_t>(value_of(outcome, "cubes_on_plate"));
+  return {"carried one plate with " + count_words(on, "cube") + " on it by " + carried,
+          "plate carried by", carried, value_of(outcome, "plate_carried_m") > options_.edge};
 }
 
 }  // namespace tandem::demos

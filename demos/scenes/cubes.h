@@ -44,6 +44,7 @@ class CubesScenario final : public Scenario {
   /// The pillar stands: no cube has moved by 5 mm or tilted by 2 degrees.
   std::string fault(const Scene& scene) const override;
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+  Achievement achievement(const Outcome& outcome) const override;
 
  private:
   CubesOptions options_;

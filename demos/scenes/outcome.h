@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,22 @@ namespace tandem::demos {
 
 /// Named numbers: what somebody achieved. Truths are 0 or 1.
 using Outcome = std::vector<std::pair<std::string, double>>;
+
+/// 0 where there is no number of that name.
+inline double value_of(const Outcome& outcome, std::string_view name) {
+  for (const auto& [known, value] : outcome) {
+    if (known == name) return value;
+  }
+  return 0.0;
+}
+
+/// An outcome in words.
+struct Achievement {
+  std::string text;    ///< what its users did, as "carried one piano through a maze"
+  std::string name;    ///< of its figure, as "piano arrived"
+  std::string figure;  ///< with its unit, as "after 16.5 s"
+  bool done = true;    ///< whether they did what they were there for
+};
 
 /// A number over time, as a user's device measures it.
 struct Series {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "scenes/piano_user.h"
+#include "scenes/words.h"
 
 namespace tandem::demos {
 
@@ -165,6 +166,17 @@ std::string PianoScenario::fault(const Scene& scene) const {
 
 std::unique_ptr<Referee> PianoScenario::make_referee(const Scene& scene) const {
   return std::make_unique<PianoReferee>(scene);
+}
+
+Achievement PianoScenario::achievement(const Outcome& outcome) const {
+  const bool delivered = value_of(outcome, "delivered") > 0.5;
+  const std::string short_by = length_words(value_of(outcome, "from_goal_m"));
+  if (!delivered) {
+    return {"left one piano " + short_by + " from its goal in a maze", "piano arrived",
+            "no, " + short_by + " short", false};
+  }
+  const std::string when = two_digits(value_of(outcome, "delivered_at_s")) + " s";
+  return {"carried one piano through a maze in " + when, "piano arrived", "after " + when};
 }
 
 }  // namespace tandem::demos

@@ -44,6 +44,8 @@ class PianoScenario final : public Scenario {
   /// The piano is within the walls.
   std::string fault(const Scene& scene) const override;
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+  Achievement achievement(const Outcome& outcome) const override;
+  std::string_view baseline() const override { return "single-owner"; }
 
  private:
   PianoOptions options_;

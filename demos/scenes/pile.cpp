@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scenes/random.h"
+#include "scenes/words.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
@@ -119,6 +120,13 @@ std::unique_ptr<User> PileScenario::make_user(std::size_t user, Controls& contro
 
 std::unique_ptr<Referee> PileScenario::make_referee(const Scene& scene) const {
   return std::make_unique<PileReferee>(options_, scene);
+}
+
+Achievement PileScenario::achievement(const Outcome& outcome) const {
+  const auto moved = static_cast<std::size_t>(value_of(outcome, "displaced"));
+  const std::string rolled = length_words(value_of(outcome, "rolled_m"));
+  return {"rolled one big cube by " + rolled + " and moved " + count_words(moved, "small cube"),
+          "small cubes moved", std::to_string(moved)};
 }
 
 }  // namespace tandem::demos

@@ -41,6 +41,7 @@ class PileScenario final : public Scenario {
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+  Achievement achievement(const Outcome& outcome) const override;
 
  private:
   PileOptions options_;

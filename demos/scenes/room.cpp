@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scenes/room_users.h"
+#include "scenes/words.h"
 
 namespace tandem::demos {
 
@@ -162,6 +163,15 @@ std::unique_ptr<User> RoomScenario::make_user(std::size_t user, Controls& contro
 
 std::unique_ptr<Referee> RoomScenario::make_referee(const Scene& scene) const {
   return std::make_unique<RoomReferee>(scene);
+}
+
+Achievement RoomScenario::achievement(const Outcome& outcome) const {
+  const bool given = value_of(outcome, "box_handed_over") > 0.5;
+  const std::string bench = length_words(value_of(outcome, "bench_moved_m"));
+  return {(given ? "handed over a box" : "could not hand over a box") +
+              (", carried a bench by " + bench + " and threw a toy by ") +
+              length_words(value_of(outcome, "thrown_m")),
+          "box handed over", given ? "yes" : "no", given};
 }
 
 }  // namespace tandem::demos

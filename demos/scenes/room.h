@@ -28,6 +28,7 @@ class RoomScenario final : public Scenario {
                                   const UserOptions& options) const override;
   Bounds bounds() const override { return {.max_distance = 6.0, .max_speed = 15.0, .lowest = 0.0}; }
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+  Achievement achievement(const Outcome& outcome) const override;
 };
 
 }  // namespace tandem::demos

@@ -56,6 +56,10 @@ class Scenario {
   virtual std::string fault(const Scene& /*scene*/) const { return {}; }
   /// Null: there is no score.
   virtual std::unique_ptr<Referee> make_referee(const Scene& /*scene*/) const { return nullptr; }
+  /// What an outcome that its referee gave comes to. Empty: there is no score.
+  virtual Achievement achievement(const Outcome& /*outcome*/) const { return {}; }
+  /// The coupling beside which a run shows what agreement is for, as --beside takes it.
+  virtual std::string_view baseline() const { return "none"; }
 
  protected:
   Scenario(std::string name, std::size_t users) : name_(std::move(name)), users_(users) {}

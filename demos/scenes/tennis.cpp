@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scenes/tennis_player.h"
+#include "scenes/words.h"
 
 namespace tandem::demos {
 
@@ -169,6 +170,14 @@ void TennisScenario::on_signal(Scene& scene, const Signal& signal,
 
 std::unique_ptr<Referee> TennisScenario::make_referee(const Scene& scene) const {
   return std::make_unique<TennisReferee>(court_, scene);
+}
+
+Achievement TennisScenario::achievement(const Outcome& outcome) const {
+  const auto balls = static_cast<std::size_t>(value_of(outcome, "served"));
+  const auto longest = static_cast<std::size_t>(value_of(outcome, "longest_rally"));
+  return {"played table tennis with " + count_words(balls, "ball") + ", " +
+              count_words(longest, "stroke") + " in a row at most",
+          "strokes in a row", std::to_string(longest), balls <= 1 && longest > 1};
 }
 
 }  // namespace tandem::demos

@@ -40,6 +40,8 @@ class TennisScenario final : public Scenario {
   void on_signal(Scene& scene, const Signal& signal, consensus::SessionTime now) const override;
   Bounds bounds() const override { return {.max_distance = 8.0, .max_speed = 40.0, .lowest = 0.0}; }
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
+  Achievement achievement(const Outcome& outcome) const override;
+  std::string_view baseline() const override { return "single-owner"; }
 
  private:
   TennisCourt court_;

@@ -219,6 +219,13 @@ constexpr DemoOption kOptions[] = {
      }},
     {"--trace", Where::Everywhere, read_text<&DemoOptions::trace>},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
+    {"--beside", Where::Virtual,
+     [](Argument& in, DemoOptions& o) {
+       const std::string_view text = in.value();
+       o.alone = text == "nothing";
+       o.beside = o.alone ? std::nullopt : std::optional(scheme(in.name(), text));
+     }},
+    {"--details", Where::Everywhere, read_flag<&DemoOptions::details>},
     {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
 };
 
@@ -242,6 +249,7 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
   if (o.wire == Wire::Udp && o.key.empty() && !o.insecure) {
     refuse_pair("--transport udp", "needs --key or --insecure");
   }
+  if (o.view && (o.beside || o.alone)) refuse_pair("--beside", "has no meaning with --view");
   for (const auto& [name, file] : {std::pair{"--json", &o.json},
                                    {"--csv", &o.csv},
                                    {"--record", &o.record},
@@ -365,6 +373,8 @@ void check_results(const DemoOptions& o) {
   if (!o.record.empty()) require_writable_file("--record", o.record);
   if (!o.glb.empty()) require_writable_file("--record", o.glb);
   if (!o.csv.empty()) require_writable_folder("--csv", o.csv);
+  // Peers of one process write one each, see open_trace().
+  if (!o.trace.empty()) require_writable_file("--trace", o.trace + (o.over_network() ? "" : ".1"));
 }
 
 }  // namespace tandem::demos

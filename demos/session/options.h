@@ -99,6 +99,10 @@ struct DemoOptions {
   std::string trace;       ///< file for what enters a peer, see docs/trace.md, "" = none
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
   bool quiet = false;
+  bool details = false;  ///< all measures, and not what happened in words
+  std::optional<Scheme>
+      beside;          ///< what the run is shown beside; nullopt = what the scene proposes
+  bool alone = false;  ///< it is shown beside nothing
   std::optional<std::uint16_t> view;       ///< serve a page that shows the run; 0 = any port
   std::string view_address = "127.0.0.1";  ///< numeric
   bool no_script = false;                  ///< nobody acts but from a page
@@ -130,8 +134,10 @@ DemoOptions parse_options(std::span<const std::string_view> arguments);
 /// Before a long run, whether its results can be written. @throws UsageError
 void check_results(const DemoOptions& options);
 
-/// The text for --help.
+/// The text for --help: what is used most, with examples.
 std::string usage(std::string_view program);
+/// The text for --help-all.
+std::string usage_of_all(std::string_view program);
 
 std::string_view to_string(consensus::PredictorKind kind);
 std::string_view to_string(Scheme scheme);

@@ -10,11 +10,36 @@
 namespace tandem::demos {
 
 std::string usage(std::string_view program) {
+  const std::string name(program);
+  return "usage: " + name + R"( [options]
+
+  --profile 0..5     how far apart: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
+  --seconds S        length (20)
+  --coupling NAME    how copies are kept together: one-pass (Tandem's), two-step-paper, single-owner
+                     or none
+  --view             see it and touch it in a browser
+  --details          all measures, and not what happened in words
+  --json FILE        the result for programs; - is standard output
+  --record FILE.glb  all motion, for any viewer of glTF
+  --listen PORT, --connect HOST:PORT   two processes over a network, see --help-all
+  --help-all         all options
+
+for example:
+  )" + name +
+         R"( --profile 5                 across an ocean
+  )" + name +
+         R"( --coupling none --details   what happens where nothing is agreed upon
+  )" + name +
+         R"( --view --profile 4          touch it while it runs
+  )" + name +
+         R"( --listen 7777               and in another terminal:
+  )" + name +
+         R"( --connect localhost:7777
+)";
+}
+
+std::string usage_of_all(std::string_view program) {
   return "usage: " + std::string(program) + R"( [options]
-for example: )" +
-         std::string(program) + R"( --view              see it and touch it in a browser
-             )" +
-         std::string(program) + R"( --profile 5         across an ocean
 All peers in one process, in virtual time (the default):
   --peers N          peers, 1 to 64 (2)
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
@@ -69,9 +94,12 @@ Output:
   --record FILE      write what the users did in each step; FILE.glb: all motion, as glTF 2.0
   --trace FILE       write all that enters a peer, for tandem-replay; FILE.1, FILE.2, .. where all
                      peers are in one process
+  --beside COUPLING|nothing  run it with that one as well, and show both (as the scene proposes; nothing
+                     where results are for programs, or a coupling was chosen)
+  --details          all measures, and not what happened in words
   --reference        run what the users did at one peer as well, and compare
-  --quiet            no table and no progress bar
-  --help, -h         this text
+  --quiet            no words and no progress bar
+  --help, -h         what is used most, with examples; --help-all: this text
   --version          of this program
 )";
 }

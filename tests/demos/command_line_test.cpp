@@ -37,7 +37,7 @@ TEST_CASE("command line: every program says what it takes and which version it i
   const Folder folder;
   for (const std::string& program : programs()) {
     CAPTURE(program);
-    for (const char* help : {"--help", "-h"}) {
+    for (const char* help : {"--help", "-h", "--help-all"}) {
       CHECK(code(program, {help}, folder.file("said")) == 0);
       CHECK(folder.text("said").find("usage: " + program) == 0);
     }
@@ -53,6 +53,31 @@ TEST_CASE("command line: a result that cannot be written is told before the run"
   const Folder folder;
   CHECK(code("cubes", {"--quiet", "--seconds", "86400", "--json", folder.file("no/such/folder")},
              folder.file("said")) == 2);
+  CHECK(code("cubes", {"--quiet", "--seconds", "86400", "--trace", folder.file("no/such/folder")},
+             folder.file("said")) == 2);
+}
+
+TEST_CASE("command line: a run says in words what happened, beside another one", "[demos][unit]") {
+  const Folder folder;
+  const auto said = [&folder](std::vector<std::string> words) {
+    words.insert(words.end(), {"--seconds", "0.5"});
+    CHECK(code("cubes", words, folder.file("said")) == 0);
+    return folder.text("said");
+  };
+  const std::string usual = said({});
+  CHECK(usual.find("Two people, 28.5 ms apart, carried") == 0);
+  CHECK_THAT(usual, Catch::Contains("without agreement"));
+  CHECK(usual.find('\033') == std::string::npos);  // no terminal
+  CHECK_THAT(said({"--beside", "single-owner"}), Catch::Contains("with a single owner"));
+  CHECK_THAT(said({"--beside", "nothing"}), !Catch::Contains("without agreement"));
+  CHECK_THAT(said({"--coupling", "none"}), !Catch::Contains("with agreement"));
+  const std::string details = said({"--details"});
+  CHECK_THAT(details, Catch::Contains("divergence, mm"));
+  CHECK_THAT(details, !Catch::Contains("Two people"));
+  // Programs get one object, whoever reads along.
+  const std::string json = said({"--json", "-"});
+  CHECK(json.front() == '{');
+  CHECK_THAT(json, !Catch::Contains("Two people"));
 }
 
 }  // namespace

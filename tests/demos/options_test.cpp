@@ -38,7 +38,7 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
 
 TEST_CASE("options: what a run does without reaches solver and peer", "[demos][unit]") {
   CHECK_FALSE(parse({}).ablation.any());
-  const std::string help = usage("cubes");
+  const std::string help = usage_of_all("cubes");
   for (std::size_t i = 0; i < kParts; ++i) {
     const std::string_view name = to_string(static_cast<Part>(i));
     CAPTURE(name);
@@ -108,6 +108,18 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.near == 4.0);
   CHECK(o.peer_options().update_hz == 30.0);
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
+}
+
+TEST_CASE("options: what a run is shown beside", "[demos][unit]") {
+  CHECK_FALSE(parse({}).beside);
+  CHECK_FALSE(parse({}).alone);
+  CHECK(parse({"--beside", "single-owner"}).beside == Scheme::SingleOwner);
+  CHECK(parse({"--beside", "nothing"}).alone);
+  CHECK(parse({"--details"}).details);
+  CHECK(refusal({"--beside", "nobody"}).find("--beside must be one-pass, ") == 0);
+  CHECK(refusal({"--beside", "none", "--view"}) == "--beside has no meaning with --view");
+  CHECK(refusal({"--beside", "none", "--listen", "0"}) ==
+        "--beside has no meaning with --listen or --connect");
 }
 
 TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]") {
@@ -217,7 +229,7 @@ TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
   CHECK(o.timeline == Timeline::Session);
   CHECK(parse({"--listen", "1", "--clock", "system"}).timeline == Timeline::System);
   CHECK(refusal({"--listen", "1", "--clock", "gps"}) ==
-        "unknown item of --clock 'gps'; --help lists what there is");
+        "unknown item of --clock 'gps'; --help-all lists what there is");
   CHECK(refusal({"--clock", "system"}) == "--clock system needs --listen or --connect");
   CHECK(refusal({"--listen", "1", "--clock", "none"}) ==
         "--clock none needs --key or --insecure over a network");
@@ -272,8 +284,8 @@ TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") 
 TEST_CASE("options: what is unknown is told with what was meant", "[demos][fault]") {
   CHECK(refusal({"--profil", "3"}) == "unknown option '--profil'; did you mean '--profile'?");
   CHECK(refusal({"--seeed=3"}) == "unknown option '--seeed'; did you mean '--seed'?");
-  CHECK(refusal({"--bogus"}) == "unknown option '--bogus'; --help lists what there is");
-  CHECK(refusal({"-q"}) == "unknown option '-q'; --help lists what there is");
+  CHECK(refusal({"--bogus"}) == "unknown option '--bogus'; --help-all lists what there is");
+  CHECK(refusal({"-q"}) == "unknown option '-q'; --help-all lists what there is");
   CHECK(refusal({"--link", "los=0.1"}) == "unknown item of --link 'los'; did you mean 'loss'?");
   CHECK(refusal({"--ablate", "ramp,refin"}) ==
         "unknown part for --ablate 'refin'; did you mean 'refine'?");

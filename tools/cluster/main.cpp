@@ -145,6 +145,9 @@ int run(const Options& options) {
   mpi::Cluster cluster(options_for(options, scene));
   fill(cluster, scene, options.resume.empty());
   if (!options.resume.empty()) cluster.load(options.resume);
+  if (cluster.rank() == 0 && !options.checkpoint.empty()) {
+    demos::require_writable_file("--checkpoint", options.checkpoint);
+  }
   Measures measures(cluster, scene);
   const mpi::Totals first = cluster.totals();
   const std::uint64_t steps = step_count(options);

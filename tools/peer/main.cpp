@@ -35,7 +35,8 @@ std::string usage() {
          "  --trace   write all that enters this peer, for tandem-replay, see docs/trace.md\n"
          "  --transport  udp, tcp or nats, whatever network.transport says\n"
          "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or "
-         "PORT\n";
+         "PORT\n"
+         "for example: tandem-peer cubes --config peers.toml --check\n";
 }
 
 struct Arguments {
@@ -94,6 +95,7 @@ int run(std::span<const std::string_view> words) {
     throw UsageError("--view needs a build with it: " + view::missing());
   }
   if (arguments.check) return 0;
+  if (!arguments.trace.empty()) require_writable_file("--trace", arguments.trace);
   try {
     derive_id(config);
   } catch (const ConfigError& error) {
