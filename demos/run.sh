@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Sets everything up, builds Release and runs a demo (cubes, cliff, piano, pile, room or tennis; the
-# first where none is named) with the given arguments:
-#   demos/run.sh --profile 3 --seconds 20
+# Sets everything up, builds Release and runs a demo: piano at profile 4, beside what a single owner makes
+# of it; or cliff, cubes, piano, pile, room or tennis with the given arguments:
+#   demos/run.sh
 #   demos/run.sh tennis --profile 5
 # or plaza, a square for very many people over a NATS server, which it starts unless --server names one:
 #   demos/run.sh plaza --people 200
 # or draws key frames of all of them as PNG (needs Chromium):
 #   demos/run.sh --pictures docs/img
+# or README's moving picture (needs Debian's webp as well):
+#   demos/run.sh --moving-picture docs/img/piano.webp
 # Results go to standard output; what the build says goes to standard error.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -17,7 +19,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # What the page is built with is not needed without it.
 packages=()
 for argument in "$@"; do
-  [[ $argument != --view* && $argument != --pictures ]] || packages=(--with-view)
+  [[ $argument != --view* && $argument != --*picture* ]] || packages=(--with-view)
 done
 
 build() {
@@ -59,23 +61,37 @@ run_plaza() {
   "$root/build/nats/bin/plaza" --server "$address" "$@"
 }
 
-if [[ ${1:-} == --pictures ]]; then
-  shift
-  out=$(realpath -m "${1:-pictures}")
-  build cliff cubes piano pile room tennis
+# NODE_SCRIPT ARGUMENT..., with the demos' programs and a browser.
+draw() {
   npm --prefix "$root/tests/view" ci --no-audit --no-fund >&2
-  TANDEM_BIN=$root/build/release/bin exec node "$root/tests/view/pictures.mjs" \
-    "$out" "${@:2}"
-fi
+  TANDEM_BIN=$root/build/release/bin exec node "$root/tests/view/$1" "${@:2}"
+}
 
-demo=cubes
-if [[ $# -gt 0 && $1 != -* ]]; then
+case ${1:-} in
+  --pictures)
+    build cliff cubes piano pile room tennis
+    draw pictures.mjs "$(realpath -m "${2:-pictures}")" "${@:3}"
+    ;;
+  --moving-picture)
+    build piano
+    draw moving_picture.mjs "$(realpath -m "${2:-piano.webp}")" "${@:3}"
+    ;;
+esac
+
+[[ $# -gt 0 ]] || set -- piano --profile 4
+demo=piano
+if [[ $1 != -* ]]; then
   demo=$1
   shift
 fi
-if [[ $demo == plaza ]]; then
-  run_plaza "$@"
-  exit
-fi
-build "$demo"
-exec "$root/build/release/bin/$demo" "$@"
+case $demo in
+  cliff | cubes | piano | pile | room | tennis)
+    build "$demo"
+    exec "$root/build/release/bin/$demo" "$@"
+    ;;
+  plaza) run_plaza "$@" ;;
+  *)
+    echo "run.sh: unknown demo '$demo'; it must be cliff, cubes, piano, pile, plaza, room or tennis" >&2
+    exit 2
+    ;;
+esac
