@@ -50,8 +50,7 @@ class __attribute__((visibility("hidden"))) Session::Impl {
         clock(options.clock ? options.clock : std::exchange(wire.clock, {})),
         pace(options.pace),
         events(*wire.transport, options.events),
-        peer(without_peer(stepped.world), events,
-             peer_options(options.peer, wire.no_clocks)) {
+        peer(without_peer(stepped.world), events, peer_options(options.peer, wire.no_clocks)) {
     pace.validate();
     if (!clock) clock = [own = net::SessionClock()]() mutable { return own.now(); };
   }

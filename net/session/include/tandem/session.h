@@ -114,8 +114,8 @@ class TANDEM_API Session {
   /// Ends run(); from within `before_step`, before that step.
   void stop();
 
-  /// Messages of the application. What has come is there from before each step on, and gone with the
-  /// next: read it in `before_step`.
+  /// Messages of the application. What has come is there from before each step on, and gone with
+  /// the next: read it in `before_step`.
   consensus::EventChannel& events();
 
   // The parts.
