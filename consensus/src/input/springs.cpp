@@ -187,6 +187,10 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   it->last = update;
   it->heard = now;
   if (update.event == SpringEvent::Remove) return Verdict::Taken;
+  if (!world_.contains(body)) {
+    let_go(*it, now);
+    return Verdict::Refused;
+  }
   if (!it->live) it->began = update.stamp;
   pbd::Tether::Def& def = it->def = {.body = body,
                                      .anchor_l = update.attachment_l,
