@@ -127,9 +127,12 @@ TEST_CASE("springs: an anchor is carried on by its velocity, but not for ever", 
 }
 
 TEST_CASE("springs: a body that is shared while somebody holds it is held at once", "[consensus]") {
+  // Compact, springs are told in full every two seconds alone, and their anchors in each update.
+  PeerOptions options = springs_only();
+  options.sending.format = StateFormat::Compact;
   auto session = std::make_unique<Session>(network_profile(2));
   for (int i = 0; i < 2; ++i) {
-    session->add(static_cast<PeerId>(i + 1), 0.007 * i, springs_only(), kWeightless);
+    session->add(static_cast<PeerId>(i + 1), 0.007 * i, options, kWeightless);
   }
   Site& a = (*session)[0];
   Site& b = (*session)[1];
@@ -139,7 +142,6 @@ TEST_CASE("springs: a body that is shared while somebody holds it is held at onc
   session->run(0.3);
   CHECK(b.tethers().size() == 0);
   b.share(ball(Vec3::Zero()));
-  // Two updates of the hand and the way: springs are told in full every two seconds alone.
   session->run(0.25);
   CHECK(b.tethers().size() == 1);
   CHECK(b.peer->held(kBody));
