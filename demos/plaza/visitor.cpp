@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "tandem/consensus/update.h"
 
@@ -114,9 +115,12 @@ const pbd::BodyState* Visitor::copy_of(const consensus::SharedId& id) const {
 }
 
 void Visitor::look_about() {
-  near_.clear();
+  const std::vector<consensus::PeerId> before = std::exchange(near_, {});
   for (const consensus::PeerStatus& peer : wire().peers()) {
     if (peer.connected) near_.push_back(peer.id);
+  }
+  for (const consensus::PeerId peer : before) {
+    if (!is_connected(peer)) interest_->forget(peer);
   }
   if (nats_ == nullptr) return;
   nats_->set_position(feet());

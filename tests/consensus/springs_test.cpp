@@ -126,6 +126,39 @@ TEST_CASE("springs: an anchor is carried on by its velocity, but not for ever", 
   CHECK(b.peer->held(kBody));
 }
 
+TEST_CASE("springs: a body that is shared while somebody holds it is held at once", "[consensus]") {
+  // Compact, springs are told in full every two seconds alone, and their anchors in each update.
+  PeerOptions options = springs_only();
+  options.sending.format = StateFormat::Compact;
+  auto session = std::make_unique<Session>(network_profile(2));
+  for (int i = 0; i < 2; ++i) {
+    session->add(static_cast<PeerId>(i + 1), 0.007 * i, options, kWeightless);
+  }
+  Site& a = (*session)[0];
+  Site& b = (*session)[1];
+  a.share(ball(Vec3::Zero()));
+  session->run(0.2);
+  const GrabId grab = a.peer->grab({.body = kBody});
+  session->run(0.3);
+  CHECK(b.tethers().size() == 0);
+  b.share(ball(Vec3::Zero()));
+  session->run(0.25);
+  CHECK(b.tethers().size() == 1);
+  CHECK(b.peer->held(kBody));
+  a.peer->release(grab);
+  session->run(0.5);
+  CHECK(b.tethers().size() == 0);
+  // What was let go before the body came does not pull any more.
+  b.peer->unshare(kBody);
+  const GrabId other = a.peer->grab({.body = kBody});
+  session->run(0.2);
+  a.peer->release(other);
+  session->run(0.3);
+  b.peer->share({.id = kBody, .body = b.body});
+  session->run(2.5);
+  CHECK(b.tethers().size() == 0);
+}
+
 TEST_CASE("springs: lost, doubled and overtaken messages leave no orphan", "[consensus][fault]") {
   // Nothing may be left to the timeout.
   PeerOptions options = springs_only();

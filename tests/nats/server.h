@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -54,11 +55,25 @@ class Server {
     posix_spawn_file_actions_destroy(&actions);
     REQUIRE(tandem::testing::eventually([this] { return answers(); }));
   }
-  /// As a crash does.
-  /// At once: what it has acknowledged in its last moment may not be on the disk.
+  /// At once, as a crash does.
   void kill() { end(SIGKILL); }
-  /// It writes first what it has acknowledged.
-  void stop() { end(SIGTERM); }
+  /// Keeps a copy of what it has stored by now, which lose() brings back.
+  void keep() {
+    end(SIGTERM);
+    std::filesystem::remove_all(folder_.file("kept"));
+    std::filesystem::copy(folder_.file("jetstream"), folder_.file("kept"),
+                          std::filesystem::copy_options::recursive);
+    start();
+  }
+  /// Kills it; all that it has acknowledged since keep() is lost, and all where that was not
+  /// called. So does a machine that fails, since nats-server 2.9 syncs its files every two minutes.
+  void lose() {
+    kill();
+    std::filesystem::remove_all(folder_.file("jetstream"));
+    if (!std::filesystem::exists(folder_.file("kept"))) return;
+    std::filesystem::copy(folder_.file("kept"), folder_.file("jetstream"),
+                          std::filesystem::copy_options::recursive);
+  }
   std::uint16_t port() const { return port_; }
 
  private:

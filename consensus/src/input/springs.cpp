@@ -183,10 +183,12 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     it = remote_.insert(place_of(from, update.spring), {.peer = from});
   }
   const bool moved_body = known && it->live && it->last.body != update.body;
-  if (moved_body || update.event == SpringEvent::Remove) let_go(*it, update.stamp);
+  const bool here = world_.contains(body);
+  if (moved_body || !here || update.event == SpringEvent::Remove) let_go(*it, update.stamp);
   it->last = update;
   it->heard = now;
   if (update.event == SpringEvent::Remove) return Verdict::Taken;
+  if (!here) return Verdict::Refused;
   if (!it->live) it->began = update.stamp;
   pbd::Tether::Def& def = it->def = {.body = body,
                                      .anchor_l = update.attachment_l,

@@ -42,7 +42,8 @@ class Springs {
     Limited,  ///< taken, with less strength or speed than it asks for
     Refused,
   };
-  /// Apply another peer's message. `body` is the local instance of update.body.
+  /// Apply another peer's message. `body` is the local instance of update.body; where there is none
+  /// the spring is remembered, and pulls from the first anchor on that comes once there is one.
   Verdict receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
   /// What another peer last said of a spring; null where nothing is known of it.
   const SpringUpdate* last_of(PeerId from, std::uint32_t spring);

@@ -228,8 +228,11 @@ void Receiver::take_in_springs(PeerId from) {
   for (const SpringUpdate& update : incoming_.springs) take_in_spring(from, update);
   for (const AnchorUpdate& anchor : incoming_.anchors) {
     const SpringUpdate* const known = data_.springs.last_of(from, anchor.spring);
-    // Of a spring whose creation has not come, or that is gone.
-    if (known == nullptr || known->event == SpringEvent::Remove) continue;
+    // Of a spring whose creation has not come, or that is gone, or whose body is not here.
+    if (known == nullptr || known->event == SpringEvent::Remove ||
+        !instance_of(known->body).valid()) {
+      continue;
+    }
     SpringUpdate update = *known;
     update.event = SpringEvent::Change;
     update.anchor_w = anchor.anchor_w;
@@ -278,12 +281,15 @@ void Receiver::take_in_compact(PeerId from, SessionTime farewell) {
   if (!incoming_.indices_wanted.empty()) wants_all_.push_back(from);
 }
 
-void Receiver::take_in_spring(PeerId from, const SpringUpdate& update) {
-  const SharedBody* const shared = data_.bodies.find(update.body);
+pbd::BodyId Receiver::instance_of(const SharedId& id) const {
+  const SharedBody* const shared = data_.bodies.find(id);
   const bool here = shared != nullptr && data_.world.contains(shared->def.body);
+  return here ? shared->def.body : pbd::BodyId{};
+}
+
+void Receiver::take_in_spring(PeerId from, const SpringUpdate& update) {
   const Springs::Verdict verdict =
-      here ? data_.springs.receive(from, update, shared->def.body, data_.now)
-           : Springs::Verdict::Refused;
+      data_.springs.receive(from, update, instance_of(update.body), data_.now);
   if (verdict == Springs::Verdict::Taken) return;
   PeerReport& report = data_.report_of(from);
   if (verdict == Springs::Verdict::Limited) {

@@ -76,6 +76,8 @@ class Receiver {
   /// Springs as they are told in full, and anchors of known ones.
   void take_in_springs(PeerId from);
   void take_in_spring(PeerId from, const SpringUpdate& update);
+  /// Invalid where the body is not shared here, or gone.
+  pbd::BodyId instance_of(const SharedId& id) const;
 
   PeerData& data_;
   Connections& connections_;

@@ -19,6 +19,11 @@ namespace tandem::nats {
 
 using consensus::SharedId;
 
+struct StoredNews {
+  LedgerNews::Kind kind{};
+  StoredRecord stored;
+};
+
 /// What the hub's thread and the application's share.
 struct __attribute__((visibility("hidden"))) LedgerDesk {
   LedgerDesk(NatsHub::Impl& hub, const Subjects& subjects, const net::crypto::Secret& session_key)
@@ -28,9 +33,9 @@ struct __attribute__((visibility("hidden"))) LedgerDesk {
   std::atomic<bool> closed = false;
   std::atomic<std::size_t> waiting = 0;
   std::mutex mutex;
-  std::vector<LedgerNews> news;
+  std::vector<StoredNews> news;
 
-  void tell(LedgerNews::Kind kind, const LedgerRecord& record) {
+  void tell(LedgerNews::Kind kind, const StoredRecord& record) {
     const std::scoped_lock lock(mutex);
     news.push_back({kind, record});
   }
@@ -77,9 +82,26 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
 
   void look(const Cell& cell) {
     ask([shared = shared.get(), cell] {
-      return shared->store.look(cell, [shared](const LedgerRecord& record) {
+      return shared->store.look(cell, [shared](const StoredRecord& record) {
         shared->tell(LedgerNews::Kind::Found, record);
       }) == LedgerStore::Result::Done;
+    });
+  }
+
+  /// A server that was killed may have lost records that it had acknowledged. Who wrote one, or is
+  /// where its body is, remembers it, and writes it again unless there is a later one.
+  void write_again() {
+    std::vector<StoredRecord> all;
+    for (const auto& [id, each] : known) {
+      if (each.own || watched.contains(each.stored.record.cell)) all.push_back(each.stored);
+    }
+    ask([shared = shared.get(), all = std::move(all)]() mutable {
+      for (; !all.empty(); all.pop_back()) {
+        StoredRecord now = all.back();
+        if (shared->store.write(now, all.back()) == LedgerStore::Result::NoServer) return false;
+        shared->tell(LedgerNews::Kind::Found, now);
+      }
+      return true;
     });
   }
 
@@ -94,7 +116,12 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
   const LedgerOptions options;
   std::shared_ptr<LedgerDesk> shared;
   std::map<Cell, NatsOwned<natsSubscription>> watched;
-  std::map<SharedId, LedgerRecord> known;
+  struct Known {
+    StoredRecord stored;
+    bool own = false;  ///< written by this object
+  };
+  std::map<SharedId, Known> known;
+  net::crypto::Random random = net::crypto::system_random();
   std::set<SharedId> writing;
   std::uint64_t reconnects = 0;
 };
@@ -130,19 +157,21 @@ void BodyLedger::unwatch(const Cell& cell) { impl_->watched.erase(cell); }
 
 bool BodyLedger::write(const SharedId& id, consensus::PeerId keeper, const pbd::Pose& pose,
                        const pbd::Twist& twist) {
-  const LedgerRecord* const before = known(id);
-  LedgerRecord record = before != nullptr ? *before : LedgerRecord{.id = id};
-  const Cell from = record.cell;
-  record.keeper = keeper;
-  record.pose = pose;
-  record.twist = twist;
-  if (!is_writable(record) || impl_->shared->waiting >= kMaxWaiting) return false;
-  record.cell = impl_->cell_of(record);
+  const auto at = impl_->known.find(id);
+  const StoredRecord before =
+      at != impl_->known.end() ? at->second.stored : StoredRecord{.record = {.id = id}};
+  StoredRecord next = before;
+  next.record.keeper = keeper;
+  next.record.pose = pose;
+  next.record.twist = twist;
+  if (!is_writable(next.record) || impl_->shared->waiting >= kMaxWaiting) return false;
+  next.record.cell = impl_->cell_of(next.record);
+  next.record.revision += 1;
+  impl_->random({reinterpret_cast<std::uint8_t*>(&next.token), sizeof next.token});
   if (!impl_->writing.insert(id).second) return false;
-  const Cell left = record.revision > 0 ? from : record.cell;
-  impl_->ask([shared = impl_->shared.get(), record, left] {
-    LedgerRecord written = record;
-    const LedgerStore::Result result = shared->store.write(written, left);
+  impl_->ask([shared = impl_->shared.get(), next, before] {
+    StoredRecord written = next;
+    const LedgerStore::Result result = shared->store.write(written, before);
     if (result == LedgerStore::Result::NoServer) return false;
     shared->tell(
         result == LedgerStore::Result::Done ? LedgerNews::Kind::Written : LedgerNews::Kind::Refused,
@@ -154,32 +183,35 @@ bool BodyLedger::write(const SharedId& id, consensus::PeerId keeper, const pbd::
 
 const LedgerRecord* BodyLedger::known(const SharedId& id) const {
   const auto at = impl_->known.find(id);
-  return at != impl_->known.end() ? &at->second : nullptr;
+  return at != impl_->known.end() ? &at->second.stored.record : nullptr;
 }
 
 void BodyLedger::take(std::vector<LedgerNews>& out) {
-  // What was told while there was no server is looked for.
+  // What was told while there was no server is looked for, and what it has lost is written again.
   const std::uint64_t reconnects = impl_->options.hub->status().reconnects;
   if (reconnects != impl_->reconnects) {
     impl_->reconnects = reconnects;
+    impl_->write_again();
     for (const auto& [cell, subscription] : impl_->watched) impl_->look(cell);
   }
-  std::vector<LedgerNews> news;
+  std::vector<StoredNews> news;
   {
     const std::scoped_lock lock(impl_->shared->mutex);
     news.swap(impl_->shared->news);
   }
-  for (LedgerNews& each : news) {
-    if (each.kind != LedgerNews::Kind::Found) impl_->writing.erase(each.record.id);
-    if (impl_->known.size() >= kMaxKnown && !impl_->known.contains(each.record.id)) continue;
-    LedgerRecord& known = impl_->known[each.record.id];
+  for (const auto& [kind, stored] : news) {
+    const SharedId& id = stored.record.id;
+    if (kind != LedgerNews::Kind::Found) impl_->writing.erase(id);
+    if (stored.record.revision == 0) continue;
+    if (impl_->known.size() >= kMaxKnown && !impl_->known.contains(id)) continue;
+    Impl::Known& known = impl_->known[id];
     // News overtake each other; of two records the later one counts.
-    if (each.record.revision < known.revision ||
-        (each.record.revision == known.revision && each.kind == LedgerNews::Kind::Found)) {
-      continue;
-    }
-    known = each.record;
-    out.push_back(std::move(each));
+    if (stored.version() < known.stored.version()) continue;
+    const bool is_known = stored.version() == known.stored.version();
+    known.stored = stored;
+    if (is_known && kind == LedgerNews::Kind::Found) continue;
+    known.own = kind == LedgerNews::Kind::Written;
+    out.push_back({kind, stored.record});
   }
 }
 

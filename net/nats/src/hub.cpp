@@ -54,6 +54,9 @@ NatsOwned<natsOptions> library_options(const HubOptions& options,
   check(natsOptions_SetReconnectJitter(made, options.reconnect_wait.count(),
                                        options.reconnect_wait.count()),
         "set a time");
+  // What is published while there is no server fails at once. One that starts anew is not told what
+  // was meant for the one before.
+  check(natsOptions_SetReconnectBufSize(made, 1), "set a size");
   check(natsOptions_SetPingInterval(made, kPingEvery), "set a time");
   check(natsOptions_SetMaxPingsOut(made, kPingsOut), "set a number");
   // One thread hands over what comes on all subscriptions, not one for each.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "octets.h"
 #include "tandem/pbd/bytes.h"
@@ -18,7 +19,8 @@ using consensus::SharedId;
 
 constexpr std::int64_t kAnswerTime = 1000;  // ms
 constexpr std::size_t kMaxInCell = 4096;    // bodies that are looked at
-constexpr std::size_t kNewsHeader = 16;     // the id, before the record
+constexpr std::size_t kNewsHeader = 32;     // the id and the place, before the record
+constexpr int kAttempts = 8;                // to write, while others write the same body
 constexpr int kWrongLastSequence = 10071;   // of the server's error codes
 
 std::string text_of(const SharedId& id) { return hex(id.high) + hex(id.low); }
@@ -45,10 +47,9 @@ LedgerStore::LedgerStore(NatsHub::Impl& hub, const Subjects& subjects,
       stream_(stream_of(subjects.base())) {}
 
 Result LedgerStore::open() {
-  if (open_) return Result::Done;
-  if (natsConnection_Status(hub_.connection()) != NATS_CONN_STATUS_CONNECTED) {
-    return Result::NoServer;
-  }
+  const std::uint64_t now = life();
+  if (now == 0) return Result::NoServer;
+  if (open_ == now) return Result::Done;
   if (context_ == nullptr) {
     jsOptions options;
     jsOptions_Init(&options);
@@ -73,8 +74,17 @@ Result LedgerStore::open() {
   // The same again is no error.
   const natsStatus status = js_AddStream(&info, context_.get(), &config, nullptr, nullptr);
   const NatsOwned<jsStreamInfo> owned(info);
-  open_ = status == NATS_OK;
-  return open_ ? Result::Done : Result::NoServer;
+  open_ = status == NATS_OK ? now : 0;
+  return open_ != 0 ? Result::Done : Result::NoServer;
+}
+
+std::uint64_t LedgerStore::life() const {
+  std::array<char, 128> text{};
+  if (natsConnection_Status(hub_.connection()) != NATS_CONN_STATUS_CONNECTED ||
+      natsConnection_GetConnectedServerId(hub_.connection(), text.data(), text.size()) != NATS_OK) {
+    return 0;
+  }
+  return SharedId::from_name(text.data()).low;
 }
 
 std::string LedgerStore::record_subject(const SharedId& id) const {
@@ -86,7 +96,7 @@ std::string LedgerStore::index_subject(const Cell& cell, const std::string& id) 
 }
 
 Result LedgerStore::publish(const std::string& subject, std::span<const std::byte> bytes,
-                            const std::uint64_t* follows, std::uint64_t& revision) {
+                            const std::uint64_t* follows, std::uint64_t& sequence) {
   jsPubOptions options;
   jsPubOptions_Init(&options);
   options.MaxWait = kAnswerTime;
@@ -98,15 +108,15 @@ Result LedgerStore::publish(const std::string& subject, std::span<const std::byt
                                        static_cast<int>(bytes.size()), &options, &error);
   const NatsOwned<jsPubAck> ack(made);
   if (status == NATS_OK) {
-    revision = ack->Sequence;
+    sequence = ack->Sequence;
     return Result::Done;
   }
   if (static_cast<int>(error) == kWrongLastSequence) return Result::Refused;
-  open_ = false;  // a server that has lost its store has no stream either
+  open_ = 0;  // a server that has lost its store has no stream either
   return Result::NoServer;
 }
 
-LedgerStore::Read LedgerStore::read(const SharedId& id) {
+Result LedgerStore::read(const SharedId& id, StoredRecord& out) {
   const std::string subject = record_subject(id);
   jsDirectGetMsgOptions options;
   jsDirectGetMsgOptions_Init(&options);
@@ -115,80 +125,106 @@ LedgerStore::Read LedgerStore::read(const SharedId& id) {
   const natsStatus status =
       js_DirectGetMsg(&made, context_.get(), stream_.c_str(), nullptr, &options);
   const NatsOwned<natsMsg> message(made);
-  if (status == NATS_NOT_FOUND) return {Result::Done, std::nullopt};
-  if (status != NATS_OK) return {};
-  auto opened = open_record(data_of(made), id, session_key_);
-  if (opened) opened->record.revision = natsMsg_GetSequence(made);
-  return {Result::Done, std::move(opened)};
-}
-
-Result LedgerStore::write(LedgerRecord& record, const Cell& from) {
-  if (open() != Result::Done) return Result::NoServer;
-  const std::string id = text_of(record.id);
-  Token token = 0;
-  random_({reinterpret_cast<std::uint8_t*>(&token), sizeof token});
-  std::vector<std::byte> sealed;
-  seal_record(record, token, session_key_, random_, sealed);
-  std::uint64_t revision = 0;
-  // First the index of where it will be: it is looked for there as soon as the record says so.
-  if (record.cell != from || record.revision == 0) {
-    if (publish(index_subject(record.cell, id), {}, nullptr, revision) != Result::Done) {
-      return Result::NoServer;
-    }
-  }
-  const Result result = publish(record_subject(record.id), sealed, &record.revision, revision);
-  if (result != Result::Done) {
-    // An answer that was lost, or somebody else was first.
-    const Read now = read(record.id);
-    if (now.result != Result::Done || !now.record) return Result::NoServer;
-    if (now.record->token != token) {
-      if (result != Result::Refused) return Result::NoServer;
-      record = now.record->record;
-      return Result::Refused;
-    }
-    revision = now.record->record.revision;
-  }
-  record.revision = revision;
-  tell(record, token, from);
-  if (record.cell != from) take_back(index_subject(from, id), revision);
+  out = {};
+  if (status == NATS_NOT_FOUND) return Result::Done;
+  if (status != NATS_OK) return Result::NoServer;
+  const auto opened = open_record(data_of(made), id, session_key_);
+  if (!opened) return Result::Refused;  // of a session key that is not known here
+  out = *opened;
+  out.place = {open_, natsMsg_GetSequence(made)};
   return Result::Done;
 }
 
-void LedgerStore::take_back(const std::string& subject, std::uint64_t revision) {
+Result LedgerStore::write(StoredRecord& record, const StoredRecord& before) {
+  if (open() != Result::Done) return Result::NoServer;
+  const std::uint64_t life = open_;
+  const std::string id = text_of(record.record.id);
+  const Cell cell = record.record.cell;
+  std::vector<std::byte> sealed;
+  seal_record(record.record, record.token, session_key_, random_, sealed);
+  // What a server had in an earlier life it may have lost, and given its sequence to another
+  // record.
+  bool sure = before.record.revision == 0 || before.place.life == life;
+  StoredRecord stands = before;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    if (!sure) {
+      const Result result = read(record.record.id, stands);
+      if (result == Result::NoServer) return result;
+      const bool later =
+          stands.version() > before.version() && stands.version() != record.version();
+      if (later || result == Result::Refused) {
+        record = later ? stands : before;
+        return Result::Refused;
+      }
+    }
+    std::uint64_t sequence = 0;
+    // First the index of where it will be: it is looked for there as soon as the record says so.
+    if (!sure || before.record.revision == 0 || cell != before.record.cell) {
+      const Result result = publish(index_subject(cell, id), {}, nullptr, sequence);
+      if (result != Result::Done) return Result::NoServer;
+    }
+    sequence = stands.place.sequence;
+    const bool there = stands.version() == record.version();
+    const Result result =
+        there ? Result::Done
+              : publish(record_subject(record.record.id), sealed, &sequence, sequence);
+    if (result == Result::NoServer) return result;
+    if (result == Result::Refused) {
+      sure = false;  // an answer that was lost, or somebody else was first
+      continue;
+    }
+    record.place = {life, sequence};
+    if (there && record.version() == before.version()) return Result::Done;
+    tell(record, sealed, cell);
+    for (const StoredRecord* older : {&before, &std::as_const(stands)}) {
+      if (older->record.revision == 0 || older->record.cell == cell) continue;
+      tell(record, sealed, older->record.cell);
+      take_back(index_subject(older->record.cell, id), sequence);
+      if (stands.record.cell == before.record.cell) break;
+    }
+    return Result::Done;
+  }
+  return Result::NoServer;
+}
+
+void LedgerStore::take_back(const std::string& subject, std::uint64_t sequence) {
   jsOptions options;
   jsOptions_Init(&options);
   options.Wait = kAnswerTime;
   options.Stream.Purge.Subject = subject.c_str();
   // Whoever has brought the body back meanwhile has said so after this record.
-  options.Stream.Purge.Sequence = revision;
+  options.Stream.Purge.Sequence = sequence;
   // Where that fails an index stays that no record confirms.
   js_PurgeStream(context_.get(), stream_.c_str(), &options, nullptr);
 }
 
-void LedgerStore::tell(const LedgerRecord& record, Token token, const Cell& from) {
-  // Sealed anew: now its revision is known.
-  std::vector<std::byte> sealed;
-  seal_record(record, token, session_key_, random_, sealed);
+void LedgerStore::tell(const StoredRecord& record, std::span<const std::byte> sealed,
+                       const Cell& cell) {
   std::vector<std::byte> bytes;
   pbd::ByteWriter writer(bytes);
-  writer.u64(record.id.high);
-  writer.u64(record.id.low);
+  writer.u64(record.record.id.high);
+  writer.u64(record.record.id.low);
+  writer.u64(record.place.life);
+  writer.u64(record.place.sequence);
   writer.bytes(sealed);
-  hub_.publish(news(record.cell), bytes);
-  if (from != record.cell) hub_.publish(news(from), bytes);
+  hub_.publish(news(cell), bytes);
 }
 
-std::optional<LedgerRecord> LedgerStore::read_news(std::span<const std::byte> bytes) const {
+std::optional<StoredRecord> LedgerStore::read_news(std::span<const std::byte> bytes) const {
   pbd::ByteReader reader(bytes);
   SharedId id;
   id.high = reader.u64();
   id.low = reader.u64();
+  Place place;
+  place.life = reader.u64();
+  place.sequence = reader.u64();
   if (reader.failed()) return std::nullopt;
-  const auto opened = open_record(bytes.subspan(kNewsHeader), id, session_key_);
-  return opened ? std::optional(opened->record) : std::nullopt;
+  auto opened = open_record(bytes.subspan(kNewsHeader), id, session_key_);
+  if (opened) opened->place = place;
+  return opened;
 }
 
-Result LedgerStore::look(const Cell& cell, const std::function<void(const LedgerRecord&)>& found) {
+Result LedgerStore::look(const Cell& cell, const std::function<void(const StoredRecord&)>& found) {
   if (open() != Result::Done) return Result::NoServer;
   const std::string all = index_subject(cell, "*");
   std::uint64_t next = 1;
@@ -207,9 +243,10 @@ Result LedgerStore::look(const Cell& cell, const std::function<void(const Ledger
     const std::string_view subject = natsMsg_GetSubject(made);
     const auto id = SharedId::parse(subject.substr(subject.rfind('.') + 1));
     if (!id) continue;
-    const Read record = read(*id);
-    if (record.result != Result::Done) return record.result;
-    if (record.record && record.record->record.cell == cell) found(record.record->record);
+    StoredRecord record;
+    const Result result = read(*id, record);
+    if (result == Result::NoServer) return result;
+    if (record.place.sequence > 0 && record.record.cell == cell) found(record);
   }
   return Result::Done;
 }

@@ -25,31 +25,32 @@ class __attribute__((visibility("hidden"))) LedgerStore {
   /// Make the stream where there is none. Subjects:
   ///   BASE.body.ID  the record     BASE.in.PATH.ID  it may be in that cell
   Result open();
-  /// @param record  with the revision that it follows; on Done its own, on Refused all as it is
-  /// @param from    the cell that it leaves; the same: it leaves none
-  Result write(LedgerRecord& record, const Cell& from);
+  /// Write a record where the server has none that is later than `before`. With `before` the record
+  /// itself: write it again where it was lost.
+  /// @param record  on Done with its place, on Refused the later one
+  Result write(StoredRecord& record, const StoredRecord& before);
   /// Calls `found` with each record whose body is in that cell.
-  Result look(const Cell& cell, const std::function<void(const LedgerRecord&)>& found);
+  Result look(const Cell& cell, const std::function<void(const StoredRecord&)>& found);
 
   /// Where others are told at once of what was written.
   std::string news(const Cell& cell) const {
     return subjects_.base() + "news." + subjects_.path(cell);
   }
-  std::optional<LedgerRecord> read_news(std::span<const std::byte> bytes) const;
+  std::optional<StoredRecord> read_news(std::span<const std::byte> bytes) const;
 
  private:
   std::string record_subject(const consensus::SharedId& id) const;
   std::string index_subject(const Cell& cell, const std::string& id) const;
+  /// @param follows  the sequence of what stands under that subject; null: whatever it is
   Result publish(const std::string& subject, std::span<const std::byte> bytes,
-                 const std::uint64_t* follows, std::uint64_t& revision);
-  struct Read {
-    Result result = Result::NoServer;
-    std::optional<OpenedRecord> record;
-  };
-  Read read(const consensus::SharedId& id);
-  /// @param revision  of the record that says so: what was written later stays
-  void take_back(const std::string& subject, std::uint64_t revision);
-  void tell(const LedgerRecord& record, Token token, const Cell& from);
+                 const std::uint64_t* follows, std::uint64_t& sequence);
+  /// The record of a body as it stands; without a place where there is none.
+  Result read(const consensus::SharedId& id, StoredRecord& out);
+  /// @param sequence  of the record that says so: what was written later stays
+  void take_back(const std::string& subject, std::uint64_t sequence);
+  void tell(const StoredRecord& record, std::span<const std::byte> sealed, const Cell& cell);
+  /// Of the server that this is connected to; 0: none.
+  std::uint64_t life() const;
 
   NatsHub::Impl& hub_;
   Subjects subjects_;
@@ -57,7 +58,7 @@ class __attribute__((visibility("hidden"))) LedgerStore {
   net::crypto::Random random_;
   std::string stream_;
   NatsOwned<jsCtx> context_;
-  bool open_ = false;
+  std::uint64_t open_ = 0;  ///< the life in which the stream is known to be there
 };
 
 }  // namespace tandem::nats

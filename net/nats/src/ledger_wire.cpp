@@ -17,7 +17,7 @@ using net::octets;
 
 namespace {
 
-constexpr std::uint8_t kRecordVersion = 1;
+constexpr std::uint8_t kRecordVersion = 2;
 constexpr std::size_t kSaltBytes = 16;
 constexpr std::size_t kRecordHeader = 1 + kSaltBytes;
 constexpr std::string_view kRecordLabel = "tandem ledger 1";
@@ -67,7 +67,7 @@ void seal_record(const LedgerRecord& record, Token token, const crypto::Secret& 
                octets(std::span(std::as_const(plain))), octets(whole.subspan(kRecordHeader)));
 }
 
-std::optional<OpenedRecord> open_record(std::span<const std::byte> bytes,
+std::optional<StoredRecord> open_record(std::span<const std::byte> bytes,
                                         const consensus::SharedId& id,
                                         const crypto::Secret& session_key) {
   if (bytes.size() < kRecordHeader + crypto::kTagBytes || bytes[0] != std::byte{kRecordVersion}) {
@@ -81,7 +81,7 @@ std::optional<OpenedRecord> open_record(std::span<const std::byte> bytes,
     return std::nullopt;
   }
   pbd::ByteReader reader(plain);
-  OpenedRecord out;
+  StoredRecord out;
   out.record.id = id;
   out.record.cell.x = static_cast<std::int32_t>(reader.u32());
   out.record.cell.y = static_cast<std::int32_t>(reader.u32());
@@ -92,7 +92,7 @@ std::optional<OpenedRecord> open_record(std::span<const std::byte> bytes,
   out.record.twist.angular = reader.vec3();
   out.token = reader.u64();
   out.record.revision = reader.u64();
-  if (reader.failed() || reader.remaining() != 0) return std::nullopt;
+  if (reader.failed() || reader.remaining() != 0 || out.record.revision == 0) return std::nullopt;
   // What no peer would take as a state, from a member who lies.
   const consensus::StateUpdate state{
       .id = id, .pose = out.record.pose, .twist = out.record.twist, .stamp = 1};

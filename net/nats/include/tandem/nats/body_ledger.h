@@ -35,7 +35,7 @@ struct TANDEM_API LedgerRecord {
   consensus::PeerId keeper = 0;  ///< who writes where it goes; 0: nobody, whoever comes may
   pbd::Pose pose;                ///< of the centre of mass, world
   pbd::Twist twist;              ///< world
-  std::uint64_t revision = 0;    ///< grows with each record of this body; 0: not written yet
+  std::uint64_t revision = 0;    ///< one more with each record of this body; 0: not written yet
 };
 
 struct TANDEM_API LedgerNews {
@@ -56,6 +56,9 @@ struct TANDEM_API LedgerNews {
 /// - In which cell it is found an index says, which is written before a record and taken back after
 ///   the next one. So a body is in no cell at no time; an index that is too old says nothing, since
 ///   the record decides.
+/// - A server that fails may lose what it had acknowledged. After each reconnect whoever wrote a
+///   record or watches its cell writes it again, unless there is a later one. Where two have
+///   written without knowing of each other, chance decides, for everybody alike.
 /// - Records are sealed under the session key and bound to their id; the server can hold one back,
 ///   or show one from before, and change none.
 ///
