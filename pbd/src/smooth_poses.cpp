@@ -76,9 +76,9 @@ void SmoothPoses::take(Shown& shown, const World& world, double dt, double keeps
     shown.behind_turn.setIdentity();
     shown.before = state.pose;
   }
-  shown.now = {state.pose.position - shown.behind,
-               (shown.behind_turn.conjugate() * state.pose.orientation).normalized()};
-  if (keeps == 0.0) shown.now = state.pose;
+  shown.now = {state.pose.position - shown.behind, state.pose.orientation};
+  if (shown.behind_turn.vec().isZero(0.0)) return;  // the world's own, to the last bit
+  shown.now.orientation = (shown.behind_turn.conjugate() * state.pose.orientation).normalized();
 }
 
 Pose SmoothPoses::at(BodyId body, double alpha) const {
