@@ -340,7 +340,7 @@ double World::kinetic_energy() const {
     if (props_[i].inverse_mass == 0.0) continue;
     const Vec3 w_l = states_[i].pose.orientation.conjugate() * states_[i].twist.angular;
     energy += 0.5 * (props_[i].mass * states_[i].twist.linear.squaredNorm() +
-                     w_l.dot(props_[i].inertia_l * w_l));
+                     w_l.dot(props_[i].inertia * w_l));
   }
   return energy;
 }

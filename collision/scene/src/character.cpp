@@ -218,7 +218,7 @@ void Character::Impl::strike(const ClosestHit& hit, double dt, const Vec3& carri
   if (props.inverse_mass > 0.0) {
     const Vec3 arm = (hit.on_collider - world.pose(hit.body).position).cross(n);
     const Vec3 arm_l = world.pose(hit.body).orientation.conjugate() * arm;
-    const double ease = props.inverse_mass + arm_l.dot(props.inverse_inertia_l * arm_l);
+    const double ease = props.inverse_mass + arm_l.dot(props.inverse_inertia * arm_l);
     const double mass = 1.0 / (1.0 / def.mass + ease);
     // What runs into it does so with all it has, and with nothing once both go alike; all else is
     // its own push, whatever its speed.
