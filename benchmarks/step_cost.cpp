@@ -94,7 +94,7 @@ Cost run(const Case& c) {
       pbd::BodyDef def;
       def.pose.position = Vec3((c.cubes ? 4.0 : 1.2) * stack + lean, 0.7 * lean, 0.5 + k);
       def.mass = properties.mass;
-      def.inertia = properties.inertia_l;
+      def.inertia = properties.inertia;
       if (c.spin) def.twist.angular = Vec3(0.3, 0.2, 1.0);
       const pbd::BodyId id = add(def, shape);
       const Vec3 between = def.pose.position - Vec3(0.0, 0.0, 0.5);

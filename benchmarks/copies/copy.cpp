@@ -18,7 +18,7 @@ pbd::BodyId CopyBuilder::box(const BoxDef& def) {
   const pbd::BodyId body = copy_.world->add_body({.pose = def.pose,
                                                   .twist = def.twist,
                                                   .mass = properties.mass,
-                                                  .inertia = properties.inertia_l,
+                                                  .inertia = properties.inertia,
                                                   .can_sleep = false});
   copy_.bodies.push_back(body);
   if (def.collides) {

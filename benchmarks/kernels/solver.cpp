@@ -37,7 +37,7 @@ struct Stacks {
       for (int k = 0; k < height; ++k) {
         const auto body = world.add_body({.pose = {.position = foot + Vec3(0.0, 0.0, k)},
                                           .mass = mass.mass,
-                                          .inertia = mass.inertia_l});
+                                          .inertia = mass.inertia});
         shapes.add(world, {.body = body, .shape = cube});
       }
     }

@@ -171,6 +171,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
   for (std::uint32_t i = 0; i < colliders.size(); ++i) {
     const Collider& c = colliders[i];
     if (!c.alive) continue;
+    if (placed(i) && placed_fixed(i) == c.active()) look_again(i);  // its body's type has changed
     if (!c.finite) {  // out of the tree, so that it is found anew when it is back among numbers
       all_finite = false;
       take_out(i);

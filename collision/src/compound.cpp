@@ -37,7 +37,7 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
     }
     const Mat3 turn = parts[i].local.orientation.normalized().toRotationMatrix();
     p.com = parts[i].local.position + turn * p.com;
-    p.inertia_l = turn * p.inertia_l * turn.transpose();
+    p.inertia = turn * p.inertia * turn.transpose();
     all.mass += p.mass;
     all.com += p.mass * p.com;
     placed.push_back(p);
@@ -52,11 +52,10 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
   }
   for (const MassProperties& p : placed) {
     const Vec3 d = p.com - all.com;
-    all.inertia_l +=
-        p.inertia_l + p.mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+    all.inertia += p.inertia + p.mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
   }
-  if (!all.inertia_l.allFinite()) {
-    pbd::detail::refuse("mass_properties: inertia of all parts", "finite", all.inertia_l.trace());
+  if (!all.inertia.allFinite()) {
+    pbd::detail::refuse("mass_properties: inertia of all parts", "finite", all.inertia.trace());
   }
   return all;
 }

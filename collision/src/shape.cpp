@@ -173,7 +173,7 @@ MassProperties mass_properties(const Shape& shape, double density) {
     pbd::detail::refuse("mass_properties: density", "finite and > 0", density);
   }
   MassProperties p = std::visit(Weigher{density}, shape);
-  if (!std::isfinite(p.mass) || !p.inertia_l.allFinite()) {
+  if (!std::isfinite(p.mass) || !p.inertia.allFinite()) {
     pbd::detail::refuse("mass_properties: density",
                         "such that mass and inertia of the shape are finite", density);
   }

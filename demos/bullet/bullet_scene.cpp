@@ -67,7 +67,7 @@ bench::SceneBody plain_body(const pbd::World& world, const collision::ColliderDe
   body.pose = pose;
   body.twist = world.twist(collider.body);
   body.mass = props.mass;
-  body.inertia = props.inertia_l.diagonal();
+  body.inertia = props.inertia.diagonal();
   return body;
 }
 

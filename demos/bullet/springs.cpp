@@ -25,7 +25,7 @@ Mat3 cross_matrix(const Vec3& v) {
 void SpringPulls::pull(std::span<const pbd::Tether::Def> springs, const pbd::BodyProps& props,
                        double dt, pbd::BodyState& state) {
   const Mat3 turn = state.pose.orientation.toRotationMatrix();
-  const Mat3 inverse_inertia = turn * props.inverse_inertia_l * turn.transpose();
+  const Mat3 inverse_inertia = turn * props.inverse_inertia * turn.transpose();
   // At the end of the step.
   pbd::Twist end{state.twist.linear + dt * others_.linear,
                  state.twist.angular + dt * others_.angular};

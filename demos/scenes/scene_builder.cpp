@@ -39,8 +39,8 @@ collision::MassProperties mass_of(const std::vector<ScenePart>& parts) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const pbd::Mat3 turn = parts[i].local.orientation.toRotationMatrix();
     const pbd::Vec3 arm = placed[i].first - sum.com;
-    sum.inertia_l += turn * placed[i].second.inertia_l * turn.transpose();
-    sum.inertia_l +=
+    sum.inertia += turn * placed[i].second.inertia * turn.transpose();
+    sum.inertia +=
         placed[i].second.mass * (arm.squaredNorm() * pbd::Mat3::Identity() - arm * arm.transpose());
   }
   return sum;
@@ -98,7 +98,7 @@ pbd::BodyDef def_of(const BodySpec& spec, const SceneBody& body,
   pbd::BodyDef def;
   def.pose = {body.start, spec.pose.orientation};
   def.mass = spec.mass;
-  def.inertia = spec.mass / mass.mass * mass.inertia_l;
+  def.inertia = spec.mass / mass.mass * mass.inertia;
   def.linear_damping = spec.linear_damping;
   def.angular_damping = spec.angular_damping;
   def.bullet = spec.bullet;

@@ -123,7 +123,7 @@ void VirtualCoupling::pull_towards(const pbd::PoseTarget& target, double dt) {
                                options_.max_angular_acceleration, options_);
   const pbd::Mat3 turn = own.pose.orientation.toRotationMatrix();
   world_.apply_force(target.body, props.mass * linear);
-  world_.apply_torque(target.body, turn * (props.inertia_l * (turn.transpose() * angular)));
+  world_.apply_torque(target.body, turn * (props.inertia * (turn.transpose() * angular)));
 }
 
 }  // namespace tandem::demos

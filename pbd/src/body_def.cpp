@@ -63,8 +63,8 @@ BodyProps make_props(const BodyDef& def) {
   if (def.type == BodyType::Dynamic) {
     props.mass = def.mass;
     props.inverse_mass = 1.0 / def.mass;
-    props.inertia_l = 0.5 * (def.inertia + def.inertia.transpose());
-    props.inverse_inertia_l = props.inertia_l.inverse();
+    props.inertia = 0.5 * (def.inertia + def.inertia.transpose());
+    props.inverse_inertia = props.inertia.inverse();
     props.linear_damping = def.linear_damping;
     props.angular_damping = def.angular_damping;
     props.locks = def.locks;

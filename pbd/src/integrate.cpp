@@ -32,7 +32,7 @@ void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
 /// Torque-free rotation of a body whose inertia is not the same about all axes.
 void spin_freely(SolverBody& body, const BodyProps& props, double h) {
   Vec3 w_l = rotate(body.q.conjugate(), body.w);
-  const Mat3& inertia = props.inertia_l;
+  const Mat3& inertia = props.inertia;
   const double x = w_l.x(), y = w_l.y(), z = w_l.z();
   // In the order of Eigen's product.
   const Vec3 momentum_l((inertia(0, 0) * x + inertia(0, 1) * y) + inertia(0, 2) * z,
@@ -40,7 +40,7 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
                         inertia(2, 0) * x + (inertia(2, 1) * y + inertia(2, 2) * z));
   const Vec3 torque_l = w_l.cross(momentum_l);
   if (dot(torque_l, torque_l) * h * h <= kGyroscopicTolerance * dot(momentum_l, momentum_l)) return;
-  body.q = free_rotation(body.q, props.inertia_l, w_l, h);
+  body.q = free_rotation(body.q, props.inertia, w_l, h);
   body.w = rotate(body.q, w_l);
   body.w_applied = body.w;
 }
@@ -58,10 +58,10 @@ bool has_axes(const Mat3& inv_inertia) {
 void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result) {
   const std::array<bool, 3>& locked = props.locks.angular;
   if (!locked[0] && !locked[1] && !locked[2]) {
-    tensor_to_world(q, props.inverse_inertia_l, result);
+    tensor_to_world(q, props.inverse_inertia, result);
     return;
   }
-  Mat3 inertia = tensor_to_world(q, props.inertia_l);
+  Mat3 inertia = tensor_to_world(q, props.inertia);
   for (int axis = 0; axis < 3; ++axis) {
     if (!locked[static_cast<std::size_t>(axis)]) continue;
     inertia.row(axis).setZero();
@@ -152,7 +152,7 @@ void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {
     Mat3 inertia_w = body.inv_inertia_w;
     block::invert(inertia_w);
     const Vec3 momentum = block::times(inertia_w, body.w);
-    const Vec3 spin_l = block::times(props.inverse_inertia_l, axes.transpose() * momentum);
+    const Vec3 spin_l = block::times(props.inverse_inertia, axes.transpose() * momentum);
     body.w = block::times(axes, spin_l);
   }
   body.w_applied = body.w - open;

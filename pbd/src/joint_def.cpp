@@ -145,6 +145,20 @@ SliderJointDef::operator SixDofJointDef() const {
   return six;
 }
 
+WheelJointDef::operator SixDofJointDef() const {
+  detail::require_finite(Vec3::Constant(steer), kKind, "steer");
+  check_at_least_0(brake, "brake");
+  SixDofJointDef six = base(*this);
+  six.angular.fill(locked(angular_compliance, angular_damping));
+  six.linear[2] = suspension;
+  six.angular[0] = {.freedom = Freedom::Free, .motor = drive};
+  if (brake > 0.0) {
+    six.angular[0].motor = {.mode = MotorMode::Velocity, .target = 0.0, .max_force = brake};
+  }
+  six.frame_a.basis = six.frame_a.basis * Quat(Eigen::AngleAxisd(steer, Vec3::UnitZ()));
+  return six;
+}
+
 SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
                                 const Vec3& axis_w) {
   return at<SixDofJointDef>(world, a, b, anchor_w, basis_along(axis_w));
@@ -163,6 +177,15 @@ HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b, const Vec3&
 SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w,
                                const Vec3& axis_w) {
   return at<SliderJointDef>(world, a, b, anchor_w, basis_along(axis_w));
+}
+
+WheelJointDef wheel_joint_at(const World& world, BodyId chassis, BodyId wheel, const Vec3& anchor_w,
+                             const Vec3& axle_w, const Vec3& up_w) {
+  const Vec3 x = basis_along(axle_w) * Vec3::UnitX();
+  const Vec3 z = basis_along(up_w - up_w.dot(x) * x) * Vec3::UnitX();
+  Mat3 basis;
+  basis << x, z.cross(x), z;
+  return at<WheelJointDef>(world, chassis, wheel, anchor_w, Quat(basis).normalized());
 }
 
 void check_joint(const World& world, const SixDofJointDef& def) {

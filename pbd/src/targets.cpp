@@ -13,12 +13,12 @@ namespace {
 
 double kinetic_energy(const Quat& q, const BodyProps& props, const Vec3& v, const Vec3& w) {
   const Vec3 w_l = q.conjugate() * w;
-  return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia_l * w_l));
+  return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia * w_l));
 }
 
 /// Whether it has the same inertia about every axis.
 bool is_round(const BodyProps& props) {
-  const Mat3& i = props.inertia_l;
+  const Mat3& i = props.inertia;
   return i(0, 0) == i(1, 1) && i(1, 1) == i(2, 2) && i(0, 1) == 0.0 && i(0, 2) == 0.0 &&
          i(1, 2) == 0.0;
 }

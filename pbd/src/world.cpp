@@ -173,6 +173,45 @@ void World::set_locks(BodyId id, const AxisLocks& locks) {
   props_[index].locks = locks;
 }
 
+void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
+  const std::uint32_t index = checked_index(id, "set_mass");
+  const BodyDef def{.pose = states_[index].pose, .mass = mass, .inertia = inertia};
+  check_def(def);
+  const BodyProps made = make_props(def);
+  BodyProps& props = props_[index];
+  props.type = BodyType::Dynamic;
+  props.mass = made.mass;
+  props.inverse_mass = made.inverse_mass;
+  props.inertia = made.inertia;
+  props.inverse_inertia = made.inverse_inertia;
+  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
+  wake(id);
+  wake_joined(index);
+}
+
+void World::set_mass(BodyId id, double mass) {
+  const BodyProps& props = props_[checked_dynamic(id, "set_mass")];
+  set_mass(id, mass, mass / props.mass * props.inertia);
+}
+
+void World::set_type(BodyId id, BodyType type) {
+  const std::uint32_t index = checked_index(id, "set_type");
+  if (type != BodyType::Static && type != BodyType::Kinematic) {
+    detail::refuse("World::set_type: type", "Static or Kinematic (set_mass() makes it dynamic)",
+                   static_cast<double>(type));
+  }
+  BodyProps& props = props_[index];
+  props.type = type;
+  props.mass = 0.0;
+  props.inverse_mass = 0.0;
+  props.inertia.setZero();
+  props.inverse_inertia.setZero();
+  if (!wrenches_.empty()) wrenches_[index] = {};
+  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
+  if (type == BodyType::Static) states_[index].twist = {};
+  wake(id);
+}
+
 std::uint64_t World::user_data(BodyId id) const {
   const std::uint32_t index = checked_index(id, "user_data");
   const bool known = index < user_data_.size() && user_data_[index].generation == id.generation;
@@ -340,7 +379,7 @@ double World::kinetic_energy() const {
     if (props_[i].inverse_mass == 0.0) continue;
     const Vec3 w_l = states_[i].pose.orientation.conjugate() * states_[i].twist.angular;
     energy += 0.5 * (props_[i].mass * states_[i].twist.linear.squaredNorm() +
-                     w_l.dot(props_[i].inertia_l * w_l));
+                     w_l.dot(props_[i].inertia * w_l));
   }
   return energy;
 }

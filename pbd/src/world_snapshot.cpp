@@ -36,8 +36,8 @@ void save_props(ByteWriter& out, const BodyProps& props) {
   for (const bool locked : props.locks.angular) out.u8(locked ? 1 : 0);
   out.u8(props.bullet ? 1 : 0);
   out.u8(props.can_sleep ? 1 : 0);
-  for (int k = 0; k < 9; ++k) out.f64(props.inertia_l(k / 3, k % 3));
-  for (int k = 0; k < 9; ++k) out.f64(props.inverse_inertia_l(k / 3, k % 3));
+  for (int k = 0; k < 9; ++k) out.f64(props.inertia(k / 3, k % 3));
+  for (int k = 0; k < 9; ++k) out.f64(props.inverse_inertia(k / 3, k % 3));
   out.u8(props.stable_id ? 1 : 0);
   out.u64(props.stable_id.value_or(0));
 }
@@ -52,8 +52,8 @@ void load_props(ByteReader& in, BodyProps& props) {
   for (bool& locked : props.locks.angular) locked = in.u8() != 0;
   props.bullet = in.u8() != 0;
   props.can_sleep = in.u8() != 0;
-  for (int k = 0; k < 9; ++k) props.inertia_l(k / 3, k % 3) = in.f64();
-  for (int k = 0; k < 9; ++k) props.inverse_inertia_l(k / 3, k % 3) = in.f64();
+  for (int k = 0; k < 9; ++k) props.inertia(k / 3, k % 3) = in.f64();
+  for (int k = 0; k < 9; ++k) props.inverse_inertia(k / 3, k % 3) = in.f64();
   const bool named = in.u8() != 0;
   const std::uint64_t id = in.u64();
   props.stable_id = named ? std::optional(id) : std::nullopt;
@@ -93,7 +93,7 @@ bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const B
   if (props.type > BodyType::Dynamic || activity.level > Groups::kMaxLevel ||
       !(activity.low_speed_time >= 0.0) || dynamic != (props.inverse_mass > 0.0) ||
       !std::isfinite(props.mass) || !std::isfinite(props.inverse_mass) ||
-      !props.inertia_l.allFinite() || !props.inverse_inertia_l.allFinite()) {
+      !props.inertia.allFinite() || !props.inverse_inertia.allFinite()) {
     return false;
   }
   try {
@@ -101,7 +101,7 @@ bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const B
                .pose = state.pose,
                .twist = state.twist,
                .mass = props.mass,
-               .inertia = props.inertia_l,
+               .inertia = props.inertia,
                .gravity_scale = props.gravity_scale,
                .linear_damping = props.linear_damping,
                .angular_damping = props.angular_damping});

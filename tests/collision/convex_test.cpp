@@ -130,7 +130,7 @@ BodyId dynamic(Fixture& f, const Shape& shape, const Pose& frame, double density
   const MassProperties mass = mass_properties(shape, density);
   tandem::pbd::BodyDef def;
   def.mass = mass.mass;
-  def.inertia = mass.inertia_l;
+  def.inertia = mass.inertia;
   def.pose = {frame.to_world(mass.com), frame.orientation};
   const BodyId id = f.world.add_body(def);
   ColliderDef collider;
@@ -219,7 +219,7 @@ TEST_CASE("convex: the hull of a box has its faces, edges and mass", "[collision
   const MassProperties box = mass_properties(Box{half}, 700.0);
   CHECK(mine.mass == Approx(box.mass));
   CHECK((mine.com - Vec3(9, 8, 7)).norm() < 1e-9);
-  CHECK((mine.inertia_l - box.inertia_l).norm() < 1e-9 * box.inertia_l.norm());
+  CHECK((mine.inertia - box.inertia).norm() < 1e-9 * box.inertia.norm());
 }
 
 TEST_CASE("convex: a hull holds all its points and is closed", "[collision][unit]") {
@@ -295,7 +295,7 @@ TEST_CASE("convex: mass, centre and inertia of round shapes agree with Monte Car
     const double cell = 2.0 * 8.0 * r * r * h / kCount;
     CHECK(p.mass == Approx(cell * volume).epsilon(5e-3));
     CHECK((p.com - first / volume).norm() < 2e-3);
-    CHECK((p.inertia_l - cell * second).norm() < 5e-3 * p.inertia_l.norm());
+    CHECK((p.inertia - cell * second).norm() < 5e-3 * p.inertia.norm());
   }
 }
 
@@ -313,7 +313,7 @@ TEST_CASE("convex: a box cut in two weighs what it weighs in one", "[collision][
   const Mat3 turn = turned.orientation.toRotationMatrix();
   CHECK(cut.mass == Approx(whole.mass));
   CHECK((cut.com - Vec3(1, 2, 3)).norm() < 1e-12);
-  CHECK((cut.inertia_l - turn * whole.inertia_l * turn.transpose()).norm() < 1e-9);
+  CHECK((cut.inertia - turn * whole.inertia * turn.transpose()).norm() < 1e-9);
 }
 
 TEST_CASE("convex: parts of a compound share what their collider says", "[collision][unit]") {

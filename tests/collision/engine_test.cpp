@@ -20,7 +20,7 @@ constexpr double kGravity = 9.81;
 BodyId dynamic_box(Fixture& f, const Vec3& half, const Vec3& at, double friction = 0.5) {
   const auto properties = mass_properties(Box{half}, 1.0 / (8.0 * half.prod()));
   const BodyId id =
-      f.world.add_body({.pose = {.position = at}, .mass = 1.0, .inertia = properties.inertia_l});
+      f.world.add_body({.pose = {.position = at}, .mass = 1.0, .inertia = properties.inertia});
   f.scene.add(f.world, {.body = id, .shape = Box{half}, .material = {.friction = friction}});
   return id;
 }
@@ -82,7 +82,7 @@ TEST_CASE("engine: stacks on a plate come to rest in whatever order they were ad
     const double mass = piece.half.x() > 0.1 ? 4.0 : 0.3;
     const auto properties = mass_properties(Box{piece.half}, mass / (8.0 * piece.half.prod()));
     const BodyId id = f.world.add_body(
-        {.pose = {.position = piece.at}, .mass = mass, .inertia = properties.inertia_l});
+        {.pose = {.position = piece.at}, .mass = mass, .inertia = properties.inertia});
     f.scene.add(f.world, {.body = id, .shape = Box{piece.half}, .material = {.friction = 0.55}});
     if (piece.at.z() > 0.38 && piece.at.x() < -0.1 && piece.at.x() > -0.3) top = id;
   }

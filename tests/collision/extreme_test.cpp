@@ -201,8 +201,7 @@ TEST_CASE("extreme: a millimetre and a hundred metres rest in one scene", "[coll
   std::vector<BodyId> ids;
   const auto add = [&](const Shape& shape, const Pose& pose) {
     const MassProperties mass = mass_properties(shape, 1000.0);
-    const BodyId id =
-        f.world.add_body({.pose = pose, .mass = mass.mass, .inertia = mass.inertia_l});
+    const BodyId id = f.world.add_body({.pose = pose, .mass = mass.mass, .inertia = mass.inertia});
     f.scene.add(f.world, {.body = id, .shape = shape});
     ids.push_back(id);
   };

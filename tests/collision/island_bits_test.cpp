@@ -45,7 +45,7 @@ class Cells {
               BodyType type = BodyType::Dynamic) {
     const MassProperties mass = mass_properties(shape, 300.0);
     const BodyId id = world.add_body(
-        {.type = type, .pose = {.position = at}, .mass = mass.mass, .inertia = mass.inertia_l});
+        {.type = type, .pose = {.position = at}, .mass = mass.mass, .inertia = mass.inertia});
     shapes.add(world, {.body = id, .shape = shape, .material = {.restitution = restitution}});
     return id;
   }

@@ -281,7 +281,7 @@ TEST_CASE("mesh: bodies slide and roll over a flat mesh as over a half-space",
       const MassProperties mass = mass_properties(slide.shape, 1000.0);
       tandem::pbd::BodyDef def;
       def.mass = mass.mass;
-      def.inertia = mass.inertia_l;
+      def.inertia = mass.inertia;
       def.pose = at(Vec3(-3, 0.1, slide.height), slide.turn);
       def.twist.linear = Vec3(4, 0.7, 0);
       const BodyId id = f.world.add_body(def);

@@ -86,7 +86,7 @@ struct Scene {
     if (type == BodyType::Dynamic) {
       const auto properties = mass_properties(shape, 500.0);
       def.mass = weight * properties.mass;
-      def.inertia = weight * properties.inertia_l;
+      def.inertia = weight * properties.inertia;
     }
     ids.push_back(world.add_body(def));
     const double restitution = ids.size() % 3 == 0 ? 0.5 : 0.0;

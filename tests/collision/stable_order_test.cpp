@@ -65,7 +65,7 @@ struct Scene {
         if (i % 11 == 3) def.twist.linear = Vec3(0.0, 0.0, -40.0);  // stopped on its way
         def.bullet = i % 9 == 3;
         def.mass = properties.mass * (i % 5 == 0 ? 8.0 : 1.0);
-        def.inertia = properties.inertia_l * (i % 5 == 0 ? 8.0 : 1.0);
+        def.inertia = properties.inertia * (i % 5 == 0 ? 8.0 : 1.0);
       } else {
         def.type = BodyType::Static;
         if (i == kAll - 1) def.pose.position.z() = -1.0;

@@ -44,7 +44,7 @@ std::vector<BodyId> rain(Fixture& f, const Shape& shape, const Material& materia
   for (int i = 0; i < count; ++i) {
     BodyDef def;
     def.mass = properties.mass;
-    def.inertia = properties.inertia_l;
+    def.inertia = properties.inertia;
     def.pose.position = Vec3(random.in(-0.7, 0.7), random.in(-0.7, 0.7), 0.3 + 0.2 * i);
     ids.push_back(add(shape, def));
   }

@@ -73,7 +73,7 @@ struct Scene {
     if (type == BodyType::Dynamic) {
       const auto properties = mass_properties(shape, 500.0);
       def.mass = properties.mass;
-      def.inertia = properties.inertia_l;
+      def.inertia = properties.inertia;
     }
     const BodyId id = world.add_body(def);
     ColliderDef collider;

@@ -48,7 +48,7 @@ struct Plans {
     const collision::MassProperties mass = collision::mass_properties(shape, 1000.0);
     Plan plan{.def = {}, .shape = shape};
     plan.def.mass = mass.mass;
-    plan.def.inertia = mass.inertia_l;
+    plan.def.inertia = mass.inertia;
     plan.def.pose.position = at;
     plan.def.twist.linear = speed;
     plan.def.stable_id = bodies.size();

@@ -8,6 +8,7 @@
 #include "support/toy_contacts.h"
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/joint.h"
+#include "tandem/pbd/smooth_poses.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world_copy.h"
 
@@ -140,4 +141,24 @@ TEST_CASE("allocation: a world that is copied and restored again makes none", "[
   counting = false;
   CHECK(all);
   CHECK(allocations == 0);
+}
+
+TEST_CASE("allocation: showing bodies between steps makes none", "[pbd][smooth]") {
+  World world;
+  Solver solver;
+  const BodyId ball = world.add_body({});
+  SmoothPoses shown;
+  solver.step(world, 1.0 / 60.0);
+  shown.after_step(world, 1.0 / 60.0);
+  allocations = 0;
+  counting = true;
+  double sum = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    solver.step(world, 1.0 / 60.0);
+    shown.after_step(world, 1.0 / 60.0);
+    sum += shown.at(ball, 0.5).position.z();
+  }
+  counting = false;
+  CHECK(allocations == 0);
+  CHECK(sum < 0.0);
 }

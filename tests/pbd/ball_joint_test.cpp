@@ -29,7 +29,7 @@ struct Pendulum {
     joints->add(world, ball_joint_at(world, {}, rod, Vec3::Zero()));
   }
   /// Inertia about the pivot, kg m^2.
-  double inertia() const { return world.props(rod).inertia_l(1, 1) + kDistance * kDistance; }
+  double inertia() const { return world.props(rod).inertia(1, 1) + kDistance * kDistance; }
   double angle() const {
     const Vec3& p = world.pose(rod).position;
     return std::atan2(p.x(), -p.z());

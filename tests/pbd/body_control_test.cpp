@@ -42,7 +42,7 @@ struct Resting {
 TEST_CASE("bodies: a force acts for one step, off the centre with its moment", "[pbd][analytic]") {
   World world(weightless());
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3::Zero()));
-  const double inertia = world.props(body).inertia_l(2, 2);
+  const double inertia = world.props(body).inertia(2, 2);
   Solver solver;
   world.apply_force(body, Vec3(0.0, 6.0, 0.0), Vec3(0.5, 0.0, 0.0));
   solver.step(world, kFrame);

@@ -15,7 +15,7 @@ TEST_CASE("joint: a velocity motor of limited torque accelerates by torque over 
   HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());
   def.axis.motor = {.mode = MotorMode::Velocity, .target = 5.0, .max_force = 0.1};
   m.add_joint(def);
-  const double inertia = m.world.props(m.body).inertia_l(2, 2);
+  const double inertia = m.world.props(m.body).inertia(2, 2);
   m.run(1.0);
   CHECK(m.world.twist(m.body).angular.z() == Approx(0.1 / inertia * 1.0).epsilon(1e-6));
   CHECK(m.state().load[3] == Approx(0.1).epsilon(1e-6));
@@ -91,7 +91,7 @@ TEST_CASE("joint: a spring on a hinge swings with its period", "[pbd][joint][ana
   HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitX());
   def.axis.spring = {.stiffness = 0.5, .rest = 0.4};
   m.add_joint(def);
-  const double inertia = m.world.props(m.body).inertia_l(0, 0);
+  const double inertia = m.world.props(m.body).inertia(0, 0);
   std::vector<double> angles;
   m.run(8.0, [&] { angles.push_back(m.state().position[3] - 0.4); });
   CHECK(mean_period(angles, kFrame) == Approx(2.0 * kPi * std::sqrt(inertia / 0.5)).epsilon(5e-3));

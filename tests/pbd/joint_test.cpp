@@ -63,7 +63,7 @@ TEST_CASE("joint: one projection follows the numerical gradient, whatever is loc
     if (held == 0b1000000u) def.cone = 0.2;
     std::vector<SolverBody> bodies;
     for (const BodyId id : {a, b}) {
-      const Mat3 inertia = world.props(id).inertia_l;
+      const Mat3 inertia = world.props(id).inertia;
       bodies.push_back(solver_body(world.pose(id), world.props(id).mass, inertia));
       bodies.back().group = 0;
     }
@@ -166,7 +166,7 @@ TEST_CASE("joint: a hinge is a physical pendulum with the period of the elliptic
     m.add_box(1.0, Vec3(0.5 * std::sin(start), 0.0, -0.5 * std::cos(start)),
               turn(Vec3(0.0, -start, 0.0)));
     m.add_joint(hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitY()));
-    const double inertia = m.world.props(m.body).inertia_l(1, 1) + 0.25;
+    const double inertia = m.world.props(m.body).inertia(1, 1) + 0.25;
     const double energy = m.world.mechanical_energy();
     const double scale = energy + 0.5 * kGravity;
     // The energy of a half-step velocity swings with the body, so ends are compared by their peaks.

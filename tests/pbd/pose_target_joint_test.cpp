@@ -65,7 +65,7 @@ struct Row {
       const BodyProps& props = world.props(bodies[i]);
       const double share = share_of(wishes[i].weight);
       mass.block<3, 3>(at, at) = props.mass * Mat3::Identity();
-      mass.block<3, 3>(at + 3, at + 3) = props.inertia_l;
+      mass.block<3, 3>(at + 3, at + 3) = props.inertia;
       wanted.segment<3>(at) = share * wishes[i].translation;
       wanted.segment<3>(at + 3) = share * wishes[i].rotation;
     }

@@ -52,12 +52,12 @@ TEST_CASE("scene: the same bits as its parts put together by hand", "[scene][det
   const auto solid = collision::mass_properties(box, 300.0);
   BodyId last;
   for (int i = 0; i < kBoxes; ++i) {
-    last = world.add_body({.pose = place(i), .mass = solid.mass, .inertia = solid.inertia_l});
+    last = world.add_body({.pose = place(i), .mass = solid.mass, .inertia = solid.inertia});
     shapes.add(world, {.body = last, .shape = box, .material = kRubber});
   }
   const auto ball = collision::mass_properties(Sphere{0.05}, 1000.0);
   const BodyId bob = world.add_body(
-      {.pose = {.position = Vec3(0.5, 0.0, 1.4)}, .mass = ball.mass, .inertia = ball.inertia_l});
+      {.pose = {.position = Vec3(0.5, 0.0, 1.4)}, .mass = ball.mass, .inertia = ball.inertia});
   shapes.add(world, {.body = bob, .shape = Sphere{0.05}});
   auto& joints = world.add_block<pbd::JointBlock>();
   joints.add(world, pbd::ball_joint_at(world, last, bob, Vec3(0.2, 0.0, 1.3)));
@@ -157,7 +157,7 @@ TEST_CASE("scene: a dumbbell weighs what its parts do", "[scene][analytic]") {
   const BodyId given = scene.add(parts, {.mass = 8.0});
   CHECK(scene.world().props(given).mass == 8.0);
   // About the centre, across: both balls' own 2/5 m r^2, and m1 m2 / (m1 + m2) d^2.
-  CHECK(scene.world().props(given).inertia_l(2, 2) ==
+  CHECK(scene.world().props(given).inertia(2, 2) ==
         Approx(0.4 * 8.0 * 0.01 + 6.0 * 2.0 / 8.0 * 0.16));
   CHECK(scene.shapes().slot_count() == 4);
 }

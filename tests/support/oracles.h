@@ -63,7 +63,7 @@ inline Vec3 angular_momentum(const pbd::World& world) {
     const pbd::BodyProps& props = world.all_props()[i];
     const Mat3 r = s.pose.orientation.toRotationMatrix();
     sum += s.pose.position.cross(props.mass * s.twist.linear) +
-           r * props.inertia_l * r.transpose() * s.twist.angular;
+           r * props.inertia * r.transpose() * s.twist.angular;
   }
   return sum;
 }

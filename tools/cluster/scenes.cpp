@@ -26,8 +26,8 @@ double uniform(std::size_t body, std::uint64_t stream) {
 }
 
 SceneBody solid(std::size_t number, const Shape& shape, double mass, const Vec3& at) {
-  const pbd::Mat3 inertia = collision::mass_properties(shape, 1.0).inertia_l /
-                            collision::mass_properties(shape, 1.0).mass;
+  const pbd::Mat3 inertia =
+      collision::mass_properties(shape, 1.0).inertia / collision::mass_properties(shape, 1.0).mass;
   SceneBody body;
   body.def.mass = mass;
   body.def.inertia = mass * inertia;

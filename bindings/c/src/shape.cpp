@@ -98,7 +98,7 @@ tandem_result tandem_shape_mass(const tandem_shape* shape, double density, tande
         collision::mass_properties(shape_of(required(shape, "shape")), density);
     out.mass = found.mass;
     out.centre_of_mass = to_c(found.com);
-    matrix_to_c(found.inertia_l, out.inertia);
+    matrix_to_c(found.inertia, out.inertia);
   });
 }
 

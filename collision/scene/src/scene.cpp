@@ -16,7 +16,7 @@ pbd::BodyDef body_of(const SolidDef& def, const collision::MassProperties& solid
                     .pose = def.pose,
                     .twist = def.twist,
                     .mass = solid.mass,
-                    .inertia = solid.inertia_l,
+                    .inertia = solid.inertia,
                     .gravity_scale = def.gravity_scale,
                     .linear_damping = def.linear_damping,
                     .angular_damping = def.angular_damping,
@@ -61,7 +61,7 @@ collision::MassProperties weigh(const Matter& matter, const SolidDef& def) {
     for (const collision::CompoundPart& part : matter) require_volume(part.shape);
     solid = collision::mass_properties(matter);
   }
-  if (def.mass) solid.inertia_l *= *def.mass / std::exchange(solid.mass, *def.mass);
+  if (def.mass) solid.inertia *= *def.mass / std::exchange(solid.mass, *def.mass);
   return solid;
 }
 

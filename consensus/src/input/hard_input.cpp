@@ -24,7 +24,7 @@ pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
       const pbd::Vec3 arm = result.orientation * hand.attachment_l;
       const pbd::Vec3 missing = hand.anchor_w - (result.position + arm);
       const pbd::Mat3 inverse_inertia =
-          pbd::tensor_to_world(result.orientation, props.inverse_inertia_l);
+          pbd::tensor_to_world(result.orientation, props.inverse_inertia);
       const pbd::Mat3 cross = pbd::skew(arm);
       const pbd::Mat3 inverse_mass =
           pbd::Mat3(props.inverse_mass * pbd::Mat3::Identity()) - cross * inverse_inertia * cross;

@@ -208,7 +208,7 @@ Totals Cluster::Impl::totals() {
     const pbd::BodyProps& props = world_.all_props()[slot];
     const pbd::Vec3 w_l = state.pose.orientation.conjugate() * state.twist.angular;
     const double kinetic =
-        0.5 * (props.mass * state.twist.linear.squaredNorm() + w_l.dot(props.inertia_l * w_l));
+        0.5 * (props.mass * state.twist.linear.squaredNorm() + w_l.dot(props.inertia * w_l));
     ++own.bodies;
     own.awake += world_.awake_at(slot) ? 1 : 0;
     own.kinetic_energy += kinetic;

@@ -30,7 +30,7 @@ pbd::BodyDef def_of(const pbd::World& world, std::uint32_t slot) {
   def.pose = world.states()[slot].pose;
   def.twist = world.states()[slot].twist;
   def.mass = props.mass;
-  def.inertia = props.inertia_l;
+  def.inertia = props.inertia;
   def.gravity_scale = props.gravity_scale;
   def.linear_damping = props.linear_damping;
   def.angular_damping = props.angular_damping;

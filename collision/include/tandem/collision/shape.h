@@ -65,9 +65,9 @@ TANDEM_API bool validate(const Shape& shape, std::string* error = nullptr);
 
 /// What a body made of the shape weighs.
 struct TANDEM_API MassProperties {
-  double mass = 0.0;                        ///< kg
-  pbd::Vec3 com = pbd::Vec3::Zero();        ///< m, centre of mass in the shape's frame
-  pbd::Mat3 inertia_l = pbd::Mat3::Zero();  ///< kg m^2, about `com`, axes of the shape's frame
+  double mass = 0.0;                      ///< kg
+  pbd::Vec3 com = pbd::Vec3::Zero();      ///< m, centre of mass in the shape's frame
+  pbd::Mat3 inertia = pbd::Mat3::Zero();  ///< kg m^2, about `com`, axes of the shape's frame
 };
 
 /// @param density  kg/m^3, > 0

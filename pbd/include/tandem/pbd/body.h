@@ -70,10 +70,10 @@ struct TANDEM_API BodyState {
 /// What a body is made of; changes only through World.
 struct TANDEM_API BodyProps {
   BodyType type = BodyType::Static;
-  double mass = 0.0;                      ///< kg; 0 unless dynamic
-  double inverse_mass = 0.0;              ///< 1/kg; 0 unless dynamic
-  Mat3 inertia_l = Mat3::Zero();          ///< kg m^2, body frame
-  Mat3 inverse_inertia_l = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
+  double mass = 0.0;                    ///< kg; 0 unless dynamic
+  double inverse_mass = 0.0;            ///< 1/kg; 0 unless dynamic
+  Mat3 inertia = Mat3::Zero();          ///< kg m^2, body frame
+  Mat3 inverse_inertia = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
   double gravity_scale = 1.0;
   double linear_damping = 0.0;   ///< 1/s
   double angular_damping = 0.0;  ///< 1/s

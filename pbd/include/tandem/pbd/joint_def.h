@@ -134,6 +134,24 @@ struct TANDEM_API SliderJointDef {
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
+/// Holds a wheel, b, under a chassis, a: it turns about x, the axle, and moves along z, the way of
+/// its suspension. Steering turns the axle about z: JointBlock::set() with another angle.
+struct TANDEM_API WheelJointDef {
+  BodyId a, b;  ///< as above
+  JointFrame frame_a, frame_b;
+  double compliance = 0.0;          ///< m/N
+  double damping = 0.0;             ///< N s/m
+  double angular_compliance = 0.0;  ///< rad/(N m)
+  double angular_damping = 0.0;     ///< N m s/rad
+  double break_force = 0.0;         ///< N
+  double break_torque = 0.0;        ///< N m
+  JointAxis suspension;             ///< m, N: spring and stops along z, positive when compressed
+  double steer = 0.0;               ///< rad, about z
+  JointMotor drive;                 ///< of the axle, rad/s, N m
+  double brake = 0.0;               ///< N m, >= 0: above 0 it holds the axle, and nothing drives it
+  operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
+};
+
 /// Frames at the world point `anchor_w` (m) with x along `axis_w` (longer than 1e-9), as the bodies
 /// stand now: all coordinates are 0 there. They throw std::invalid_argument on a bad body or axis.
 TANDEM_API SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b,
@@ -147,6 +165,9 @@ TANDEM_API HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b,
                                         const Vec3& anchor_w, const Vec3& axis_w);
 TANDEM_API SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b,
                                           const Vec3& anchor_w, const Vec3& axis_w);
+/// @param up_w  of the suspension: z is what of it is at right angles to the axle, longer than 1e-9
+TANDEM_API WheelJointDef wheel_joint_at(const World& world, BodyId chassis, BodyId wheel,
+                                        const Vec3& anchor_w, const Vec3& axle_w, const Vec3& up_w);
 
 /// @throws std::invalid_argument naming the field, its value and the rule
 TANDEM_API void check_joint(const World& world, const SixDofJointDef& def);

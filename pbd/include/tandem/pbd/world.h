@@ -74,6 +74,14 @@ class TANDEM_API World {
   void set_damping(BodyId id, double linear, double angular);  ///< 1/s, >= 0
   void set_gravity_scale(BodyId id, double scale);
   void set_locks(BodyId id, const AxisLocks& locks);
+  /// Of a living body: it is dynamic from then on, whatever it was; its velocity stays.
+  /// @param inertia  kg m^2, as BodyDef::inertia
+  void set_mass(BodyId id, double mass, const Mat3& inertia);
+  /// Of a dynamic body: it gets denser or lighter, and its inertia with it.
+  void set_mass(BodyId id, double mass);
+  /// Make it Static, which stops it, or Kinematic, which goes on as it went; set_mass() makes
+  /// bodies dynamic. What touches it wakes.
+  void set_type(BodyId id, BodyType type);
   /// The application's own number, an index or an address: nothing here reads it. No snapshot has
   /// it; restore() leaves that of each body that is the same one before and after.
   std::uint64_t user_data(BodyId id) const;
