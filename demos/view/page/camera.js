@@ -66,13 +66,18 @@ export class Orbit {
     const {width, height} = this.home;
     return Math.max(height / 2 / half, width / 2 / half / aspect) / this.zoom;
   }
+  /** A tall pane is filled by looking from higher up. @returns {number}  degrees */
+  lift(aspect) {
+    const tall = this.home.width / this.home.height / aspect;
+    return tall > 1 ? Math.min(24, 24 * Math.log2(tall)) : 0;
+  }
   /** @param {number} aspect @returns {THREE.PerspectiveCamera}  valid until the next call */
   at(aspect) {
     const distance = this.distance(aspect);
-    const flat = Math.cos(radians(this.elevation));
+    const elevation = radians(Math.min(89, this.elevation + this.lift(aspect)));
+    const flat = Math.cos(elevation);
     const from = new THREE.Vector3(flat * Math.cos(radians(this.azimuth)),
-                                   flat * Math.sin(radians(this.azimuth)),
-                                   Math.sin(radians(this.elevation)));
+                                   flat * Math.sin(radians(this.azimuth)), Math.sin(elevation));
     this.camera.position.copy(this.target).addScaledVector(from, distance);
     this.camera.lookAt(this.target);
     this.camera.aspect = aspect;
