@@ -64,7 +64,8 @@ export class Ending {
    */
   fill(outcomes, runs) {
     const scores = runs.map(({peers}) => peers.map((p) => outcomes[p] ?? {}));
-    const names = [...new Set(scores.flat().flatMap((outcome) => Object.keys(outcome)))];
+    const names = [...new Set(scores.flat().flatMap((outcome) => Object.keys(outcome)))]
+      .filter((name) => scoreText(name, 0).name);
     const lines = names.map((name) => row(this.document, [
       scoreText(name, 0).name, ...scores.map((of) => said(name, of))], 'td'));
     if (runs.some(({furthest}) => Number.isFinite(furthest))) {

@@ -197,7 +197,10 @@ export class Fixed extends THREE.Group {
   paint(theme) {
     this.uniforms.uLine.value.set(theme.line);
     this.ground.color.set(this.own.ground ?? theme.ground);
-    if (this.own.ground) this.ground.color.multiplyScalar(theme.dim);
+    if (this.own.ground) {
+      this.ground.color.multiplyScalar(theme.dim);
+      this.uniforms.uLine.value.copy(this.ground.color).lerp(new THREE.Color('#fff'), 0.1);
+    }
     // Walls turn away from the sun.
     this.wall.color.set(theme.wall);
     this.wall.emissive.set(theme.wall).multiplyScalar(0.3);

@@ -5,7 +5,8 @@
 // one pane. Rectangles are in CSS pixels from the canvas's upper left corner.
 import {peerColour, peerName} from './colours.js';
 
-const GAP = 2;  // CSS pixels between panes
+const GAP = 2;       // CSS pixels between panes
+const RUN_GAP = 6;   // likewise, between runs
 
 /**
  * @typedef {object} Pane
@@ -48,11 +49,11 @@ export function layOut(runs, only, overlay, width, height) {
   const wide = runs.length === 1 || width > height;
   const across = wide ? runs.length : 1;
   const down = wide ? 1 : runs.length;
-  const w = (width - GAP * (across - 1)) / across;
-  const h = (height - GAP * (down - 1)) / down;
+  const w = (width - RUN_GAP * (across - 1)) / across;
+  const h = (height - RUN_GAP * (down - 1)) / down;
   return chosen.flatMap((peers, run) => grid(each, w, h).map((place, i) => ({
     peer: peers[i], peers: new Set(overlay ? peers : [peers[i]]), run, ...place,
-    x: place.x + (wide ? run * (w + GAP) : 0), y: place.y + (wide ? 0 : run * (h + GAP))})));
+    x: place.x + (wide ? run * (w + RUN_GAP) : 0), y: place.y + (wide ? 0 : run * (h + RUN_GAP))})));
 }
 
 /**

@@ -42,7 +42,7 @@ export class People extends THREE.Group {
     const at = (body) => new THREE.Vector3().fromArray(positions, 3 * body);
     for (const {head, racket, hands, colour} of this.figures) {
       if (racket >= 0) this.drawPlayer(at(racket), colour);
-      else this.draw(at(head), hands.map(at), colour);
+      else this.drawPerson(at(head), hands.map(at), colour);
     }
     this.sticks.show();
     this.dots.show();
@@ -56,24 +56,30 @@ export class People extends THREE.Group {
     this.dots.draw(head, 0.115, colour);
     const grip = racket.clone().add(new THREE.Vector3(0.1 * side, 0, -0.1));
     this.limb(racket, grip, 0.014, colour);
-    this.draw(head, [grip], colour);
+    this.draw(head, new THREE.Vector3(-side, 0, 0), [null, grip], colour);
   }
 
-  draw(head, hands, colour) {
+  drawPerson(head, hands, colour) {
+    const middle = hands.reduce((sum, hand) => sum.addScaledVector(hand, 1 / hands.length),
+                                new THREE.Vector3());
+    this.draw(head, hands.length ? middle.sub(head).setZ(0) : new THREE.Vector3(1, 0, 0), hands,
+              colour);
+  }
+
+  /** @param {THREE.Vector3} facing  level @param {?THREE.Vector3[]} hands  left, right */
+  draw(head, facing, hands, colour) {
     const down = (z) => new THREE.Vector3(head.x, head.y, z);
     const chest = head.z - NECK;
     this.limb(down(chest), down(HIP), 0.14, colour);
     this.limb(head, down(chest), 0.05, colour);
-    // Shoulders and feet are at right angles to where the hands are.
-    const towards = hands[0]?.clone().sub(head).setZ(0) ?? new THREE.Vector3(1, 0, 0);
-    const across = new THREE.Vector3(-towards.y, towards.x, 0).normalize();
+    const left = new THREE.Vector3(-facing.y, facing.x, 0).normalize();
     for (const sign of [-1, 1]) {
-      const hip = down(HIP).addScaledVector(across, 0.09 * sign);
+      const hip = down(HIP).addScaledVector(left, 0.09 * sign);
       this.limb(hip, hip.clone().setZ(0.06), 0.06, colour);
     }
-    hands.forEach((hand) => {
-      const sign = Math.sign(across.dot(hand.clone().sub(head))) || 1;
-      this.limb(down(chest - 0.06).addScaledVector(across, SHOULDER * sign), hand, 0.04, colour);
+    hands.forEach((hand, k) => {
+      const shoulder = down(chest - 0.06).addScaledVector(left, k === 0 ? SHOULDER : -SHOULDER);
+      this.limb(shoulder, hand ?? shoulder.clone().setZ(HIP - 0.05), 0.04, colour);
     });
   }
 

@@ -44,21 +44,28 @@ export function lengthText(metres) {
   return `${(1000 * metres).toFixed(metres >= 0.001 ? 1 : 2)} mm`;
 }
 
+/** Scores whose own names say too little; '' is not told. */
+const NAMES = {
+  tunnelled: 'went through a racket', tunnelled_own: '', lost: 'balls lost',
+  over_the_cliff: 'balls over the cliff', on_others: 'cubes on others', displaced: 'cubes moved',
+  steepest: 'tilted by at most', deepest: 'deepest overlap', fastest: 'fastest',
+};
 const TRUTHS = new Set(['delivered', 'box_handed_over', 'hull_on_shelf']);
 const UNITS = [['_m_s', 'm/s'], ['_deg', '°'], ['_m', 'm'], ['_s', 's']];
 
 /**
  * @param {string} name  of a score, as the program has it: plate_lifted_m, a_tasks_done
  * @param {number} value
- * @returns {{name: string, text: string}}
+ * @returns {{name: string, text: string}}  name '': nothing that people want to know
  */
 export function scoreText(name, value) {
   const [, who, rest] = /^([a-z])_(.*)$/.exec(name) ?? [null, null, name];
   const [ending, unit] = UNITS.find(([end]) => rest.endsWith(end)) ?? ['', ''];
-  const words = rest.slice(0, rest.length - ending.length).replaceAll('_', ' ');
+  const bare = rest.slice(0, rest.length - ending.length);
+  const words = NAMES[bare] ?? bare.replaceAll('_', ' ');
   let text = '–';
   if (TRUTHS.has(rest)) text = value ? 'yes' : 'no';
   else if (unit === 'm' && value >= 0) text = lengthText(value);
   else if (Number.isFinite(value) && value >= 0) text = `${Number(value.toPrecision(3))} ${unit}`.trim();
-  return {name: who ? `${who.toUpperCase()}: ${words}` : words, text};
+  return {name: who && words ? `${who.toUpperCase()}: ${words}` : words, text};
 }

@@ -44,13 +44,13 @@ function makeBodies(kind, count) {
 
 /** The session of the mock server. */
 export class MockWorld {
-  /** @param {{scene?: string, balls?: number, live?: boolean}} options */
-  constructor({scene = 'shapes', balls = 0, live = true} = {}) {
+  /** @param {{scene?: string, balls?: number, live?: boolean, settings?: object}} options */
+  constructor({scene = 'shapes', balls = 0, live = true, settings = {}} = {}) {
     this.scene = scene;
     this.live = live;
     this.bodies = makeBodies(balls ? 'balls' : 'shapes', balls);
     this.settings = {paused: false, speed: 1, profile: 3, influence: 0.08, predictor: 'replay',
-                     scheme: 'one-pass', beside: null};
+                     scheme: 'one-pass', beside: null, ...settings};
     this.restart();
   }
 
