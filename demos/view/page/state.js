@@ -27,10 +27,9 @@ export function publish(window, {page, connection, orbit, canvas, input}) {
     get roundTrip() { return page.roundTrip; },
     /** The instant that is drawn: s, session time; and of each peer what is drawn of it, m, world. */
     get drawnNow() {
-      const {timeline, bodies} = page;
-      return {time: timeline.time, peers: timeline.after.peers.map((_, p) => ({
-        positions: [...bodies.peers[p].shown.positions],
-        ...timeline.marks(p, bodies.peers[p].shown)}))};
+      const {overlays, bodies} = page;
+      return {time: overlays.time, peers: overlays.seen.map((marks, p) => (
+        {positions: [...bodies.peers[p].shown.positions], ...marks}))};
     },
     /** s, session time of the last frame. */
     get time() { return page.frame?.time ?? NaN; },
