@@ -46,6 +46,11 @@ std::optional<std::string_view> below(std::string_view token, std::string_view t
   return path.substr(length + 2);
 }
 
+bool lacks_slash(std::string_view token, std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  return path.size() == token.size() + 1 && path[0] == '/' && same_secret(path.substr(1), token);
+}
+
 bool is_name_of(std::string_view host, const boost::asio::ip::address& address,
                 std::uint16_t port) {
   if (host.empty()) return false;

@@ -20,6 +20,9 @@ std::string random_token();
 /// another one. Takes as long whatever they differ in.
 std::optional<std::string_view> below(std::string_view token, std::string_view target);
 
+/// Whether a request's target, without its query, is "/TOKEN".
+bool lacks_slash(std::string_view token, std::string_view target);
+
 /// Whether a request's host is a listener's own address: neither another site's page nor another
 /// name of this machine gets in.
 bool is_name_of(std::string_view host, const boost::asio::ip::address& address, std::uint16_t port);

@@ -54,6 +54,10 @@ class Fields {
     if (found == object_.end() || !found->is_boolean()) refuse(name, "true or false");
     return found->get<bool>();
   }
+  bool is_null(const char* name) const {
+    const auto found = object_.find(name);
+    return found != object_.end() && found->is_null();
+  }
   double number(const char* name, double low, double high, const char* rule) const {
     const auto found = object_.find(name);
     const double value =
@@ -113,7 +117,10 @@ Command read_set(const Fields& fields) {
   }
   if (name == "predictor") return SetPredictor{named(in, consensus::PredictorKind::Replay)};
   if (name == "scheme") return SetScheme{named(in, Scheme::Pd)};
-  fields.refuse("name", "paused, speed, profile, influence, predictor or scheme");
+  if (name == "beside") {
+    return in.is_null("value") ? SetBeside{} : SetBeside{named(in, Scheme::Pd)};
+  }
+  fields.refuse("name", "paused, speed, profile, influence, predictor, scheme or beside");
 }
 
 }  // namespace
@@ -183,12 +190,16 @@ std::variant<Command, Refused> CommandReader::read(std::string_view text) try {
     of_live();
     return Command(Restart{});
   }
+  if (type == "score") {
+    of_live();
+    return Command(Ask{});
+  }
   if (type == "want") return Command(Want{in.truth("overlays")});
   if (type == "ping") {
     constexpr double kMost = std::numeric_limits<double>::max();
     return Command(Ping{in.number("time", -kMost, kMost, "a number")});
   }
-  in.refuse("type", "grab, move, release, set, step, restart, want or ping");
+  in.refuse("type", "grab, move, release, set, step, restart, score, want or ping");
 } catch (const std::exception& error) {
   return Refused{error.what()};
 }

@@ -95,7 +95,13 @@ void write(JsonWriter& json, const Settings& settings) {
   }
   json.field("influence", settings.influence);
   json.field("predictor", to_string(settings.predictor));
-  json.field("scheme", to_string(settings.scheme)).end_object();
+  json.field("scheme", to_string(settings.scheme));
+  if (settings.beside) {
+    json.field("beside", to_string(*settings.beside));
+  } else {
+    json.null_field("beside");
+  }
+  json.end_object();
 }
 
 void write_choices(JsonWriter& json) {
@@ -150,7 +156,7 @@ std::string hello_text(const Layout& layout, const Scene& scene, const Settings&
   json.field("scene", layout.scene).field("live", layout.live).key("peers").begin_array();
   for (const PaneInfo& pane : layout.panes) {
     json.begin_object().field("id", pane.id).field("hz", pane.hz);
-    json.field("engine", pane.engine).end_object();
+    json.field("engine", pane.engine).field("beside", pane.beside).end_object();
   }
   json.end_array().field("position_unit", layout.position_unit).key("bodies").begin_array();
   for (std::size_t i = 0; i < layout.bodies.size(); ++i) {
@@ -196,6 +202,19 @@ std::string refused_text(std::string_view reason) {
 std::string pong_text(double time) {
   JsonWriter json;
   json.begin_object().field("type", "pong").field("time", time).end_object();
+  return json.text();
+}
+
+std::string score_text(const std::vector<Outcome>& outcomes, double time, bool final) {
+  JsonWriter json;
+  json.begin_object().field("type", "score").field("time", time).field("final", final);
+  json.key("outcomes").begin_array();
+  for (const Outcome& outcome : outcomes) {
+    json.begin_object();
+    for (const auto& [name, value] : outcome) json.field(name, value);
+    json.end_object();
+  }
+  json.end_array().end_object();
   return json.text();
 }
 

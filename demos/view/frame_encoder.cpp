@@ -73,19 +73,24 @@ class Writer {
   std::vector<std::byte>& out_;
 };
 
-void write_overlays(Writer& out, const PaneFrame& pane, std::size_t bodies) {
-  const std::size_t contacts = out.count(pane.contacts.size());
-  for (std::size_t i = 0; i < contacts; ++i) {
-    out.vec3(pane.contacts[i].point);
-    out.vec3(pane.contacts[i].normal);
-    out.f32(pane.contacts[i].depth);
-  }
+void write_springs(Writer& out, const PaneFrame& pane) {
   const std::size_t springs = out.count(pane.springs.size());
   for (std::size_t i = 0; i < springs; ++i) {
+    out.put(pane.springs[i].body);
     out.vec3(pane.springs[i].anchor);
     out.vec3(pane.springs[i].attachment);
     out.put(pane.springs[i].pane);
     out.put(static_cast<std::uint8_t>(pane.springs[i].own ? 1 : 0));
+  }
+}
+
+void write_overlays(Writer& out, const PaneFrame& pane, std::size_t bodies) {
+  const std::size_t contacts = out.count(pane.contacts.size());
+  for (std::size_t i = 0; i < contacts; ++i) {
+    out.put(pane.contacts[i].body);
+    out.vec3(pane.contacts[i].point);
+    out.vec3(pane.contacts[i].normal);
+    out.f32(pane.contacts[i].depth);
   }
   const std::size_t targets = out.count(pane.targets.size());
   for (std::size_t i = 0; i < targets; ++i) {
@@ -100,12 +105,7 @@ void write_overlays(Writer& out, const PaneFrame& pane, std::size_t bodies) {
 
 }  // namespace
 
-FrameEncoder::FrameEncoder(const Layout& layout)
-    : position_unit_(layout.position_unit),
-      panes_(layout.panes.size()),
-      records_(panes_ * layout.bodies.size()),
-      changes_(records_.size(), std::uint8_t{0}),
-      next_(records_.size()) {
+FrameEncoder::FrameEncoder(const Layout& layout) : position_unit_(layout.position_unit) {
   for (const Layout::Body& body : layout.bodies) turns_.push_back(body.turns ? 1 : 0);
 }
 
@@ -122,20 +122,24 @@ FrameEncoder::Record FrameEncoder::record_of(const pbd::Pose& pose, bool turns) 
 
 bool FrameEncoder::take(const Frame& frame, bool always) {
   const std::size_t bodies = turns_.size();
-  for (std::size_t pane = 0; pane < panes_; ++pane) {
+  next_.resize(frame.panes.size() * bodies);
+  for (std::size_t pane = 0; pane < frame.panes.size(); ++pane) {
     for (std::size_t body = 0; body < bodies; ++body) {
       next_[pane * bodies + body] = record_of(frame.panes[pane].poses[body], turns_[body] != 0);
     }
   }
+  const bool as_many = next_.size() == records_.size();
   if (!always && number_ != 0 && next_ == records_) return false;
-  for (std::size_t i = 0; i < records_.size(); ++i) {
+  changes_.assign(next_.size(), kMoved | kTurned);
+  for (std::size_t i = 0; as_many && i < records_.size(); ++i) {
     const bool moved = next_[i].low != records_[i].low || next_[i].high != records_[i].high;
     const bool turned = next_[i].turn != records_[i].turn;
     changes_[i] = static_cast<std::uint8_t>((moved ? kMoved : 0) | (turned ? kTurned : 0));
   }
   records_.swap(next_);
   frame_ = frame;
-  ++number_;
+  // Where there are other panes, nobody has the frame of the number before: all get a key frame.
+  number_ += as_many || number_ == 0 ? 1 : 2;
   written_.fill(nullptr);
   return true;
 }
@@ -149,15 +153,16 @@ FrameEncoder::Bytes FrameEncoder::bytes(bool key, bool overlays) {
 
 FrameEncoder::Bytes FrameEncoder::write(bool key, bool overlays) const {
   const std::size_t bodies = turns_.size();
+  const std::size_t panes = frame_.panes.size();
   auto result = std::make_shared<std::vector<std::byte>>();
-  result->reserve(16 + panes_ * (32 + bodies * 13));
+  result->reserve(16 + panes * (32 + bodies * 13));
   Writer out(*result);
   out.put(kFrame);
   out.put(static_cast<std::uint8_t>((key ? kKey : 0) | (overlays ? kOverlays : 0)));
-  out.put(static_cast<std::uint16_t>(panes_));
+  out.put(static_cast<std::uint16_t>(panes));
   out.put(number_);
   out.f64(frame_.time);
-  for (std::size_t p = 0; p < panes_; ++p) {
+  for (std::size_t p = 0; p < panes; ++p) {
     const PaneFrame& pane = frame_.panes[p];
     out.f32(pane.step_ms);
     out.f32(pane.latency_ms);
@@ -179,6 +184,7 @@ FrameEncoder::Bytes FrameEncoder::write(bool key, bool overlays) const {
       out.put(record.high | (turn ? 0x80000000U : 0U));
       if (turn) out.put(record.turn);
     }
+    write_springs(out, pane);
     if (overlays) write_overlays(out, pane, bodies);
   }
   return result;

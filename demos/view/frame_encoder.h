@@ -23,6 +23,7 @@ class FrameEncoder {
   /// The next frame, to be compared with the last one.
   /// @param always  false: where nothing is elsewhere, the last one stays
   /// @return whether it was taken
+  /// @pre as many poses in each pane as the layout has bodies
   bool take(const Frame& frame, bool always);
   /// Number of the last frame, from 1; 0 = there was none.
   std::uint32_t number() const { return number_; }
@@ -46,7 +47,6 @@ class FrameEncoder {
 
   double position_unit_;
   std::vector<std::uint8_t> turns_;  ///< 1: it looks different when it is turned
-  std::size_t panes_;
   std::uint32_t number_ = 0;
   Frame frame_;
   std::vector<Record> records_;        ///< pane after pane

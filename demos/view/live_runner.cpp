@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <optional>
 #include <vector>
 
 #include "tandem/net/session.h"
@@ -20,6 +21,8 @@ using Clock = std::chrono::steady_clock;
 
 /// s: where the machine is slower than the clock, the run is late by no more than this.
 constexpr double kLatest = 0.1;
+/// How long a run that is over waits for a page that looks on to ask for another one.
+constexpr std::chrono::seconds kEncore{60};
 
 class Runner {
  public:
@@ -36,16 +39,17 @@ class Runner {
     const std::clock_t cpu_start = std::clock();
     const Clock::time_point start = Clock::now();
     Clock::time_point next = start;
-    while (!over() && !stop_.wait(std::max(std::chrono::nanoseconds(0), next - Clock::now()))) {
+    while (!finished() && !stop_.wait(std::max(std::chrono::nanoseconds(0), next - Clock::now()))) {
       next = std::max(next + kFrameTime, Clock::now() - kFrameTime);
       hear();
       go_on();
+      look_at_the_end();
       if (server_.pages() == 0) continue;
       session_.show(frame_, server_.wants_overlays());
       server_.show(frame_);
     }
     RunResult result = session_.result();
-    const std::chrono::duration<double> wall = Clock::now() - start;
+    const std::chrono::duration<double> wall = over_since_.value_or(Clock::now()) - start;
     result.wall_s = wall.count();
     result.cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
     return result;
@@ -53,6 +57,21 @@ class Runner {
 
  private:
   bool over() const { return !options_.endless && session_.time() >= options_.seconds; }
+  /// It is over, and nobody asks for another one.
+  bool finished() const {
+    if (!over_since_) return false;
+    return server_.pages() == 0 || Clock::now() - *over_since_ > kEncore;
+  }
+
+  /// Pages are told once that the run is over; it may have begun again since.
+  void look_at_the_end() {
+    if (!over()) {
+      over_since_.reset();
+    } else if (!over_since_) {
+      over_since_ = Clock::now();
+      server_.tell(score_text(session_.outcomes(), session_.time(), true));
+    }
+  }
 
   void hear() {
     events_.clear();
@@ -61,6 +80,10 @@ class Runner {
       const Command* const command = std::get_if<Command>(&event.what);
       if (command == nullptr) {
         session_.leave(event.page);
+        continue;
+      }
+      if (std::holds_alternative<Ask>(*command)) {
+        server_.tell(event.page, score_text(session_.outcomes(), session_.time(), over()));
         continue;
       }
       const Settings before = session_.settings();
@@ -81,7 +104,7 @@ class Runner {
     const Clock::time_point now = Clock::now();
     const std::chrono::duration<double> passed = now - last_;
     last_ = now;
-    session_.pass(std::min(passed.count(), kLatest));
+    if (!over()) session_.pass(std::min(passed.count(), kLatest));
   }
 
   const DemoOptions& options_;
@@ -91,6 +114,7 @@ class Runner {
   Frame frame_;
   std::vector<PageEvent> events_;
   Clock::time_point last_ = Clock::now();
+  std::optional<Clock::time_point> over_since_;  ///< none: it goes on
 };
 
 }  // namespace

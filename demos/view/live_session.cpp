@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -21,75 +22,72 @@ SessionTime session_time(double seconds) { return kVirtualStart + std::llround(1
 
 LiveSession::LiveSession(const Scenario& scenario, const DemoOptions& options)
     : scenario_(scenario), options_(options), replay_(replayed_inputs(options)) {
-  start();
+  restart();
   std::vector<PaneInfo> infos;
-  for (std::size_t i = 0; i < panes_.size(); ++i) {
-    infos.push_back({i + 1, options.step_hz(i), std::string(to_string(options.engine(i)))});
+  for (const bool beside : {false, true}) {
+    for (std::size_t i = 0; i < peers(); ++i) {
+      infos.push_back(
+          {i + 1, options.step_hz(i), std::string(to_string(options.engine(i))), beside});
+    }
   }
   layout_ = make_layout(scenario.name(), scene(0), scenario.bounds().max_distance, std::move(infos),
                         true);
 }
 
-LiveSession::~LiveSession() { close_traces(); }
-
-void LiveSession::close_traces() {
-  if (session_) session_->close_traces();
+DemoOptions LiveSession::beside_options() const {
+  DemoOptions result = options_;
+  result.scheme = *beside_scheme_;
+  result.trace.clear();
+  return result;
 }
 
-void LiveSession::start() {
+void LiveSession::restart() {
   now_ = kVirtualStart;
-  panes_.clear();
-  // What begins again begins its traces again.
-  close_traces();
-  session_.reset();
-  session_.emplace(scenario_, options_, replay_ ? &*replay_ : nullptr);
-  std::vector<Actor>& actors = session_->actors();
-  for (std::size_t i = 0; i < actors.size(); ++i) {
-    Participant& participant = actors[i].participant();
-    Pane& pane = panes_.emplace_back();
-    pane.actor = &actors[i];
-    pane.watch = std::make_unique<PaneWatch>(participant.scene());
-    participant.watch_with(pane.watch.get());
-    participant.add_user(scenario_.user_count() + i, kVirtualStart, [&pane](Controls& controls) {
-      auto mouse = std::make_unique<Mouse>(controls);
-      pane.mouse = mouse.get();
-      return mouse;
-    });
-    if (options_.endless) participant.record_nothing();
-  }
+  const std::vector<Input>* const replay = replay_ ? &*replay_ : nullptr;
+  // What begins again begins its traces again: the old ones are closed before.
+  run_.reset();
+  run_ = std::make_unique<LiveWorlds>(scenario_, options_, replay);
+  beside_.reset();
+  if (!beside_scheme_) return;
+  beside_ = std::make_unique<LiveWorlds>(scenario_, beside_options(), replay);
 }
 
 double LiveSession::time() const { return 1e-9 * static_cast<double>(now_ - kVirtualStart); }
 
 void LiveSession::advance_to(double time) {
-  const SessionTime end = session_time(time);
-  while (session_->act(end)) {
-  }
-  now_ = std::max(now_, end);
+  now_ = std::max(now_, session_time(time));
+  run_->advance_to(now_);
+  if (beside_) beside_->advance_to(now_);
 }
 
 void LiveSession::pass(double wall_s) {
   if (!paused_) advance_to(time() + speed_ * wall_s);
 }
 
-void LiveSession::restart() { start(); }
-
 Settings LiveSession::settings() const {
   Settings settings = settings_of(options_);
   settings.paused = paused_;
   settings.speed = speed_;
+  settings.beside = beside_scheme_;
   return settings;
+}
+
+template <class Action>
+void LiveSession::each_mouse(const Action& act) {
+  for (LiveWorlds* const worlds : {run_.get(), beside_.get()}) {
+    for (std::size_t i = 0; worlds != nullptr && i < worlds->size(); ++i) act(worlds->mouse(i));
+  }
 }
 
 std::optional<std::string> LiveSession::apply(PageId page, const Command& command) {
   // Whatever was valid by the rules of commands may still not be for a peer.
   try {
-    if (const auto* const grab = std::get_if<Grab>(&command)) {
-      panes_[grab->pane].mouse->grab(page, grab->id, grab->body, grab->point);
+    if (const auto* const hold = std::get_if<Grab>(&command)) {
+      grab(page, *hold);
     } else if (const auto* const move = std::get_if<Move>(&command)) {
-      for (Pane& pane : panes_) pane.mouse->move(page, move->id, move->point);
+      each_mouse([&](Mouse& mouse) { mouse.move(page, move->id, move->point); });
     } else if (const auto* const release = std::get_if<Release>(&command)) {
-      for (Pane& pane : panes_) pane.mouse->release(page, release->id);
+      each_mouse([&](Mouse& mouse) { mouse.release(page, release->id); });
     } else if (const auto* const paused = std::get_if<SetPaused>(&command)) {
       paused_ = paused->paused;
     } else if (const auto* const speed = std::get_if<SetSpeed>(&command)) {
@@ -108,6 +106,8 @@ std::optional<std::string> LiveSession::apply(PageId page, const Command& comman
       DemoOptions next = options_;
       next.scheme = scheme->scheme;
       change_rules(next);
+    } else if (const auto* const beside = std::get_if<SetBeside>(&command)) {
+      set_beside(beside->scheme);
     } else if (std::holds_alternative<Step>(command)) {
       advance_to(time() + kStepByHand);
     } else if (std::holds_alternative<Restart>(command)) {
@@ -119,125 +119,73 @@ std::optional<std::string> LiveSession::apply(PageId page, const Command& comman
   return std::nullopt;
 }
 
+void LiveSession::grab(PageId page, const Grab& grab) {
+  if (grab.pane >= panes()) {
+    pbd::detail::refuse("pane", "one that is shown", std::to_string(grab.pane));
+  }
+  // The same point of the body in both runs, wherever the other one has the body.
+  const std::size_t peer = grab.pane % peers();
+  const pbd::Vec3 attachment_l = held_at(scene(grab.pane), grab.body, grab.point);
+  run_->mouse(peer).grab(page, grab.id, grab.body, attachment_l);
+  if (beside_) beside_->mouse(peer).grab(page, grab.id, grab.body, attachment_l);
+}
+
 void LiveSession::leave(PageId page) {
-  for (Pane& pane : panes_) pane.mouse->leave(page);
+  each_mouse([&](Mouse& mouse) { mouse.leave(page); });
 }
 
 void LiveSession::set_profile(int profile) {
   options_.profile = profile;
-  for (std::size_t from = 1; from <= panes_.size(); ++from) {
-    for (std::size_t to = 1; to <= panes_.size(); ++to) {
-      if (from != to) session_->network().set_link(from, to, options_.link_options());
+  run_->set_links(options_.link_options());
+  if (beside_) beside_->set_links(options_.link_options());
+}
+
+void LiveSession::set_beside(std::optional<Scheme> scheme) {
+  if (scheme == beside_scheme_) return;
+  const auto before = std::exchange(beside_scheme_, scheme);
+  if (!scheme) return beside_.reset();
+  try {
+    for (std::size_t i = 0; i < peers(); ++i) {
+      options_.peer_options(beside_options().scheme_of(i)).validate();
     }
+  } catch (...) {
+    beside_scheme_ = before;
+    throw;
   }
+  // Only what begins alike can be compared.
+  restart();
 }
 
 void LiveSession::change_rules(const DemoOptions& options) {
   // Nobody is left without a peer half way.
-  for (std::size_t i = 0; i < panes_.size(); ++i) {
+  for (std::size_t i = 0; i < peers(); ++i) {
     options.peer_options(options.scheme_of(i)).validate();
   }
   options_ = options;
-  // States of the peers that were are none of the new ones'. What is sent reliably still comes: a
-  // grip of the last moments may pull twice until it has not been heard of for a second.
-  for (std::size_t from = 1; from <= panes_.size(); ++from) {
-    for (std::size_t to = 1; to <= panes_.size(); ++to) {
-      if (from == to) continue;
-      session_->network().cut(from, to);
-      session_->network().heal(from, to);
-    }
-  }
-  for (Pane& pane : panes_) {
-    pane.actor->participant().change_rules(options_);
-    pane.watch->forget();
-  }
-}
-
-std::size_t LiveSession::pane_of(consensus::PeerId peer) const {
-  return peer >= 1 && peer <= panes_.size() ? static_cast<std::size_t>(peer - 1) : SIZE_MAX;
+  run_->change_rules(options_);
+  if (beside_) beside_->change_rules(beside_options());
 }
 
 void LiveSession::show(Frame& out, bool overlays) {
   out.time = time();
   out.overlays = overlays;
-  out.panes.resize(panes_.size());
-  const std::size_t bodies = layout_.bodies.size();
-  for (std::size_t i = 0; i < panes_.size(); ++i) {
-    const Participant& participant = panes_[i].actor->participant();
-    const PaneWatch& watch = *panes_[i].watch;
-    const Scene& world = participant.scene();
-    PaneFrame& pane = out.panes[i];
-    pane.step_ms = 1e3 * participant.last_step_s();
-    pane.latency_ms = 1e3 * watch.mean_age();
-    pane.poses.resize(bodies);
-    for (std::size_t body = 0; body < bodies; ++body) pane.poses[body] = world.pose(body);
-    pane.contacts.clear();
-    pane.springs.clear();
-    pane.targets.clear();
-    pane.influence.assign(bodies, 0);
-    if (!overlays) continue;
-    append_contacts(*world.world, pane.contacts);
-    show_springs(i, pane.springs);
-    for (const PaneWatch::Target& target : watch.targets()) {
-      const std::size_t of = pane_of(target.peer);
-      pane.targets.push_back(
-          {static_cast<std::uint16_t>(target.body),
-           of == SIZE_MAX ? TargetMark::kElsewhere : static_cast<std::uint16_t>(of),
-           target.position});
-    }
-    for (std::size_t body = 0; body < bodies; ++body) {
-      // What it asks for is what the others heard of it.
-      double share = 0.0;
-      for (std::size_t other = 0; other < panes_.size(); ++other) {
-        if (other != i) share = std::max(share, panes_[other].watch->share(i + 1, body));
-      }
-      pane.influence[body] = static_cast<std::uint8_t>(std::lround(255.0 * std::min(share, 1.0)));
-    }
-  }
-  show_divergence(out);
+  out.panes.resize(panes());
+  const std::span<PaneFrame> all(out.panes);
+  run_->show(now_, all.first(peers()), 0, overlays);
+  if (beside_) beside_->show(now_, all.subspan(peers()), peers(), overlays);
 }
 
-void LiveSession::show_divergence(Frame& out) {
-  const std::size_t bodies = layout_.bodies.size();
-  means_.assign(bodies, pbd::Vec3::Zero());
-  positions_.resize(panes_.size() * bodies);
-  for (std::size_t i = 0; i < panes_.size(); ++i) {
-    // Peers' steps do not fall together: all are carried to one time.
-    const double ahead = 1e-9 * static_cast<double>(panes_[i].actor->reached() - now_);
-    const Scene& world = scene(i);
-    for (std::size_t body = 0; body < bodies; ++body) {
-      pbd::Vec3& position = positions_[i * bodies + body];
-      position = world.pose(body).position - ahead * world.twist(body).linear;
-      means_[body] += position / static_cast<double>(panes_.size());
-    }
+std::vector<Outcome> LiveSession::outcomes() {
+  std::vector<Outcome> result;
+  for (LiveWorlds* const worlds : {run_.get(), beside_.get()}) {
+    if (worlds != nullptr) worlds->append_outcomes(result);
   }
-  for (std::size_t i = 0; i < panes_.size(); ++i) {
-    lengths_.clear();
-    for (std::size_t body = 0; body < bodies && panes_.size() > 1; ++body) {
-      lengths_.push_back((positions_[i * bodies + body] - means_[body]).norm());
-    }
-    put_divergence(lengths_, out.panes[i]);
-  }
-}
-
-void LiveSession::show_springs(std::size_t pane, std::vector<SpringMark>& out) {
-  const Participant& participant = panes_[pane].actor->participant();
-  pulls_.clear();
-  participant.peer().springs(pulls_);
-  const auto holder = [this](std::size_t body, const pbd::Vec3& attachment_l) {
-    std::uint8_t whose = SpringMark::kElsewhere;
-    for (std::size_t i = 0; i < panes_.size(); ++i) {
-      const Participant& other = panes_[i].actor->participant();
-      if (other.holds(body, attachment_l)) whose = static_cast<std::uint8_t>(i);
-    }
-    return whose;
-  };
-  append_springs(participant.scene(), pulls_, static_cast<std::uint8_t>(pane), holder, out);
+  return result;
 }
 
 RunResult LiveSession::result() {
   RunResult run;
-  for (Pane& pane : panes_) run.peers.push_back(pane.actor->participant().record());
+  run.peers = run_->records();
   run.seconds = time();
   return run;
 }

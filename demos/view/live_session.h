@@ -9,24 +9,23 @@
 #include <vector>
 
 #include "runner/virtual_runner.h"
-#include "runner/virtual_session.h"
-#include "view/mouse.h"
-#include "view/pane_watch.h"
+#include "view/live_worlds.h"
 #include "view/protocol.h"
 
 namespace tandem::demos::view {
 
 /// A run in virtual time that goes on as far as it is asked to, and does what pages ask in between.
 /// It knows no clock and no page's socket: same calls, same bits.
+///
+/// Beside it the same run may be shown with another coupling: both begin together and go on in
+/// lockstep, and the same users act in both, scripted ones and those at pages. Panes are the peers
+/// of the run, then those of the run beside it.
 /// @par Thread safety  One object: one thread at a time.
 class LiveSession {
  public:
   /// The scenario must outlive it. Where the options have no end, nothing is recorded.
   /// @throws as run_virtual
   LiveSession(const Scenario& scenario, const DemoOptions& options);
-  ~LiveSession();
-  LiveSession(const LiveSession&) = delete;
-  LiveSession& operator=(const LiveSession&) = delete;
 
   /// s, since the start.
   double time() const;
@@ -46,42 +45,40 @@ class LiveSession {
   void leave(PageId page);
 
   const Layout& layout() const { return layout_; }
-  const Scene& scene(std::size_t pane) const { return panes_[pane].actor->participant().scene(); }
-  std::size_t grips(std::size_t pane) const { return panes_[pane].mouse->grips(); }
+  /// How many panes there are now.
+  std::size_t panes() const { return beside_ ? 2 * peers() : peers(); }
+  const Scene& scene(std::size_t pane) const { return worlds(pane).scene(pane % peers()); }
+  std::size_t grips(std::size_t pane) const { return worlds(pane).mouse(pane % peers()).grips(); }
   /// What there is to see now. Allocates only where `out` grows.
   void show(Frame& out, bool overlays);
-  /// What was recorded so far.
+  /// What each pane's peer and its users have achieved so far.
+  std::vector<Outcome> outcomes();
+  /// What was recorded so far, of the run alone, not of the one beside it.
   RunResult result();
 
  private:
-  struct Pane {
-    Actor* actor = nullptr;
-    std::unique_ptr<PaneWatch> watch;
-    Mouse* mouse = nullptr;  ///< the participant's
-  };
-  void start();
-  void close_traces();
+  std::size_t peers() const { return run_->size(); }
+  const LiveWorlds& worlds(std::size_t pane) const { return pane < peers() ? *run_ : *beside_; }
+  void grab(PageId page, const Grab& grab);
+  /// What is done by each mouse of both runs.
+  template <class Action>
+  void each_mouse(const Action& act);
   void set_profile(int profile);
+  void set_beside(std::optional<Scheme> scheme);
   /// Agree by other rules from now on. @throws std::invalid_argument where they are not valid
   void change_rules(const DemoOptions& options);
-  void show_divergence(Frame& out);
-  void show_springs(std::size_t pane, std::vector<SpringMark>& out);
-  std::size_t pane_of(consensus::PeerId peer) const;  ///< SIZE_MAX: none
+  DemoOptions beside_options() const;
 
   const Scenario& scenario_;
   DemoOptions options_;
+  std::optional<Scheme> beside_scheme_;  ///< of the run beside; none: there is no such run
   bool paused_ = false;
   double speed_ = 1.0;  ///< session time over wall time
   Layout layout_;
   std::optional<std::vector<Input>> replay_;
-  std::optional<VirtualSession> session_;  ///< there between calls
-  std::vector<Pane> panes_;
+  std::unique_ptr<LiveWorlds> run_;     ///< there between calls
+  std::unique_ptr<LiveWorlds> beside_;  ///< null: nothing is shown beside it
   consensus::SessionTime now_ = kVirtualStart;
-  // Scratch.
-  std::vector<pbd::Vec3> means_;
-  std::vector<pbd::Vec3> positions_;
-  std::vector<double> lengths_;
-  std::vector<pbd::Tether::Def> pulls_;
 };
 
 }  // namespace tandem::demos::view

@@ -6,6 +6,21 @@
 
 namespace tandem::demos::view {
 
+namespace {
+
+/// The vector, or one in its direction that is no longer than `most`.
+pbd::Vec3 shortened(const pbd::Vec3& way, double most) {
+  const double length = way.norm();
+  return length > most ? pbd::Vec3(most / length * way) : way;
+}
+
+}  // namespace
+
+pbd::Vec3 held_at(const Scene& scene, std::size_t body, const pbd::Vec3& point) {
+  const pbd::Vec3& half = scene.bodies[body].half_extents;
+  return scene.pose(body).to_local(point).cwiseMax(-half).cwiseMin(half);
+}
+
 Mouse::Grip* Mouse::find(PageId page, std::uint32_t id) {
   const auto found = std::find_if(grips_.begin(), grips_.end(), [&](const Grip& grip) {
     return grip.page == page && grip.id == id && !grip.released;
@@ -13,17 +28,13 @@ Mouse::Grip* Mouse::find(PageId page, std::uint32_t id) {
   return found == grips_.end() ? nullptr : &*found;
 }
 
-void Mouse::grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& point) {
-  const Scene& scene = controls_.scene();
-  const pbd::Vec3& half = scene.bodies[body].half_extents;
+void Mouse::grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& attachment_l) {
   Grip grip;
   grip.page = page;
   grip.id = id;
   grip.body = body;
-  // The page has seen the body a moment ago.
-  const pbd::Vec3 seen_l = scene.pose(body).to_local(point);
-  grip.attachment_l = seen_l.cwiseMax(-half).cwiseMin(half);
-  grip.anchor_w = scene.pose(body).to_world(grip.attachment_l);
+  grip.attachment_l = attachment_l;
+  grip.anchor_w = controls_.scene().pose(body).to_world(attachment_l);
   grip.wanted_w = grip.anchor_w;
   grips_.push_back(grip);
 }
@@ -47,9 +58,9 @@ void Mouse::update(consensus::SessionTime /*now*/) {
       continue;
     }
     const pbd::Vec3 way = grip.wanted_w - grip.anchor_w;
-    const double reach = kFastest * controls_.dt();
-    const double length = way.norm();
-    grip.anchor_w += length > reach ? pbd::Vec3(reach / length * way) : way;
+    grip.anchor_w += shortened(way, kFastest * controls_.dt());
+    const pbd::Vec3 held_w = controls_.scene().pose(grip.body).to_world(grip.attachment_l);
+    grip.anchor_w = held_w + shortened(grip.anchor_w - held_w, kReach);
     if (grip.spring != 0) {
       controls_.move(grip.spring, grip.anchor_w);
       continue;

@@ -16,13 +16,17 @@ namespace tandem::demos::view {
 /// @par Thread safety  One object: the thread of its peer.
 class Mouse final : public User {
  public:
-  static constexpr double kFastest = 6.0;  ///< m/s, of a hand, however far the page's one leaps
+  static constexpr double kFastest = 2.0;  ///< m/s, of a hand, however far the page's one leaps
+  /// m: a hand is never farther than this from the point that it holds. A spring as stiff as
+  /// single_spring() pulls with all its force from 4 cm on; a hand that is farther ahead would
+  /// pull on after the body has come to where the page wants it.
+  static constexpr double kReach = 0.1;
 
   /// Must outlive it.
   explicit Mouse(Controls& controls) : controls_(controls) {}
 
-  /// Hold the body where the point (m, world) is on it, or next to it. @pre the body is there
-  void grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& point);
+  /// Hold the body at that point (m, frame of the body). @pre the body is there
+  void grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& attachment_l);
   /// No effect where the page holds nothing by that number.
   void move(PageId page, std::uint32_t id, const pbd::Vec3& point);
   void release(PageId page, std::uint32_t id);
@@ -48,5 +52,9 @@ class Mouse final : public User {
   Controls& controls_;
   std::vector<Grip> grips_;
 };
+
+/// m, frame of the body: the point of its bounding box that is nearest to a point (m, world). A
+/// page has seen the body a moment ago, so that what it touches may be next to it by now.
+pbd::Vec3 held_at(const Scene& scene, std::size_t body, const pbd::Vec3& point);
 
 }  // namespace tandem::demos::view

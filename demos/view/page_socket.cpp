@@ -75,6 +75,12 @@ void PageSocket::close() {
   host_.gone(id_, open_);
 }
 
+void PageSocket::say_goodbye() {
+  if (!open_ || closed_) return close();
+  socket_.async_close(websocket::close_code::going_away,
+                      [self = shared_from_this()](Error) { self->close(); });
+}
+
 void PageSocket::read() {
   socket_.async_read(incoming_, [self = shared_from_this()](Error error, std::size_t) {
     if (error || !self->socket_.got_text()) return self->close();

@@ -53,6 +53,8 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
   /// There is a new frame.
   void show();
   void close();
+  /// The program ends: the page is told so, and need not try again.
+  void say_goodbye();
   bool wants_overlays() const { return overlays_; }
 
  private:

@@ -77,36 +77,50 @@ void PaneWatch::forget() {
   heard_ = false;
 }
 
-void append_contacts(const pbd::World& world, std::vector<ContactMark>& out) {
+void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
+                     std::vector<ContactMark>& out) {
+  const pbd::World& world = *scene.world;
   if (world.contacts() == nullptr) return;
+  const BodiesBySlot shared(scene);
+  const auto pose_of = [&](const pbd::BodyId& id) {
+    const std::uint32_t index = shared.index_of(id);
+    return index == pbd::BodyId::kNone ? world.pose(id) : poses[index];
+  };
   for (const pbd::Contact& contact : world.contacts()->contacts()) {
     const pbd::Manifold& manifold = contact.manifold;
     const pbd::BodyId a = world.body_at(manifold.body_a);
     const pbd::BodyId b = world.body_at(manifold.body_b);
     if (!a.valid() || !b.valid() || !contact.loaded()) continue;
+    const std::uint32_t first = shared.index_of(a);
+    const std::uint32_t body = first == pbd::BodyId::kNone ? shared.index_of(b) : first;
+    const pbd::Pose pose_a = pose_of(a), pose_b = pose_of(b);
     for (int i = 0; i < manifold.count; ++i) {
       if (out.size() >= kMostContacts) return;
       const auto k = static_cast<std::size_t>(i);
       if (!(contact.force[k] > 0.0)) continue;
-      const pbd::Vec3 at_a = world.pose(a).to_world(manifold.points[k].anchor_a_l);
-      const pbd::Vec3 at_b = world.pose(b).to_world(manifold.points[k].anchor_b_l);
+      const pbd::Vec3 at_a = pose_a.to_world(manifold.points[k].anchor_a_l);
+      const pbd::Vec3 at_b = pose_b.to_world(manifold.points[k].anchor_b_l);
       const double gap = manifold.normal.dot(at_b - at_a) - manifold.radius_a - manifold.radius_b;
-      out.push_back({at_a + manifold.radius_a * manifold.normal, manifold.normal, -gap});
+      out.push_back({static_cast<std::uint16_t>(body), at_a + manifold.radius_a * manifold.normal,
+                     manifold.normal, -gap});
     }
   }
 }
 
-void append_springs(const Scene& scene, std::span<const pbd::Tether::Def> springs, std::uint8_t own,
+void append_springs(const Scene& scene, std::span<const pbd::Pose> poses,
+                    std::span<const pbd::Tether::Def> springs, std::uint8_t own,
                     const std::function<std::uint8_t(std::size_t, const pbd::Vec3&)>& holder,
                     std::vector<SpringMark>& out) {
   for (const pbd::Tether::Def& spring : springs) {
-    const auto body =
+    const auto found =
         std::find_if(scene.bodies.begin(), scene.bodies.end(),
                      [&spring](const SceneBody& each) { return each.body == spring.body; });
+    const auto body = static_cast<std::size_t>(found - scene.bodies.begin());
     SpringMark mark;
+    mark.body = static_cast<std::uint16_t>(body);
     mark.anchor = spring.anchor_w;
-    mark.attachment = scene.world->pose(spring.body).to_world(spring.anchor_l);
-    mark.pane = holder(static_cast<std::size_t>(body - scene.bodies.begin()), spring.anchor_l);
+    mark.attachment = poses[body].to_world(spring.anchor_l);
+    mark.pane = holder(body, spring.anchor_l);
     mark.own = mark.pane == own;
     out.push_back(mark);
   }

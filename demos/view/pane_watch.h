@@ -57,13 +57,17 @@ class PaneWatch final : public consensus::PeerObserver {
 };
 
 /// What may be drawn over a pane: its contacts.
-void append_contacts(const pbd::World& world, std::vector<ContactMark>& out);
+/// @param poses  of the scene's bodies as they are drawn
+void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
+                     std::vector<ContactMark>& out);
 
 /// Its springs. A peer does not tell whose one is, but whose it is has it as well, to the bit.
+/// @param poses  of the scene's bodies as they are drawn
 /// @param springs  of the peer @param own  the pane itself
 /// @param holder  the pane whose user holds a body (its index) by a spring at this point of it;
 ///   SpringMark::kElsewhere: none
-void append_springs(const Scene& scene, std::span<const pbd::Tether::Def> springs, std::uint8_t own,
+void append_springs(const Scene& scene, std::span<const pbd::Pose> poses,
+                    std::span<const pbd::Tether::Def> springs, std::uint8_t own,
                     const std::function<std::uint8_t(std::size_t, const pbd::Vec3&)>& holder,
                     std::vector<SpringMark>& out);
 

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "scenes/outcome.h"
 #include "scenes/scene.h"
 #include "session/options.h"
 #include "tandem/consensus/transport.h"
@@ -20,13 +21,14 @@ namespace tandem::demos::view {
 
 // What a page and the program say to each other; docs/view.md has the format.
 
-inline constexpr int kProtocol = 1;
+inline constexpr int kProtocol = 2;
 
 /// A peer whose world is shown.
 struct PaneInfo {
   consensus::PeerId id = 0;
-  double hz = 60.0;    ///< steps each second
-  std::string engine;  ///< "tandem" or "bullet"
+  double hz = 60.0;     ///< steps each second
+  std::string engine;   ///< "tandem" or "bullet"
+  bool beside = false;  ///< of the run beside, which is not always there
 };
 
 /// What can be changed from a page, as it is now.
@@ -37,6 +39,7 @@ struct Settings {
   double influence = 0.0;      ///< baseline share per 1/60 s
   consensus::PredictorKind predictor = consensus::PredictorKind::Replay;
   Scheme scheme = Scheme::OnePass;
+  std::optional<Scheme> beside;  ///< of a second run with the same users; none: there is none
   friend bool operator==(const Settings&, const Settings&) = default;
 };
 /// What a session begins with.
@@ -55,8 +58,8 @@ inline constexpr double kCommandsPerSecond = 240;  ///< of one page
 /// What is shown and how it is counted: all that frames and commands are read and written by.
 struct Layout {
   std::string scene;
-  bool live = true;  ///< it can be paused and switched
-  std::vector<PaneInfo> panes;
+  bool live = true;             ///< it can be paused and switched
+  std::vector<PaneInfo> panes;  ///< those of the run beside last
   double position_unit = 1e-5;  ///< m, between two positions that a frame can tell apart
   struct Body {
     std::string name;
@@ -75,16 +78,21 @@ std::string hello_text(const Layout& layout, const Scene& scene, const Settings&
 std::string settings_text(const Settings& settings);
 std::string refused_text(std::string_view reason);
 std::string pong_text(double time);
+/// @param outcomes  of each pane @param final  the run is over; else it is the score so far
+std::string score_text(const std::vector<Outcome>& outcomes, double time, bool final);
 
 // Frames.
 
 struct ContactMark {
+  static constexpr std::uint16_t kNone = 65535;
+  std::uint16_t body = kNone;            ///< that it goes along with
   pbd::Vec3 point = pbd::Vec3::Zero();   ///< m, world
   pbd::Vec3 normal = pbd::Vec3::Zero();  ///< unit
   double depth = 0.0;                    ///< m, > 0: overlap
 };
 struct SpringMark {
   static constexpr std::uint8_t kElsewhere = 255;
+  std::uint16_t body = 0;                    ///< that is pulled
   pbd::Vec3 anchor = pbd::Vec3::Zero();      ///< m, world
   pbd::Vec3 attachment = pbd::Vec3::Zero();  ///< m, world
   std::uint8_t pane = kElsewhere;            ///< whose user pulls
@@ -97,16 +105,16 @@ struct TargetMark {
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world
 };
 
-/// One peer's world at one moment.
+/// One peer's world at the frame's time.
 struct PaneFrame {
   double step_ms = 0.0;            ///< computing the last step
   double latency_ms = 0.0;         ///< mean age of the others' news; NaN: there were none
   double divergence_p50_mm = 0.0;  ///< of bodies' distances; NaN: not known
   double divergence_max_mm = 0.0;  ///< likewise
   std::vector<pbd::Pose> poses;    ///< of the layout's bodies
+  std::vector<SpringMark> springs;
   // What may be drawn over it, where it is wanted.
   std::vector<ContactMark> contacts;
-  std::vector<SpringMark> springs;
   std::vector<TargetMark> targets;
   std::vector<std::uint8_t> influence;  ///< of each body, 255 = 1; empty: not known
 };
@@ -115,9 +123,9 @@ struct PaneFrame {
 inline constexpr std::chrono::nanoseconds kFrameTime{16'666'667};
 
 struct Frame {
-  double time = 0.0;  ///< s, session time since the start
-  std::vector<PaneFrame> panes;
-  bool overlays = false;  ///< they are filled in
+  double time = 0.0;             ///< s, session time since the start
+  std::vector<PaneFrame> panes;  ///< of the layout, without the run beside where there is none
+  bool overlays = false;         ///< they are filled in
 };
 
 // Commands of a page.
@@ -156,8 +164,13 @@ struct SetPredictor {
 struct SetScheme {
   Scheme scheme = Scheme::OnePass;
 };
+struct SetBeside {
+  std::optional<Scheme> scheme;
+};
 struct Step {};
 struct Restart {};
+/// What is the score?
+struct Ask {};
 struct Want {
   bool overlays = false;
 };
@@ -165,7 +178,7 @@ struct Ping {
   double time = 0.0;
 };
 using Command = std::variant<Grab, Move, Release, SetPaused, SetSpeed, SetProfile, SetInfluence,
-                             SetPredictor, SetScheme, Step, Restart, Want, Ping>;
+                             SetPredictor, SetScheme, SetBeside, Step, Restart, Ask, Want, Ping>;
 struct Refused {
   std::string text;
 };

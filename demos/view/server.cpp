@@ -41,6 +41,16 @@ constexpr std::chrono::milliseconds kSameAgain{500};  // between two frames in w
 constexpr std::chrono::milliseconds kAcceptAgain{100};
 constexpr std::uint32_t kHeaderBytes = 8192;
 
+/// For people who have lost part of the address. It says the same wherever they are.
+constexpr std::string_view kHelp =
+    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
+    "content=\"width=device-width\"><title>Tandem: not this address</title>"
+    "<h1>There is nothing at this address</h1>"
+    "<p>A Tandem program is running here, but its page has a secret in its address, which is drawn "
+    "anew at each start.</p>"
+    "<p>Open the whole address that the program printed after <code>view:</code>, with the 32 "
+    "letters and digits and the slash at its end.</p></html>";
+
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 std::string host_of(const asio::ip::address& address, std::uint16_t port) {
@@ -246,9 +256,11 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     if (request.count(http::field::origin) != 0 && origin != "http://" + std::string(host)) {
       return refuse(http::status::not_found);
     }
-    const std::optional<std::string_view> path = below(server_.token_, view_of(request.target()));
-    if (!path) return refuse(http::status::not_found);
     if (request.method() != http::verb::get) return refuse(http::status::not_found);
+    const std::string_view target = view_of(request.target());
+    const std::optional<std::string_view> path = below(server_.token_, target);
+    if (!path && lacks_slash(server_.token_, target)) return send_on(target);
+    if (!path) return refuse(http::status::not_found, kHelp);
     if (*path == "socket") {
       const bool full = server_.pages_.size() >= server_.options_.max_pages;
       if (!websocket::is_upgrade(request)) return refuse(http::status::not_found);
@@ -256,7 +268,7 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
       return hand_on(std::move(request));
     }
     const Asset* const asset = server_.asset_of(*path);
-    if (asset == nullptr) return refuse(http::status::not_found);
+    if (asset == nullptr) return refuse(http::status::not_found, kHelp);
     file_.emplace();
     file_->result(http::status::ok);
     file_->set(http::field::content_type,
@@ -278,14 +290,33 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     write(*file_);
   }
 
-  void refuse(http::status status) {
+  void refuse(http::status status, std::string_view why = {}) {
     server_.count_refused();
     keep_alive_ = false;
-    nothing_.emplace();
-    nothing_->result(status);
-    nothing_->keep_alive(false);
-    nothing_->prepare_payload();
-    write(*nothing_);
+    file_.emplace();
+    file_->result(status);
+    if (!why.empty()) {
+      file_->set(http::field::content_type, "text/html; charset=utf-8");
+      file_->set("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
+    }
+    file_->keep_alive(false);
+    file_->body() = {why.data(), why.size()};
+    file_->prepare_payload();
+    write(*file_);
+  }
+
+  /// Who knows the token and has left out the slash is sent to the page, query and all.
+  void send_on(std::string_view target) {
+    const std::size_t query = std::min(target.find('?'), target.size());
+    file_.emplace();
+    file_->result(http::status::permanent_redirect);
+    file_->set(http::field::location,
+               std::string(target.substr(0, query)) + '/' + std::string(target.substr(query)));
+    file_->set("Referrer-Policy", "no-referrer");
+    file_->set(http::field::cache_control, "no-store");
+    file_->keep_alive(keep_alive_);
+    file_->prepare_payload();
+    write(*file_);
   }
 
   template <class Response>
@@ -312,7 +343,6 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
   beast::flat_buffer buffer_{2 * kHeaderBytes};
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<http::response<http::span_body<const char>>> file_;
-  std::optional<http::response<http::empty_body>> nothing_;
   bool keep_alive_ = false;
 };
 
@@ -321,10 +351,7 @@ void Server::Impl::stop() {
   Error ignored;
   acceptor_.close(ignored);
   again_.cancel();
-  while (!pages_.empty()) {
-    const std::shared_ptr<PageSocket> page = pages_.begin()->second;
-    page->close();
-  }
+  for (const auto& [id, page] : std::map(pages_)) page->say_goodbye();
   for (const auto& [request, alive] : requests_) {
     if (const std::shared_ptr<Request> one = alive.lock()) one->close();
   }

@@ -77,8 +77,8 @@ class OneWorld final : public WorldView {
     pane.poses.resize(scene_.bodies.size());
     for (std::size_t i = 0; i < pane.poses.size(); ++i) pane.poses[i] = scene_.pose(i);
     pane.contacts.clear();
-    pane.springs.clear();
     pane.targets.clear();
+    show_springs(pane);
     if (frame_.overlays) show_overlays(pane);
     server_.show(frame_);
   }
@@ -93,7 +93,7 @@ class OneWorld final : public WorldView {
       if (command == nullptr) {
         mouse_->leave(event.page);
       } else if (const auto* const grab = std::get_if<Grab>(command)) {
-        mouse_->grab(event.page, grab->id, grab->body, grab->point);
+        mouse_->grab(event.page, grab->id, grab->body, held_at(scene_, grab->body, grab->point));
       } else if (const auto* const move = std::get_if<Move>(command)) {
         mouse_->move(event.page, move->id, move->point);
       } else if (const auto* const release = std::get_if<Release>(command)) {
@@ -103,17 +103,21 @@ class OneWorld final : public WorldView {
   }
 
   void show_overlays(PaneFrame& pane) {
-    append_contacts(*scene_.world, pane.contacts);
+    append_contacts(scene_, pane.poses, pane.contacts);
     for (const PaneWatch::Target& target : watch_.targets()) {
       pane.targets.push_back(
           {static_cast<std::uint16_t>(target.body), TargetMark::kElsewhere, target.position});
     }
+  }
+
+  void show_springs(PaneFrame& pane) {
+    pane.springs.clear();
     pulls_.clear();
     peer_.springs(pulls_);
     const auto holder = [this](std::size_t body, const pbd::Vec3& attachment_l) {
       return context_.is_own(body, attachment_l) ? std::uint8_t{0} : SpringMark::kElsewhere;
     };
-    append_springs(scene_, pulls_, 0, holder, pane.springs);
+    append_springs(scene_, pane.poses, pulls_, 0, holder, pane.springs);
   }
 
   WorldViewContext context_;

@@ -23,8 +23,13 @@ struct PagePane {
   float step_ms = 0, latency_ms = 0, divergence_p50_mm = 0, divergence_max_mm = 0;
   std::vector<PageBody> bodies;
   std::size_t records = 0;  ///< in the last frame
-  std::vector<std::array<float, 7>> contacts;
+  struct Contact {
+    int body = 0;
+    std::array<float, 7> at{};
+  };
+  std::vector<Contact> contacts;
   struct Spring {
+    int body = 0;
     std::array<float, 6> ends{};
     int who = 0, own = 0;
   };
@@ -85,16 +90,18 @@ class PageReader {
                                  metres(high >> 10 & 0x1fffff)};
       if ((high >> 31) != 0) pane.bodies[b].orientation = turn(u32());
     }
-    if (!overlays) return;
-    pane.contacts.resize(u16());
-    for (auto& contact : pane.contacts) {
-      for (float& value : contact) value = f32();
-    }
     pane.springs.resize(u16());
     for (PagePane::Spring& spring : pane.springs) {
+      spring.body = static_cast<int>(u16());
       for (float& value : spring.ends) value = f32();
       spring.who = static_cast<int>(u8());
       spring.own = static_cast<int>(u8());
+    }
+    if (!overlays) return;
+    pane.contacts.resize(u16());
+    for (PagePane::Contact& contact : pane.contacts) {
+      contact.body = static_cast<int>(u16());
+      for (float& value : contact.at) value = f32();
     }
     pane.targets.resize(u16());
     for (PagePane::Target& target : pane.targets) {

@@ -135,6 +135,27 @@ TEST_CASE("frame: what has changed, on top of the frame before, is the whole fra
   CHECK(encoder.number() == 1);
 }
 
+TEST_CASE("frame: where panes are added or taken away, nobody may go on from the frame before",
+          "[demos][view][unit]") {
+  const Layout layout = layout_of(4, 3);
+  FrameEncoder encoder(layout);
+  Random random(7);
+  Frame frame = random_frame(random, layout);
+  const Frame all = frame;
+  frame.panes.resize(2);
+  REQUIRE(encoder.take(frame, false));
+  CHECK(encoder.number() == 1);
+  // Who has number 1 is given what has changed since only where the next one is number 2.
+  REQUIRE(encoder.take(all, false));
+  CHECK(encoder.number() == 3);
+  PageReader page(kUnit, 4, 3);
+  page.read(text_of(encoder.bytes(true, false)));
+  for (const PagePane& pane : page.panes) CHECK(pane.records == 3);
+  REQUIRE(encoder.take(frame, false));
+  CHECK(encoder.number() == 5);
+  CHECK_FALSE(encoder.take(frame, false));
+}
+
 TEST_CASE("frame: overlays come where they are asked for and known", "[demos][view][unit]") {
   const Layout layout = layout_of(1, 3);
   FrameEncoder encoder(layout);
@@ -146,19 +167,23 @@ TEST_CASE("frame: overlays come where they are asked for and known", "[demos][vi
   CHECK_FALSE(page.overlays);
   frame.overlays = true;
   PaneFrame& pane = frame.panes[0];
-  pane.contacts.push_back({Vec3(1, 2, 3), Vec3(0, 0, 1), -0.25});
-  pane.springs.push_back({Vec3(4, 5, 6), Vec3(7, 8, 9), 2, true});
+  pane.contacts.push_back({2, Vec3(1, 2, 3), Vec3(0, 0, 1), -0.25});
+  pane.springs.push_back({1, Vec3(4, 5, 6), Vec3(7, 8, 9), 2, true});
   pane.targets.push_back({1, 3, Vec3(-1, -2, -3)});
   pane.influence = {0, 128, 255};
   encoder.take(frame, true);
   page.read(text_of(encoder.bytes(false, false)));
   CHECK_FALSE(page.overlays);
+  // Hands are always seen.
+  CHECK(page.panes[0].springs.size() == 1);
   page.read(text_of(encoder.bytes(false, true)));
   REQUIRE(page.overlays);
   const PagePane& seen = page.panes[0];
   REQUIRE(seen.contacts.size() == 1);
-  CHECK(seen.contacts[0] == std::array<float, 7>{1, 2, 3, 0, 0, 1, -0.25F});
+  CHECK(seen.contacts[0].body == 2);
+  CHECK(seen.contacts[0].at == std::array<float, 7>{1, 2, 3, 0, 0, 1, -0.25F});
   REQUIRE(seen.springs.size() == 1);
+  CHECK(seen.springs[0].body == 1);
   CHECK(seen.springs[0].ends == std::array<float, 6>{4, 5, 6, 7, 8, 9});
   CHECK(seen.springs[0].who == 2);
   CHECK(seen.springs[0].own == 1);
@@ -195,7 +220,7 @@ TEST_CASE("hello: says what there is to draw and to choose", "[demos][view][unit
   settings.profile = 3;
   const auto hello = nlohmann::json::parse(hello_text(layout, scene, settings));
   CHECK(hello["type"] == "hello");
-  CHECK(hello["protocol"] == 1);
+  CHECK(hello["protocol"] == 2);
   CHECK(hello["peers"].size() == 1);
   CHECK(hello["bodies"].size() == scene.bodies.size());
   CHECK(hello["bodies"][0]["name"] == scene.bodies[0].name);
@@ -205,6 +230,8 @@ TEST_CASE("hello: says what there is to draw and to choose", "[demos][view][unit
   CHECK(hello["fixed"][0]["shape"] == "half_space");
   CHECK(hello["settings"]["profile"] == 3);
   CHECK(hello["settings"]["scheme"] == "one-pass");
+  CHECK(hello["settings"]["beside"].is_null());
+  CHECK(hello["peers"][0]["beside"] == false);
   CHECK(hello["choices"]["scheme"].size() == 8);
   CHECK(hello["choices"]["predictor"].size() == 4);
   settings.profile.reset();
@@ -212,6 +239,17 @@ TEST_CASE("hello: says what there is to draw and to choose", "[demos][view][unit
   const auto other = nlohmann::json::parse(hello_text(far, scene, settings));
   CHECK(other["choices"].empty());
   CHECK(other["settings"]["profile"].is_null());
+}
+
+TEST_CASE("score: each pane's, by name, and whether it is the last word", "[demos][view][unit]") {
+  const auto score = nlohmann::json::parse(
+      score_text({{{"hits", 23.0}, {"longest_rally", 4.0}}, {{"hits", 22.0}}}, 12.5, true));
+  CHECK(score["type"] == "score");
+  CHECK(score["time"] == 12.5);
+  CHECK(score["final"] == true);
+  REQUIRE(score["outcomes"].size() == 2);
+  CHECK(score["outcomes"][0]["longest_rally"] == 4.0);
+  CHECK(score["outcomes"][1]["hits"] == 22.0);
 }
 
 // Commands.
@@ -261,8 +299,12 @@ TEST_CASE("command: what a page may say is understood", "[demos][view][unit]") {
             .predictor == consensus::PredictorKind::SecondOrder);
   CHECK(std::get<SetScheme>(said(R"({"type":"set","name":"scheme","value":"two-step"})")).scheme ==
         Scheme::TwoStep);
+  CHECK(std::get<SetBeside>(said(R"({"type":"set","name":"beside","value":"none"})")).scheme ==
+        Scheme::None);
+  CHECK_FALSE(std::get<SetBeside>(said(R"({"type":"set","name":"beside","value":null})")).scheme);
   said(R"({"type":"step"})");
   said(R"({"type":"restart"})");
+  said(R"({"type":"score"})");
   CHECK(std::get<Want>(said(R"({"type":"want","overlays":true})")).overlays);
   CHECK(std::get<Ping>(said(R"({"type":"ping","time":12.5})")).time == 12.5);
 }
@@ -287,6 +329,8 @@ TEST_CASE("command: what is not valid is refused by name and changes nothing",
       is_refused(why(reader, R"({"type":"set","name":"profile","value":2.5})"), "profile", "2.5"));
   CHECK(
       is_refused(why(reader, R"({"type":"set","name":"scheme","value":"x"})"), "scheme", "\"x\""));
+  CHECK(is_refused(why(reader, R"({"type":"set","name":"beside","value":7})"), "beside", "7"));
+  CHECK(is_refused(why(reader, R"({"type":"set","name":"beside"})"), "beside", "nothing"));
   CHECK(is_refused(why(reader, R"({"type":"set","name":"gravity","value":1})"), "name", ""));
   CHECK(is_refused(why(reader, R"({"type":"move","id":1,"point":[0,0,0]})"), "id", "1"));
   CHECK(is_refused(why(reader, R"({"type":"release","id":1})"), "id", "1"));
@@ -316,7 +360,7 @@ TEST_CASE("command: what is not valid is refused by name and changes nothing",
   Layout far = table();
   far.live = false;
   CommandReader remote(far);
-  for (const char* text : {R"({"type":"step"})", R"({"type":"restart"})",
+  for (const char* text : {R"({"type":"step"})", R"({"type":"restart"})", R"({"type":"score"})",
                            R"({"type":"set","name":"paused","value":true})"}) {
     CHECK(is_refused(why(remote, text), "type", ""));
   }

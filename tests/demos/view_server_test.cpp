@@ -92,7 +92,7 @@ TEST_CASE("view server: who knows the token gets the page, nobody else gets anyt
   wrong[5] = wrong[5] == '0' ? '1' : '0';
   for (const std::string& path :
        {wrong, wrong + "main.js", wrong + "socket", std::string("/"), std::string("*"),
-        f.root + "other.js", f.root + "../" + f.root.substr(1), f.root.substr(0, 33),
+        f.root + "other.js", f.root + "../" + f.root.substr(1), f.root.substr(0, 32),
         f.root + '/'}) {
     INFO(path);
     CHECK(f.status(path, f.host) == 404);
@@ -100,10 +100,46 @@ TEST_CASE("view server: who knows the token gets the page, nobody else gets anyt
   for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "DELETE"}) {
     CHECK(f.status(f.root, f.host, "", method) == 404);
   }
-  WebClient other("127.0.0.1", f.server.port());
-  REQUIRE(other.get(wrong, f.host) == 404);
-  CHECK(other.last_head().find("Content-Length: 0") != std::string::npos);
+  // What people are told says nothing of the token.
+  const auto said = [&f](const std::string& path) {
+    WebClient other("127.0.0.1", f.server.port());
+    REQUIRE(other.get(path, f.host) == 404);
+    const std::string head = other.last_head();
+    const std::size_t length = std::stoul(head.substr(head.find("Content-Length: ") + 16));
+    return other.bytes(length).value_or("");
+  };
+  const std::string help = said("/");
+  CHECK(help.find("whole address that the program printed") != std::string::npos);
+  CHECK(help.find(f.server.token()) == std::string::npos);
+  for (const std::string& path : {wrong, wrong.substr(0, 33), f.root + "other.js"}) {
+    CHECK(said(path) == help);
+  }
   CHECK(f.server.counters().refused >= 10);
+}
+
+TEST_CASE("view server: who has left out the last slash is sent to the page",
+          "[demos][view][socket]") {
+  Fixture f;
+  const std::string bare = f.root.substr(0, 33);
+  for (const std::string query : {"", "?pane=0"}) {
+    WebClient client("127.0.0.1", f.server.port());
+    REQUIRE(client.get(bare + query, f.host) == 308);
+    CHECK(client.last_head().find("Location: " + f.root + query + "\r\n") != std::string::npos);
+  }
+  CHECK(f.status(bare, "evil.example") == 404);
+  CHECK(f.status(bare, f.host, "", "POST") == 404);
+}
+
+TEST_CASE("view server: a program that ends says so to its pages", "[demos][view][socket]") {
+  auto f = std::make_unique<Fixture>();
+  auto page = f->page();
+  // What a page hears of a close is its code: 1001, going away.
+  std::thread ending([&f] { f.reset(); });
+  const auto start = page->bytes(4);
+  page->send(std::string("\x88\x82", 2) + std::string(4, '\0') + "\x03\xe9");
+  ending.join();
+  REQUIRE(start);
+  CHECK(*start == std::string("\x88\x02\x03\xe9", 4));
 }
 
 TEST_CASE("view server: another site's page and another name of the machine are refused",

@@ -7,9 +7,12 @@ import {after, afterEach, before, describe, test} from 'node:test';
 import {openPage, startBrowser} from './browser.mjs';
 import {dragFinger, dragMouse, pinch} from './gestures.mjs';
 import {startMock} from './mock/server.mjs';
+import {PACE, PACE_START} from './mock/world.mjs';
 import {distance, until} from './observer.mjs';
 
 const PHONE = {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: true};
+/** A click that waits for no pictures, which come seldom where the machine is busy. */
+const press = (page, id) => page.$eval(`#${id}`, (button) => button.click());
 const view = (page, expression) => page.evaluate(`window.tandemView.${expression}`);
 
 describe('the page', {timeout: 600000}, () => {
@@ -193,4 +196,129 @@ describe('the page', {timeout: 600000}, () => {
     await until(() => said('grab').length, 'a grab');
     assert.deepEqual(said('set'), []);
   });
+
+  test('one click shows the run without agreement beside it, and a hand acts in both', async () => {
+    await open({mock: {settings: {profile: 5}}, viewport: {width: 760, height: 380}});
+    await press(page, 'compare');
+    await until(() => view(page, 'panes.length === 4'), 'four panes');
+    assert.deepEqual(said('set'), [{type: 'set', name: 'beside', value: 'none'}]);
+    const panes = await view(page, 'panes');
+    // Side by side: the same peer at the same height.
+    for (const p of [0, 1]) {
+      assert.equal(panes[p].y, panes[p + 2].y);
+      assert.ok(panes[p + 2].x >= panes[p].x + panes[p].width);
+    }
+    assert.match(await page.textContent('.run-0'), /^Agreement/);
+    assert.match(await page.textContent('.run-1'), /^No agreement/);
+    const start = await Promise.all([0, 1, 2, 3].map((p) => view(page, `poses(${p}).cube`)));
+    await dragMouse(page, 'cube', 2, [0, -50]);
+    await until(async () => distance((await view(page, 'poses(0).cube')).slice(0, 3),
+                                     start[0].slice(0, 3)) > 0.1, 'the pull in the other run');
+    assert.equal(said('grab')[0].pane, 2);
+    await until(async () => (await view(page, 'furthest'))[1] > 0.05, 'copies apart');
+    assert.match(await page.textContent('#apart-1'), /furthest apart .*cube/);
+    await page.mouse.up();
+    await press(page, 'compare');
+    await until(() => view(page, 'panes.length === 2'), 'two panes');
+    assert.equal(said('set').at(-1).value, null);
+    assert.deepEqual(page.complaints, []);
+  });
+
+  test('what is drawn is of one instant, however seldom frames come', async () => {
+    const every = 9;
+    await open({mock: {every}, query: '?marks=1', viewport: {width: 480, height: 320}});
+    await until(() => view(page, 'peers[0].contacts > 0'), 'marks');
+    const pace = server.world.bodies.findIndex(({name}) => name === 'pace');
+    const between = new Set();
+    await until(async () => {
+      const {time, peers} = await view(page, 'drawnNow');
+      for (const {positions, contacts} of peers) {
+        const x = PACE_START + PACE * time;
+        assert.ok(Math.abs(positions[3 * pace] - x) < 1e-4, `${positions[3 * pace]} is not ${x}`);
+        const mark = contacts.find(({body}) => body === pace);
+        if (mark) assert.ok(Math.abs(mark.point[0] - x) < 2e-4, `${mark.point[0]} is not ${x}`);
+      }
+      const frames = 60 * time / every;
+      if (peers[0].contacts.length && Math.abs(frames - Math.round(frames)) > 0.05) between.add(time);
+      return between.size > 3;
+    }, 'instants between frames', 120);
+  });
+
+  test('a run that is over tells the score, and begins again when asked', async () => {
+    await open();
+    server.end();
+    await until(() => page.isVisible('#ending'), 'the score');
+    assert.match(await page.textContent('#ending'), /The run is over/);
+    const score = await page.textContent('#ending-score');
+    assert.match(score, /hits23/);
+    assert.match(score, /plate lifted22 cm/);
+    assert.match(score, /B: tasks done2/);
+    assert.equal(await page.evaluate('document.activeElement.id'), 'ending-again');
+    await press(page, 'ending-again');
+    await until(() => said('restart').length === 1, 'a restart');
+    assert.ok(await page.isHidden('#ending'));
+    // A program that ends says so, and is not asked again.
+    const {port, token} = server;
+    await server.close(1001);
+    await until(async () => !(await view(page, 'connected')), 'the end');
+    assert.match(await page.textContent('#state'), /has ended/);
+    assert.ok(await page.isVisible('#ending'));
+    assert.ok(await page.isHidden('#ending-again'));
+    server = await startMock({port, token});
+    await new Promise((resolve) => setTimeout(resolve, 2500));
+    assert.equal(server.clients.size, 0);
+  });
+
+  test('a program that does not answer is given up, until somebody asks for it', async () => {
+    await open();
+    const {port, token} = server;
+    await server.close();
+    await until(async () => /does not answer/.test(await page.textContent('#state')), 'the end', 90);
+    server = await startMock({port, token});
+    await press(page, 'ending-again');
+    await until(() => view(page, 'connected'), 'the return');
+    assert.ok(await page.isHidden('#ending'));
+  });
+
+  test('by keys a body is chosen, held and moved', async () => {
+    await open();
+    await page.locator('#view').focus();
+    await page.keyboard.press('2');
+    for (let i = 0; i < 7; ++i) await page.keyboard.press('n');
+    assert.match(await page.textContent('#spoken'), /^cube: enter/);
+    await page.keyboard.press('Enter');
+    await until(() => said('grab').length, 'a grab');
+    const [grab] = said('grab');
+    assert.equal(server.world.bodies[grab.body].name, 'cube');
+    assert.equal(grab.pane, 1);
+    for (let i = 0; i < 5; ++i) await page.keyboard.press('ArrowUp');
+    await until(() => said('move').length && said('move').at(-1).point[2] > grab.point[2] + 0.05,
+                'a move up');
+    await page.keyboard.press('Enter');
+    await until(() => said('release').length === 1, 'the release');
+    // Now arrows turn the view.
+    const before = await view(page, "project('cube', 0)");
+    await page.keyboard.press('ArrowLeft');
+    assert.ok(distance(before, await view(page, "project('cube', 0)")) > 1);
+    assert.deepEqual(page.complaints, []);
+  });
+
+  for (const [name, options] of Object.entries({desktop: {}, phone: PHONE})) {
+    test(`${name}: what is pressed is 44 px, what is drawn has a name`, async () => {
+      await open(options);
+      if (name === 'phone') await page.tap('#more');
+      await until(() => view(page, 'drawn > 8'), 'plots');
+      const small = await page.$$eval('button, select, input', (all) => all
+        .filter((element) => element.offsetParent !== null)
+        .map((element) => ({id: element.id, ...element.getBoundingClientRect().toJSON()}))
+        .filter(({width, height}) => width < 44 || height < 44));
+      assert.deepEqual(small, []);
+      assert.ok(await page.evaluate('document.documentElement.scrollWidth <= innerWidth'));
+      await until(async () => (await page.$$eval('canvas', (all) => all.map(
+        (canvas) => canvas.getAttribute('aria-label')))).every(Boolean), 'names of all canvases');
+      assert.match(await page.getAttribute('#plot-latency canvas', 'aria-label'), /95 % below/);
+      assert.match(await page.textContent('#facts'), /There and back: peers 57 ms, this page/);
+      assert.ok((await page.textContent('#sentence')).length > 40);
+    });
+  }
 });

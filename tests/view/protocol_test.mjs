@@ -12,14 +12,14 @@ const UNIT = 1e-4;
 const hello = (bodies, peers = 1) => ({
   position_unit: UNIT, bodies: Array.from({length: bodies}, (_, i) => ({name: `b${i}`})),
   peers: Array.from({length: peers}, (_, i) => ({id: i + 1}))});
-const peerOf = (bodies, overlays = null) => ({
-  stepMs: 0.5, latencyMs: 28.5, divergenceP50Mm: NaN, divergenceMaxMm: 0.25, bodies, overlays});
+const peerOf = (bodies, overlays = null, springs = []) => ({
+  stepMs: 0.5, latencyMs: 28.5, divergenceP50Mm: NaN, divergenceMaxMm: 0.25, bodies, springs, overlays});
 const frameOf = (peers, rest = {}) => (
   encodeFrame({number: 7, time: 1.5, key: true, unit: UNIT, peers, ...rest}));
 
 /** Known bytes, written by hand from docs/view.md: one body at (1, -2, 3) units, turned. */
 function knownFrame() {
-  const bytes = new DataView(new ArrayBuffer(45));
+  const bytes = new DataView(new ArrayBuffer(47));
   bytes.setUint8(0, 1);
   bytes.setUint8(1, 1);
   bytes.setUint16(2, 1, true);
@@ -32,6 +32,7 @@ function knownFrame() {
   bytes.setUint32(37, 0xc0000dff, true);
   // w left out, z = (1022 - 511) / 511 / sqrt 2, x = y = 0: a quarter turn about z.
   bytes.setUint32(41, 0xffe7fdff, true);
+  bytes.setUint16(45, 0, true);  // springs
   return bytes.buffer;
 }
 
@@ -94,15 +95,17 @@ test('a body without a record stays where it was, beyond the eighth as well', ()
 
 test('overlays are read, without bodies that are not there, and peers may be elsewhere', () => {
   const overlays = {
-    contacts: [{point: [1, 2, 3], normal: [0, 0, 1], depth: 0.5}],
-    springs: [{anchor: [4, 5, 6], attachment: [7, 8, 9], user: 255, own: true}],
+    contacts: [{body: 1, point: [1, 2, 3], normal: [0, 0, 1], depth: 0.5},
+               {body: 65535, point: [1, 2, 3], normal: [0, 0, 1], depth: 0.5}],
     targets: [{body: 0, peer: 0, position: [1, 1, 1]}, {body: 9, peer: 0, position: [1, 1, 1]},
               {body: 1, peer: 65535, position: [1, 1, 1]}],
     influence: [255, 51]};
+  const springs = [
+    {body: 1, anchor: [4, 5, 6], attachment: [7, 8, 9], user: 255, own: true}];
   const decoder = new FrameDecoder(hello(2));
-  const {peers} = decoder.decode(frameOf([peerOf([null, null], overlays)]).buffer);
-  assert.deepEqual(peers[0].overlays.contacts, overlays.contacts);
-  assert.deepEqual(peers[0].overlays.springs, [{...overlays.springs[0], user: ELSEWHERE}]);
+  const {peers} = decoder.decode(frameOf([peerOf([null, null], overlays, springs)]).buffer);
+  assert.deepEqual(peers[0].overlays.contacts, overlays.contacts.slice(0, 1));
+  assert.deepEqual(peers[0].springs, [{...springs[0], user: ELSEWHERE}]);
   assert.deepEqual(peers[0].overlays.targets,
                    [overlays.targets[0], {...overlays.targets[2], peer: ELSEWHERE}]);
   assert.deepEqual([...peers[0].overlays.influence], [255, 51]);
@@ -113,10 +116,14 @@ test('what is cut short, too long or of another kind is refused, at every length
   for (let length = 0; length < whole.byteLength; ++length) {
     assert.throws(() => new FrameDecoder(hello(1)).decode(whole.slice(0, length)), ProtocolError);
   }
-  const longer = new Uint8Array(46);
+  const longer = new Uint8Array(48);
   longer.set(new Uint8Array(whole));
   assert.throws(() => new FrameDecoder(hello(1)).decode(longer.buffer), ProtocolError);
-  assert.throws(() => new FrameDecoder(hello(1, 2)).decode(whole), ProtocolError);
+  // A run beside may be there or not; more peers than hello has cannot.
+  assert.equal(new FrameDecoder(hello(1, 2)).decode(whole).peers.length, 1);
+  const two = frameOf([peerOf([null]), peerOf([null])]).buffer;
+  assert.throws(() => new FrameDecoder(hello(1)).decode(two), ProtocolError);
+  assert.throws(() => new FrameDecoder(hello(1)).decode(frameOf([]).buffer), ProtocolError);
   new Uint8Array(whole)[0] = 2;
   assert.throws(() => new FrameDecoder(hello(1)).decode(whole), ProtocolError);
 });

@@ -28,7 +28,7 @@ for folder in "$here" "$here/../../demos/view/page"; do
     skip "npm ci failed in $folder"
 done
 
-tests=("$here/protocol_test.mjs" "$here/page_test.mjs")
+tests=("$here/protocol_test.mjs" "$here/timeline_test.mjs" "$here/page_test.mjs")
 if [[ -n $bin ]]; then
   [[ -x $bin/cubes ]] || { echo "tests/view: $bin/cubes is not there" >&2; exit 1; }
   export TANDEM_BIN=$bin

@@ -161,6 +161,24 @@ describe('a session', {timeout: 900000}, () => {
     await until(() => observer.places(BODY)[0][2] < rest + 0.01, 'the fall', 60);
   });
 
+  test('side by side with no agreement: a hand in either run lifts the cube in both', async () => {
+    await page.$eval('#compare', (button) => button.click());
+    await until(() => observer.last.peers.length === 4, 'the run beside');
+    assert.ok(observer.last.time < 5, 'both begin together');
+    await until(() => view(page, 'panes.length === 4'), 'four panes');
+    for (const pane of [1, 2]) {
+      await restart();
+      const low = observer.places(BODY).map((at) => at[2]);
+      await dragMouse(page, BODY, pane, [0, -UP]);
+      await until(() => observer.places(BODY).every((at, p) => at[2] > low[p] + LIFT), 'the lift', 60);
+      await page.mouse.up();
+    }
+    await page.$eval('#compare', (button) => button.click());
+    await until(() => observer.last.peers.length === 2, 'the end of the run beside');
+    assert.deepEqual(await view(page, 'messages'), []);
+    assert.deepEqual(page.complaints, []);
+  });
+
   describe('strangers', () => {
     const answer = async (path, headers = {}) => (await fetch(new URL(path, demo.url),
                                                               {headers})).status;
@@ -170,6 +188,11 @@ describe('a session', {timeout: 900000}, () => {
       assert.equal(await answer(`/${'0'.repeat(32)}/`), 404);
       assert.equal(await answer('./nothing.js'), 404);
       assert.equal(await answer('./'), 200);
+      // Without its last slash it is found all the same.
+      assert.equal(await answer(new URL(demo.url).pathname.slice(0, -1)), 200);
+      const help = await (await fetch(new URL('/', demo.url))).text();
+      assert.match(help, /the whole address that the program printed/);
+      assert.ok(!help.includes(new URL(demo.url).pathname.split('/')[1]));
     });
 
     test('from another site get no socket', async () => {

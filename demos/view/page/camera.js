@@ -18,10 +18,10 @@ const VIEW = 32;  // degrees, vertical
 
 /** @type {Object<string, Look>}  by scene; others are looked at as a whole */
 const LOOKS = {
-  cubes: {target: [0.26, -0.1, 0.17], azimuth: -72, elevation: 20, width: 2.45, height: 1.35},
-  cliff: {target: [1, 0, 3], azimuth: -52, elevation: 24, width: 19, height: 14},
-  room: {target: [0, 0.1, 0.75], azimuth: -90, elevation: 24, width: 4.6, height: 2.7},
-  tennis: {target: [0.05, 0, 0.85], azimuth: -74, elevation: 16, width: 3.9, height: 2},
+  cubes: {target: [0.3, -0.14, 0.2], azimuth: -72, elevation: 20, width: 2.75, height: 1.3},
+  cliff: {target: [1, 0, 3.6], azimuth: -52, elevation: 30, width: 18, height: 14.5},
+  room: {target: [0, 0, 0.72], azimuth: -90, elevation: 22, width: 5, height: 2.9},
+  tennis: {target: [0.05, 0, 0.75], azimuth: -78, elevation: 16, width: 5.1, height: 2.2},
   piano: {target: [0, 0, 0.03], azimuth: -90, elevation: 54, width: 0.96, height: 0.7},
   pile: {target: [0, 0, 0.1], azimuth: -60, elevation: 30, width: 5.6, height: 4.2},
 };
@@ -66,13 +66,18 @@ export class Orbit {
     const {width, height} = this.home;
     return Math.max(height / 2 / half, width / 2 / half / aspect) / this.zoom;
   }
+  /** A tall pane is filled by looking from higher up. @returns {number}  degrees */
+  lift(aspect) {
+    const tall = this.home.width / this.home.height / aspect;
+    return tall > 1 ? Math.min(24, 24 * Math.log2(tall)) : 0;
+  }
   /** @param {number} aspect @returns {THREE.PerspectiveCamera}  valid until the next call */
   at(aspect) {
     const distance = this.distance(aspect);
-    const flat = Math.cos(radians(this.elevation));
+    const elevation = radians(Math.min(89, this.elevation + this.lift(aspect)));
+    const flat = Math.cos(elevation);
     const from = new THREE.Vector3(flat * Math.cos(radians(this.azimuth)),
-                                   flat * Math.sin(radians(this.azimuth)),
-                                   Math.sin(radians(this.elevation)));
+                                   flat * Math.sin(radians(this.azimuth)), Math.sin(elevation));
     this.camera.position.copy(this.target).addScaledVector(from, distance);
     this.camera.lookAt(this.target);
     this.camera.aspect = aspect;

@@ -6,8 +6,12 @@ import {FrameDecoder, PROTOCOL, ProtocolError} from './protocol.js';
 
 const FIRST_PAUSE = 0.5;  // s, before it is tried again
 const LONGEST_PAUSE = 8;  // s
+const TRIES = 6;          // in a row; then nobody is there any more: 0.5 + 1 + 2 + 4 + 8 + 8 s
+const GOING_AWAY = 1001;  // what a program that ends says
+const PING = 1000;        // ms
 
-/** Calls handlers: hello(message), frame(Frame), text(message), state('open' | 'lost'). */
+/** Calls handlers: hello(message), frame(Frame), text(message), state('open' | 'lost' |
+ *  'ended' | 'dead'), roundTrip(ms). */
 export class Connection {
   /**
    * @param {string} url  of the socket
@@ -18,7 +22,9 @@ export class Connection {
     this.handlers = handlers;
     this.pause = FIRST_PAUSE;
     this.errors = 0;  // messages that could not be understood
+    this.tries = 0;
     this.open();
+    setInterval(() => this.send({type: 'ping', time: performance.now()}), PING);
   }
 
   open() {
@@ -26,8 +32,10 @@ export class Connection {
     this.socket = new WebSocket(this.url);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = (event) => this.receive(event.data);
-    this.socket.onclose = () => {
-      this.handlers.state('lost');
+    this.socket.onclose = ({code}) => {
+      const dead = ++this.tries > TRIES;
+      this.handlers.state(code === GOING_AWAY ? 'ended' : dead ? 'dead' : 'lost');
+      if (code === GOING_AWAY || dead) return;
       setTimeout(() => this.open(), 1000 * this.pause);
       this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
     };
@@ -46,6 +54,10 @@ export class Connection {
 
   receiveText(message) {
     if (typeof message?.type !== 'string') throw new ProtocolError('a message without a type');
+    if (message.type === 'pong') {
+      this.handlers.roundTrip(performance.now() - message.time);
+      return;
+    }
     if (message.type !== 'hello') {
       this.handlers.text(message);
       return;
@@ -56,9 +68,17 @@ export class Connection {
       return;
     }
     this.pause = FIRST_PAUSE;
+    this.tries = 0;
     this.decoder = new FrameDecoder(message);
     this.handlers.hello(message);
     this.handlers.state('open');
+  }
+
+  /** Somebody thinks that the program is there again. */
+  again() {
+    this.tries = 0;
+    this.pause = FIRST_PAUSE;
+    this.open();
   }
 
   /** @param {object} message  as docs/view.md has it; lost where there is no connection */

@@ -3,15 +3,18 @@
 //
 // Buttons and fields: what may be switched while a session runs, and what is drawn. They show what
 // the server says is so; a change is asked for, and seen when it has happened.
+import {schemeName} from './words.js';
 
-const PROFILES = ['0 · no delay', '1 · 3.5 ms', '2 · 6 ms', '3 · 28.5 ms', '4 · 63.5 ms',
-                  '5 · 123.5 ms'];
-const FIELDS = ['profile', 'predictor', 'scheme'];
+/** ms, one way, by profile of the virtual link. */
+export const ONE_WAY = [0, 3.5, 6, 28.5, 63.5, 123.5];
+const FIELDS = ['profile', 'predictor', 'scheme', 'beside'];
 const RANGES = ['speed', 'influence'];
 
 /** What a choice is called. */
 function optionText(name, value) {
-  if (name === 'profile') return PROFILES[value] ?? String(value);
+  if (name === 'profile') return `${value} · ${ONE_WAY[value] ? `${ONE_WAY[value]} ms` : 'no delay'}`;
+  if (name === 'scheme') return schemeName(value);
+  if (name === 'beside') return schemeName(value || null);
   return String(value).replaceAll('-', ' ');
 }
 
@@ -19,7 +22,7 @@ function optionText(name, value) {
 export class Controls {
   /**
    * @param {Document} document
-   * @param {object} page  send(message), overlay(boolean), marks(boolean), home()
+   * @param {object} page  send(message), overlay(boolean), marks(boolean), home(), score()
    */
   constructor(document, page) {
     this.page = page;
@@ -29,13 +32,15 @@ export class Controls {
     this.on('step', 'click', () => page.send({type: 'step'}));
     this.on('restart', 'click', () => page.send({type: 'restart'}));
     this.on('home', 'click', () => page.home());
+    this.on('score', 'click', () => page.score());
+    this.on('compare', 'click', () => this.set('beside', this.settings.beside ? null : 'none'));
     this.on('overlay', 'click', () => page.overlay(!this.pressed('overlay')));
     this.on('marks', 'click', () => page.marks(!this.pressed('marks')));
     this.on('more', 'click', () => this.open(this.byId('more').ariaExpanded !== 'true'));
     for (const name of FIELDS) {
       this.on(name, 'change', () => {
         const {value} = this.byId(name);
-        this.set(name, name === 'profile' ? Number(value) : value);
+        this.set(name, name === 'profile' ? Number(value) : value || null);
       });
     }
     for (const name of RANGES) {
@@ -68,7 +73,7 @@ export class Controls {
     // Fields keep their own keys, and a button under the focus its space.
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
     if (event.key === ' ' && event.target.tagName === 'BUTTON') return;
-    const id = {' ': 'pause', '.': 'step', o: 'overlay', c: 'marks', r: 'restart',
+    const id = {' ': 'pause', '.': 'step', w: 'compare', o: 'overlay', c: 'marks', r: 'restart',
                 0: 'home'}[event.key];
     if (!id || this.byId(id).disabled) return;
     event.preventDefault();
@@ -79,10 +84,12 @@ export class Controls {
   enable(live, choices) {
     this.live = live;
     this.byId('not-live').hidden = live;
-    for (const id of ['pause', 'step', 'restart']) this.byId(id).disabled = !live;
+    for (const id of ['pause', 'step', 'restart', 'compare', 'score']) this.byId(id).disabled = !live;
     for (const name of FIELDS) {
       const field = this.byId(name);
-      const values = choices[name] ?? [];
+      // The run beside is told of and chosen by its scheme; '' stands for none.
+      const values = name === 'beside' && choices.scheme ? ['', ...choices.scheme]
+                                                         : choices[name] ?? [];
       field.disabled = !live || values.length === 0;
       field.replaceChildren(...values.map((value) => new Option(optionText(name, value), value)));
     }
@@ -103,7 +110,10 @@ export class Controls {
     pause.setAttribute('aria-label', settings.paused ? 'Run' : 'Pause');
     this.press('pause', settings.paused);
     this.byId('step').disabled = !this.live || !settings.paused;
-    for (const name of FIELDS) this.showChoice(name, settings[name]);
+    this.press('compare', Boolean(settings.beside));
+    for (const name of FIELDS) {
+      this.showChoice(name, name === 'beside' && this.live ? settings.beside ?? '' : settings[name]);
+    }
     for (const name of RANGES) {
       if (settings[name] === undefined) continue;
       const field = this.byId(name);

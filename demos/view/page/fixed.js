@@ -8,6 +8,12 @@ import {perpendicular, solidOf} from './geometry.js';
 
 const FAR = 200;  // m, how far a ground goes
 
+/** Colours of a scene's own: of the ground, and of what stands still, in order. */
+const PAINT = {
+  tennis: {ground: '#b5654a', solids: ['#1f6fb2', '#eef3f6']},
+  room: {ground: '#b08d66', solids: ['#8a5a33', '#8a5a33', '#8a5a33']},
+};
+
 /** Cuts a polygon by a half-space and keeps what is outside of it. */
 function cut(polygon, normal, offset) {
   const result = [];
@@ -84,27 +90,30 @@ function withGrid(material, uniforms) {
 export class Fixed extends THREE.Group {
   /**
    * @param {object[]} parts  of hello
+   * @param {string} scene    whose colours they have
    * @param {number} size     m, how wide the scene is
    * @param {object} theme    colours, see stage.js
    */
-  constructor(parts, size, theme) {
+  constructor(parts, scene, size, theme) {
     super();
+    this.own = PAINT[scene] ?? {solids: []};
     this.boxes = [];
+    this.painted = [];
     this.uniforms = {uCell: {value: niceStep(size / 20)}, uLine: {value: new THREE.Color()}};
     this.solid = new THREE.MeshStandardMaterial({roughness: 0.85, vertexColors: true});
     this.ground = withGrid(new THREE.MeshStandardMaterial({roughness: 1}), this.uniforms);
     this.wall = new THREE.MeshStandardMaterial({roughness: 1});
     this.addPlanes(parts.filter((part) => part.shape === 'half_space'), size);
-    parts.forEach((part, k) => {
-      if (part.shape !== 'half_space') this.addSolid(part, k, size);
-    });
+    const solids = parts.filter((part) => part.shape !== 'half_space');
+    solids.forEach((part, k) => this.addSolid(part, k, size));
+    if (scene === 'tennis') this.addLines(solids[0]);
     this.paint(theme);
   }
 
   addSolid(part, k, size) {
     const solid = solidOf(part, `fixed ${k}`, false);
     if (!solid) return;
-    const mesh = new THREE.Mesh(solid.make(1), this.solid);
+    const mesh = new THREE.Mesh(solid.make(1), this.materialOf(this.own.solids[k]));
     const [x, y, z, qx, qy, qz, qw] = part.pose;
     mesh.position.set(x, y, z);
     mesh.quaternion.set(qx, qy, qz, qw);
@@ -114,6 +123,29 @@ export class Fixed extends THREE.Group {
     mesh.castShadow = part.shape !== 'box' || solid.radius < 0.7 * size;
     if (part.shape === 'box') this.boxes.push(mesh);
     this.add(mesh);
+  }
+
+  /** The material of things that stand still, or one of a colour of its own. */
+  materialOf(colour) {
+    if (!colour) return this.solid;
+    const material = new THREE.MeshStandardMaterial({color: colour, roughness: 0.7});
+    this.painted.push(material);
+    return material;
+  }
+
+  /** White lines along the edges of a table and down its middle. */
+  addLines({half_extents: [hx, hy, hz], pose: [x, y, z]}) {
+    const white = this.materialOf('#f4f7fa');
+    const width = 0.02;
+    const lines = [[0, hy - width / 2, hx, width / 2], [0, width / 2 - hy, hx, width / 2],
+                   [hx - width / 2, 0, width / 2, hy], [width / 2 - hx, 0, width / 2, hy],
+                   [0, 0, hx, width / 6]];
+    for (const [cx, cy, dx, dy] of lines) {
+      const mesh = new THREE.Mesh(new THREE.BoxGeometry(2 * dx, 2 * dy, 0.002), white);
+      mesh.position.set(x + cx, y + cy, z + hz + 0.001);
+      mesh.receiveShadow = true;
+      this.add(mesh);
+    }
   }
 
   /**
@@ -164,7 +196,11 @@ export class Fixed extends THREE.Group {
   /** @param {object} theme  colours, see stage.js */
   paint(theme) {
     this.uniforms.uLine.value.set(theme.line);
-    this.ground.color.set(theme.ground);
+    this.ground.color.set(this.own.ground ?? theme.ground);
+    if (this.own.ground) {
+      this.ground.color.multiplyScalar(theme.dim);
+      this.uniforms.uLine.value.copy(this.ground.color).lerp(new THREE.Color('#fff'), 0.1);
+    }
     // Walls turn away from the sun.
     this.wall.color.set(theme.wall);
     this.wall.emissive.set(theme.wall).multiplyScalar(0.3);
@@ -173,6 +209,6 @@ export class Fixed extends THREE.Group {
 
   dispose() {
     this.children.forEach((mesh) => mesh.geometry.dispose());
-    [this.solid, this.ground, this.wall].forEach((material) => material.dispose());
+    [this.solid, this.ground, this.wall, ...this.painted].forEach((material) => material.dispose());
   }
 }

@@ -97,13 +97,27 @@ export class Input {
     if (!hit) return;
     const facing = camera.getWorldDirection(new THREE.Vector3());
     pointer.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, hit.point);
-    const toLocal = bodies.bodyMatrix(pane.peer, hit.body).clone().invert();
-    pointer.grab = {
-      id: this.nextId++, peer: pane.peer, body: hit.body, anchor: hit.point.clone(), sent: 0,
-      local: hit.point.clone().applyMatrix4(toLocal),
-    };
-    this.page.send({type: 'grab', id: pointer.grab.id, pane: pane.peer, body: hit.body,
-                    point: hit.point.toArray()});
+    pointer.grab = this.grab(pane.peer, hit.body, hit.point);
+  }
+
+  grab(peer, body, point) {
+    const toLocal = this.page.bodies().bodyMatrix(peer, body).clone().invert();
+    const grab = {id: this.nextId++, peer, body, anchor: point.clone(), sent: 0,
+                  local: point.clone().applyMatrix4(toLocal)};
+    this.page.send({type: 'grab', id: grab.id, pane: peer, body, point: point.toArray()});
+    return grab;
+  }
+
+  /**
+   * Holds a body without a pointer.
+   * @param {string} id  of the hand
+   * @returns {?object}  null where there are too many grabs
+   */
+  hold(id, pane, body, point) {
+    if (this.grabs().length >= MOST_GRABS) return null;
+    const pointer = {x: NaN, y: NaN, pane, grab: this.grab(pane.peer, body, point)};
+    this.pointers.set(id, pointer);
+    return pointer;
   }
 
   move(event) {
@@ -137,7 +151,12 @@ export class Input {
   pull(pointer) {
     this.aim(pointer.pane, pointer.x, pointer.y);
     const place = this.ray.ray.intersectPlane(pointer.plane, new THREE.Vector3());
-    if (!place || place.toArray().some((v) => Math.abs(v) > FARTHEST)) return;
+    if (place) this.pullTo(pointer, place);
+  }
+
+  /** @param {object} pointer  that holds something @param {THREE.Vector3} place  m, world */
+  pullTo(pointer, place) {
+    if (place.toArray().some((v) => Math.abs(v) > FARTHEST)) return;
     pointer.grab.anchor.copy(place);
     pointer.grab.moved = true;
     this.flush();
@@ -171,9 +190,14 @@ export class Input {
   }
 
   up(event) {
-    const pointer = this.pointers.get(event.pointerId);
+    this.release(event.pointerId);
+  }
+
+  /** @param {number|string} id  of a pointer, or of a hand without one */
+  release(id) {
+    const pointer = this.pointers.get(id);
     if (!pointer) return;
-    this.pointers.delete(event.pointerId);
+    this.pointers.delete(id);
     if (pointer.grab) {
       if (pointer.grab.moved) {
         this.page.send({type: 'move', id: pointer.grab.id, point: pointer.grab.anchor.toArray()});
@@ -187,7 +211,7 @@ export class Input {
   wheel(event) {
     event.preventDefault();
     const steps = event.deltaY * (event.deltaMode === 1 ? 33 : 1) / 500;
-    const holding = [...this.pointers.values()].filter((pointer) => pointer.grab);
+    const holding = [...this.pointers.values()].filter((pointer) => pointer.grab && pointer.plane);
     // While something is held, it goes away or comes nearer.
     for (const pointer of holding) {
       const {camera} = this.page.orbit;

@@ -6,15 +6,19 @@
 import * as THREE from './three.module.min.js';
 import {lookAt, Orbit, parseLook} from './camera.js';
 import {Connection} from './connection.js';
-import {Controls} from './controls.js';
+import {Controls, ONE_WAY} from './controls.js';
+import {Ending} from './ending.js';
 import {Fixed} from './fixed.js';
 import {Input} from './input.js';
+import {Keyboard} from './keyboard.js';
 import {Overlays} from './overlays.js';
 import {label, layOut} from './panes.js';
 import {Plots} from './plots.js';
 import {Bodies} from './scene.js';
 import {Stage, THEMES} from './stage.js';
 import {publish} from './state.js';
+import {Timeline} from './timeline.js';
+import {lengthText, schemeName, sentenceOf} from './words.js';
 
 const query = new URLSearchParams(location.search);
 const on = (name) => query.has(name) && query.get(name) !== '0';
@@ -27,8 +31,8 @@ const byId = (id) => document.getElementById(id);
 const page = {
   hello: null, bodies: null, fixed: null, overlays: null, panes: [], frame: null, settings: {},
   frames: 0, drawn: 0, connected: false, overlay: on('overlay'), marks: on('marks'),
-  arrival: 0, interval: 1000 / 60, settled: true, dirty: true, messages: [],
-  drawnAt: 0, next: 0, justDrew: false,
+  timeline: null, settled: true, dirty: true, messages: [], drawnAt: 0, next: 0, justDrew: false,
+  runs: [], furthest: [], roundTrip: NaN, roundTrips: [], asked: false, over: false,
 };
 document.body.classList.toggle('still', still);
 const canvas = byId('view');
@@ -40,7 +44,7 @@ const redraw = () => { page.dirty = true; };
 const socket = new URL('./socket', location.href);
 socket.protocol = socket.protocol === 'https:' ? 'wss:' : 'ws:';
 socket.search = '';
-const connection = new Connection(socket.href, {hello, frame, text, state});
+const connection = new Connection(socket.href, {hello, frame, text, state, roundTrip});
 const send = (message) => connection.send(message);
 const input = new Input(canvas, {panes: () => page.panes, bodies: () => page.bodies, orbit, send,
                                  redraw});
@@ -48,7 +52,11 @@ const home = () => {
   orbit.reset();
   redraw();
 };
-const controls = new Controls(document, {send, overlay, marks, home});
+const controls = new Controls(document, {send, overlay, marks, home, score});
+const ending = new Ending(document, {again});
+new Keyboard(canvas, input, {
+  panes: () => page.panes, bodies: () => page.bodies, orbit, redraw, names: freeBodies,
+  say: (words) => { byId('spoken').textContent = words; }});
 
 function theme() {
   const name = query.get('theme') ?? (darkness.matches ? 'dark' : 'light');
@@ -60,13 +68,29 @@ function theme() {
   return colours;
 }
 
+/** Peers of the run, and of the run beside it where there is one now. */
+function runsOf(peers) {
+  const shown = page.frame ? page.frame.peers.length : peers.filter(({beside}) => !beside).length;
+  return [false, true].map((which) => [...peers.keys()].filter(
+    (p) => p < shown && Boolean(peers[p].beside) === which)).filter((run) => run.length);
+}
+
 function arrange() {
   const box = canvas.parentElement.getBoundingClientRect();
   stage.resize(Math.max(1, box.width), Math.max(1, box.height));
   const peers = page.hello?.peers ?? [];
-  page.panes = layOut(peers.length, only, page.overlay, stage.width, stage.height);
-  label(byId('labels'), page.panes, peers);
+  page.runs = runsOf(peers);
+  page.panes = layOut(page.runs, only, page.overlay, stage.width, stage.height);
+  label(byId('labels'), page.panes, peers, page.runs.length > 1 ? titles() : []);
   redraw();
+}
+
+const titles = () => [page.settings.scheme, page.settings.beside].slice(0, page.runs.length)
+  .map((scheme) => schemeName(scheme ?? null));
+
+function freeBodies() {
+  return (page.hello?.bodies ?? []).flatMap(({name, owner}, body) => (
+    owner === null || owner === undefined ? {name, body} : []));
 }
 
 function overlay(shown) {
@@ -78,6 +102,7 @@ function overlay(shown) {
 function marks(shown) {
   page.marks = shown;
   controls.press('marks', shown);
+  byId('legend').hidden = !shown;
   send({type: 'want', overlays: shown});
 }
 
@@ -98,9 +123,13 @@ function hello(message) {
   }
   // Looked at anew only where it is another scene: who is back sees what he saw.
   page.fresh = page.hello?.scene !== message.scene;
-  Object.assign(page, {hello: message, frame: null, overlays: null, fixed: null, settled: false});
+  Object.assign(page, {hello: message, frame: null, overlays: null, fixed: null, settled: false,
+                       over: false});
   page.bodies = new Bodies(message);
+  page.timeline = new Timeline(message.bodies.length);
   stage.scene.add(page.bodies);
+  ending.hide();
+  byId('sentence').textContent = sentenceOf(message.scene);
   byId('scene').textContent = message.scene;
   document.title = `Tandem · ${message.scene}`;
   controls.enable(message.live, message.choices ?? {});
@@ -108,6 +137,8 @@ function hello(message) {
   plots.clear();
   arrange();
   if (page.marks) marks(true);
+  // It may be over already.
+  if (message.live) send({type: 'score'});
 }
 
 /** When the first frame is there, one knows how large all is. */
@@ -115,31 +146,78 @@ function setTheScene() {
   const box = bounds();
   if (page.fresh) orbit.set(parseLook(query.get('look')) ?? lookAt(page.hello.scene, box));
   const size = Math.max(orbit.home.width, orbit.home.height);
-  page.fixed = new Fixed(page.hello.fixed, size, theme());
-  page.overlays = new Overlays(page.hello.peers.length, Math.min(size, 4));
+  page.fixed = new Fixed(page.hello.fixed, page.hello.scene, size, THEMES.light);
+  theme();
+  page.overlays = new Overlays(page.hello.peers, Math.min(size, 4));
   stage.scene.add(page.fixed, page.overlays);
   stage.lightUp(new THREE.Vector3(...orbit.home.target), 0.75 * size);
 }
 
 function frame(next) {
-  const now = performance.now();
   const last = page.frame;
-  page.frame = next;
+  const again = !last || next.time < last.time;
+  const others = !last || next.peers.length !== last.peers.length;
+  page.frame = {...next};
   ++page.frames;
+  if (again || others) {
+    page.furthest = [NaN, NaN];
+    page.over = false;
+    if (last) input.letGo();
+  }
+  if (again && last && !page.asked) ending.hide();
+  if (others) arrange();
+  if (others) plots.clear();
+  page.timeline.push(next, performance.now(), still || again);
   if (!page.fixed) setTheScene();
-  // From where all is drawn now to the new frame, for as long as one took to come.
-  if (last) page.interval += 0.1 * (Math.min(100, now - page.arrival) - page.interval);
-  page.arrival = now;
-  page.bodies.aim(next, still || !last || next.time < last.time);
   page.settled = false;
   if (!still) plots.push(next);
   redraw();
+}
+
+/** The score so far. */
+function score() {
+  page.asked = true;
+  send({type: 'score'});
+}
+
+/** From the beginning, or once more to a program that was not there. */
+function again() {
+  if (page.connected) send({type: 'restart'});
+  else connection.again();
+}
+
+function tellScore(message) {
+  if (!message.final && !page.asked) return;
+  page.asked = false;
+  page.over = message.final;
+  ending.fill(message.outcomes, page.runs.map((peers, run) => (
+    {title: titles()[run], peers, furthest: page.furthest[run]})));
+  ending.open(message.final ? 'The run is over' : 'So far',
+              `${message.time.toFixed(1)} s of the session.`, 'Again');
+}
+
+/** A page that is busy hears late: the shortest of late is what the way takes. */
+function roundTrip(ms) {
+  page.roundTrips = [...page.roundTrips.slice(-9), ms];
+  page.roundTrip = Math.min(...page.roundTrips);
+  tellFacts();
+}
+
+function tellFacts() {
+  const {profile} = page.settings;
+  const peers = Number.isInteger(profile) ? [`peers ${2 * ONE_WAY[profile]} ms`] : [];
+  const here = Number.isFinite(page.roundTrip) ? [`this page ${page.roundTrip.toFixed(1)} ms`] : [];
+  byId('facts').textContent = `There and back: ${[...peers, ...here].join(', ') || 'not known yet'}`;
 }
 
 function text(message) {
   if (message.type === 'settings') {
     page.settings = message.settings;
     controls.show(message.settings);
+    tellFacts();
+    arrange();
+  } else if (message.type === 'score') {
+    tellScore(message);
   } else if (message.type === 'refused') {
     page.messages.push(message.text);
     const box = byId('message');
@@ -153,10 +231,34 @@ function text(message) {
 function state(name) {
   page.connected = name === 'open';
   if (!page.connected) input.letGo();
-  byId('state').textContent = page.connected ? (page.hello.live ? '' : 'network')
-                                             : 'no connection, trying again';
+  byId('state').textContent = {
+    open: page.hello?.live ? '' : 'network', lost: 'no connection, trying again',
+    ended: 'the program has ended', dead: 'the program does not answer'}[name];
   byId('state').classList.toggle('lost', !page.connected);
+  const start = 'Start it again in a terminal and open the address that it prints.';
+  if (name === 'ended') {
+    if (!page.over) byId('ending-score').replaceChildren();
+    ending.open(page.over ? 'The run is over' : 'The program has ended', start, '');
+  } else if (name === 'dead') {
+    byId('ending-score').replaceChildren();
+    ending.open('The program does not answer', `It may have been stopped. ${start}`, 'Try again');
+  }
   redraw();
+}
+
+/** How far copies are apart, where they are drawn; over a network, as the program says. */
+function tellApart() {
+  page.runs.forEach((peers, run) => {
+    let {distance, body} = Timeline.furthest(peers, page.bodies.shown);
+    if (peers.length === 1) distance = 1e-3 * page.frame.peers[peers[0]].divergenceMaxMm;
+    if (!(distance <= page.furthest[run])) page.furthest[run] = distance;
+    const box = byId(`apart-${run}`);
+    if (!box) return;
+    const name = page.hello.bodies[body]?.name;
+    box.textContent = Number.isFinite(distance)
+      ? `furthest apart ${lengthText(distance)}${name ? ` (${name})` : ''} · most ` +
+        `${lengthText(page.furthest[run])}` : '';
+  });
 }
 
 function draw(now) {
@@ -168,12 +270,10 @@ function draw(now) {
   if (!page.dirty || !page.bodies || !page.frame || now < page.next) return;
   page.drawnAt = now;
   page.justDrew = true;
-  const t = still ? 1 : THREE.MathUtils.clamp((performance.now() - page.arrival) / page.interval,
-                                              0, 1);
-  if (!page.settled) page.bodies.move(t);
-  page.settled = t === 1;
+  page.settled = page.timeline.advance(still ? Infinity : performance.now());
+  page.bodies.move(page.timeline);
   page.dirty = !page.settled;
-  page.overlays.update(page.frame, page.bodies, input.grabs());
+  page.overlays.update(page.timeline, page.bodies, input.grabs(), page.marks);
   for (const pane of page.panes) {
     page.bodies.show(pane.peers, page.overlay);
     page.overlays.show(pane.peers);
@@ -182,8 +282,9 @@ function draw(now) {
     page.fixed.clearTheWay(camera, orbit.target, orbit.home.width);
     stage.draw(pane, camera, orbit.distance(aspect));
   }
-  byId('clock').textContent = `${page.frame.time.toFixed(1)} s`;
-  plots.draw(now);
+  byId('clock').textContent = `${page.timeline.time.toFixed(1)} s`;
+  tellApart();
+  plots.draw(now, page.hello.peers);
   ++page.drawn;
 }
 
@@ -193,6 +294,7 @@ new ResizeObserver(arrange).observe(canvas.parentElement);
 canvas.addEventListener('pointerdown', () => byId('hint').classList.add('gone'));
 controls.press('overlay', page.overlay);
 controls.press('marks', page.marks);
+byId('legend').hidden = !page.marks || still;
 theme();
 arrange();
 requestAnimationFrame(draw);

@@ -9,8 +9,9 @@ const UP = new THREE.Vector3(0, 0, 1);
 
 /** Instances of one geometry that are set anew for each frame; grows as needed. */
 class Marks extends THREE.Group {
-  constructor(geometry, material) {
+  constructor(geometry, material, shadows) {
     super();
+    this.shadows = shadows;
     this.geometry = geometry;
     this.material = material;
     this.count = 0;
@@ -22,6 +23,7 @@ class Marks extends THREE.Group {
     this.mesh.instanceColor =
       new THREE.InstancedBufferAttribute(new Float32Array(3 * capacity), 3);
     this.mesh.frustumCulled = false;
+    this.mesh.castShadow = this.mesh.receiveShadow = this.shadows;
     this.mesh.raycast = () => {};
     if (old) {
       this.mesh.instanceMatrix.array.set(old.instanceMatrix.array);
@@ -45,13 +47,17 @@ class Marks extends THREE.Group {
     this.mesh.instanceColor.needsUpdate = true;
     this.visible = this.count > 0;
   }
+  dispose() {
+    this.geometry.dispose();
+    this.mesh.dispose();
+  }
 }
 
 /** Round sticks from one place to another. */
 export class Sticks extends Marks {
-  /** @param {THREE.Material} material */
-  constructor(material) {
-    super(new THREE.CylinderGeometry(1, 1, 1, 8).rotateX(Math.PI / 2), material);
+  /** @param {THREE.Material} material @param {boolean} shadows  they cast and receive them */
+  constructor(material, shadows = false) {
+    super(new THREE.CylinderGeometry(1, 1, 1, 12).rotateX(Math.PI / 2), material, shadows);
     this.middle = new THREE.Vector3();
     this.along = new THREE.Vector3();
     this.turn = new THREE.Quaternion();
@@ -109,9 +115,10 @@ export class Sticks extends Marks {
 
 /** Small solids: balls, or octahedra. */
 export class Dots extends Marks {
-  /** @param {THREE.Material} material @param {THREE.BufferGeometry} geometry  of radius 1 */
-  constructor(material, geometry = new THREE.SphereGeometry(1, 16, 10)) {
-    super(geometry, material);
+  /** @param {THREE.Material} material @param {THREE.BufferGeometry} geometry  of radius 1
+   *  @param {boolean} shadows  they cast and receive them */
+  constructor(material, geometry = new THREE.SphereGeometry(1, 16, 10), shadows = false) {
+    super(geometry, material, shadows);
     this.turn = new THREE.Quaternion();
     this.size = new THREE.Vector3();
     this.matrix = new THREE.Matrix4();

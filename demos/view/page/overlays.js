@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What is behind the poses: contacts, springs of users, where others are believed to have a body.
-// And what this page's own user holds. World frame, m.
+// What is beside the bodies: users' hands, contacts, where others are believed to have a body. And
+// what this page's own user holds. World frame, m.
 import * as THREE from './three.module.min.js';
 import {peerColour} from './colours.js';
 import {Dots, Sticks} from './marks.js';
@@ -24,52 +24,61 @@ class PeerMarks extends THREE.Group {
 
 /** The marks of all peers. */
 export class Overlays extends THREE.Group {
-  /** @param {number} peers @param {number} size  m, how wide the scene is */
+  /** @param {object[]} peers  of hello @param {number} size  m, how wide the scene is */
   constructor(peers, size) {
     super();
     this.size = size;
     this.materials = {mark: new THREE.MeshStandardMaterial({roughness: 0.5})};
-    this.peers = Array.from({length: peers}, () => new PeerMarks(this.materials));
-    this.colours = this.peers.map((_, p) => new THREE.Color(peerColour(p)));
+    this.time = NaN;  // s, session time that is drawn
+    this.seen = [];   // marks of each peer, as they are drawn
+    this.peers = peers.map(() => new PeerMarks(this.materials));
+    this.colours = peers.map(({id}) => new THREE.Color(peerColour(id - 1)));
     this.add(...this.peers);
   }
 
   /**
-   * @param {?import('./protocol.js').Frame} frame  the last one
-   * @param {import('./scene.js').Bodies} bodies
+   * @param {import('./timeline.js').Timeline} timeline  whose playhead is drawn
+   * @param {import('./scene.js').Bodies} bodies  as they are drawn
    * @param {object[]} grabs  of this page, see input.js
+   * @param {boolean} all  not the hands alone
    */
-  update(frame, bodies, grabs) {
+  update(timeline, bodies, grabs, all) {
+    this.time = timeline.time;
+    this.seen = bodies.shown.slice(0, timeline.after.peers.length)
+      .map((shown, p) => timeline.marks(p, shown));
     this.peers.forEach((marks, p) => {
       marks.all.forEach((mark) => mark.clear());
-      const overlays = frame?.peers[p].overlays;
-      if (overlays) this.drawOverlays(marks, p, overlays, bodies);
+      for (const spring of this.seen[p]?.springs ?? []) this.drawHand(marks, spring, all);
+      if (all && this.seen[p]) this.drawBehind(marks, p, this.seen[p], bodies);
       for (const grab of grabs) {
-        if (grab.peer === p) this.drawGrab(marks, p, grab, bodies, overlays);
+        if (grab.peer === p) this.drawGrab(marks, p, grab, bodies);
       }
       marks.all.forEach((mark) => mark.show());
     });
   }
 
-  drawOverlays(marks, p, overlays, bodies) {
+  drawHand(marks, {anchor, attachment, user}, coil) {
+    const unit = 0.01 * this.size;
+    const colour = this.colours[user] ?? ELSEWHERE;
+    const from = new THREE.Vector3(...attachment);
+    const to = new THREE.Vector3(...anchor);
+    if (coil) marks.sticks.addCoil(from, to, 0.9 * unit, colour);
+    else marks.sticks.draw(from, to, 0.35 * unit, colour);
+    marks.dots.draw(to, 1.3 * unit, colour);
+    marks.dots.draw(from, 0.6 * unit, colour);
+  }
+
+  drawBehind(marks, p, {contacts, targets}, bodies) {
     const unit = 0.01 * this.size;
     const from = new THREE.Vector3();
     const to = new THREE.Vector3();
-    for (const {point, normal} of overlays.contacts) {
+    for (const {point, normal} of contacts) {
       from.fromArray(point);
       to.fromArray(normal).multiplyScalar(1.6 * unit).add(from);
       marks.sticks.draw(from, to, 0.1 * unit, CONTACT);
       marks.dots.draw(from, 0.28 * unit, CONTACT);
     }
-    for (const {anchor, attachment, user} of overlays.springs) {
-      const colour = this.colours[user] ?? ELSEWHERE;
-      from.fromArray(attachment);
-      to.fromArray(anchor);
-      marks.sticks.addCoil(from, to, 0.9 * unit, colour);
-      marks.dots.draw(to, 1.3 * unit, colour);
-      marks.dots.draw(from, 0.6 * unit, colour);
-    }
-    for (const {body, peer, position} of overlays.targets) {
+    for (const {body, peer, position} of targets) {
       to.fromArray(position);
       const colour = this.colours[peer] ?? ELSEWHERE;
       marks.targets.draw(to, 1.2 * unit, colour);
@@ -77,13 +86,12 @@ export class Overlays extends THREE.Group {
     }
   }
 
-  drawGrab(marks, p, grab, bodies, overlays) {
+  /** Where the page wants its hand to be; the hand itself is among the peer's springs. */
+  drawGrab(marks, p, grab, bodies) {
     const unit = 0.01 * this.size;
     const from = grab.local.clone().applyMatrix4(bodies.bodyMatrix(p, grab.body));
-    // With overlays on, the spring is among what the server tells.
-    if (!overlays) marks.sticks.addCoil(from, grab.anchor, 0.9 * unit, this.colours[p]);
-    marks.dots.draw(grab.anchor, 1.3 * unit, this.colours[p]);
-    marks.dots.draw(from, 0.7 * unit, this.colours[p]);
+    marks.sticks.draw(from, grab.anchor, 0.15 * unit, this.colours[p]);
+    marks.dots.draw(grab.anchor, 0.8 * unit, this.colours[p]);
   }
 
   /** @param {Set<number>} peers  who is seen */
@@ -93,11 +101,6 @@ export class Overlays extends THREE.Group {
 
   dispose() {
     this.materials.mark.dispose();
-    for (const marks of this.peers) {
-      for (const mark of marks.all) {
-        mark.geometry.dispose();
-        mark.mesh.dispose();
-      }
-    }
+    for (const marks of this.peers) marks.all.forEach((mark) => mark.dispose());
   }
 }

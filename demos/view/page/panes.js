@@ -5,69 +5,86 @@
 // one pane. Rectangles are in CSS pixels from the canvas's upper left corner.
 import {peerColour, peerName} from './colours.js';
 
-const GAP = 2;  // CSS pixels between panes
+const GAP = 2;       // CSS pixels between panes
+const RUN_GAP = 6;   // likewise, between runs
 
 /**
  * @typedef {object} Pane
  * @property {number} peer       whose user grabs here; index in hello
  * @property {Set<number>} peers  who is seen
+ * @property {number} run        0, or 1: of the run beside
  * @property {number} x
  * @property {number} y
  * @property {number} width
  * @property {number} height
  */
 
-/**
- * @param {number} peers      how many there are
- * @param {?number} only      a peer that is seen alone
- * @param {boolean} overlay   all in one pane
- * @param {number} width      CSS pixels
- * @param {number} height     CSS pixels
- * @returns {Pane[]}
- */
-export function layOut(peers, only, overlay, width, height) {
-  if (peers === 0) return [];
-  const all = new Set(Array(peers).keys());
-  if (only !== null && only < peers) return [{peer: only, peers: new Set([only]), x: 0, y: 0, width,
-                                              height}];
-  if (overlay) return [{peer: 0, peers: all, x: 0, y: 0, width, height}];
-  // As many columns as make panes most like 4 : 3.
+/** So many equal rectangles, in the grid in which they are most like 4 : 3. */
+function grid(count, width, height) {
   let best = null;
-  for (let columns = 1; columns <= peers; ++columns) {
-    const rows = Math.ceil(peers / columns);
+  for (let columns = 1; columns <= count; ++columns) {
+    const rows = Math.ceil(count / columns);
     const w = (width - GAP * (columns - 1)) / columns;
     const h = (height - GAP * (rows - 1)) / rows;
     const size = Math.min(w / 4, h / 3);
     if (!best || size > best.size) best = {columns, w, h, size};
   }
-  return [...all].map((peer) => ({
-    peer, peers: new Set([peer]), x: (peer % best.columns) * (best.w + GAP),
-    y: Math.floor(peer / best.columns) * (best.h + GAP), width: best.w, height: best.h,
-  }));
+  return Array.from({length: count}, (_, i) => ({
+    x: (i % best.columns) * (best.w + GAP), y: Math.floor(i / best.columns) * (best.h + GAP),
+    width: best.w, height: best.h}));
+}
+
+/**
+ * @param {number[][]} runs   the peers of each run; the runs are side by side
+ * @param {?number} only      a peer that is seen alone
+ * @param {boolean} overlay   all of a run in one pane
+ * @param {number} width      CSS pixels
+ * @param {number} height     CSS pixels
+ * @returns {Pane[]}
+ */
+export function layOut(runs, only, overlay, width, height) {
+  const chosen = runs.map((peers) => (only !== null && only < peers.length ? [peers[only]] : peers));
+  const each = overlay ? 1 : chosen[0]?.length ?? 0;
+  if (each === 0) return [];
+  const wide = runs.length === 1 || width > height;
+  const across = wide ? runs.length : 1;
+  const down = wide ? 1 : runs.length;
+  const w = (width - RUN_GAP * (across - 1)) / across;
+  const h = (height - RUN_GAP * (down - 1)) / down;
+  return chosen.flatMap((peers, run) => grid(each, w, h).map((place, i) => ({
+    peer: peers[i], peers: new Set(overlay ? peers : [peers[i]]), run, ...place,
+    x: place.x + (wide ? run * (w + RUN_GAP) : 0), y: place.y + (wide ? 0 : run * (h + RUN_GAP))})));
 }
 
 /**
  * Writes who is seen into each pane.
  * @param {HTMLElement} parent
  * @param {Pane[]} panes
- * @param {object[]} peers  of hello
+ * @param {object[]} peers   of hello
+ * @param {string[]} titles  of the runs; none where there is one only
  */
-export function label(parent, panes, peers) {
-  parent.replaceChildren(...panes.map((pane) => {
-    const box = document.createElement('div');
-    box.className = 'pane';
+export function label(parent, panes, peers, titles) {
+  const make = (tag, name, ...children) => {
+    const element = document.createElement(tag);
+    element.className = name;
+    element.append(...children);
+    return element;
+  };
+  parent.replaceChildren(...panes.map((pane, i) => {
+    const box = make('div', 'pane');
     Object.assign(box.style, {left: `${pane.x}px`, top: `${pane.y}px`,
                               width: `${pane.width}px`, height: `${pane.height}px`});
+    if (i === 0 || panes[i - 1].run !== pane.run) {
+      const apart = make('output', '');
+      apart.id = `apart-${pane.run}`;
+      box.append(make('span', `run run-${pane.run}`, titles[pane.run] ?? '', apart));
+    }
     for (const peer of pane.peers) {
-      const name = document.createElement('span');
-      name.className = 'peer';
-      const dot = document.createElement('i');
-      dot.style.background = peerColour(peer);
-      const {hz, engine} = peers[peer];
-      const small = document.createElement('small');
-      small.textContent = `${hz} Hz${engine && engine !== 'tandem' ? `, ${engine}` : ''}`;
-      name.append(dot, `Peer ${peerName(peer)}`, small);
-      box.append(name);
+      const {id, hz, engine} = peers[peer];
+      const dot = make('i', '');
+      dot.style.background = peerColour(id - 1);
+      box.append(make('span', 'peer', dot, `Peer ${peerName(id - 1)}`,
+                      make('small', '', `${hz} Hz${engine && engine !== 'tandem' ? `, ${engine}` : ''}`)));
     }
     return box;
   }));

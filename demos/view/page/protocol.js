@@ -4,7 +4,7 @@
 // The bytes of docs/view.md as values. Pure: knows no page and no socket. Lengths m, times s,
 // quaternions x y z w, world frame with z up.
 
-export const PROTOCOL = 1;
+export const PROTOCOL = 2;
 /** In place of a peer that has no pane here. */
 export const ELSEWHERE = -1;
 const FRAME = 1;
@@ -18,11 +18,13 @@ export class ProtocolError extends Error {}
 
 /**
  * @typedef {object} Contact
+ * @property {number} body      index in hello, of a body that it goes along with
  * @property {number[]} point   m, world
  * @property {number[]} normal  unit, world
  * @property {number} depth     m, > 0 overlap
  *
  * @typedef {object} Spring
+ * @property {number} body          index in hello
  * @property {number[]} anchor      m, world: where it is pulled to
  * @property {number[]} attachment  m, world: where it pulls
  * @property {number} user          index in hello of the peer whose user pulls, or ELSEWHERE
@@ -35,7 +37,6 @@ export class ProtocolError extends Error {}
  *
  * @typedef {object} Overlays
  * @property {Contact[]} contacts
- * @property {Spring[]} springs
  * @property {Target[]} targets
  * @property {Uint8Array} influence  [bodies], this peer's share, 0..255 = 0..1
  *
@@ -47,13 +48,14 @@ export class ProtocolError extends Error {}
  * @property {Float32Array} positions     [3 * bodies] m, world; kept from frame to frame
  * @property {Float32Array} orientations  [4 * bodies] x y z w, body to world; likewise
  * @property {number} changed             how many bodies had a record
+ * @property {Spring[]} springs
  * @property {?Overlays} overlays
  *
  * @typedef {object} Frame
  * @property {number} number  of the frame
  * @property {number} time    s, session time
  * @property {boolean} key    every body was in it
- * @property {PeerFrame[]} peers
+ * @property {PeerFrame[]} peers  as in hello; without those of the run beside where it is not there
  */
 
 /** A reader that says where the bytes ended too early. */
@@ -117,6 +119,11 @@ export function unpackPosition(lo, hi, unit, out, at) {
   out[at + 2] = (((hi >>> 10) & 0x1fffff) - ORIGIN) * unit;
 }
 
+/** As many as the next u16 says. */
+function list(reader, read) {
+  return Array.from({length: reader.u16()}, read);
+}
+
 /** Reads frames of one connection; keeps the poses of bodies that a frame leaves out. */
 export class FrameDecoder {
   /** @param {object} hello  the server's first message */
@@ -127,7 +134,7 @@ export class FrameDecoder {
       stepMs: NaN, latencyMs: NaN, divergenceP50Mm: NaN, divergenceMaxMm: NaN,
       positions: new Float32Array(3 * this.bodies),
       orientations: Float32Array.from({length: 4 * this.bodies}, (_, i) => Number(i % 4 === 3)),
-      changed: 0, overlays: null,
+      changed: 0, springs: [], overlays: null,
     }));
   }
 
@@ -143,12 +150,12 @@ export class FrameDecoder {
     if (kind !== FRAME) throw new ProtocolError(`kind ${kind} is not known`);
     const flags = reader.u8();
     const peers = reader.u16();
-    if (peers !== this.peers.length) {
+    if (peers < 1 || peers > this.peers.length) {
       throw new ProtocolError(`${peers} peers in a frame, ${this.peers.length} in hello`);
     }
     const frame = {number: reader.u32(), time: reader.f64(), key: (flags & KEY) !== 0,
-                   peers: this.peers};
-    for (const peer of this.peers) this.decodePeer(reader, peer, (flags & OVERLAYS) !== 0);
+                   peers: this.peers.slice(0, peers)};
+    for (const peer of frame.peers) this.decodePeer(reader, peer, (flags & OVERLAYS) !== 0);
     if (reader.at !== buffer.byteLength) {
       throw new ProtocolError(`${buffer.byteLength - reader.at} bytes after the frame`);
     }
@@ -170,21 +177,21 @@ export class FrameDecoder {
       if (hi >>> 31) unpackQuaternion(reader.u32(), peer.orientations, 4 * body);
       ++peer.changed;
     }
-    peer.overlays = overlays ? this.decodeOverlays(reader) : null;
+    const known = (mark) => mark.body < this.bodies;
+    peer.springs = list(reader, () => (
+      {body: reader.u16(), anchor: reader.vec3(), attachment: reader.vec3(),
+       user: this.peerOf(reader.u8()), own: reader.u8() === 1})).filter(known);
+    peer.overlays = overlays ? this.decodeOverlays(reader, known) : null;
   }
 
-  decodeOverlays(reader) {
-    const list = (read) => Array.from({length: reader.u16()}, read);
-    const contacts = list(() => (
-      {point: reader.vec3(), normal: reader.vec3(), depth: reader.f32()}));
-    const springs = list(() => (
-      {anchor: reader.vec3(), attachment: reader.vec3(), user: this.peerOf(reader.u8()),
-       own: reader.u8() === 1}));
-    const targets = list(() => (
+  decodeOverlays(reader, known) {
+    const contacts = list(reader, () => (
+      {body: reader.u16(), point: reader.vec3(), normal: reader.vec3(), depth: reader.f32()}));
+    const targets = list(reader, () => (
       {body: reader.u16(), peer: this.peerOf(reader.u16()), position: reader.vec3()}));
     const at = reader.need(this.bodies);
     const influence = new Uint8Array(reader.view.buffer.slice(at, at + this.bodies));
-    return {contacts, springs, targets: targets.filter((t) => t.body < this.bodies), influence};
+    return {contacts: contacts.filter(known), targets: targets.filter(known), influence};
   }
 
   peerOf(index) {

@@ -6,6 +6,7 @@
 import * as THREE from './three.module.min.js';
 import {bodyColour, peerColour} from './colours.js';
 import {solidOf} from './geometry.js';
+import {People} from './people.js';
 
 const ONE = new THREE.Vector3(1, 1, 1);
 
@@ -32,21 +33,22 @@ function makeBatches(bodies) {
   return [...batches.values()];
 }
 
-/** One peer's bodies as they are drawn: between the last two frames. */
+/** One peer's bodies as they are drawn. */
 class PeerBodies {
-  constructor(peer, batches, colours, materials) {
+  constructor(colour, bodies, batches, colours, materials) {
+    this.own = new THREE.Color(colour);
     this.group = new THREE.Group();
+    this.people = new People(bodies);
+    this.group.add(this.people);
     this.colours = colours;
     this.materials = materials;
     this.ghost = new THREE.MeshStandardMaterial({
-      color: peerColour(peer), roughness: 0.6, transparent: true, opacity: 0.5, depthWrite: false,
+      color: colour, roughness: 0.6, transparent: true, opacity: 0.5, depthWrite: false,
       // Where it is with the first peer, it is not seen.
       polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
     });
     const n = colours.length;
-    this.from = {positions: new Float32Array(3 * n), orientations: new Float32Array(4 * n)};
     this.shown = {positions: new Float32Array(3 * n), orientations: new Float32Array(4 * n)};
-    this.to = null;
     this.matrices = Array.from({length: n}, () => new THREE.Matrix4());
     this.meshes = batches.map((batch) => {
       const mesh = new THREE.InstancedMesh(batch.geometry, materials.solid, batch.entries.length);
@@ -59,36 +61,15 @@ class PeerBodies {
     });
   }
 
-  /** A frame has come. @param {object} poses  of a PeerFrame @param {boolean} jump  do not glide */
-  aim(poses, jump) {
-    if (jump || !this.to) {
-      this.shown.positions.set(poses.positions);
-      this.shown.orientations.set(poses.orientations);
-    }
-    this.from.positions.set(this.shown.positions);
-    this.from.orientations.set(this.shown.orientations);
-    this.to = poses;
-  }
-
-  /** @param {number} t  0..1, from what was drawn when the last frame came to that frame */
-  move(t) {
-    if (!this.to) return;
-    const {positions: p, orientations: q} = this.shown;
-    const {positions: p0, orientations: q0} = this.from;
-    const {positions: p1, orientations: q1} = this.to;
-    for (let i = 0; i < p.length; ++i) p[i] = p0[i] + t * (p1[i] - p0[i]);
+  /** To where `shown` has them. */
+  move() {
+    const {positions, orientations} = this.shown;
     const place = new THREE.Vector3();
     const turn = new THREE.Quaternion();
-    for (let b = 0, i = 0; i < q.length; ++b, i += 4) {
-      const dot = q0[i] * q1[i] + q0[i + 1] * q1[i + 1] + q0[i + 2] * q1[i + 2] +
-                  q0[i + 3] * q1[i + 3];
-      const sign = dot < 0 ? -1 : 1;
-      turn.set(q0[i] + t * (sign * q1[i] - q0[i]), q0[i + 1] + t * (sign * q1[i + 1] - q0[i + 1]),
-               q0[i + 2] + t * (sign * q1[i + 2] - q0[i + 2]),
-               q0[i + 3] + t * (sign * q1[i + 3] - q0[i + 3])).normalize().toArray(q, i);
-      place.fromArray(p, 3 * b);
-      this.matrices[b].compose(place, turn, ONE);
-    }
+    this.matrices.forEach((matrix, b) => {
+      matrix.compose(place.fromArray(positions, 3 * b), turn.fromArray(orientations, 4 * b), ONE);
+    });
+    this.people.update(positions);
     const matrix = new THREE.Matrix4();
     for (const mesh of this.meshes) {
       mesh.userData.entries.forEach((entry, i) => {
@@ -99,8 +80,8 @@ class PeerBodies {
     }
   }
 
-  /** @param {?Uint8Array} influence  colours by it, null: by body @param {THREE.Color} own */
-  colour(influence, own) {
+  /** @param {?Uint8Array} influence  colours by it, null: by body */
+  colour(influence) {
     if (!influence && !this.tinted) return;
     this.tinted = Boolean(influence);
     const grey = new THREE.Color('#b4bcc5');
@@ -109,7 +90,7 @@ class PeerBodies {
       mesh.userData.entries.forEach(({body}, i) => {
         mixed.copy(this.colours[body]);
         // Pale where it follows the others, the peer's own where it leads.
-        if (influence) mixed.lerp(grey, 0.6).lerp(own, influence[body] / 255);
+        if (influence) mixed.lerp(grey, 0.6).lerp(this.own, influence[body] / 255);
         mesh.setColorAt(i, mixed);
       });
       mesh.instanceColor.needsUpdate = true;
@@ -117,6 +98,7 @@ class PeerBodies {
   }
 
   asGhost(ghost) {
+    this.people.visible = !ghost;
     for (const mesh of this.meshes) {
       mesh.material = ghost ? this.ghost : this.materials.solid;
       mesh.castShadow = !ghost;
@@ -136,22 +118,21 @@ export class Bodies extends THREE.Group {
     this.geometries = batches.map((batch) => batch.geometry);
     this.materials = {
       solid: new THREE.MeshStandardMaterial({roughness: 0.55, metalness: 0, vertexColors: true})};
-    this.peers = hello.peers.map((_, p) => new PeerBodies(p, batches, colours, this.materials));
+    this.peers = hello.peers.map(({id}) => new PeerBodies(peerColour(id - 1), hello.bodies, batches,
+                                                         colours, this.materials));
     this.peers.forEach((peer) => this.add(peer.group));
   }
 
-  /** @param {import('./protocol.js').Frame} frame @param {boolean} jump  do not glide there */
-  aim(frame, jump) {
-    frame.peers.forEach((peer, p) => {
-      this.peers[p].aim(peer, jump);
-      this.peers[p].colour(peer.overlays?.influence, new THREE.Color(peerColour(p)));
+  /** @param {import('./timeline.js').Timeline} timeline  whose playhead is drawn */
+  move(timeline) {
+    timeline.after.peers.forEach(({overlays}, p) => {
+      timeline.poses(p, this.peers[p].shown);
+      this.peers[p].move();
+      this.peers[p].colour(overlays?.influence);
     });
   }
-
-  /** @param {number} t  0..1, see PeerBodies.move */
-  move(t) {
-    for (const peer of this.peers) peer.move(t);
-  }
+  /** Poses of each peer as they are drawn. */
+  get shown() { return this.peers.map((peer) => peer.shown); }
 
   /**
    * @param {Set<number>} peers  who is seen
@@ -195,6 +176,7 @@ export class Bodies extends THREE.Group {
     this.materials.solid.dispose();
     for (const peer of this.peers) {
       peer.ghost.dispose();
+      peer.people.dispose();
       peer.meshes.forEach((mesh) => mesh.dispose());
     }
   }

@@ -7,9 +7,9 @@ import * as THREE from './three.module.min.js';
 /** Colours of what has none of its own; the page's own colours are in style.css. */
 export const THEMES = {
   light: {background: '#e9eef3', ground: '#dfe6ec', line: '#8899aa', wall: '#f4f7fa',
-          fixed: '#c3ccd6', sky: '#ffffff', below: '#c9d2da', ambient: 1.75, sun: 2.3},
+          fixed: '#c3ccd6', sky: '#ffffff', below: '#c9d2da', ambient: 1.75, sun: 2.3, dim: 1},
   dark: {background: '#161d24', ground: '#333e49', line: '#8294a8', wall: '#3a4550',
-         fixed: '#6b7a8a', sky: '#dfe9f5', below: '#56636f', ambient: 1.6, sun: 2.6},
+         fixed: '#6b7a8a', sky: '#dfe9f5', below: '#56636f', ambient: 1.6, sun: 2.6, dim: 0.45},
 };
 
 const SLOW = 45;  // ms a picture may take before there are fewer pixels

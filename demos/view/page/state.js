@@ -22,14 +22,23 @@ export function publish(window, {page, connection, orbit, canvas, input}) {
     get settings() { return {...page.settings}; },
     /** What the server refused. */
     get messages() { return [...page.messages]; },
+    /** m: how far copies of each run were apart at most, as drawn. */
+    get furthest() { return [...page.furthest]; },
+    get roundTrip() { return page.roundTrip; },
+    /** The instant that is drawn: s, session time; and of each peer what is drawn of it, m, world. */
+    get drawnNow() {
+      const {overlays, bodies} = page;
+      return {time: overlays.time, peers: overlays.seen.map((marks, p) => (
+        {positions: [...bodies.peers[p].shown.positions], ...marks}))};
+    },
     /** s, session time of the last frame. */
     get time() { return page.frame?.time ?? NaN; },
     get panes() { return page.panes.map((pane) => ({...pane, peers: [...pane.peers]})); },
     /** Latency ms, step ms, divergence mm of each peer. */
     get peers() {
-      return (page.frame?.peers ?? []).map(({positions, orientations, overlays, ...rest}) => ({
+      return (page.frame?.peers ?? []).map(({positions, orientations, overlays, springs, ...rest}) => ({
         ...rest, contacts: overlays?.contacts.length ?? null,
-        springs: overlays?.springs.length ?? null, targets: overlays?.targets.length ?? null}));
+        springs: springs.length, targets: overlays?.targets.length ?? null}));
     },
     /** @returns {Object<string, number[]>}  x y z qx qy qz qw of each body of a peer, by name; as
      *  the last frame has it, m, world */

@@ -44,7 +44,7 @@ class Writer {
 /**
  * @param {{number: number, time: number, key: boolean, unit: number, peers: object[]}} frame
  *   a peer: stepMs, latencyMs, divergenceP50Mm, divergenceMaxMm, bodies [{position, quaternion}]
- *   (null: no record; quaternion null: not told), overlays (null where no peer has them)
+ *   (null: no record; quaternion null: not told), springs, overlays (null where no peer has them)
  * @returns {Uint8Array}
  */
 export function encodeFrame(frame) {
@@ -65,19 +65,27 @@ export function encodeFrame(frame) {
       packPosition(body.position, frame.unit, Boolean(body.quaternion)).forEach((v) => out.u32(v));
       if (body.quaternion) out.u32(packQuaternion(body.quaternion));
     }
+    encodeSprings(out, peer.springs ?? []);
     if (overlays) encodeOverlays(out, peer.overlays);
   }
   return new Uint8Array(out.view.buffer.slice(0, out.at));
 }
 
-function encodeOverlays(out, {contacts, springs, targets, influence}) {
-  out.u16(contacts.length);
-  for (const c of contacts) out.f32(...c.point, ...c.normal, c.depth);
+function encodeSprings(out, springs) {
   out.u16(springs.length);
   for (const s of springs) {
+    out.u16(s.body);
     out.f32(...s.anchor, ...s.attachment);
     out.u8(s.user);
     out.u8(s.own ? 1 : 0);
+  }
+}
+
+function encodeOverlays(out, {contacts, targets, influence}) {
+  out.u16(contacts.length);
+  for (const c of contacts) {
+    out.u16(c.body);
+    out.f32(...c.point, ...c.normal, c.depth);
   }
   out.u16(targets.length);
   for (const t of targets) {

@@ -27,7 +27,8 @@ function fault(world, message) {
   }
   if (message.type !== 'set') return undefined;
   if (!world.live) return 'set: not in this run';
-  const choices = {...world.hello().choices, paused: [false, true]}[message.name];
+  const all = world.hello().choices;
+  const choices = {...all, paused: [false, true], beside: [null, ...all.scheme]}[message.name];
   if (!choices) return `name = ${message.name} is not known`;
   const {value} = message;
   const good = ['speed', 'influence'].includes(message.name)
@@ -69,16 +70,19 @@ class Client {
     if (why) this.refuse(why);
     else this.server.obey(this, message);
   }
-  refuse(text) { this.socket.send(JSON.stringify({type: 'refused', text})); }
+  tell(message) { this.socket.send(JSON.stringify(message)); }
+  refuse(text) { this.tell({type: 'refused', text}); }
 }
 
 /** @typedef {{url: string, world: MockWorld, received: object[], close: function()}} MockServer */
 
 /**
- * @param {{port?: number, token?: string}} options  and those of MockWorld
+ * @param {{port?: number, token?: string, every?: number}} options  every so many steps a frame is
+ *   sent; and those of MockWorld
  * @returns {Promise<MockServer>}
  */
-export async function startMock({port = 0, token = randomBytes(16).toString('hex'), ...rest} = {}) {
+export async function startMock({port = 0, token = randomBytes(16).toString('hex'), every = 1,
+                                 ...rest} = {}) {
   const world = new MockWorld(rest);
   const clients = new Set();
   const http = createServer((request, response) => answer(token, request, response));
@@ -90,17 +94,31 @@ export async function startMock({port = 0, token = randomBytes(16).toString('hex
       if (message.type === 'grab') world.grab(key, message);
       if (message.type === 'move') world.move(key, message.point);
       if (message.type === 'release') world.release((k) => k === key);
+      if (message.type === 'ping') client.tell({type: 'pong', time: message.time});
+      if (message.type === 'score') client.tell(server.score(false));
       if (message.type === 'want') client.overlays = message.overlays;
       if (message.type === 'step') server.advance();
       if (message.type === 'restart') world.restart();
       if (message.type === 'set') {
         world.settings[message.name] = message.value;
-        const text = JSON.stringify({type: 'settings', settings: world.settings});
-        for (const {socket} of clients) socket.send(text);
+        if (message.name === 'beside' && message.value) world.restart();
+        for (const each of clients) each.tell({type: 'settings', settings: world.settings});
       }
+    },
+    /** What the pages' peers have achieved. */
+    score(final) {
+      const outcomes = [{hits: 23, plate_lifted_m: 0.215}, {hits: 23, b_tasks_done: 2}, {hits: 2},
+                        {hits: 1}];
+      return {type: 'score', time: world.time, final,
+              outcomes: outcomes.slice(0, world.settings.beside ? 4 : 2)};
+    },
+    /** The run is over. */
+    end() {
+      for (const client of clients) client.tell(server.score(true));
     },
     advance() {
       world.step();
+      if (world.number % every !== 0) return;
       for (const client of clients) {
         client.socket.send(encodeFrame({...world.frame(client.overlays), key: true}));
       }
@@ -118,8 +136,15 @@ export async function startMock({port = 0, token = randomBytes(16).toString('hex
   return Object.assign(server, {
     url: `http://127.0.0.1:${http.address().port}/${token}/`,
     port: http.address().port, token,
-    async close() {
+    /** @param {?number} code  that pages are told; none where it breaks off */
+    async close(code = null) {
       clearInterval(timer);
+      if (code) {
+        await Promise.all([...clients].map(({socket}) => new Promise((resolve) => {
+          socket.once('close', resolve);
+          socket.close(code);
+        })));
+      }
       for (const {socket} of clients) socket.terminate();
       sockets.close();
       http.closeAllConnections();

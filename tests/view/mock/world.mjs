@@ -6,6 +6,10 @@
 
 const UNIT = 1.9e-5;  // m
 const HZ = 60;
+/** m/s, along x: a ball that goes at an even pace, so that one knows where it is at any time. */
+export const PACE = 0.2;
+/** m, where it is at time 0 */
+export const PACE_START = -1.4;
 const DELAYS = [0, 0.0035, 0.006, 0.0285, 0.0635, 0.1235];  // s, one way, by profile
 
 const PART = {pose: [0, 0, 0, 0, 0, 0, 1]};
@@ -31,6 +35,8 @@ function makeBodies(kind, count) {
     parts: [{shape, ...size, ...PART}]}));
   bodies.push({name: 'cube', turns: true, owner: null, start: [0, -0.3, 0.15],
                parts: [{shape: 'box', half_extents: [0.15, 0.15, 0.15], ...PART}]});
+  bodies.push({name: 'pace', turns: false, owner: null, start: [PACE_START, 0, 0.6],
+               parts: [{shape: 'sphere', radius: 0.04, ...PART}]});
   bodies.push({name: 'hand', turns: false, owner: 1, start: [0.6, -0.4, 0.3],
                parts: [{shape: 'sphere', radius: 0.05, ...PART}]});
   return bodies;
@@ -38,13 +44,13 @@ function makeBodies(kind, count) {
 
 /** The session of the mock server. */
 export class MockWorld {
-  /** @param {{scene?: string, balls?: number, live?: boolean}} options */
-  constructor({scene = 'shapes', balls = 0, live = true} = {}) {
+  /** @param {{scene?: string, balls?: number, live?: boolean, settings?: object}} options */
+  constructor({scene = 'shapes', balls = 0, live = true, settings = {}} = {}) {
     this.scene = scene;
     this.live = live;
     this.bodies = makeBodies(balls ? 'balls' : 'shapes', balls);
     this.settings = {paused: false, speed: 1, profile: 3, influence: 0.08, predictor: 'replay',
-                     scheme: 'one-pass'};
+                     scheme: 'one-pass', beside: null, ...settings};
     this.restart();
   }
 
@@ -52,22 +58,24 @@ export class MockWorld {
     this.time = 0;
     this.number = 0;
     this.holds = [];  // {key, pane, body, offset, anchors: [{time, point}]}
-    this.peers = [0, 1].map(() => this.bodies.map((body) => ({
+    // Two peers, and the two of a run beside in which nobody hears of the other.
+    this.peers = [0, 1, 2, 3].map(() => this.bodies.map((body) => ({
       position: [...body.start], quaternion: [0, 0, 0, 1], home: [...body.start]})));
   }
 
   hello() {
     const strip = ({start, ...body}) => body;
     return {
-      type: 'hello', protocol: 1, scene: this.scene, live: this.live, position_unit: UNIT,
-      peers: [{id: 1, hz: 60, engine: 'tandem'}, {id: 2, hz: 72, engine: 'bullet'}],
+      type: 'hello', protocol: 2, scene: this.scene, live: this.live, position_unit: UNIT,
+      peers: [false, true].flatMap((beside) => [{id: 1, hz: 60, engine: 'tandem', beside},
+                                                {id: 2, hz: 72, engine: 'bullet', beside}]),
       bodies: this.bodies.map(strip), settings: this.settings,
       fixed: [{shape: 'half_space', normal: [0, 0, 1], offset: 0, ...PART},
               {shape: 'half_space', normal: [0, -1, 0], offset: -1.5, ...PART},
               {shape: 'box', half_extents: [0.3, 0.1, 0.05], pose: [-0.8, -0.5, 0.05, 0, 0, 0, 1]}],
       choices: !this.live ? {} : {
         profile: [0, 1, 2, 3, 4, 5], predictor: ['replay', 'second-order', 'euler'],
-        scheme: ['one-pass', 'two-step'], speed: [0.05, 2], influence: [0, 0.5]},
+        scheme: ['one-pass', 'two-step', 'none'], speed: [0.05, 2], influence: [0, 0.5]},
     };
   }
 
@@ -89,7 +97,8 @@ export class MockWorld {
     const delay = DELAYS[this.settings.profile];
     this.peers.forEach((bodies, pane) => {
       for (const hold of this.holds) {
-        const seen = this.time - (hold.pane === pane ? 0 : delay);
+        const own = hold.pane % 2 === pane % 2;
+        const seen = this.time - (own ? 0 : pane < 2 ? delay : Infinity);
         const anchor = hold.anchors.findLast(({time}) => time <= seen);
         const body = bodies[hold.body];
         if (anchor) body.home = anchor.point.map((v, i) => v - hold.offset[i]);
@@ -97,6 +106,7 @@ export class MockWorld {
       bodies.forEach((body, b) => {
         body.position = body.position.map((v, i) => v + 0.4 * (body.home[i] - v));
         if (this.scene === 'balls') body.position[2] += 0.002 * Math.sin(3 * this.time + b);
+        if (this.bodies[b].name === 'pace') body.position[0] = PACE_START + PACE * this.time;
         if (this.bodies[b].turns && this.bodies[b].name !== 'cube') {
           const angle = 0.3 * Math.sin(this.time + b);
           body.quaternion = [0, 0, Math.sin(angle), Math.cos(angle)];
@@ -110,30 +120,37 @@ export class MockWorld {
   /** @param {boolean} overlays @returns {object}  for encodeFrame, with a record of each body */
   frame(overlays) {
     const delay = DELAYS[this.settings.profile];
-    const peers = this.peers.map((bodies, pane) => {
+    const shown = this.peers.slice(0, this.settings.beside ? 4 : 2);
+    const peers = shown.map((bodies, pane) => {
       const distances = bodies.map((body, b) => 500 * Math.hypot(
-        ...body.position.map((v, i) => v - this.peers[1 - pane][b].position[i])));
+        ...body.position.map((v, i) => v - this.peers[pane ^ 1][b].position[i])));
       distances.sort((a, b) => a - b);
       return {
         stepMs: 0.4 + 0.2 * Math.sin(this.time) ** 2 + 0.3 * pane, latencyMs: 1000 * delay,
         divergenceP50Mm: distances[distances.length >> 1], divergenceMaxMm: distances.at(-1),
         bodies: bodies.map((body, b) => (
           {position: body.position, quaternion: this.bodies[b].turns ? body.quaternion : null})),
-        overlays: overlays ? this.overlays(bodies, pane) : null};
+        springs: this.springs(bodies, pane), overlays: overlays ? this.overlays(bodies, pane) : null};
     });
     return {number: this.number, time: this.time, unit: UNIT, peers};
   }
 
+  springs(bodies, pane) {
+    return this.holds.filter((h) => h.over === undefined).map((hold) => ({
+      body: hold.body, anchor: hold.anchors.at(-1).point,
+      attachment: bodies[hold.body].position.map((v, i) => v + hold.offset[i]),
+      user: hold.pane % 2 + (pane & 2), own: hold.pane % 2 === pane % 2}));
+  }
+
   overlays(bodies, pane) {
+    const pace = Math.max(0, this.bodies.findIndex(({name}) => name === 'pace'));
     return {
-      contacts: bodies.slice(0, 5).map(({position}) => (
-        {point: [position[0], position[1], 0], normal: [0, 0, 1], depth: 0.001})),
-      springs: this.holds.filter((h) => h.over === undefined).map((hold) => ({
-        anchor: hold.anchors.at(-1).point,
-        attachment: bodies[hold.body].position.map((v, i) => v + hold.offset[i]),
-        user: hold.pane, own: hold.pane === pane})),
+      contacts: [0, 1, 2, 3, 4, pace].map((body) => {
+        const [x, y] = bodies[body].position;
+        return {body, point: [x, y, 0], normal: [0, 0, 1], depth: 0.001};
+      }),
       targets: bodies.slice(0, 3).map(({position}, body) => (
-        {body, peer: 1 - pane, position: [position[0] + 0.05, position[1], position[2] + 0.15]})),
+        {body, peer: pane ^ 1, position: [position[0] + 0.05, position[1], position[2] + 0.15]})),
       influence: bodies.map((_, b) => (b * 40) % 256)};
   }
 }

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "runner/virtual_runner.h"
+#include "runner/virtual_session.h"
+#include "view/mouse.h"
+#include "view/pane_watch.h"
+#include "view/protocol.h"
+
+namespace tandem::demos::view {
+
+/// One session in virtual time whose peers are all watched, each with a user whose hands are on
+/// pages. Same calls, same bits.
+/// @par Thread safety  One object: one thread at a time.
+class LiveWorlds {
+ public:
+  /// Scenario and replay must outlive it.
+  /// @param replay  what the scripted users do; null: their script
+  /// @throws as run_virtual
+  LiveWorlds(const Scenario& scenario, const DemoOptions& options,
+             const std::vector<Input>* replay);
+  ~LiveWorlds();
+  LiveWorlds(const LiveWorlds&) = delete;
+  LiveWorlds& operator=(const LiveWorlds&) = delete;
+
+  std::size_t size() const { return peers_.size(); }
+  const Scene& scene(std::size_t peer) const { return peers_[peer].actor->participant().scene(); }
+  Mouse& mouse(std::size_t peer) { return *peers_[peer].mouse; }
+  const Mouse& mouse(std::size_t peer) const { return *peers_[peer].mouse; }
+
+  /// Everything that happens up to `end`, ns, happens.
+  void advance_to(consensus::SessionTime end);
+  /// Another link between all peers.
+  void set_links(const consensus::LinkOptions& link);
+  /// Agree by other rules from now on.
+  void change_rules(const DemoOptions& options);
+
+  /// All worlds as they are at one instant: between the two steps of each peer about it, marks too.
+  /// @param now    ns; not before the last advance_to(), and before the next step
+  /// @param out    a frame of each peer
+  /// @param first  place of the first of them among all panes that are shown
+  void show(consensus::SessionTime now, std::span<PaneFrame> out, std::size_t first, bool overlays);
+  /// What was recorded so far, of each peer.
+  std::vector<PeerRecord> records();
+  /// What each peer and its users have achieved so far.
+  void append_outcomes(std::vector<Outcome>& out);
+
+ private:
+  struct Peer {
+    Actor* actor = nullptr;
+    std::unique_ptr<PaneWatch> watch;
+    Mouse* mouse = nullptr;                  ///< the participant's
+    std::vector<pbd::Pose> before;           ///< of the bodies when the last step began
+    consensus::SessionTime before_time = 0;  ///< ns
+  };
+  void keep_poses(Peer& peer);
+  /// Poses at `now`. @return s, from then to where the peer's world is
+  double show_poses(const Peer& peer, consensus::SessionTime now,
+                    std::vector<pbd::Pose>& out) const;
+  void show_overlays(std::size_t peer, std::size_t first, PaneFrame& out);
+  void show_springs(std::size_t peer, std::size_t first, double ahead, PaneFrame& out);
+  void show_divergence(std::span<PaneFrame> out);
+
+  VirtualSession session_;
+  std::vector<Peer> peers_;
+  // Scratch.
+  std::vector<pbd::Vec3> means_;
+  std::vector<double> lengths_;
+  std::vector<pbd::Tether::Def> pulls_;
+};
+
+}  // namespace tandem::demos::view
