@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Transports whose functions are JavaScript's: the module imports them, as function pointers of C cannot
-// name them. `user` is the number that JavaScript knows a transport by.
+// Transports whose functions are JavaScript's: the module imports them, as function pointers of C
+// cannot name them. `user` is the number that JavaScript knows a transport by.
 #include "tandem/c/tandem.h"
 
 #define TANDEM_IMPORT(name) __attribute__((import_module("tandem"), import_name(name)))
 
 extern "C" {
 
-TANDEM_IMPORT("post") int32_t tandem_js_post(uint32_t user, uint64_t to, const void* bytes, size_t size,
-                                             int32_t delivery);
+TANDEM_IMPORT("post")
+int32_t
+    tandem_js_post(uint32_t user, uint64_t to, const void* bytes, size_t size, int32_t delivery);
 TANDEM_IMPORT("drain") void tandem_js_drain(uint32_t user, const void* inbox);
 TANDEM_IMPORT("peers") void tandem_js_peers(uint32_t user, const void* list);
 TANDEM_IMPORT("drop") void tandem_js_drop(uint32_t user, uint64_t peer, const char* reason);
