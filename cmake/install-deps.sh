@@ -5,12 +5,12 @@
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
 #   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
-#     [--with-cluster] [--with-python]
+#     [--with-cluster] [--with-python] [--with-web]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
 # what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI, TANDEM_WITH_NATS and
 # their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
-# need; all is built without it, too, and shows or does less.
+# need, with --with-web what the package for browsers is built and tested with (docs/web.md); all is built without it, too, and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
 
@@ -31,6 +31,10 @@ for argument in "$@"; do
   case "$argument" in
     --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
     --with-view) with_view ;;
+    --with-web)
+      packages+=(emscripten node-acorn dpkg-dev clang)
+      command -v node >/dev/null || packages+=(nodejs)
+      ;;
     --with-checks)
       packages+=(ccache clang clang-format clang-tidy libclang-rt-14-dev python3-clang-14 doxygen python3 git iproute2)
       with_view

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "tandem/pbd/portable.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -35,12 +37,12 @@ Sizes sizes_of(const Shape& shape) {
     return {2.0 * b->half_extents.minCoeff(), b->half_extents.norm(), Kind::Box};
   }
   if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    return {2.0 * std::min(c->radius, c->half_height), std::hypot(c->radius, c->half_height),
-            Kind::Cylinder};
+    return {2.0 * std::min(c->radius, c->half_height),
+            pbd::portable::hypot(c->radius, c->half_height), Kind::Cylinder};
   }
   if (const auto* c = std::get_if<Cone>(&shape)) {
-    return {std::min(2.0 * c->radius, 2.0 * c->half_height), std::hypot(c->radius, c->half_height),
-            Kind::Cone};
+    return {std::min(2.0 * c->radius, 2.0 * c->half_height),
+            pbd::portable::hypot(c->radius, c->half_height), Kind::Cone};
   }
   if (const auto* h = std::get_if<Hull>(&shape)) {
     return {(*h)->extent(), (*h)->centre().norm() + (*h)->reach(), Kind::Polytope};

@@ -197,7 +197,7 @@ void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Work
   if (expected > out.capacity()) out.reserve(2 * expected);
 
   collect_all_pairs(dt, workers, out);
-  sum_stats({out.begin() + static_cast<std::ptrdiff_t>(first), out.end()});
+  sum_stats(std::span(out).subspan(first));
 }
 
 void CollisionScene::Impl::collect_all_pairs(double dt, pbd::Workers& workers,

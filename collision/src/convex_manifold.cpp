@@ -9,6 +9,7 @@
 
 #include "axis_rules.h"
 #include "face_contact.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::collision {
 namespace {
@@ -103,9 +104,8 @@ Vec3 climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
     const double length = slope.norm();
     bool better = false;
     for (int i = length > 1e-12 ? -1 : 0; i < 6 && !better; ++i) {
-      const double direction = angle + i * (std::numbers::pi / 3.0);
-      const Vec3 t =
-          i < 0 ? Vec3(slope / length) : Vec3(std::cos(direction) * u + std::sin(direction) * v);
+      const auto turn = pbd::portable::sin_cos(angle + i * (std::numbers::pi / 3.0));
+      const Vec3 t = i < 0 ? Vec3(slope / length) : Vec3(turn.cos * u + turn.sin * v);
       const Vec3 m = (n + step * t).normalized();
       const double value = separation(a, b, m);
       if (value <= best) continue;
@@ -128,11 +128,15 @@ void look_around(Candidates& c) {
   for (int i = 0; i < kCount; ++i) {  // a spiral around the sphere
     const double z = 1.0 - (2.0 * i + 1.0) / kCount;
     const double r = std::sqrt(1.0 - z * z);
-    const Vec3 n(r * std::cos(kGolden * i), r * std::sin(kGolden * i), z);
+    const auto turn = pbd::portable::sin_cos(kGolden * i);
+    const Vec3 n(r * turn.cos, r * turn.sin, z);
     tried[i] = {separation(c.a, c.b, n), n};
   }
+  // Of equal ones the upper one: libraries differ in which they leave first.
   std::partial_sort(tried.begin(), tried.begin() + kClimbs, tried.end(),
-                    [](const auto& l, const auto& r) { return l.first > r.first; });
+                    [](const auto& l, const auto& r) {
+                      return std::pair(l.first, l.second.z()) > std::pair(r.first, r.second.z());
+                    });
   for (int i = 0; i < kClimbs; ++i) c.other(climb(c.a, c.b, tried[i].second, 0.2), 0.0);
 }
 

@@ -13,7 +13,7 @@ Layers::Layers(std::initializer_list<std::string_view> names) {
     pbd::detail::refuse("Layers: number of names", "from 1 to 32", std::to_string(names.size()));
   }
   for (const std::string_view name : names) {
-    if (name.empty() || std::ranges::find(names_, name) != names_.end()) {
+    if (name.empty() || std::find(names_.begin(), names_.end(), name) != names_.end()) {
       pbd::detail::refuse("Layers: name", "of one layer, and not empty",
                           '"' + std::string(name) + '"');
     }
@@ -23,7 +23,7 @@ Layers::Layers(std::initializer_list<std::string_view> names) {
 }
 
 std::size_t Layers::find(std::string_view name) const {
-  const auto at = std::ranges::find(names_, name);
+  const auto at = std::find(names_.begin(), names_.end(), name);
   if (at != names_.end()) return static_cast<std::size_t>(at - names_.begin());
   std::string known;
   for (const std::string& one : names_) known += (known.empty() ? "" : ", ") + one;

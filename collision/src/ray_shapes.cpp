@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "gjk.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::collision {
 namespace {
@@ -44,7 +45,7 @@ RayResult ray_capsule(const Vec3& start, const Vec3& d, double radius, double ha
     out.normal = (start + t * d - centre).normalized();
   }
   // The side, seen along the axis: a disc that the ray crosses at a slower pace.
-  const double pace = std::hypot(d.x(), d.y());
+  const double pace = pbd::portable::hypot(d.x(), d.y());
   if (pace > 1e-12) {
     const Vec3 flat(start.x(), start.y(), 0.0);
     const double t = enter_ball(flat, Vec3(d.x(), d.y(), 0.0) / pace, radius) / pace;

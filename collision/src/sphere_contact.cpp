@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "tandem/pbd/portable.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -49,7 +51,7 @@ struct Flat {
 /// A solid of revolution about z by the outline of its half section: corners (r, z) from the axis
 /// round to the axis, counter-clockwise with r to the right; the axis is no side.
 Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
-  const double r = std::hypot(p.x(), p.y());
+  const double r = pbd::portable::hypot(p.x(), p.y());
   const Vec3 radial = r > kNoDirection ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::UnitX());
   bool inside = true;
   double best = HUGE_VAL;
@@ -58,14 +60,14 @@ Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
   for (int i = 0; i + 1 < count; ++i) {
     const Flat from = outline[i];
     const Flat side{outline[i + 1].r - from.r, outline[i + 1].z - from.z};
-    const double length = std::hypot(side.r, side.z);
+    const double length = pbd::portable::hypot(side.r, side.z);
     const Flat out{side.z / length, -side.r / length};
     const double height = out.r * (r - from.r) + out.z * (p.z() - from.z);
     if (height > 0.0) inside = false;
     const double t = std::clamp(
         ((r - from.r) * side.r + (p.z() - from.z) * side.z) / (length * length), 0.0, 1.0);
     const Flat q{from.r + t * side.r, from.z + t * side.z};
-    const double d = std::hypot(r - q.r, p.z() - q.z);
+    const double d = pbd::portable::hypot(r - q.r, p.z() - q.z);
     if (d >= best) continue;
     best = d;
     point = q;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/ranges.h"
 #include "common/session_time.h"
 #include "input/springs.h"
 #include "members/shared_bodies.h"
@@ -30,7 +31,7 @@ struct PeerData {
   PeerId self() const { return transport.self(); }
   /// What is noted about another peer. Valid until one comes or goes.
   PeerReport& report_of(PeerId peer) {
-    auto it = std::ranges::lower_bound(reports, peer, {}, &PeerReport::peer);
+    auto it = ranges::lower_bound(reports, peer, &PeerReport::peer);
     if (it == reports.end() || it->peer != peer) it = reports.insert(it, PeerReport{.peer = peer});
     return *it;
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tandem/pbd/portable.h"
+
 namespace tandem::demos {
 
 namespace {
@@ -22,7 +24,7 @@ double cliff_height(double x, double y) {
     const double s = 0.5 * x;
     base = 6.0 * (1.0 - s * s * (3.0 - 2.0 * s));
   }
-  return base + 0.3 * std::sin(1.7 * x) * std::cos(1.3 * y);
+  return base + 0.3 * pbd::portable::sin_cos(1.7 * x).sin * pbd::portable::sin_cos(1.3 * y).cos;
 }
 
 double cliff_surface(double x, double y) {

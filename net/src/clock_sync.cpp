@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "tandem/pbd/portable.h"
+
 namespace tandem::net {
 
 using consensus::PeerId;
@@ -154,8 +156,8 @@ void ClockSync::update(std::int64_t now) {
       // claims are followed longer than he is. Others have taken this time over: no jump any more.
       jumped_ |= together;
       if (updated_ != INT64_MIN) {
-        drift_ *=
-            std::exp(-static_cast<double>(std::max<std::int64_t>(now - updated_, 0)) / kLetGo);
+        drift_ *= pbd::portable::exp(
+            -static_cast<double>(std::max<std::int64_t>(now - updated_, 0)) / kLetGo);
       }
       base_ = correction(now);
       base_at_ = now;

@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstring>
 
+#include "tandem/pbd/bit_cast.h"
+
 namespace tandem::pbd {
 namespace {
 
@@ -20,8 +22,8 @@ void ByteWriter::put(std::uint64_t value, int count) {
   out_.insert(out_.end(), bytes.begin(), bytes.begin() + count);
 }
 
-void ByteWriter::f32(float value) { u32(std::bit_cast<std::uint32_t>(value)); }
-void ByteWriter::f64(double value) { u64(std::bit_cast<std::uint64_t>(value)); }
+void ByteWriter::f32(float value) { u32(bit_cast<std::uint32_t>(value)); }
+void ByteWriter::f64(double value) { u64(bit_cast<std::uint64_t>(value)); }
 
 void ByteWriter::vec3(const Vec3& value) {
   for (int i = 0; i < 3; ++i) f64(value[i]);
@@ -57,8 +59,8 @@ std::uint64_t ByteReader::get(int count) {
   return value;
 }
 
-float ByteReader::f32() { return std::bit_cast<float>(u32()); }
-double ByteReader::f64() { return std::bit_cast<double>(u64()); }
+float ByteReader::f32() { return bit_cast<float>(u32()); }
+double ByteReader::f64() { return bit_cast<double>(u64()); }
 
 Vec3 ByteReader::vec3() {
   const double x = f64();

@@ -7,12 +7,14 @@
 #include <cstddef>
 #include <numeric>
 
+#include "tandem/pbd/bit_cast.h"
+
 namespace tandem::pbd {
 namespace {
 
 /// Of a positive speed: the exponent of its binary number.
 std::uint8_t octave_of(float speed) {
-  return static_cast<std::uint8_t>(std::bit_cast<std::uint32_t>(speed) >> 23);
+  return static_cast<std::uint8_t>(bit_cast<std::uint32_t>(speed) >> 23);
 }
 
 /// The last of the budget is left over: looking for so few rows costs more than they bring.

@@ -8,6 +8,7 @@
 
 #include "joint_algebra.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::pbd {
 namespace {
@@ -26,7 +27,7 @@ void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
   if (!(cosine > 0.0)) return;
   const double sine = axis.norm();
   if (sine < 1e-300) return;
-  q = rotated(q, axis * (std::atan2(sine, cosine) / sine));
+  q = rotated(q, axis * (portable::atan2(sine, cosine) / sine));
 }
 
 /// Torque-free rotation of a body whose inertia is not the same about all axes.
@@ -104,8 +105,8 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
     body.v += h * body.inv_mass * wrench->force;
     body.w += h * (body.inv_inertia_w * wrench->torque);
   }
-  if (props.linear_damping > 0.0) body.v *= std::exp(-props.linear_damping * h);
-  if (props.angular_damping > 0.0) body.w *= std::exp(-props.angular_damping * h);
+  if (props.linear_damping > 0.0) body.v *= portable::exp(-props.linear_damping * h);
+  if (props.angular_damping > 0.0) body.w *= portable::exp(-props.angular_damping * h);
   const bool turns = body.w.squaredNorm() * h * h > kSlowAngle * kSlowAngle;
   if (turns && !props.locks.any()) spin_freely(body, props, h);
   if (props.locks.any()) enforce_locks(body, props.locks);

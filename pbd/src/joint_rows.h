@@ -9,6 +9,7 @@
 
 #include "tandem/pbd/corrections.h"
 #include "tandem/pbd/joint_def.h"
+#include "tandem/pbd/portable.h"
 
 /// The coordinates of a joint, their gradients and their force laws.
 /// Legend: rel = rotation of frame b in frame a = swing * twist about x; e = x axis of b in frame
@@ -51,10 +52,10 @@ struct JointTurn {
 
   static JointTurn of(const Quat& rel) {
     JointTurn turn;
-    turn.twist = nearest_turn(2.0 * std::atan2(rel.x(), rel.w()), 0.0);
+    turn.twist = nearest_turn(2.0 * portable::atan2(rel.x(), rel.w()), 0.0);
     const double sine = std::sqrt(rel.y() * rel.y() + rel.z() * rel.z());
     const double cosine = std::sqrt(rel.w() * rel.w() + rel.x() * rel.x());
-    turn.phi = 2.0 * std::atan2(sine, cosine);
+    turn.phi = 2.0 * portable::atan2(sine, cosine);
     turn.e = Vec3(cosine * cosine - sine * sine, 2.0 * (rel.x() * rel.y() + rel.w() * rel.z()),
                   2.0 * (rel.x() * rel.z() - rel.w() * rel.y()));
     const double across = 2.0 * sine * cosine;  // sin(phi)

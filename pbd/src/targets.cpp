@@ -7,6 +7,7 @@
 
 #include "integrate.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::pbd {
 namespace {
@@ -14,6 +15,11 @@ namespace {
 double kinetic_energy(const Quat& q, const BodyProps& props, const Vec3& v, const Vec3& w) {
   const Vec3 w_l = q.conjugate() * w;
   return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia * w_l));
+}
+
+/// What a share comes to that is taken so many times.
+double share_of_times(double share, double times) {
+  return -portable::expm1(times * portable::log1p(-share));
 }
 
 /// Whether it has the same inertia about every axis.
@@ -35,7 +41,7 @@ void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBo
     row.body = target.body.index;
     row.motion = target.motion;
     // [Influence] A share is defined for 1/60 s of session time, whatever the step.
-    row.step_share = 1.0 - std::pow(1.0 - std::min(target.share, 1.0), 60.0 * dt);
+    row.step_share = share_of_times(std::min(target.share, 1.0), 60.0 * dt);
     row.pose = target.pose;
     row.twist = target.twist;
     const BodyState& state = states[row.body];
@@ -70,7 +76,7 @@ void Targets::select_group(const Group& group, std::span<const SolverBody> bodie
   }
   std::sort(in_group_.begin(), in_group_.end());
   for (const std::uint32_t k : in_group_) {
-    rows_[k].share = 1.0 - std::pow(1.0 - rows_[k].step_share, 1.0 / group.substeps);
+    rows_[k].share = share_of_times(rows_[k].step_share, 1.0 / group.substeps);
   }
 }
 

@@ -93,7 +93,8 @@ void restore(tandem_world& w, std::span<const std::byte> bytes) {
   }
   constexpr std::size_t kTail = 8;
   const std::size_t most = bytes.size() - std::min(bytes.size(), kTail);
-  const std::uint64_t begin = pbd::ByteReader(bytes.subspan(most)).u64();
+  const auto begin = static_cast<std::size_t>(
+      std::min<std::uint64_t>(pbd::ByteReader(bytes.subspan(most)).u64(), most));
   pbd::ByteReader in(begin < most ? bytes.subspan(begin, most - begin) : bytes.first(0));
   collision::ContactEvents events;
   events.load(in);

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "common/ranges.h"
 #include "tandem/consensus/influence.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::consensus {
 namespace {
@@ -37,7 +39,7 @@ Vec3 log_rotation(const Vec4& r) {
   const Vec3 v(sign * r[1], sign * r[2], sign * r[3]);
   const double sine = v.norm();
   if (sine == 0.0) return Vec3::Zero();
-  return v * (2.0 * std::atan2(sine, sign * r[0]) / sine);
+  return v * (2.0 * pbd::portable::atan2(sine, sign * r[0]) / sine);
 }
 
 /// q as seen from `local`: r local = q, on the half sphere around no rotation. In this frame the
@@ -95,7 +97,7 @@ Vec3 mean_with_single(const Vec4& r, double w) {
   const double sine = w * 2.0 * r[0] * half_sine;
   const double cosine = 1.0 + w * (r[0] * r[0] - half_sine * half_sine);
   if (std::abs(sine) + std::abs(cosine) <= kOpen * (1.0 + w)) return Vec3::Zero();
-  return v * (std::atan2(sine, cosine) / half_sine);
+  return v * (pbd::portable::atan2(sine, cosine) / half_sine);
 }
 
 /// What a rotation average comes to.
@@ -165,7 +167,7 @@ MeanRotation mean_of_many(const Quat& local, std::span<const PeerEstimate> estim
 }  // namespace
 
 bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates, pbd::PoseTarget& target) {
-  std::ranges::sort(estimates, {}, &PeerEstimate::peer);
+  ranges::sort(estimates, &PeerEstimate::peer);
   const Tally tally = weigh(estimates);
   if (tally.used == 0) return false;
 

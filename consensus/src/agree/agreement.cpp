@@ -60,7 +60,11 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
   target.body = shared.def.body;
   target.motion = found_.motion;
   if (!fuse(own.pose, found_.states, target)) return;
-  wanted.heaviest = std::ranges::max_element(found_.states, {}, &PeerEstimate::weight)->peer;
+  wanted.heaviest = std::max_element(found_.states.begin(), found_.states.end(),
+                                     [](const PeerEstimate& l, const PeerEstimate& r) {
+                                       return l.weight < r.weight;
+                                     })
+                        ->peer;
   if (found_.by_hand || !replays()) {
     wanted_.push_back(wanted);
     return;

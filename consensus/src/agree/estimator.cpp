@@ -6,6 +6,7 @@
 
 #include "agree/pose_arbiter.h"
 #include "common/body_state.h"
+#include "common/ranges.h"
 #include "tandem/consensus/influence.h"
 
 namespace tandem::consensus {
@@ -54,7 +55,7 @@ void Estimator::estimate(SharedBody& shared, std::span<const Inbox::Received> ne
   // What a spring that only its own peer knows does to the body cannot be replayed.
   const bool hands = trust_.believes_hands(newest.size());
   out.by_hand =
-      data_.springs.holds_alone(shared.def.body) || std::ranges::any_of(newest, [&](const auto& r) {
+      data_.springs.holds_alone(shared.def.body) || ranges::any_of(newest, [&](const auto& r) {
         return r.update.flags.owner_driven &&
                (shared.def.owner.has_value() ? shared.def.owner == r.peer : hands);
       });
@@ -74,7 +75,7 @@ bool Estimator::rests_where_all_have_it(const SharedBody& shared,
   const std::uint32_t slot = shared.def.body.index;
   if (data_.world.awake_at(slot) || data_.confidence() < 1.0) return false;
   const pbd::Pose& own = data_.world.states()[slot].pose;
-  return std::ranges::all_of(newest, [&](const Inbox::Received& received) {
+  return std::all_of(newest.begin(), newest.end(), [&](const Inbox::Received& received) {
     const StateUpdate& there = received.update;
     if (there.rounded || there.flags.owner_driven) return false;
     if (speed(there.twist) > 0.0) return false;
@@ -176,7 +177,7 @@ void Estimator::keep_leaders(Estimates& out) {
   // The others only know an earlier state of it, and whoever says something false is one of them.
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.states.size(); ++i) {
-    const bool leads = std::ranges::find(out.leaders, out.states[i].peer) != out.leaders.end();
+    const bool leads = ranges::find(out.leaders, out.states[i].peer) != out.leaders.end();
     if (out.states[i].share < 1.0 && !leads) continue;
     out.states[kept] = out.states[i];
     out.stamped[kept++] = out.stamped[i];

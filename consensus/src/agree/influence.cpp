@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -28,7 +29,7 @@ double share_per_step(double share, double dt) {
   if (!(share > 0.0)) return 0.0;
   if (share >= 1.0) return 1.0;
   // expm1 and log1p keep small shares exact to rounding, where 1 - pow(1 - s, n) loses digits.
-  return -std::expm1(dt / kShareInterval * std::log1p(-share));
+  return -pbd::portable::expm1(dt / kShareInterval * pbd::portable::log1p(-share));
 }
 
 double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }

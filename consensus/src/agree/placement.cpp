@@ -6,6 +6,7 @@
 
 #include "agree/votes.h"
 #include "common/body_state.h"
+#include "common/ranges.h"
 #include "tandem/pbd/contact.h"
 
 namespace tandem::consensus {
@@ -53,7 +54,7 @@ void Placement::give_way(SharedBody& shared, std::span<const Inbox::Received> ne
     if (other) to = &claims[i];
   }
   if (to == nullptr) return;
-  const auto estimate = std::ranges::find(estimates.states, to->peer, &PeerEstimate::peer);
+  const auto estimate = ranges::find(estimates.states, to->peer, &PeerEstimate::peer);
   if (estimate == estimates.states.end()) return;
   // A newcomer took over what it heard first, which may have been false.
   const bool newcomer = several && data_.confidence() < kNewcomerPart &&
@@ -62,7 +63,7 @@ void Placement::give_way(SharedBody& shared, std::span<const Inbox::Received> ne
     place(shared, {estimate->pose, estimate->twist});
     return;
   }
-  const auto sent = std::ranges::find(newest, to->peer, &Inbox::Received::peer);
+  const auto sent = ranges::find(newest, to->peer, &Inbox::Received::peer);
   if (shared.held || sent->update.flags.held) return;
   if (!shared.arbiter.parted(to->way, to->turn, shared.blocked, data_.now)) return;
   place_apart(shared, {estimate->pose, estimate->twist}, to->peer);
@@ -106,7 +107,7 @@ void Placement::collect_island(std::uint32_t slot) {
 
 void Placement::place_along(SharedBody& shared, std::span<const Inbox::Received> newest,
                             PeerId leader, bool always) {
-  const auto sent = std::ranges::find(newest, leader, &Inbox::Received::peer);
+  const auto sent = ranges::find(newest, leader, &Inbox::Received::peer);
   if (sent == newest.end()) return;
   if (!always && (shared.held || sent->update.flags.held)) return;
   const Prediction there = remote_.carry(shared, leader, sent->update);

@@ -9,6 +9,7 @@
 #include "common/body_state.h"
 #include "common/session_time.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -87,7 +88,7 @@ class Extrapolator final : public Predictor {
       const double cycles = 2.0 * std::numbers::pi * kAccelerationFilter * given;
       const double frequency =
           missed < kUnknownFrequency * cycles ? missed / cycles : kUnknownFrequency;
-      const double blend = 1.0 - std::exp(-dt / kAccelerationFilter);
+      const double blend = 1.0 - pbd::portable::exp(-dt / kAccelerationFilter);
       // At once up, slowly down: one hit makes the measured acceleration worthless for a while.
       memory.frequency =
           std::max(frequency, memory.frequency + blend * (frequency - memory.frequency));

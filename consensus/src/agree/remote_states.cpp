@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/body_state.h"
+#include "common/ranges.h"
 #include "tandem/consensus/compact.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/math.h"
@@ -125,7 +126,7 @@ PredictionContext RemoteStates::context_of(SharedBody& shared, PeerId from) {
 }
 
 Heard& RemoteStates::heard_from(SharedBody& shared, PeerId peer) const {
-  auto it = std::ranges::lower_bound(shared.heard, peer, {}, &Heard::peer);
+  auto it = ranges::lower_bound(shared.heard, peer, &Heard::peer);
   if (it == shared.heard.end() || it->peer != peer) {
     it = shared.heard.insert(it, {.peer = peer, .last = data_.now, .memory = {}});
   } else if (seconds(data_.now - it->last) > data_.options.influence.max_age) {

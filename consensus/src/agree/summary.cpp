@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/ranges.h"
 #include "tandem/consensus/aggregate.h"
 
 namespace tandem::consensus {
@@ -12,7 +13,7 @@ namespace tandem::consensus {
 std::optional<StateUpdate> fuse(std::span<const StateUpdate> states) {
   if (states.empty()) return std::nullopt;
   const StateUpdate& first = states.front();
-  const bool leads = std::ranges::any_of(states, [](const auto& s) { return s.flags.leads; });
+  const bool leads = ranges::any_of(states, [](const auto& s) { return s.flags.leads; });
   StateUpdate out{.id = first.id, .stamp = first.stamp};
   out.flags.resting = true;
   std::vector<PeerEstimate> estimates;

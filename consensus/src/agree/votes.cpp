@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/ranges.h"
+
 namespace tandem::consensus {
 namespace {
 
@@ -74,7 +76,7 @@ bool outvoted(std::span<const Claim> claims, std::size_t i, PeerId self) {
 }
 
 bool LeadClaims::founded(PeerId peer, bool holds, SessionTime now) {
-  const auto it = std::ranges::find(held_, peer, [](const auto& entry) { return entry.first; });
+  const auto it = ranges::find(held_, peer, [](const auto& entry) { return entry.first; });
   if (holds) {
     if (it == held_.end()) {
       std::erase_if(held_, [now](const auto& entry) { return now - entry.second > kLongest; });

@@ -7,6 +7,7 @@
 #include "common/body_state.h"
 #include "peer_data.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::consensus {
 namespace {
@@ -52,7 +53,7 @@ bool HardInputs::drag(SharedBody& shared, std::vector<PeerEstimate>& others) {
     hard.own.twist = {};
   } else if (data_.step_dt > 0.0) {
     // `last` is where the hand was going to be by now: what it missed is a change of velocity.
-    const double part = 1.0 - std::exp(-data_.step_dt / Springs::kAnchorVelocityFilter);
+    const double part = 1.0 - pbd::portable::exp(-data_.step_dt / Springs::kAnchorVelocityFilter);
     hard.own.twist.linear += part / data_.step_dt * (hard.own.pose.position - last.pose.position);
     hard.own.twist.angular +=
         part / data_.step_dt *

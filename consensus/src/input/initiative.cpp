@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/ranges.h"
 #include "common/session_time.h"
 
 namespace tandem::consensus {
@@ -41,7 +42,7 @@ void Initiative::update(const Acting& acting, double round_trip, SessionTime now
 }
 
 void Initiative::hear(PeerId peer, bool leads, SessionTime stamp) {
-  const auto it = std::ranges::find(others_, peer, [](const auto& other) { return other.first; });
+  const auto it = ranges::find(others_, peer, [](const auto& other) { return other.first; });
   if (!leads) {
     if (it != others_.end()) others_.erase(it);
     return;

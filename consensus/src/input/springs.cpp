@@ -9,7 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "common/ranges.h"
 #include "common/session_time.h"
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -44,7 +46,7 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   // The numbers wrap: zero is nobody's, and one that is still in use is not given twice.
   for (;; ++next_) {
     if (next_ == 0) next_ = 1;
-    place = std::ranges::lower_bound(own_, next_, {}, &Own::spring);
+    place = ranges::lower_bound(own_, next_, &Own::spring);
     if (place == own_.end() || place->spring != next_) break;
   }
   const InputMode mode = def.mode.value_or(options_.mode);
@@ -75,7 +77,7 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
 }
 
 Springs::Own& Springs::find(GrabId id) {
-  const auto it = std::ranges::lower_bound(own_, id.spring, {}, &Own::spring);
+  const auto it = ranges::lower_bound(own_, id.spring, &Own::spring);
   if (it == own_.end() || it->spring != id.spring) {
     pbd::detail::refuse("Peer: grab", "one of this peer's springs, not released yet",
                         std::to_string(id.spring));
@@ -89,7 +91,7 @@ void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   if (own.moved != 0 && now > own.moved) {
     const double dt = seconds(now - own.moved);
     const pbd::Vec3 measured = (anchor_w - own.def.anchor_w) / dt;
-    const double blend = 1.0 - std::exp(-dt / kAnchorVelocityFilter);
+    const double blend = 1.0 - pbd::portable::exp(-dt / kAnchorVelocityFilter);
     own.velocity += blend * (measured - own.velocity);
   }
   own.def.anchor_w = anchor_w;
@@ -133,7 +135,7 @@ bool Springs::make_room(PeerId from) {
     i += run.size();
   }
   if (longest.size() <= of(from).size() + 1) return false;
-  auto victim = std::ranges::find(longest, false, &Remote::live);
+  auto victim = ranges::find(longest, false, &Remote::live);
   if (victim == longest.end()) victim = longest.begin();
   let_go(*victim, victim->heard);
   remote_.erase(remote_.begin() + (&*victim - remote_.data()));
@@ -160,8 +162,11 @@ std::vector<Springs::Remote>::iterator Springs::place_of(PeerId peer, std::uint3
 }
 
 std::span<Springs::Remote> Springs::of(PeerId peer) {
-  return {std::ranges::lower_bound(remote_, peer, {}, &Remote::peer),
-          std::ranges::upper_bound(remote_, peer, {}, &Remote::peer)};
+  const auto first = ranges::lower_bound(remote_, peer, &Remote::peer);
+  const auto last =
+      std::find_if(first, remote_.end(), [&](const Remote& r) { return r.peer != peer; });
+  return std::span(remote_).subspan(static_cast<std::size_t>(first - remote_.begin()),
+                                    static_cast<std::size_t>(last - first));
 }
 
 Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::BodyId body,
@@ -238,7 +243,7 @@ void Springs::forget_body(pbd::BodyId body, SessionTime now) {
     if (pulls(remote) && remote.def.body == body) let_go(remote, now);
   }
   while (true) {
-    const auto own = std::ranges::find(own_, body, &Own::body);
+    const auto own = ranges::find(own_, body, &Own::body);
     if (own == own_.end()) return;
     release({own->spring}, now);
   }
@@ -354,7 +359,7 @@ bool Springs::holds(pbd::BodyId body) const {
     return own.body == body && (own.mode == InputMode::Hard || tethers_.contains(own.tether));
   };
   const auto theirs = [&](const Remote& r) { return pulls(r) && r.def.body == body; };
-  return std::ranges::any_of(own_, mine) || std::ranges::any_of(remote_, theirs);
+  return ranges::any_of(own_, mine) || ranges::any_of(remote_, theirs);
 }
 
 void Springs::held(PeerId self, std::vector<HeldBody>& out) const {
@@ -379,8 +384,9 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
 }
 
 int Springs::held_by(PeerId peer, pbd::BodyId body) const {
-  return static_cast<int>(std::ranges::count_if(
-      remote_, [&](const Remote& r) { return r.peer == peer && pulls(r) && r.def.body == body; }));
+  return static_cast<int>(std::count_if(remote_.begin(), remote_.end(), [&](const Remote& r) {
+    return r.peer == peer && pulls(r) && r.def.body == body;
+  }));
 }
 
 bool Springs::holds_alone(pbd::BodyId body) const {

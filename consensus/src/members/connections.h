@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "common/ranges.h"
 #include "members/index_tables.h"
 #include "tandem/consensus/peer.h"
 
@@ -28,12 +29,12 @@ class Connections {
   void refresh() {
     peers_ = transport_.peers();
     std::erase_if(newcomers_, [this](PeerId id) {
-      return std::ranges::none_of(
+      return !ranges::any_of(
           peers_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });
     });
     // Whoever comes back says its indices again.
     std::erase_if(connected_, [this](PeerId id) {
-      const auto at = std::ranges::lower_bound(peers_, id, {}, &PeerStatus::id);
+      const auto at = ranges::lower_bound(peers_, id, &PeerStatus::id);
       if (at != peers_.end() && at->id == id && at->connected) return false;
       indices_.forget(id);
       return true;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/ranges.h"
+
 namespace tandem::consensus {
 namespace {
 
@@ -14,14 +16,14 @@ constexpr SessionTime kIndexPatience = 500'000'000;
 }  // namespace
 
 IndexTables::Table& IndexTables::table_of(PeerId from) {
-  const auto at = std::ranges::find(tables_, from, &Table::peer);
+  const auto at = ranges::find(tables_, from, &Table::peer);
   return at != tables_.end() ? *at : tables_.emplace_back(Table{.peer = from, .names = {}});
 }
 
 void IndexTables::learn(PeerId from, const IndexAssignment& name, std::size_t most) {
   Table& table = table_of(from);
   if (std::exchange(table.number, name.table) != name.table) table.names.clear();
-  const auto at = std::ranges::lower_bound(table.names, name.index, {}, &Name::index);
+  const auto at = ranges::lower_bound(table.names, name.index, &Name::index);
   if (at != table.names.end() && at->index == name.index) {
     at->id = name.id;
   } else if (table.names.size() < most) {
@@ -30,14 +32,14 @@ void IndexTables::learn(PeerId from, const IndexAssignment& name, std::size_t mo
 }
 
 const SharedId* IndexTables::find(PeerId from, const CompactState& state) const {
-  const auto table = std::ranges::find(tables_, from, &Table::peer);
+  const auto table = ranges::find(tables_, from, &Table::peer);
   if (table == tables_.end() || table->number != state.table) return nullptr;
   // Where all have been told, a name is at the place of its index.
   const auto& names = table->names;
   if (state.index < names.size() && names[state.index].index == state.index) {
     return &names[state.index].id;
   }
-  const auto at = std::ranges::lower_bound(names, state.index, {}, &Name::index);
+  const auto at = ranges::lower_bound(names, state.index, &Name::index);
   return at != names.end() && at->index == state.index ? &at->id : nullptr;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/ranges.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -22,7 +23,7 @@ SharedBody& SharedBodies::add(const ShareDef& def, std::size_t most) {
   if (world_.props(def.body).type == pbd::BodyType::Static) {
     pbd::detail::refuse("ShareDef: body", "one that can move", "static");
   }
-  if (std::ranges::any_of(bodies_, [&](const auto& s) { return s.def.body == def.body; })) {
+  if (ranges::any_of(bodies_, [&](const auto& s) { return s.def.body == def.body; })) {
     pbd::detail::refuse("ShareDef: body", "shared under one id only",
                         "to be shared under " + def.id.to_string() + " as well");
   }
@@ -30,7 +31,7 @@ SharedBody& SharedBodies::add(const ShareDef& def, std::size_t most) {
     pbd::detail::refuse("Peer::share: number of bodies", "below 65536 where SendOptions select",
                         static_cast<double>(bodies_.size() + 1));
   }
-  const auto at = std::ranges::lower_bound(bodies_, def.id, {}, id_of);
+  const auto at = ranges::lower_bound(bodies_, def.id, id_of);
   count_owner(def.owner, true);
   return *bodies_.insert(at, SharedBody{.def = def});
 }
@@ -47,7 +48,7 @@ void SharedBodies::set_owner(SharedBody& body, std::optional<PeerId> owner) {
 }
 
 SharedBody* SharedBodies::find(const SharedId& id) {
-  const auto it = std::ranges::lower_bound(bodies_, id, {}, id_of);
+  const auto it = ranges::lower_bound(bodies_, id, id_of);
   return it != bodies_.end() && it->def.id == id ? &*it : nullptr;
 }
 
@@ -58,12 +59,12 @@ SharedBody& SharedBodies::at(const SharedId& id) {
 }
 
 bool SharedBodies::owns_any(PeerId peer) const {
-  return std::ranges::binary_search(owners_, peer, {}, [](const auto& e) { return e.first; });
+  return ranges::binary_search(owners_, peer, [](const auto& e) { return e.first; });
 }
 
 void SharedBodies::count_owner(std::optional<PeerId> owner, bool comes) {
   if (!owner.has_value()) return;
-  auto it = std::ranges::lower_bound(owners_, *owner, {}, [](const auto& e) { return e.first; });
+  auto it = ranges::lower_bound(owners_, *owner, [](const auto& e) { return e.first; });
   const bool known = it != owners_.end() && it->first == *owner;
   if (comes) {
     if (!known) it = owners_.insert(it, {*owner, 0});

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/ranges.h"
 #include "common/session_time.h"
 #include "tandem/pbd/validate.h"
 
@@ -22,7 +23,7 @@ constexpr SessionTime kTeleportInterval = 200'000'000;
 /// The entry with an id, of entries by ascending id; null where there is none.
 template <class Entries, class Id>
 auto* find(Entries& entries, const Id& id) {
-  const auto at = std::ranges::lower_bound(entries, id, {}, [](const auto& e) { return e.id; });
+  const auto at = ranges::lower_bound(entries, id, [](const auto& e) { return e.id; });
   return at != entries.end() && at->id == id ? &*at : nullptr;
 }
 
@@ -58,7 +59,7 @@ Inbox::Inbox(const InboxOptions& options)
 
 void Inbox::add_id(const SharedId& id) {
   if (!id.valid()) pbd::detail::refuse("Inbox::add_id: id", "not all zeros");
-  const auto at = std::ranges::lower_bound(bodies_, id, {}, &Body::id);
+  const auto at = ranges::lower_bound(bodies_, id, &Body::id);
   if (at != bodies_.end() && at->id == id) return;
   bodies_.insert(at, Body{.id = id});
 }
@@ -71,7 +72,7 @@ bool Inbox::contains(const SharedId& id) const { return find(bodies_, id) != nul
 
 void Inbox::add_peer(PeerId peer) {
   if (peer == 0) pbd::detail::refuse("Inbox::add_peer: peer", "not 0", "0");
-  auto at = std::ranges::lower_bound(peers_, peer, {}, &Peer::id);
+  auto at = ranges::lower_bound(peers_, peer, &Peer::id);
   if (at == peers_.end() || at->id != peer) at = peers_.insert(at, Peer{.id = peer});
   at->present = true;
 }
@@ -113,7 +114,7 @@ InboxVerdict Inbox::judge(PeerId from, const StateUpdate& update, SessionTime no
 }
 
 InboxVerdict Inbox::store(Body& body, PeerId from, const StateUpdate& update, SessionTime now) {
-  const auto at = std::ranges::lower_bound(body.newest, from, {}, &Received::peer);
+  const auto at = ranges::lower_bound(body.newest, from, &Received::peer);
   if (at == body.newest.end() || at->peer != from) {
     if (!plausible(update, plausibility_)) return InboxVerdict::Implausible;
     body.newest.insert(at, Received{.peer = from, .update = update, .arrival = now});

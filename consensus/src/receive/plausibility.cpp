@@ -7,6 +7,7 @@
 
 #include "common/session_time.h"
 #include "tandem/consensus/influence.h"
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -58,7 +59,7 @@ bool plausible(const StateUpdate& last, const StateUpdate& next,
   if (turn >= kHalfTurn) return true;
   const double cosine =
       std::abs(last.pose.orientation.coeffs().dot(next.pose.orientation.coeffs()));
-  return cosine >= std::cos(0.5 * turn);
+  return cosine >= pbd::portable::sin_cos(0.5 * turn).cos;
 }
 
 }  // namespace tandem::consensus

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/ranges.h"
 #include "tandem/pbd/cpu_timer.h"
 
 namespace tandem::consensus {
@@ -97,7 +98,7 @@ bool Receiver::decode_admitted(const Packet& packet, DecodedPacket& out) {
 
 void Receiver::take_packet(Decoded& decoded) {
   const Packet& packet = *decoded.packet;
-  const auto met = std::ranges::lower_bound(met_, packet.from, {}, &Met::peer);
+  const auto met = ranges::lower_bound(met_, packet.from, &Met::peer);
   // Forgotten for others whose packets came after it.
   if (met == met_.end() || met->peer != packet.from) return;
   std::swap(incoming_, decoded.content);
@@ -169,14 +170,16 @@ void Receiver::keep_allowed(PeerId from, Role role) {
 }
 
 Receiver::Met& Receiver::meet(PeerId from) {
-  auto at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
+  auto at = ranges::lower_bound(met_, from, &Met::peer);
   if (at == met_.end() || at->peer != from) {
     if (met_.size() >= kMaxPeers) {
-      const auto silent = std::ranges::min_element(
-          met_, {}, [](const Met& met) { return std::pair(met.last, -met.since); });
+      const auto silent =
+          std::min_element(met_.begin(), met_.end(), [](const Met& l, const Met& r) {
+            return std::pair(l.last, -l.since) < std::pair(r.last, -r.since);
+          });
       forget(silent->peer);
       met_.erase(silent);
-      at = std::ranges::lower_bound(met_, from, {}, &Met::peer);
+      at = ranges::lower_bound(met_, from, &Met::peer);
     }
     at = met_.insert(at, {.peer = from, .since = data_.now});
     at->budget =

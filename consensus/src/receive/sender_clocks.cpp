@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/ranges.h"
 #include "common/session_time.h"
 
 namespace tandem::consensus {
@@ -50,7 +51,7 @@ void other_stamps(Packet& packet, const Look& look) {
 
 Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> peers, SessionTime now) {
   const bool said = packet.received != std::numeric_limits<SessionTime>::min();
-  const auto sender = std::ranges::find(peers, packet.from, &PeerStatus::id);
+  const auto sender = ranges::find(peers, packet.from, &PeerStatus::id);
   return {.received = said ? packet.received : now,
           .round_trip = sender != peers.end() ? sender->round_trip : -1};
 }
@@ -122,7 +123,7 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
   const SessionTime half = std::clamp(round_trip, SessionTime{0}, kLongestWay) / 2;
   received = std::clamp(received, -kMaxStamp, kMaxStamp);
   const SessionTime late = lateness(received, newest);
-  auto at = std::ranges::lower_bound(senders_, from, {}, &Sender::peer);
+  auto at = ranges::lower_bound(senders_, from, &Sender::peer);
   if (at == senders_.end() || at->peer != from) {
     at = senders_.insert(at, Sender{.peer = from, .knows_way = round_trip >= 0});
     restart(*at, late, half, received);
@@ -148,7 +149,7 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
 }
 
 std::optional<SessionTime> SenderClocks::shift(PeerId from) const {
-  const auto at = std::ranges::lower_bound(senders_, from, {}, &Sender::peer);
+  const auto at = ranges::lower_bound(senders_, from, &Sender::peer);
   if (at == senders_.end() || at->peer != from) return std::nullopt;
   return at->shift;
 }

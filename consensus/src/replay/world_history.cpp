@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/body_state.h"
+#include "common/ranges.h"
 #include "common/session_time.h"
 #include "tandem/pbd/math.h"
 
@@ -89,7 +90,7 @@ void WorldHistory::note_inputs(const pbd::World& world) {
       frame.forces.push_back({slot, wrench});
     }
   }
-  std::ranges::sort(agreed_, {}, &State::slot);
+  ranges::sort(agreed_, &State::slot);
   auto agreed = agreed_.begin();
   const std::span<const pbd::BodyState> states = world.states();
   for (std::uint32_t slot = 0; slot < states.size(); ++slot) {
@@ -129,8 +130,7 @@ std::size_t WorldHistory::nearest(SessionTime time) const {
 
 bool WorldHistory::placed_since(std::uint32_t slot, SessionTime time) const {
   for (std::size_t n = at_or_before(time); n <= last(); ++n) {
-    if (std::ranges::find(frame(n).placed, slot, &State::slot) != frame(n).placed.end())
-      return true;
+    if (ranges::find(frame(n).placed, slot, &State::slot) != frame(n).placed.end()) return true;
   }
   return false;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/ranges.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/validate.h"
 
@@ -65,7 +66,7 @@ void NearbyInterest::update() {
       if (each.body.index == edge.body_b) add(each.user, edge.body_a);
     }
   }
-  std::ranges::sort(involved_);
+  ranges::sort(involved_);
 }
 
 bool NearbyInterest::concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const {
@@ -80,7 +81,7 @@ bool NearbyInterest::concerns(PeerId to, const SharedId& id, const pbd::Pose& po
   }
   if (before) told_.erase(told);
   const pbd::BodyId body = peer_.body_of(id);
-  return std::ranges::binary_search(involved_, Near(to, body.index));
+  return ranges::binary_search(involved_, Near(to, body.index));
 }
 
 }  // namespace tandem::consensus

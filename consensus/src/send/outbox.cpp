@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/body_state.h"
+#include "common/ranges.h"
 #include "common/session_time.h"
 #include "tandem/pbd/math.h"
 
@@ -92,7 +93,7 @@ void Outbox::tell_again(PeerId peer, SessionTime now) {
 
 void Outbox::forget_strangers(std::span<const PeerStatus> peers) {
   const auto gone = [peers](const auto& link) {
-    const auto at = std::ranges::lower_bound(peers, link.to, {}, &PeerStatus::id);
+    const auto at = ranges::lower_bound(peers, link.to, &PeerStatus::id);
     return at == peers.end() || at->id != link.to;
   };
   std::erase_if(links_, gone);
@@ -100,7 +101,7 @@ void Outbox::forget_strangers(std::span<const PeerStatus> peers) {
 }
 
 Outbox::Link& Outbox::link_to(PeerId peer) {
-  auto it = std::ranges::lower_bound(links_, peer, {}, &Link::to);
+  auto it = ranges::lower_bound(links_, peer, &Link::to);
   if (it == links_.end() || it->to != peer) {
     stats_.links.insert(stats_.links.begin() + (it - links_.begin()), LinkStats{.to = peer});
     it = links_.insert(it, Link{.to = peer, .sent = {}});
@@ -336,7 +337,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
   }
   counters_of(link).deferred += due_.size() - kept;
   due_.resize(kept);
-  std::ranges::sort(due_, {}, &Due::at);
+  ranges::sort(due_, &Due::at);
 }
 
 }  // namespace tandem::consensus

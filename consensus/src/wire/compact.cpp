@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
+#include "tandem/pbd/bit_cast.h"
 #include "tandem/pbd/bits.h"
 #include "wire/compact_wire.h"
 
@@ -163,7 +163,7 @@ template <class Writer>
 void put_floats(Writer& out, const Vec3& value) {
   for (int i = 0; i < 3; ++i) {
     const auto number = static_cast<float>(value[i]);
-    out.put(std::bit_cast<std::uint32_t>(number), kFloatBits);
+    out.put(pbd::bit_cast<std::uint32_t>(number), kFloatBits);
   }
 }
 
@@ -215,7 +215,7 @@ Int3 get3(BitReader& in, unsigned bits) {
 Vec3 get_floats(BitReader& in) {
   Vec3 out;
   for (int i = 0; i < 3; ++i) {
-    out[i] = std::bit_cast<float>(static_cast<std::uint32_t>(in.get(kFloatBits)));
+    out[i] = pbd::bit_cast<float>(static_cast<std::uint32_t>(in.get(kFloatBits)));
   }
   return out;
 }

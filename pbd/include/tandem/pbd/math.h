@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/types.h"
 
 namespace tandem::pbd {
@@ -25,8 +26,9 @@ inline Quat exp_map(const Vec3& r) {
     real = 1.0 - angle2 * (1.0 / 8.0 - angle2 / 384.0);
   } else {
     const double angle = std::sqrt(angle2);
-    scale = std::sin(0.5 * angle) / angle;
-    real = std::cos(0.5 * angle);
+    const portable::SinCos half = portable::sin_cos(0.5 * angle);
+    scale = half.sin / angle;
+    real = half.cos;
   }
   return Quat(real, r.x() * scale, r.y() * scale, r.z() * scale);
 }
@@ -37,7 +39,7 @@ inline Vec3 log_map(const Quat& q) {
   const Vec3 v = sign * q.vec();
   const double sine = v.norm();
   if (sine < 1e-10) return 2.0 * v;
-  return v * (2.0 * std::atan2(sine, sign * q.w()) / sine);
+  return v * (2.0 * portable::atan2(sine, sign * q.w()) / sine);
 }
 
 /// q turned by the world-frame rotation vector `r`, kept at unit length.

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+#
+# Builds the program `determinism` with g++ and with clang, takes that for WebAssembly where it is built (preset
+# web), runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
+#   benchmarks/determinism/table.sh [what determinism takes: scenes, --steps N]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+for compiler in g++ clang++; do
+  cmake --preset release -B "build/determinism_$compiler" -DCMAKE_CXX_COMPILER=$compiler \
+    -DTANDEM_BUILD_TESTS=OFF -DTANDEM_BUILD_DEMOS=OFF -DTANDEM_BUILD_PYTHON=OFF >/dev/null
+  cmake --build "build/determinism_$compiler" --target determinism >/dev/null
+done
+
+results=$(mktemp -d)
+trap 'rm -rf "$results"' EXIT
+gcc=build/determinism_g++/bin/determinism
+clang=build/determinism_clang++/bin/determinism
+"$gcc" --lanes 2 "$@" >"$results/1"
+"$gcc" --lanes 4 "$@" >"$results/2"
+"$clang" "$@" >"$results/3"
+names="g++, SSE2|g++, AVX2|clang"
+if [[ -f build/web/bin/determinism.js ]]; then
+  node build/web/bin/determinism.js "$@" >"$results/4"
+  names+="|wasm"
+fi
+
+echo "| scene | steps | hash | ${names//|/ | } |"
+echo "|---|---|---|$(sed 's/[^|]*|/---|/g; s/[^|]*$/---|/' <<<"$names")"
+differ=0
+while read -r scene steps hash; do
+  row="| $scene | $steps | \`$hash\` |"
+  for result in "$results"/*; do
+    own=$(awk -v scene="$scene" '$1 == scene {print $3}' "$result")
+    if [[ $own == "$hash" ]]; then
+      row+=" same |"
+    else
+      row+=" **$own** |"
+      differ=1
+    fi
+  done
+  echo "$row"
+done <"$results/1"
+exit $differ
