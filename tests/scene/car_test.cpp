@@ -147,6 +147,11 @@ TEST_CASE("car: errors name field, value and rule", "[car]") {
   CHECK(names(refusal([&] { car.drive({.throttle = 2.0}); }), "throttle", "2", "-1 to 1"));
   CHECK(names(refusal([&] { car.drive({.steer = 1.0}); }), "steer", "1", "max_steer"));
   CHECK(names(refusal([&] { car.drive({.brake = -1.0}); }), "brake", "-1", "0 to 1"));
+  const auto joint = [](const pbd::WheelJointDef& def) {
+    return refusal([&] { (void)pbd::SixDofJointDef(def); });
+  };
+  CHECK(names(joint({.steer = NAN}), "steer", "nan", "finite"));
+  CHECK(names(joint({.brake = -1.0}), "brake", "-1", ">= 0"));
   CHECK(scene.joints().size() == 4);
   CHECK(scene.joints().contains(car.joints()[0]));
   CHECK(scene.world().contains(car.wheels()[3]));

@@ -144,6 +144,10 @@ TEST_CASE("debug draw: joints between bodies, and what agreement moved", "[scene
   CHECK((moved[0].from - before).norm() < 1e-9);
   CHECK(moved[0].to == scene.pose(a).position);
   CHECK((moved[0].to - before).norm() > 0.05);
+  const Lines without = drawn(scene, {.joints = false, .corrections = false});
+  CHECK(without.of(DebugKind::Joint).empty());
+  CHECK(without.of(DebugKind::Correction).empty());
+  CHECK(without.of(DebugKind::Awake).size() == 144);
 }
 
 }  // namespace debug_draw_test
