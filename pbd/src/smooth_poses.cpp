@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 #include "tandem/pbd/world.h"
 
@@ -49,7 +50,7 @@ void SmoothPoses::after_step(const World& world, double dt) {
   detail::require(dt > 0.0 && std::isfinite(dt), "SmoothPoses::after_step", "dt", dt,
                   "finite and > 0");
   if (shown_.size() < world.slot_count()) shown_.resize(world.slot_count());
-  const double keeps = options_.blend > 0.0 ? std::exp(-dt / options_.blend) : 0.0;
+  const double keeps = options_.blend > 0.0 ? portable::exp(-dt / options_.blend) : 0.0;
   for (std::uint32_t i = 0; i < shown_.size(); ++i) {
     const BodyId body = world.body_at(i);
     const bool known = shown_[i].body == body;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem {
@@ -90,11 +91,12 @@ void Car::drive(const Controls& controls) {
                        "from -max_steer to max_steer");
   pbd::detail::require(controls.brake >= 0.0 && controls.brake <= 1.0, kKind, "brake",
                        controls.brake, "from 0 to 1");
-  const double slope = std::tan(controls.steer);
+  const auto [sine, cosine] = pbd::portable::sin_cos(controls.steer);
   for (int i = 0; i < kWheels; ++i) {
     pbd::WheelJointDef& def = defs_[i];
     if (i < 2) {
-      def.steer = std::atan(def_.wheelbase * slope / (def_.wheelbase - hub(i).y() * slope));
+      def.steer =
+          pbd::portable::atan2(def_.wheelbase * sine, def_.wheelbase * cosine - hub(i).y() * sine);
     }
     def.brake = controls.brake * def_.brake_torque / kWheels;
     def.drive = {};

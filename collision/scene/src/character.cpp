@@ -11,6 +11,7 @@
 
 #include "clip_planes.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem {
@@ -86,7 +87,9 @@ class __attribute__((visibility("hidden"))) Character::Impl {
   std::optional<CastHit> cast(const Vec3& way) const {
     return query->shape_cast(def.shape, {.position = position}, way, filter);
   }
-  bool walkable(const Vec3& normal) const { return normal.dot(up) >= std::cos(def.max_slope); }
+  bool walkable(const Vec3& normal) const {
+    return normal.dot(up) >= pbd::portable::sin_cos(def.max_slope).cos;
+  }
   /// m, of its middle above the ground.
   double feet() const { return def.shape.half_height + def.shape.radius + def.padding; }
   bool yields(BodyId id) const { return scene.world().props(id).inverse_mass > 0.0; }
