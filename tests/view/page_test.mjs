@@ -308,7 +308,7 @@ describe('the page', {timeout: 600000}, () => {
   for (const [name, options] of Object.entries({desktop: {}, phone: PHONE})) {
     test(`${name}: what is pressed is 44 px, what is drawn has a name`, async () => {
       await open(options);
-      if (name === 'phone') await page.tap('#more');
+      if (name === 'phone') await press(page, 'more');
       const small = await page.$$eval('button, select, input', (all) => all
         .filter((element) => element.offsetParent !== null)
         .map((element) => ({id: element.id, ...element.getBoundingClientRect().toJSON()}))
