@@ -201,6 +201,8 @@ describe('the page', {timeout: 600000}, () => {
     await open({mock: {settings: {profile: 5}}, viewport: {width: 760, height: 380}});
     await press(page, 'compare');
     await until(() => view(page, 'panes.length === 4'), 'four panes');
+    const drawn = await view(page, 'drawn');
+    await until(() => view(page, `drawn > ${drawn} + 1`), 'two pictures');
     assert.deepEqual(said('set'), [{type: 'set', name: 'beside', value: 'none'}]);
     const panes = await view(page, 'panes');
     // Side by side: the same peer at the same height.
@@ -306,8 +308,7 @@ describe('the page', {timeout: 600000}, () => {
   for (const [name, options] of Object.entries({desktop: {}, phone: PHONE})) {
     test(`${name}: what is pressed is 44 px, what is drawn has a name`, async () => {
       await open(options);
-      if (name === 'phone') await page.tap('#more');
-      await until(() => view(page, 'drawn > 8'), 'plots');
+      if (name === 'phone') await press(page, 'more');
       const small = await page.$$eval('button, select, input', (all) => all
         .filter((element) => element.offsetParent !== null)
         .map((element) => ({id: element.id, ...element.getBoundingClientRect().toJSON()}))
@@ -317,7 +318,8 @@ describe('the page', {timeout: 600000}, () => {
       await until(async () => (await page.$$eval('canvas', (all) => all.map(
         (canvas) => canvas.getAttribute('aria-label')))).every(Boolean), 'names of all canvases');
       assert.match(await page.getAttribute('#plot-latency canvas', 'aria-label'), /95 % below/);
-      assert.match(await page.textContent('#facts'), /There and back: peers 57 ms, this page/);
+      await until(async () => /There and back: peers 57 ms, this page/.test(
+        await page.textContent('#facts')), 'round trips');
       assert.ok((await page.textContent('#sentence')).length > 40);
     });
   }
