@@ -247,7 +247,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const s
     const bool pl = preferred(l);
     const bool pr = preferred(r);
     if (pl != pr) return pl;
-    return l.feature != r.feature ? l.feature < r.feature : l.gap < r.gap;
+    return l < r;
   });
   double deepest = points[0].gap;
   Vec3 middle = Vec3::Zero();

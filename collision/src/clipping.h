@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <tuple>
 
 #include "convex_core.h"
 
@@ -15,6 +16,13 @@ struct RawPoint {
   Vec3 on_a, on_b;
   double gap;  ///< m, between the surfaces (radii taken off)
   std::uint32_t feature;
+
+  /// By feature, then the deeper one, then by place: no two different ones are equal, as libraries
+  /// differ in which of equal ones they sort first.
+  bool operator<(const RawPoint& other) const {
+    return std::tie(feature, gap, on_a.x(), on_a.y(), on_a.z()) <
+           std::tie(other.feature, other.gap, other.on_a.x(), other.on_a.y(), other.on_a.z());
+  }
 };
 
 /// The body in whose frame a manifold's normal is constant, where one owns a reference face.

@@ -67,9 +67,7 @@ RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uin
 
 /// Equal features are one point: the deepest of them stays.
 void merge_equal(std::vector<RawPoint>& points) {
-  std::sort(points.begin(), points.end(), [](const RawPoint& l, const RawPoint& r) {
-    return l.feature != r.feature ? l.feature < r.feature : l.gap < r.gap;
-  });
+  std::sort(points.begin(), points.end());
   points.erase(
       std::unique(points.begin(), points.end(),
                   [](const RawPoint& l, const RawPoint& r) { return l.feature == r.feature; }),

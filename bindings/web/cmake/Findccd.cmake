@@ -7,7 +7,7 @@ if(NOT EXISTS "${_ccd}/ccd.c")
   message(FATAL_ERROR "there are no sources in ${TANDEM_WEB_SOURCES}: bindings/web/fetch-sources.sh brings them")
 endif()
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/include/ccd")
-file(WRITE "${PROJECT_BINARY_DIR}/include/ccd/config.h" "#define CCD_DOUBLE\n")
+file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/include/ccd/config.h" CONTENT "#define CCD_DOUBLE\n")
 add_library(tandem_web_ccd STATIC
   "${_ccd}/ccd.c" "${_ccd}/mpr.c" "${_ccd}/polytope.c" "${_ccd}/support.c" "${_ccd}/vec3.c")
 target_include_directories(tandem_web_ccd SYSTEM PUBLIC "${PROJECT_BINARY_DIR}/include" "${_ccd}")

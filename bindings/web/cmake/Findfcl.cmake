@@ -13,7 +13,8 @@ set(FCL_HAVE_SSE OFF)
 set(FCL_HAVE_OCTOMAP OFF)
 set(FCL_ENABLE_PROFILING OFF)
 configure_file("${_fcl}/include/fcl/config.h.in" "${PROJECT_BINARY_DIR}/include/fcl/config.h")
-file(WRITE "${PROJECT_BINARY_DIR}/include/fcl/export.h" "#define FCL_EXPORT\n#define FCL_DEPRECATED\n")
+file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/include/fcl/export.h"
+  CONTENT "#define FCL_EXPORT\n#define FCL_DEPRECATED\n")
 add_library(tandem_web_fcl STATIC
   "${_fcl}/src/geometry/collision_geometry.cpp"
   "${_fcl}/src/geometry/shape/box.cpp"
