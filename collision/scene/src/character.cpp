@@ -60,7 +60,7 @@ class __attribute__((visibility("hidden"))) Character::Impl {
     filter.ignore_body = body;
     filter.accept = [this](collision::ColliderId id) {
       const BodyId other = scene.shapes().collider(id).body;
-      return other != passed && std::ranges::find(met, other) == met.end();
+      return other != passed && std::find(met.begin(), met.end(), other) == met.end();
     };
   }
 

@@ -4,6 +4,7 @@
 #include <deque>
 #include <utility>
 
+#include "common/ranges.h"
 #include "common/session_time.h"
 #include "events/event_wire.h"
 #include "tandem/consensus/events.h"
@@ -107,7 +108,7 @@ void EventChannel::Impl::meet(SessionTime time) {
   for (Other& other : others) other.connected = false;
   for (const PeerStatus& peer : peers) {
     if (!peer.connected) continue;
-    auto at = std::ranges::lower_bound(others, peer.id, {}, &Other::id);
+    auto at = ranges::lower_bound(others, peer.id, &Other::id);
     if (at == others.end() || at->id != peer.id) {
       at = others.insert(at, Other{});
       at->id = peer.id;
@@ -124,7 +125,7 @@ void EventChannel::Impl::meet(SessionTime time) {
 }
 
 void EventChannel::Impl::take(const Packet& packet) {
-  const auto at = std::ranges::lower_bound(others, packet.from, {}, &Other::id);
+  const auto at = ranges::lower_bound(others, packet.from, &Other::id);
   if (at == others.end() || at->id != packet.from) return;  // it is not there any more
   const auto message = decode_event(packet.bytes);
   if (!message) {
@@ -178,7 +179,7 @@ void EventChannel::Impl::keep(Other& to, const std::shared_ptr<const Content>& c
 }
 
 bool EventChannel::Impl::post(const Other& to, std::uint64_t number) {
-  const Content& content = *to.kept[number - to.first];
+  const Content& content = *to.kept[static_cast<std::size_t>(number - to.first)];
   buffer.clear();
   encode({.kind = EventMessage::Kind::Event,
           .epoch = to.epoch,
