@@ -10,8 +10,8 @@
 extern "C" {
 
 TANDEM_IMPORT("post")
-int32_t
-    tandem_js_post(uint32_t user, uint64_t to, const void* bytes, size_t size, int32_t delivery);
+int32_t tandem_js_post(uint32_t user, uint64_t to, const void* bytes, size_t size,
+                       int32_t delivery);
 TANDEM_IMPORT("drain") void tandem_js_drain(uint32_t user, const void* inbox);
 TANDEM_IMPORT("peers") void tandem_js_peers(uint32_t user, const void* list);
 TANDEM_IMPORT("drop") void tandem_js_drop(uint32_t user, uint64_t peer, const char* reason);
