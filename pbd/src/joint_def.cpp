@@ -155,7 +155,7 @@ WheelJointDef::operator SixDofJointDef() const {
   if (brake > 0.0) {
     six.angular[0].motor = {.mode = MotorMode::Velocity, .target = 0.0, .max_force = brake};
   }
-  six.frame_a.basis = six.frame_a.basis * Quat(Eigen::AngleAxisd(steer, Vec3::UnitZ()));
+  six.frame_a.basis = six.frame_a.basis * exp_map(steer * Vec3::UnitZ());
   return six;
 }
 

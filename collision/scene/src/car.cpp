@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tandem/pbd/math.h"
 #include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
@@ -59,7 +60,7 @@ Car::Car(Scene& scene, const CarDef& def) : scene_(&scene), def_(def) {
     }
   }
   const Quat& upright = def.pose.orientation;
-  const Quat across(Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3::UnitX()));  // z becomes y
+  const Quat across = pbd::exp_map(-0.5 * std::numbers::pi * Vec3::UnitX());  // z becomes y
   for (int i = 0; i < kWheels; ++i) {
     const Vec3 at = def.pose.to_world(hub(i));
     wheels_[i] = scene.add(Cylinder{def.wheel_radius, 0.5 * def.wheel_width},
