@@ -104,8 +104,11 @@ Vec3 climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
     const double length = slope.norm();
     bool better = false;
     for (int i = length > 1e-12 ? -1 : 0; i < 6 && !better; ++i) {
-      const auto turn = pbd::portable::sin_cos(angle + i * (std::numbers::pi / 3.0));
-      const Vec3 t = i < 0 ? Vec3(slope / length) : Vec3(turn.cos * u + turn.sin * v);
+      const auto across = [&] {
+        const auto turn = pbd::portable::sin_cos(angle + i * (std::numbers::pi / 3.0));
+        return Vec3(turn.cos * u + turn.sin * v);
+      };
+      const Vec3 t = i < 0 ? Vec3(slope / length) : across();
       const Vec3 m = (n + step * t).normalized();
       const double value = separation(a, b, m);
       if (value <= best) continue;

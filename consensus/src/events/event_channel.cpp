@@ -23,6 +23,9 @@ constexpr std::size_t kWindow = 64 * 1024;
 /// two.
 constexpr std::int64_t kLateTrips = 4;
 
+/// ns, after which a channel without events asks who is there: that costs the transport a list.
+constexpr SessionTime kIdle = 1'000'000'000;
+
 /// What one event costs beside its bytes, in bytes.
 constexpr std::size_t kOverhead = 64;
 
@@ -82,7 +85,12 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
                    std::make_move_iterator(passed.end()));
     passed.erase(rest, passed.end());
   }
-  void meet(SessionTime now);
+  void meet();
+  bool is_idle() const {
+    return arrived.empty() && std::none_of(others.begin(), others.end(), [](const Other& other) {
+             return other.owes || !other.kept.empty();
+           });
+  }
   void take(const Packet& packet);
   void take_event(const EventMessage& message, const Packet& packet, Other& from);
   void keep(Other& to, const std::shared_ptr<const Content>& content);
@@ -92,7 +100,8 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
   Transport& transport;
   EventOptions options;
   SessionTime now = 0;
-  std::vector<Other> others;  ///< by id
+  SessionTime met = -kIdle;  ///< ns, when others were looked for
+  std::vector<Other> others;     ///< by id
   std::vector<Event> received;
   std::vector<Packet> passed;   ///< for drain()
   std::vector<Packet> arrived;  ///< events, until the next poll()
@@ -102,8 +111,8 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
 };
 
 /// Who is there, and who has been away for too long.
-void EventChannel::Impl::meet(SessionTime time) {
-  now = time;
+void EventChannel::Impl::meet() {
+  met = now;
   const std::vector<PeerStatus> peers = transport.peers();
   for (Other& other : others) other.connected = false;
   for (const PeerStatus& peer : peers) {
@@ -237,6 +246,7 @@ std::size_t EventChannel::send(std::string_view topic, std::span<const std::byte
   }
   const auto content = std::make_shared<const Impl::Content>(
       Impl::Content{impl_->now, std::string(topic), {payload.begin(), payload.end()}});
+  impl_->meet();
   std::size_t count = 0;
   for (Impl::Other& other : impl_->others) {
     if (to != kToAll && other.id != to) continue;
@@ -248,7 +258,8 @@ std::size_t EventChannel::send(std::string_view topic, std::span<const std::byte
 
 void EventChannel::poll(SessionTime now) {
   impl_->pull();
-  impl_->meet(now);
+  impl_->now = now;
+  if (!impl_->is_idle() || now < impl_->met || now - impl_->met >= kIdle) impl_->meet();
   impl_->received.clear();
   for (const Packet& packet : impl_->arrived) impl_->take(packet);
   impl_->arrived.clear();

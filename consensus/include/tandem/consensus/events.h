@@ -64,7 +64,7 @@ class TANDEM_API EventChannel final : public Transport {
   EventChannel(const EventChannel&) = delete;
   EventChannel& operator=(const EventChannel&) = delete;
 
-  /// Send an event with the time of the last poll(), to one peer or to all that were there then, or
+  /// Send an event with the time of the last poll(), to one peer or to all that are there, or
   /// have not been away for longer than EventOptions::absence. It leaves with the next poll().
   /// @return to how many
   /// @throws std::invalid_argument naming topic or payload where they are too long for a packet of
