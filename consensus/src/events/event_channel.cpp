@@ -100,8 +100,8 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
   Transport& transport;
   EventOptions options;
   SessionTime now = 0;
-  SessionTime met = -kIdle;  ///< ns, when others were looked for
-  std::vector<Other> others;     ///< by id
+  SessionTime met = -kIdle;   ///< ns, when others were looked for
+  std::vector<Other> others;  ///< by id
   std::vector<Event> received;
   std::vector<Packet> passed;   ///< for drain()
   std::vector<Packet> arrived;  ///< events, until the next poll()
