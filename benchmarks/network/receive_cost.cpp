@@ -190,7 +190,7 @@ int main() {
   std::puts("format,bodies,bytes_per_state,open_us,before_step_us,collect_us,all_us");
   // A replay costs what its steps cost, and is begun only where peers differ: not measured here.
   consensus::PeerOptions full;
-  full.predictor = consensus::PredictorKind::SecondOrder;
+  full.predictor = consensus::PredictorKind::Euler;
   consensus::PeerOptions compact = full;
   compact.sending.format = consensus::StateFormat::Compact;
   for (const std::size_t bodies : {30u, 300u, 900u}) {

@@ -29,7 +29,7 @@ PARTS = {
     "velocities": "agreement of velocities",
     "motion": "targets that feel what the body feels within the step",
     "rotation": "the exact rotation mean; plain geodesics",
-    "replay": "the replay; states carried to now by second order",
+    "replay": "the replay; states carried to now by velocity",
     "initiative": "whoever acted last leading",
     "leading": "a leader's higher share; it still does not listen",
     "arbitration": "the lower id deciding where no average helps",
@@ -67,7 +67,7 @@ CASES = {"one pass": [], "two steps": ["--coupling", "two-step"], "nothing agree
 
 def _options(part, more=""):
     """Of a run without a part. @param more  parts to leave out as well"""
-    other = {"replay": ["--predictor", "second-order"]}
+    other = {"replay": ["--predictor", "euler"]}
     if part in other:
         return [*other[part], *(["--ablate", more] if more else [])]
     names = ",".join(n for n in (part if part != WHOLE else "", more) if n)

@@ -18,8 +18,6 @@ SCHEMES = {
     "two-step": (["--coupling", "two-step"],
                  "averaged before the step, with our prediction and rules: only the coupling differs"),
     "euler": (["--predictor", "euler"], "the default with states carried to now by velocity"),
-    "second-order": (["--predictor", "second-order"], "the default with states carried to now by "
-                     "velocity and acceleration"),
     "one-pass-plain": (["--coupling", "one-pass-plain"],
                        "in the pass, with the paper's prediction (Euler) and share"),
     "two-step-plain": (["--coupling", "two-step-plain"],
@@ -35,8 +33,7 @@ SCHEMES = {
 }
 BULLET_SCENES = ("cubes", "cliff")
 # What agrees without giving up that nobody owns anything.
-RIVALS = ("one-pass", "two-step", "euler", "second-order", "one-pass-plain", "two-step-plain",
-          "two-step-paper")
+RIVALS = ("one-pass", "two-step", "euler", "one-pass-plain", "two-step-plain", "two-step-paper")
 MEASURES = {
     "moving p50, mm": "moving_p50_mm",
     "all p95, mm": "all_p95_mm",

@@ -10,8 +10,8 @@ import demo_runs
 import stats
 from svg_figure import on_page, plt, save_svg
 
-PREDICTORS = ("none", "euler", "second-order", "replay")
-COLOURS = ("#8e8e8e", "#1f5fa8", "#7fb2e5", "#c0392b")
+PREDICTORS = ("none", "euler", "replay")
+COLOURS = ("#8e8e8e", "#1f5fa8", "#c0392b")
 OURS = "replay"
 SHARES = ("0.02", "0.08", "0.25", "0.5")
 DEFAULT = {OURS: "0.25"}  # and 0.08 else

@@ -15,11 +15,12 @@
 
 namespace tandem::bench {
 
-/// Those that carry a state by itself; a replay needs all of a world at once.
+/// Those that carry a state by itself; a replay needs all of a world at once, and is here what it
+/// falls back to.
 inline constexpr std::array kKinds = {
     consensus::PredictorKind::None,
     consensus::PredictorKind::Euler,
-    consensus::PredictorKind::SecondOrder,
+    consensus::PredictorKind::Replay,
 };
 
 /// What a body does between the stamp and now, by what sender and receiver know of it.

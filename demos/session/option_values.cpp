@@ -20,7 +20,7 @@ consensus::PredictorKind predictor(std::string_view text) {
     const auto kind = static_cast<consensus::PredictorKind>(i);
     if (text == to_string(kind)) return kind;
   }
-  refuse("--predictor", text, "none, euler, second-order or replay");
+  refuse("--predictor", text, "none, euler or replay");
 }
 
 consensus::InputMode mode(std::string_view text) {

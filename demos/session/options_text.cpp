@@ -66,7 +66,7 @@ Session:
   --coupling one-pass|one-pass-plain|two-step|two-step-plain|two-step-paper|single-owner|pd|none
                      (one-pass)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
-  --predictor none|euler|second-order|replay
+  --predictor none|euler|replay
                      (replay; euler with plain, paper, single-owner and pd)
   --agreement KEY=VALUE,..  share of the gap to the replayed mean that is closed per 1/60 s, above 0
                      to 1 (0.25); budget, steps replayed for each step, 1 to 1000 (4; 1000 = a new
@@ -110,8 +110,6 @@ std::string_view to_string(consensus::PredictorKind kind) {
       return "none";
     case consensus::PredictorKind::Euler:
       return "euler";
-    case consensus::PredictorKind::SecondOrder:
-      return "second-order";
     case consensus::PredictorKind::Replay:
       break;
   }

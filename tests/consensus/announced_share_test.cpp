@@ -47,7 +47,7 @@ TEST_CASE("announced share: a small one is a small part of a guess, and a weight
   // Weights in a mean, all equally small: they agree as ever. Shares of a gap, where nothing is
   // replayed: at most 30 steps times two peers times 0.1 %.
   CHECK(gap_after(0.5, weak) == Approx(usual).epsilon(1e-6));
-  weak.predictor = PredictorKind::SecondOrder;
+  weak.predictor = PredictorKind::Euler;
   CHECK(gap_after(0.5, weak) > 0.09);
 
   PeerOptions mute = plain;
@@ -57,7 +57,7 @@ TEST_CASE("announced share: a small one is a small part of a guess, and a weight
 
 TEST_CASE("announced share: of a guess it counts no more than is stable, unless that is wanted",
           "[consensus]") {
-  PeerOptions options{.predictor = PredictorKind::SecondOrder, .authority_ramp = 0.0};
+  PeerOptions options{.predictor = PredictorKind::Euler, .authority_ramp = 0.0};
   options.influence.baseline = 0.45;
   // The first state comes after 117 ms and is used in two steps: 1 / (6 + 2) of the way in each, or
   // 0.45 times 2^-0.2.

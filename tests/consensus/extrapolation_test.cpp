@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Predictors that carry a state on by itself: none and second order; and their limits.
+// Predictors that carry a state on by itself: none, and what is not replayed; and their limits.
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -27,6 +27,11 @@ StateUpdate state(int index, const Vec3& position, const Vec3& velocity) {
   update.pose.position = position;
   update.twist.linear = velocity;
   update.stamp = kStart + index * kStep;
+  return update;
+}
+
+StateUpdate owned(StateUpdate update) {
+  update.influence = 1.0F;
   return update;
 }
 
@@ -56,31 +61,35 @@ TEST_CASE("predictor: without one a state stays where it was stamped", "[consens
   CHECK(p.rotation.norm() == 0.0);
 }
 
-TEST_CASE("predictor: second order meets a projectile exactly", "[consensus][analytic]") {
+TEST_CASE("predictor: an owner's projectile is met exactly, and nobody else's acceleration counts",
+          "[consensus][analytic]") {
   const Vec3 x(0.1, 0.2, 3.0);
   const Vec3 v(2.0, -1.0, 4.0);
   const auto fall = [&](double t) { return Vec3(x + t * v + 0.5 * t * t * kGravity); };
   for (const double ahead : {0.0, 0.03, 0.15, 0.4}) {
     const auto p =
-        after(PredictorKind::SecondOrder, {}, 1, ahead, [&](int i) { return state(i, x, v); });
+        after(PredictorKind::Replay, {}, 1, ahead, [&](int i) { return owned(state(i, x, v)); });
     CHECK((p.translation - fall(ahead)).norm() < 1e-8);  // ns in the age
     CHECK((p.twist.linear - (v + ahead * kGravity)).norm() < 1e-7);
+    const auto shared =
+        after(PredictorKind::Replay, {}, 1, ahead, [&](int i) { return state(i, x, v); });
+    CHECK((shared.translation - (x + ahead * v)).norm() < 1e-8);
   }
 }
 
-TEST_CASE("predictor: second order measures a steady acceleration, not a quick change",
+TEST_CASE("predictor: an owner's steady acceleration is measured, not a quick change",
           "[consensus][analytic]") {
   const Vec3 a(1.5, 0.0, 0.5);
   const double ahead = 0.1;
   const auto pushed = [&](int i) {
     const double t = i * kDt;
-    StateUpdate update = state(i, 0.5 * t * t * a, t * a);
+    StateUpdate update = owned(state(i, 0.5 * t * t * a, t * a));
     update.flags.in_contact = true;
     return update;
   };
   // The low-pass (50 ms) has come to its end after a second.
   const double then = 60 * kDt + ahead;
-  const auto p = after(PredictorKind::SecondOrder, {}, 61, ahead, pushed);
+  const auto p = after(PredictorKind::Replay, {}, 61, ahead, pushed);
   CHECK((p.translation - 0.5 * then * then * a).norm() < 1e-6);
 
   // 12 Hz, above the limit: the same as Euler, whatever the phase.
@@ -88,12 +97,12 @@ TEST_CASE("predictor: second order measures a steady acceleration, not a quick c
   for (int count = 100; count < 106; ++count) {
     const auto shaken = [&](int i) {
       const double t = i * kDt;
-      StateUpdate update =
-          state(i, {0.01 * std::sin(w * t), 0.0, 0.0}, {0.01 * w * std::cos(w * t), 0.0, 0.0});
+      StateUpdate update = owned(
+          state(i, {0.01 * std::sin(w * t), 0.0, 0.0}, {0.01 * w * std::cos(w * t), 0.0, 0.0}));
       update.flags.in_contact = true;
       return update;
     };
-    const auto second = after(PredictorKind::SecondOrder, {}, count, ahead, shaken);
+    const auto second = after(PredictorKind::Replay, {}, count, ahead, shaken);
     const auto first = after(PredictorKind::Euler, {}, count, ahead, shaken);
     CHECK((second.translation - first.translation).norm() == 0.0);
   }
@@ -106,8 +115,7 @@ TEST_CASE("predictor: nothing is carried on for longer than the limit", "[consen
     update.flags.in_contact = true;
     return update;
   };
-  for (const auto kind :
-       {PredictorKind::Euler, PredictorKind::SecondOrder, PredictorKind::Replay}) {
+  for (const auto kind : {PredictorKind::Euler, PredictorKind::Replay}) {
     const auto at = [&](double ahead, double limit) {
       return after(kind, {.max_extrapolation = limit}, 40, ahead, move).translation.x();
     };

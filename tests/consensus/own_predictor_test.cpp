@@ -58,13 +58,12 @@ std::vector<std::uint64_t> hashes(const PeerOptions& options) {
 }
 
 TEST_CASE("own predictor: one that says what ours says is ours, bit for bit", "[consensus]") {
-  for (const PredictorKind kind : {PredictorKind::Euler, PredictorKind::SecondOrder}) {
+  for (const PredictorKind kind : {PredictorKind::Euler, PredictorKind::None}) {
     const auto own = std::make_shared<Forwarding>(kind);
     CHECK(hashes({.own_predictor = own}) == hashes({.predictor = kind}));
     CHECK(own->asked > 100);
   }
-  CHECK(hashes({.predictor = PredictorKind::Euler}) !=
-        hashes({.predictor = PredictorKind::SecondOrder}));
+  CHECK(hashes({.predictor = PredictorKind::Euler}) != hashes({.predictor = PredictorKind::None}));
 }
 
 TEST_CASE("own predictor: where it says what is no number, the state counts as it was stamped",

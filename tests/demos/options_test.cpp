@@ -125,11 +125,11 @@ TEST_CASE("options: what a run is shown beside", "[demos][unit]") {
 TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]") {
   const consensus::PeerOptions plain = parse({}).peer_options();
   CHECK(plain.mode == consensus::InputMode::Soft);
-  const DemoOptions o = parse({"--mode", "hard", "--predictor=second-order"});
+  const DemoOptions o = parse({"--mode", "hard", "--predictor=euler"});
   const consensus::PeerOptions peer = o.peer_options();
   CHECK(peer.mode == consensus::InputMode::Hard);
-  CHECK(peer.predictor == consensus::PredictorKind::SecondOrder);
-  for (const char* name : {"none", "euler", "second-order", "replay"}) {
+  CHECK(peer.predictor == consensus::PredictorKind::Euler);
+  for (const char* name : {"none", "euler", "replay"}) {
     CHECK(to_string(parse({"--predictor", name}).predictor_kind()) == name);
   }
   for (const char* name : {"soft", "asymmetric", "hard"}) {
@@ -189,8 +189,8 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   CHECK(of("single-owner").predictor == PredictorKind::Euler);
   CHECK(of("pd").predictor == PredictorKind::Euler);
   // What is said counts.
-  CHECK(parse({"--coupling=pd", "--predictor", "second-order"}).peer_options().predictor ==
-        PredictorKind::SecondOrder);
+  CHECK(parse({"--coupling=pd", "--predictor", "none"}).peer_options().predictor ==
+        PredictorKind::None);
 }
 
 TEST_CASE("options: rates go round the peers", "[demos][unit]") {
@@ -263,7 +263,7 @@ TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") 
   CHECK(refusal({"--seed", "-1"}) == "--seed must be an integer of 64 bits, >= 0, is '-1'");
   CHECK(refusal({"--influence", "1"}) == "--influence must be a number from 0 to 0.99, is '1'");
   CHECK(refusal({"--predictor", "Euler"}) ==
-        "--predictor must be none, euler, second-order or replay, is 'Euler'");
+        "--predictor must be none, euler or replay, is 'Euler'");
   CHECK(refusal({"--coupling", ""}) ==
         "--coupling must be one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, "
         "none, single-owner or pd, is ''");

@@ -233,7 +233,7 @@ TEST_CASE("hello: says what there is to draw and to choose", "[demos][view][unit
   CHECK(hello["settings"]["beside"].is_null());
   CHECK(hello["peers"][0]["beside"] == false);
   CHECK(hello["choices"]["scheme"].size() == 8);
-  CHECK(hello["choices"]["predictor"].size() == 4);
+  CHECK(hello["choices"]["predictor"].size() == 3);
   settings.profile.reset();
   const Layout far = make_layout("cubes", scene, 20.0, {{1, 60.0, "tandem"}}, false);
   const auto other = nlohmann::json::parse(hello_text(far, scene, settings));
@@ -295,8 +295,8 @@ TEST_CASE("command: what a page may say is understood", "[demos][view][unit]") {
   CHECK(std::get<SetProfile>(said(R"({"type":"set","name":"profile","value":5})")).profile == 5);
   CHECK(std::get<SetInfluence>(said(R"({"type":"set","name":"influence","value":0})")).influence ==
         0.0);
-  CHECK(std::get<SetPredictor>(said(R"({"type":"set","name":"predictor","value":"second-order"})"))
-            .predictor == consensus::PredictorKind::SecondOrder);
+  CHECK(std::get<SetPredictor>(said(R"({"type":"set","name":"predictor","value":"euler"})"))
+            .predictor == consensus::PredictorKind::Euler);
   CHECK(std::get<SetScheme>(said(R"({"type":"set","name":"scheme","value":"two-step"})")).scheme ==
         Scheme::TwoStep);
   CHECK(std::get<SetBeside>(said(R"({"type":"set","name":"beside","value":"none"})")).scheme ==

@@ -74,7 +74,7 @@ export class MockWorld {
               {shape: 'half_space', normal: [0, -1, 0], offset: -1.5, ...PART},
               {shape: 'box', half_extents: [0.3, 0.1, 0.05], pose: [-0.8, -0.5, 0.05, 0, 0, 0, 1]}],
       choices: !this.live ? {} : {
-        profile: [0, 1, 2, 3, 4, 5], predictor: ['replay', 'second-order', 'euler'],
+        profile: [0, 1, 2, 3, 4, 5], predictor: ['replay', 'euler'],
         scheme: ['one-pass', 'two-step', 'none'], speed: [0.05, 2], influence: [0, 0.5]},
     };
   }

@@ -31,11 +31,12 @@ class TANDEM_API MotionHistory {
 
 /// What brings others' states to now.
 enum class PredictorKind : std::uint8_t {
-  None,         ///< the state as it was stamped
-  Euler,        ///< first order, [friston] Eq. 3
-  SecondOrder,  ///< and its acceleration, with a limit of frequency, [friston] Sec. 3.3
+  None,   ///< the state as it was stamped
+  Euler,  ///< carried on by its velocity, [friston] Eq. 3
   /// Nothing is guessed: the mean of all states is taken at their stamps and replayed to now by the
-  /// own physics, see ReplayOptions. Where the world has no copy, SecondOrder.
+  /// own physics, see ReplayOptions. Where the world has no copy, and of what
+  /// a hand moves that its own peer alone knows, Euler; of owners, who answer to nobody, with their
+  /// acceleration, [friston] Sec. 3.3.
   Replay,
 };
 
@@ -44,7 +45,7 @@ struct TANDEM_API PredictorOptions {
   /// s: a state is carried on by its velocity no longer than this. A shorter time trades
   /// responsiveness for stability, [friston] Sec. 3.3.
   double max_extrapolation = 1.0;
-  /// Of Euler and SecondOrder: turn the orientation by the angular velocity. [friston]
+  /// Of what is carried on: turn the orientation by the angular velocity. [friston]
   /// Sec. 4.2 does not.
   bool extrapolates_orientation = true;
 
@@ -87,7 +88,7 @@ class TANDEM_API Predictor {
   virtual bool remembers() const { return false; }
 };
 
-/// Of Replay the predictor of what is not replayed: SecondOrder.
+/// Of Replay the predictor of what is not replayed.
 /// @throws std::invalid_argument where the options are not valid
 TANDEM_API std::unique_ptr<Predictor> make_predictor(PredictorKind kind,
                                                      const PredictorOptions& options = {});
