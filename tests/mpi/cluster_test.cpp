@@ -17,6 +17,7 @@
 
 #include "support/catch.h"
 #include "tandem/collision/contact_source.h"
+#include "tandem/collision/convex_hull.h"
 #include "tandem/pbd/bytes.h"
 
 namespace tandem::mpi {
@@ -29,6 +30,7 @@ constexpr double kFrame = 1.0 / 60.0;  // s
 struct Plan {
   pbd::BodyDef def;
   collision::Shape shape;
+  Vec3 com = Vec3::Zero();  ///< m, of the shape, in its frame
 };
 
 struct Plans {
@@ -39,9 +41,20 @@ struct Plans {
   void ball(double radius, const Vec3& at, const Vec3& speed = Vec3::Zero()) {
     add(collision::Sphere{radius}, at, speed);
   }
-  void cube(double edge, const Vec3& at) {
-    add(collision::Box{Vec3::Constant(0.5 * edge)}, at, Vec3::Zero());
+  void cube(double edge, const Vec3& at, const Vec3& speed = Vec3::Zero()) {
+    add(collision::Box{Vec3::Constant(0.5 * edge)}, at, speed);
   }
+  void crystal(const Vec3& at, const Vec3& speed) { add(hull, at, speed); }
+
+  /// Eight corners, no two alike.
+  collision::Hull hull = collision::ConvexHull::make(std::vector<Vec3>{{0.1, 0.0, 0.02},
+                                                                       {-0.1, 0.01, 0.0},
+                                                                       {0.0, 0.11, 0.0},
+                                                                       {0.01, -0.09, 0.0},
+                                                                       {0.0, 0.0, 0.1},
+                                                                       {0.02, 0.0, -0.1},
+                                                                       {0.06, 0.06, 0.06},
+                                                                       {-0.06, -0.05, -0.06}});
 
  private:
   void add(const collision::Shape& shape, const Vec3& at, const Vec3& speed) {
@@ -49,6 +62,7 @@ struct Plans {
     Plan plan{.def = {}, .shape = shape};
     plan.def.mass = mass.mass;
     plan.def.inertia = mass.inertia;
+    plan.com = mass.com;
     plan.def.pose.position = at;
     plan.def.twist.linear = speed;
     plan.def.stable_id = bodies.size();
@@ -56,8 +70,8 @@ struct Plans {
   }
 };
 
-collision::ColliderDef collider_of(const collision::Shape& shape) {
-  return {.body = {}, .shape = shape, .local = {}, .material = {}, .filter = {}};
+collision::ColliderDef collider_of(const collision::Shape& shape, const Vec3& com = Vec3::Zero()) {
+  return {.body = {}, .shape = shape, .local = {.position = -com}, .material = {}, .filter = {}};
 }
 
 /// On all ranks: the sum, and the largest.
@@ -71,6 +85,7 @@ double most_of(double own) {
 }
 
 void fill(Cluster& cluster, const Plans& plans, bool with_bodies = true) {
+  cluster.use(plans.hull);
   if (plans.ground) {
     const collision::ColliderDef ground[] = {collider_of(collision::HalfSpace{})};
     cluster.add({.type = pbd::BodyType::Static}, ground);
@@ -81,7 +96,8 @@ void fill(Cluster& cluster, const Plans& plans, bool with_bodies = true) {
     if (i % static_cast<std::size_t>(cluster.count()) != static_cast<std::size_t>(cluster.rank())) {
       continue;
     }
-    const collision::ColliderDef colliders[] = {collider_of(plans.bodies[i].shape)};
+    const collision::ColliderDef colliders[] = {
+        collider_of(plans.bodies[i].shape, plans.bodies[i].com)};
     cluster.add(plans.bodies[i].def, colliders);
   }
   cluster.start();
@@ -93,7 +109,7 @@ class Whole {
   explicit Whole(const Plans& plans) : world({.gravity = plans.gravity}) {
     world.set_contact_source(&shapes);
     if (plans.ground) add({.type = pbd::BodyType::Static}, collision::HalfSpace{});
-    for (const Plan& plan : plans.bodies) bodies.push_back(add(plan.def, plan.shape));
+    for (const Plan& plan : plans.bodies) bodies.push_back(add(plan.def, plan.shape, plan.com));
   }
   void step() { solver.step(world, kFrame); }
   /// As Totals::hash.
@@ -119,9 +135,10 @@ class Whole {
   std::vector<pbd::BodyId> bodies;
 
  private:
-  pbd::BodyId add(const pbd::BodyDef& def, const collision::Shape& shape) {
+  pbd::BodyId add(const pbd::BodyDef& def, const collision::Shape& shape,
+                  const Vec3& com = Vec3::Zero()) {
     const pbd::BodyId body = world.add_body(def);
-    collision::ColliderDef collider = collider_of(shape);
+    collision::ColliderDef collider = collider_of(shape, com);
     collider.body = body;
     shapes.add(world, collider);
     return body;
@@ -251,6 +268,63 @@ TEST_CASE("cluster: islands that stay whole move as without MPI, wherever they g
   }
   const std::uint64_t migrated = sum_of(cluster.state().migrated);
   CHECK((migrated > 8) == (cluster.count() > 1));
+}
+
+TEST_CASE("cluster: hulls go from rank to rank as their numbers", "[mpi]") {
+  Plans plans;
+  for (int lane = 0; lane < 12; ++lane) {
+    plans.crystal(Vec3(-1.0, 1.0 * lane, 0.3), Vec3(0.5 + 0.4 * (lane % 7), 0.0, 0.0));
+    plans.crystal(Vec3(0.0, 1.0 * lane, 0.2), Vec3::Zero());
+  }
+  ClusterOptions options;
+  options.balance_every = 1;
+  options.balance_above = 1.0;
+  options.cut_above = 1.0;
+  Cluster cluster(options);
+  fill(cluster, plans);
+  for (int k = 0; k < 180; ++k) cluster.step(kFrame);
+  const std::uint64_t migrated = sum_of(cluster.state().migrated);
+  CHECK((migrated > 4) == (cluster.count() > 1));
+  CHECK(cluster.totals().bodies == plans.bodies.size());
+  // They have come to rest on the ground, none of them in it.
+  for (const auto& [id, state] : own_states(cluster)) {
+    CAPTURE(id);
+    CHECK(state.pose.position.z() > 0.04);
+    CHECK(state.pose.position.z() < 0.3);
+  }
+  Cluster none;
+  if (none.rank() == 0) {
+    const collision::ColliderDef unknown[] = {collider_of(plans.hull)};
+    CHECK(has(refusal([&] { none.add(plans.bodies[0].def, unknown); }), "a hull of use()"));
+  }
+  none.start();
+  CHECK(has(refusal([&] { none.use(plans.hull); }), "before start()"));
+}
+
+TEST_CASE("cluster: a body that comes later meets those of other ranks", "[mpi]") {
+  // A row of cubes over all ranks; a ball on each of them, all from the last rank.
+  Plans plans;
+  for (int i = 0; i < 8; ++i) plans.cube(0.2, Vec3(0.5 * i, 0.0, 0.1));
+  const std::size_t cubes = plans.bodies.size();
+  Cluster cluster;
+  fill(cluster, plans);
+  for (int k = 0; k < 30; ++k) cluster.step(kFrame);
+  for (std::size_t i = 0; i < cubes; ++i) {
+    plans.ball(0.1, Vec3(0.5 * static_cast<double>(i), 0.0, 0.6));
+    if (cluster.rank() != cluster.count() - 1) continue;
+    const collision::ColliderDef colliders[] = {collider_of(plans.bodies.back().shape)};
+    cluster.add(plans.bodies.back().def, colliders);
+  }
+  for (int k = 0; k < 120; ++k) cluster.step(kFrame);
+  CHECK(cluster.totals().bodies == 2 * cubes);
+  for (const auto& [id, state] : own_states(cluster)) {
+    CAPTURE(id);
+    const double expected = id < cubes ? 0.1 : 0.3;
+    CHECK(std::abs(state.pose.position.z() - expected) < 2e-3);
+  }
+  const collision::ColliderDef floor[] = {collider_of(collision::HalfSpace{})};
+  CHECK(
+      has(refusal([&] { cluster.add({.type = pbd::BodyType::Static}, floor); }), "before start()"));
 }
 
 TEST_CASE("cluster: a blow between ranks keeps momentum and is as without MPI", "[mpi]") {
@@ -435,7 +509,7 @@ TEST_CASE("cluster: nonsense is refused by name", "[mpi]") {
   CHECK(has(refusal([&] { cluster.add({.stable_id = 1}, hull); }), "shape"));
   CHECK(has(refusal([&] { cluster.step(kFrame); }), "start()"));
   cluster.start();
-  CHECK(has(refusal([&] { cluster.add({.stable_id = 1}, ball); }), "start()"));
+  CHECK(has(refusal([&] { cluster.add({.type = pbd::BodyType::Static}, ball); }), "start()"));
   CHECK(has(refusal([&] { cluster.start(); }), "once"));
   CHECK_FALSE(cluster.owns({}));
   CHECK(cluster.shapes().slot_count() == 0);

@@ -63,8 +63,18 @@ Cluster::Impl::Impl(const ClusterOptions& options)
 
 pbd::BodyId Cluster::Impl::add(const pbd::BodyDef& def,
                                std::span<const collision::ColliderDef> colliders) {
-  if (started_) throw std::invalid_argument("Cluster::add: bodies must be added before start()");
-  return part_.add(def, colliders);
+  if (started_ && def.type != pbd::BodyType::Dynamic) {
+    throw std::invalid_argument("Cluster::add: what does not move must be added before start()");
+  }
+  const pbd::BodyId body = part_.add(def, colliders);
+  if (started_) neighbours_.expect_new();
+  return body;
+}
+
+void Cluster::Impl::use(const collision::Hull& hull) {
+  if (hull == nullptr) throw std::invalid_argument("Cluster::use: hull must be one, is null");
+  if (started_) throw std::invalid_argument("Cluster::use: hulls must be named before start()");
+  part_.use(hull);
 }
 
 void Cluster::Impl::start() {
@@ -200,6 +210,12 @@ void Cluster::Impl::read_section(const Bytes& bytes) {
   }
 }
 
+std::int64_t Cluster::Impl::agree_on(std::int64_t said) {
+  Bytes bytes;
+  MessageWriter(bytes).put(said);
+  return ranks_.gather(bytes)[0].get<std::int64_t>();
+}
+
 Totals Cluster::Impl::totals() {
   Totals own;
   const pbd::Vec3& gravity = world_.gravity();
@@ -252,6 +268,7 @@ pbd::BodyId Cluster::add(const pbd::BodyDef& def,
                          std::span<const collision::ColliderDef> colliders) {
   return impl_->add(def, colliders);
 }
+void Cluster::use(const collision::Hull& hull) { impl_->use(hull); }
 void Cluster::start() { impl_->start(); }
 const pbd::StepReport& Cluster::step(double dt) { return impl_->step(dt); }
 pbd::World& Cluster::world() { return impl_->world(); }
@@ -260,6 +277,12 @@ const collision::CollisionScene& Cluster::shapes() const { return impl_->shapes(
 bool Cluster::owns(pbd::BodyId body) const {
   return impl_->world().contains(body) && impl_->part().is_own(body.index);
 }
+pbd::BodyId Cluster::own_body(std::uint64_t stable_id) const {
+  const std::uint32_t slot = impl_->part().slot_of(stable_id);
+  if (slot == pbd::BodyId::kNone || !impl_->part().is_own(slot)) return {};
+  return impl_->world().body_at(slot);
+}
+std::int64_t Cluster::agree_on(std::int64_t said) { return impl_->agree_on(said); }
 const StepCost& Cluster::cost() const { return impl_->cost(); }
 const ClusterState& Cluster::state() const { return impl_->state(); }
 Totals Cluster::totals() { return impl_->totals(); }

@@ -24,8 +24,10 @@ class __attribute__((visibility("hidden"))) Cluster::Impl {
   explicit Impl(const ClusterOptions& options);
 
   pbd::BodyId add(const pbd::BodyDef& def, std::span<const collision::ColliderDef> colliders);
+  void use(const collision::Hull& hull);
   void start();
   const pbd::StepReport& step(double dt);
+  std::int64_t agree_on(std::int64_t said);
   Totals totals();
   void save(const std::string& path);
   void load(const std::string& path);

@@ -52,6 +52,8 @@ class Neighbours {
   void note_motion(std::span<const pbd::SolverBody> bodies);
   /// Whether some own body has left the room for which refresh() looked.
   bool outdated() const { return outdated_; }
+  /// A body has come, in no room that was foreseen.
+  void expect_new() { outdated_ = true; }
 
  private:
   struct Box {

@@ -143,9 +143,10 @@ pbd::BodyId Part::add(const pbd::BodyDef& def, std::span<const collision::Collid
     pbd::detail::refuse("Cluster::add: stable_id", "given, and below 2^63, for a dynamic body");
   }
   for (const collision::ColliderDef& collider : colliders) {
-    if (can_move(collider.shape)) continue;
-    pbd::detail::refuse("Cluster::add: shape",
-                        "a sphere, box, capsule, cylinder or cone for a dynamic body");
+    if (can_move(collider.shape, hulls_)) continue;
+    pbd::detail::refuse(
+        "Cluster::add: shape",
+        "a sphere, box, capsule, cylinder, cone or a hull of use() for a dynamic body");
   }
   return insert(def, colliders, *def.stable_id, false);
 }
@@ -196,7 +197,9 @@ void Part::write(std::uint32_t slot, Bytes& bytes) const {
   write_state(world_.states()[slot], out);
   write_activity(world_.activities()[slot], out);
   out.put(static_cast<std::uint32_t>(colliders_[slot].size()));
-  for (const collision::ColliderId id : colliders_[slot]) write_collider(shapes_.collider(id), out);
+  for (const collision::ColliderId id : colliders_[slot]) {
+    write_collider(shapes_.collider(id), hulls_, out);
+  }
 }
 
 std::uint32_t Part::read(MessageReader& in, bool copy) {
@@ -218,7 +221,7 @@ std::uint32_t Part::read(MessageReader& in, bool copy) {
   if (in.failed() || count > kMaxColliders || *def.stable_id >= kFixed) return pbd::BodyId::kNone;
   std::vector<collision::ColliderDef> colliders(count);
   for (collision::ColliderDef& collider : colliders) {
-    if (!read_collider(in, collider)) return pbd::BodyId::kNone;
+    if (!read_collider(in, hulls_, collider)) return pbd::BodyId::kNone;
   }
   try {
     def.pose = state.pose;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "message.h"
+#include "shape_record.h"
 #include "tandem/collision/contact_source.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/world.h"
@@ -38,6 +39,8 @@ class Part {
 
   /// @throws std::invalid_argument where the body or a collider is not what it must be
   pbd::BodyId add(const pbd::BodyDef& def, std::span<const collision::ColliderDef> colliders);
+  /// A hull that dynamic bodies may have.
+  void use(const collision::Hull& hull) { hulls_.push_back(hull); }
   void remove(std::uint32_t slot);
 
   bool is_own(std::uint32_t slot) const {
@@ -76,7 +79,8 @@ class Part {
   std::vector<double> radii_;                                  ///< by slot
   std::vector<std::uint8_t> surfaces_;                         ///< by slot
   std::vector<std::vector<collision::ColliderId>> colliders_;  ///< by slot
-  std::vector<std::uint32_t> fixed_;                           ///< slots, in the order of names
+  Hulls hulls_;
+  std::vector<std::uint32_t> fixed_;  ///< slots, in the order of names
   mutable std::vector<std::uint32_t> own_;
   mutable bool own_is_old_ = true;
 };

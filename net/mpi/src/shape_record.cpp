@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "shape_record.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -14,7 +15,7 @@ using collision::Cone;
 using collision::Cylinder;
 using collision::Sphere;
 
-enum class Kind : std::uint8_t { Sphere, Box, Capsule, Cylinder, Cone, Other };
+enum class Kind : std::uint8_t { Sphere, Box, Capsule, Cylinder, Cone, Hull, Other };
 
 Kind kind_of(const collision::Shape& shape) {
   if (std::holds_alternative<Sphere>(shape)) return Kind::Sphere;
@@ -22,11 +23,18 @@ Kind kind_of(const collision::Shape& shape) {
   if (std::holds_alternative<Capsule>(shape)) return Kind::Capsule;
   if (std::holds_alternative<Cylinder>(shape)) return Kind::Cylinder;
   if (std::holds_alternative<Cone>(shape)) return Kind::Cone;
+  if (std::holds_alternative<collision::Hull>(shape)) return Kind::Hull;
   return Kind::Other;
 }
 
+/// Where a hull is among them; their number where it is not.
+std::size_t place_of(const collision::Shape& shape, const Hulls& hulls) {
+  const auto at = std::find(hulls.begin(), hulls.end(), std::get<collision::Hull>(shape));
+  return static_cast<std::size_t>(at - hulls.begin());
+}
+
 /// The numbers of a shape: three of them at most.
-pbd::Vec3 numbers_of(const collision::Shape& shape) {
+pbd::Vec3 numbers_of(const collision::Shape& shape, const Hulls& hulls) {
   switch (kind_of(shape)) {
     case Kind::Sphere:
       return {std::get<Sphere>(shape).radius, 0.0, 0.0};
@@ -38,13 +46,16 @@ pbd::Vec3 numbers_of(const collision::Shape& shape) {
       return {std::get<Cylinder>(shape).radius, std::get<Cylinder>(shape).half_height, 0.0};
     case Kind::Cone:
       return {std::get<Cone>(shape).radius, std::get<Cone>(shape).half_height, 0.0};
+    case Kind::Hull:
+      return {static_cast<double>(place_of(shape, hulls)), 0.0, 0.0};
     case Kind::Other:
       break;
   }
   return pbd::Vec3::Zero();
 }
 
-collision::Shape shape_of(Kind kind, const pbd::Vec3& n) {
+/// @param n  as numbers_of(); of a hull checked before
+collision::Shape shape_of(Kind kind, const pbd::Vec3& n, const Hulls& hulls) {
   switch (kind) {
     case Kind::Sphere:
       return Sphere{n.x()};
@@ -54,6 +65,8 @@ collision::Shape shape_of(Kind kind, const pbd::Vec3& n) {
       return Cylinder{n.x(), n.y()};
     case Kind::Cone:
       return Cone{n.x(), n.y()};
+    case Kind::Hull:
+      return hulls[static_cast<std::size_t>(n.x())];
     case Kind::Box:
     case Kind::Other:
       break;
@@ -63,7 +76,10 @@ collision::Shape shape_of(Kind kind, const pbd::Vec3& n) {
 
 }  // namespace
 
-bool can_move(const collision::Shape& shape) { return kind_of(shape) != Kind::Other; }
+bool can_move(const collision::Shape& shape, const Hulls& hulls) {
+  if (kind_of(shape) == Kind::Hull) return place_of(shape, hulls) < hulls.size();
+  return kind_of(shape) != Kind::Other;
+}
 
 bool is_surface(const collision::Shape& shape) {
   return std::holds_alternative<collision::Mesh>(shape) ||
@@ -71,15 +87,21 @@ bool is_surface(const collision::Shape& shape) {
 }
 
 double reach_of(const collision::ColliderDef& collider) {
-  const pbd::Vec3 n = numbers_of(collider.shape);
+  if (const auto* const hull = std::get_if<collision::Hull>(&collider.shape)) {
+    double furthest = 0.0;
+    for (const pbd::Vec3& arm : (*hull)->arms()) furthest = std::max(furthest, arm.norm());
+    return collider.local.position.norm() + (*hull)->centre().norm() + furthest;
+  }
+  const pbd::Vec3 n = numbers_of(collider.shape, {});
   double own = n.norm();
   if (kind_of(collider.shape) == Kind::Capsule) own = n.x() + n.y();
   return collider.local.position.norm() + own;
 }
 
-void write_collider(const collision::ColliderDef& collider, MessageWriter& out) {
+void write_collider(const collision::ColliderDef& collider, const Hulls& hulls,
+                    MessageWriter& out) {
   out.put(kind_of(collider.shape));
-  out.vec3(numbers_of(collider.shape));
+  out.vec3(numbers_of(collider.shape, hulls));
   out.vec3(collider.local.position);
   out.quat(collider.local.orientation);
   out.put(collider.material);
@@ -88,9 +110,12 @@ void write_collider(const collision::ColliderDef& collider, MessageWriter& out) 
   out.put(collider.user_data);
 }
 
-bool read_collider(MessageReader& in, collision::ColliderDef& collider) {
+bool read_collider(MessageReader& in, const Hulls& hulls, collision::ColliderDef& collider) {
   const auto kind = in.get<Kind>();
-  collider.shape = shape_of(kind, in.vec3());
+  const pbd::Vec3 numbers = in.vec3();
+  const auto count = static_cast<double>(hulls.size());
+  if (kind == Kind::Hull && !(numbers.x() >= 0.0 && numbers.x() < count)) return false;
+  collider.shape = shape_of(kind, numbers, hulls);
   collider.local.position = in.vec3();
   collider.local.orientation = in.quat();
   collider.material = in.get<collision::Material>();

@@ -2,18 +2,23 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <vector>
+
 #include "message.h"
 #include "tandem/collision/contact_source.h"
 
 namespace tandem::mpi {
 
+/// Hulls that all ranks have, in the same order: they go from rank to rank as their number.
+using Hulls = std::vector<collision::Hull>;
+
 /// Whether a collider's shape can go from rank to rank: it is all in its few numbers.
-bool can_move(const collision::Shape& shape);
+bool can_move(const collision::Shape& shape, const Hulls& hulls);
 bool is_surface(const collision::Shape& shape);  ///< a mesh or a height field
 /// m: of the shape's points, the one furthest from the body's centre of mass.
 double reach_of(const collision::ColliderDef& collider);
-void write_collider(const collision::ColliderDef& collider, MessageWriter& out);
+void write_collider(const collision::ColliderDef& collider, const Hulls& hulls, MessageWriter& out);
 /// @return false where the bytes are no collider's
-bool read_collider(MessageReader& in, collision::ColliderDef& collider);
+bool read_collider(MessageReader& in, const Hulls& hulls, collision::ColliderDef& collider);
 
 }  // namespace tandem::mpi

@@ -109,9 +109,9 @@ struct TANDEM_API Totals {
 ///     cluster.start();
 ///     while (running) cluster.step(1.0 / 60.0);
 ///
-/// All ranks call start(), step(), totals(), save() and load() together. One rank gives the bits of
-/// the same world without MPI; any number gives the same bits in every run with that number.
-/// Contacts are the only constraints: joints would have to move with their bodies.
+/// All ranks call start(), step(), agree_on(), totals(), save() and load() together. One rank gives
+/// the bits of the same world without MPI; any number gives the same bits in every run with that
+/// number. Contacts are the only constraints: joints would have to move with their bodies.
 /// @par Thread safety  One thread of each process.
 class TANDEM_API Cluster {
  public:
@@ -124,8 +124,13 @@ class TANDEM_API Cluster {
   int rank() const;
   int count() const;
 
-  /// Add a body before start(). Static and kinematic ones: all ranks, in the same order. Dynamic
-  /// ones: one rank, with a stable id below 2^63; of spheres, boxes, capsules, cylinders and cones.
+  /// A hull that dynamic bodies may have: all ranks, in the same order, before start() or load().
+  /// @throws std::invalid_argument where it is none, or the cluster has started
+  void use(const collision::Hull& hull);
+  /// Add a body. Static and kinematic ones: all ranks, in the same order, before start(). Dynamic
+  /// ones: one rank, with a stable id below 2^63 that no other body has; of spheres, boxes,
+  /// capsules, cylinders, cones and hulls of use(). What is added after start() meets bodies of
+  /// other ranks from its second step on.
   /// @param colliders  `body` is set here
   /// @throws std::invalid_argument where that does not hold
   pbd::BodyId add(const pbd::BodyDef& def, std::span<const collision::ColliderDef> colliders);
@@ -135,12 +140,17 @@ class TANDEM_API Cluster {
   const pbd::StepReport& step(double dt);
 
   /// This rank's bodies, copies of others' and what does not move. Pose, twist and forces of own
-  /// bodies may be set between steps; bodies come and go through add() alone.
+  /// bodies may be set between steps; bodies come through add() alone.
   pbd::World& world();
   const pbd::World& world() const;
   const collision::CollisionScene& shapes() const;
   /// Whether this rank owns a body; false for copies.
   bool owns(pbd::BodyId body) const;
+
+  /// The body of a stable id where this rank owns it; else one that is not valid.
+  pbd::BodyId own_body(std::uint64_t stable_id) const;
+  /// All ranks together: what rank 0 says, such as the time of the step to come.
+  std::int64_t agree_on(std::int64_t said);
 
   const StepCost& cost() const;
   const ClusterState& state() const;
