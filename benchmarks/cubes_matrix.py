@@ -30,7 +30,7 @@ def run(binary, variant, profile, seed, seconds):
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "result.json"
         subprocess.run(
-            [binary, "--quiet", "--profile", str(profile), "--seed", str(seed),
+            [binary, "--print", "nothing", "--profile", str(profile), "--seed", str(seed),
              "--seconds", str(seconds), "--json", str(out), *VARIANTS[variant]],
             check=False, stdout=subprocess.DEVNULL)
         return json.loads(out.read_text())

@@ -33,7 +33,7 @@ class Cell:
         return folder / f"{self.name}.inputs"
 
     def command(self, binaries, folder):
-        args = [str(binaries / self.scenario), "--quiet", "--profile", str(self.profile),
+        args = [str(binaries / self.scenario), "--print", "nothing", "--profile", str(self.profile),
                 "--seed", str(self.seed), "--seconds", f"{self.seconds:g}"]
         extra = {
             "default": ["--reference", "--record", str(self.recorded(folder))],

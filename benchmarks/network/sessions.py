@@ -30,7 +30,7 @@ class Cell:
         return f"{self.scene}-{self.kind}-p{self.profile}-l{100 * self.loss:g}-s{self.seed}"
 
     def common(self):
-        return ["--quiet", "--seed", str(self.seed), "--seconds", str(SECONDS[self.scene])]
+        return ["--print", "nothing", "--seed", str(self.seed), "--seconds", str(SECONDS[self.scene])]
 
 
 def free_port():
@@ -56,7 +56,7 @@ def _run_udp(cell, binaries, folder):
         for name, way in (("a", ["--listen", str(port)]),
                           ("b", ["--connect", f"127.0.0.1:{entrance}"])):
             peers.append(subprocess.Popen(
-                [binaries / cell.scene, *cell.common(), *way, "--insecure", "--wait", "20",
+                [binaries / cell.scene, *cell.common(), *way, "--transport", "udp", "--wait", "20",
                  "--json", folder / f"{name}.json", "--csv", folder / name],
                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
         for peer in peers:

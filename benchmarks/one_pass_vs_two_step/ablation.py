@@ -43,7 +43,7 @@ MEASURES = {"moving_p50_mm": "moving p50", "all_p95_mm": "all p95", "overlap_p99
 EQUAL = {"jerk_rms": 0.0, "peak_speed_m_s": 0.01}
 EQUAL_LENGTH = 0.1
 # Refinement is off where prices are compared: it answers to the least change of the motion.
-PRICE_RUN = ["--quiet", "--profile", "3"]
+PRICE_RUN = ["--print", "nothing", "--profile", "3"]
 PRICE_SEEDS = ("1", "2")
 # The own step; a replay's are within before_step, where another Solver::step would switch off again.
 COUNTED = ("tandem::demos::(anonymous namespace)::TandemPhysics::step(tandem::demos::Scene&, "

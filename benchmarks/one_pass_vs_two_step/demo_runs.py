@@ -56,13 +56,13 @@ def seeds(count):
 
 def has_bullet(binaries):
     """Whether the demos were built with Bullet as an engine of their own."""
-    tried = subprocess.run([str(binaries / "cubes"), "--quiet", "--seconds", "0.1", "--engines",
+    tried = subprocess.run([str(binaries / "cubes"), "--print", "nothing", "--seconds", "0.1", "--engines",
                             "bullet"], capture_output=True, check=False, text=True)
     return "--engines" not in tried.stderr
 
 
 def _command(binaries, cell):
-    return [str(binaries / cell["scenario"]), "--quiet", "--profile", str(cell["profile"]),
+    return [str(binaries / cell["scenario"]), "--print", "nothing", "--profile", str(cell["profile"]),
             "--seed", str(cell["seed"]), "--seconds", str(cell["seconds"]),
             *VARIANT.get(cell["scenario"], [])]
 

@@ -72,7 +72,7 @@ void compare(std::string_view scene, const demos::DemoOptions& options) {
 
 int run(std::span<const std::string_view> words) {
   std::vector<std::string_view> scenes;
-  std::vector<std::string_view> others = {"--quiet"};
+  std::vector<std::string_view> others = {"--print", "nothing"};
   bool one_profile = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--scene") {

@@ -306,7 +306,7 @@ std::FILE* words_go_to(const DemoOptions& options) { return options.json == "-" 
 
 int publish(const Report& report, const std::string& words) {
   const DemoOptions& o = report.options;
-  if (!o.quiet) std::fputs(words.c_str(), words_go_to(o));
+  if (!o.quiet()) std::fputs(words.c_str(), words_go_to(o));
   if (o.json == "-") {
     std::fputs(report_json(report).c_str(), stdout);
   } else if (!o.json.empty()) {
@@ -314,7 +314,7 @@ int publish(const Report& report, const std::string& words) {
   }
   if (!o.csv.empty()) write_csv(report, o.csv);
   if (!o.record.empty()) write_inputs(report, o.record);
-  if (!report.stable() && o.quiet) std::fprintf(stderr, "not stable: %s\n", report.fault.c_str());
+  if (!report.stable() && o.quiet()) std::fprintf(stderr, "not stable: %s\n", report.fault.c_str());
   return report.stable() ? 0 : 1;
 }
 

@@ -218,7 +218,8 @@ std::string story(const Scenario& scenario, const Report& report, const Report* 
   }
   return text + '\n' +
          ink.faint(
-             "--view shows it in a browser, --details all measures, --help what else there is.") +
+             "--view shows it in a browser, --print details all measures, --help what else there "
+             "is.") +
          '\n';
 }
 

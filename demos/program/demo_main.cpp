@@ -31,11 +31,11 @@ std::vector<std::string> body_names(const Scenario& scenario) {
 
 /// What the run is shown beside, where it is to be.
 std::optional<Scheme> shown_beside(const Scenario& scenario, const DemoOptions& o) {
-  if (o.quiet || o.alone || o.view || o.over_network()) return std::nullopt;
+  if (o.quiet() || o.alone || o.view || o.over_network()) return std::nullopt;
   if (o.beside) return o.beside;
   // What is asked for by its name is run, and nothing else.
   const bool plain = o.scheme == Scheme::OnePass && o.influence > 0.0 && !o.ablation.any();
-  if (!plain || o.details || !o.json.empty() || o.peers < 2) return std::nullopt;
+  if (!plain || o.print == Print::Details || !o.json.empty() || o.peers < 2) return std::nullopt;
   return scheme("baseline", scenario.baseline());
 }
 
@@ -48,8 +48,8 @@ DemoOptions with(DemoOptions options, Scheme scheme) {
 
 std::string words_for(const Scenario& scenario, const Report& report, const Report* beside) {
   const DemoOptions& o = report.options;
-  if (o.quiet) return {};
-  if (!o.details) return story(scenario, report, beside, may_colour(words_go_to(o)));
+  if (o.quiet()) return {};
+  if (o.print == Print::Story) return story(scenario, report, beside, may_colour(words_go_to(o)));
   return report_table(report) + (beside != nullptr ? report_table(*beside) : std::string());
 }
 
@@ -64,7 +64,7 @@ int run(const Scenario& scenario, const DemoOptions& options) {
   if (options.over_network()) {
     result = run_process(scenario, options);
   } else {
-    Progress progress(options.quiet, 1 + (again ? 1 : 0) + (other ? 1 : 0));
+    Progress progress(options.quiet(), 1 + (again ? 1 : 0) + (other ? 1 : 0));
     result = options.view ? view::run_live(scenario, options)
                           : run_virtual(scenario, options, nullptr, {}, &progress);
     // Nothing was kept of a session without an end.

@@ -38,7 +38,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   for (const std::string& text : options.connect) {
     const net::HostPort address = net::parse_host_port(text);
     if (options.insecure && !is_loopback(address.host)) {
-      refuse("--connect", text, "an address of this machine, with --insecure");
+      refuse("--connect", text, "an address of this machine without --key");
     }
     result.connect.push_back(address);
   }

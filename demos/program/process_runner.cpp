@@ -48,7 +48,7 @@ class Session {
                      trace_ ? trace_->transport() : rendezvous_),
         start_(network_->now()),
         physics_(net::PhysicsClockOptions::at_rate(participant_.step_hz()), start_),
-        progress_(options.quiet) {
+        progress_(options.quiet()) {
     participant_.record_from_exchange();
     participant_.watch_steps_with(trace_.get());
     if (options.endless) {
@@ -56,7 +56,7 @@ class Session {
       view_.record_nothing();
     }
     if (options.view) serve();
-    if (!options.quiet && options.listen) {
+    if (!options.quiet() && options.listen) {
       std::fprintf(stderr, "peer %llu listens on port %u\n",
                    static_cast<unsigned long long>(options.peer_id), network_->local_port());
     }

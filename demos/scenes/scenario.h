@@ -58,7 +58,7 @@ class Scenario {
   virtual std::unique_ptr<Referee> make_referee(const Scene& /*scene*/) const { return nullptr; }
   /// What an outcome that its referee gave comes to. Empty: there is no score.
   virtual Achievement achievement(const Outcome& /*outcome*/) const { return {}; }
-  /// The coupling beside which a run shows what agreement is for, as --beside takes it.
+  /// The coupling beside which a run shows what agreement is for, as --coupling takes it.
   virtual std::string_view baseline() const { return "none"; }
 
  protected:

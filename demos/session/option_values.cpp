@@ -31,6 +31,13 @@ consensus::InputMode mode(std::string_view text) {
   refuse("--mode", text, "soft, asymmetric or hard");
 }
 
+Print print(std::string_view text) {
+  if (text == "nothing") return Print::Nothing;
+  if (text == "story") return Print::Story;
+  if (text == "details") return Print::Details;
+  refuse("--print", text, "nothing, story or details");
+}
+
 Scheme scheme(std::string_view option, std::string_view text) {
   for (int i = 0; i <= static_cast<int>(Scheme::Pd); ++i) {
     const auto value = static_cast<Scheme>(i);

@@ -20,6 +20,7 @@ double limit(std::string_view option, std::string_view text, double least, doubl
 consensus::PredictorKind predictor(std::string_view text);
 consensus::InputMode mode(std::string_view text);
 Scheme scheme(std::string_view option, std::string_view text);
+Print print(std::string_view text);
 /// "HOST:PORT"
 std::string address(std::string_view text);
 /// "60,72": steps each second of the peers, in turn.

@@ -131,6 +131,17 @@ void read_view(Argument& in, DemoOptions& o) {
   o.view = number("--view", port, std::uint16_t{0}, std::uint16_t{65535}, kPort);
 }
 
+/// Of the run and, after a comma, of the one that it is shown beside.
+void read_coupling(Argument& in, DemoOptions& o) {
+  const std::string_view text = in.value();
+  const std::vector<std::string_view> items = items_of(text);
+  if (items.size() > 2) refuse(in.name(), text, "A, or A,B to show it beside B");
+  o.scheme = scheme(in.name(), items[0]);
+  o.alone = items.size() == 2 && items[1] == "nothing";
+  o.beside.reset();
+  if (items.size() == 2 && !o.alone) o.beside = scheme(in.name(), items[1]);
+}
+
 /// Of Tandem's pass and, after a comma, of Bullet's solver.
 void read_iterations(Argument& in, DemoOptions& o) {
   const std::string_view text = in.value();
@@ -167,7 +178,6 @@ constexpr DemoOption kOptions[] = {
        o.wait = in.number(0.0, 86400.0, "a number from 0 to 86400 s");
      }},
     {"--key", Where::Network, read_text<&DemoOptions::key>},
-    {"--insecure", Where::Network, read_flag<&DemoOptions::insecure>},
     {"--transport", Where::Network,
      [](Argument& in, DemoOptions& o) {
        const std::string_view text = in.value();
@@ -186,8 +196,7 @@ constexpr DemoOption kOptions[] = {
      }},
     {"--influence", Where::Everywhere,
      [](Argument& in, DemoOptions& o) { o.influence = in.number(0.0, 0.99, kChance); }},
-    {"--coupling", Where::Everywhere,
-     [](Argument& in, DemoOptions& o) { o.scheme = scheme(in.name(), in.value()); }},
+    {"--coupling", Where::Everywhere, read_coupling},
     {"--rates", Where::Everywhere,
      [](Argument& in, DemoOptions& o) { o.rates = rates(in.value()); }},
     {"--engines", Where::Everywhere,
@@ -219,14 +228,8 @@ constexpr DemoOption kOptions[] = {
      }},
     {"--trace", Where::Everywhere, read_text<&DemoOptions::trace>},
     {"--reference", Where::Everywhere, read_flag<&DemoOptions::reference>},
-    {"--beside", Where::Virtual,
-     [](Argument& in, DemoOptions& o) {
-       const std::string_view text = in.value();
-       o.alone = text == "nothing";
-       o.beside = o.alone ? std::nullopt : std::optional(scheme(in.name(), text));
-     }},
-    {"--details", Where::Everywhere, read_flag<&DemoOptions::details>},
-    {"--quiet", Where::Everywhere, read_flag<&DemoOptions::quiet>},
+    {"--print", Where::Everywhere,
+     [](Argument& in, DemoOptions& o) { o.print = print(in.value()); }},
 };
 
 [[noreturn]] void refuse_pair(std::string_view option, std::string_view why) {
@@ -243,13 +246,9 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
     refuse_pair(network_only, "needs --listen or --connect");
   }
   if (o.over_network() && !o.udp() && o.timeline == Timeline::None) {
-    refuse_pair("--clock none", "needs --key or --insecure over a network");
+    refuse_pair("--clock none", "needs --key or --transport udp over a network");
   }
-  if (!o.key.empty() && o.insecure) refuse_pair("--insecure", "has no meaning with --key");
-  if (o.wire == Wire::Udp && o.key.empty() && !o.insecure) {
-    refuse_pair("--transport udp", "needs --key or --insecure");
-  }
-  if (o.view && (o.beside || o.alone)) refuse_pair("--beside", "has no meaning with --view");
+  if (o.view && (o.beside || o.alone)) refuse_pair("--coupling A,B", "has no meaning with --view");
   for (const auto& [name, file] : {std::pair{"--json", &o.json},
                                    {"--csv", &o.csv},
                                    {"--record", &o.record},
@@ -357,6 +356,9 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   if (options.timeline == Timeline::System) network_only = "--clock system";
   if (options.clock_spread > 0.0) virtual_only = "--clock spread";
   if (options.off_grid) virtual_only = "--clock off-grid";
+  if (options.beside || options.alone) virtual_only = "--coupling A,B";
+  // As over TCP: without a key on this machine alone.
+  options.insecure = options.wire == Wire::Udp && options.key.empty();
   options.endless = options.view.has_value() && !timed;
   check_together(options, virtual_only, network_only);
   // Users' scripts are made for a length.

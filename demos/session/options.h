@@ -46,6 +46,13 @@ enum class Wire : std::uint8_t {
   Nats,  ///< through servers; of tandem-peer alone, in builds with tandem::nats
 };
 
+/// What a run says on the terminal.
+enum class Print : std::uint8_t {
+  Nothing,  ///< not even how far it is
+  Story,    ///< what happened, in words
+  Details,  ///< all measures
+};
+
 /// What all demos understand on their command line.
 struct DemoOptions {
   int peers = 2;
@@ -98,8 +105,7 @@ struct DemoOptions {
   std::string replay;      ///< file with what the users do, "" = they follow their script
   std::string trace;       ///< file for what enters a peer, see docs/trace.md, "" = none
   bool reference = false;  ///< run the same inputs at one peer as well, and compare
-  bool quiet = false;
-  bool details = false;  ///< all measures, and not what happened in words
+  Print print = Print::Story;
   std::optional<Scheme>
       beside;          ///< what the run is shown beside; nullopt = what the scene proposes
   bool alone = false;  ///< it is shown beside nothing
@@ -109,6 +115,7 @@ struct DemoOptions {
   bool endless = false;                    ///< until it is stopped; `seconds` is the script's
 
   bool over_network() const { return wire == Wire::Nats || listen.has_value() || !connect.empty(); }
+  bool quiet() const { return print == Print::Nothing; }
   bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
   /// Whether virtual peers step at times that no common clock gives them.
   bool steps_off_grid() const { return off_grid || timeline == Timeline::None; }

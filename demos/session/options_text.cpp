@@ -15,10 +15,10 @@ std::string usage(std::string_view program) {
 
   --profile 0..5     how far apart: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
   --seconds S        length (20)
-  --coupling NAME    how copies are kept together: one-pass (Tandem's), two-step-paper, single-owner
-                     or none
+  --coupling A[,B]   how copies are kept together: one-pass (Tandem's), two-step-paper, single-owner
+                     or none; beside B
   --view             see it and touch it in a browser
-  --details          all measures, and not what happened in words
+  --print details    all measures, and not what happened in words
   --json FILE        the result for programs; - is standard output
   --record FILE.glb  all motion, for any viewer of glTF
   --listen PORT, --connect HOST:PORT   two processes over a network, see --help-all
@@ -28,7 +28,7 @@ for example:
   )" + name +
          R"( --profile 5                 across an ocean
   )" + name +
-         R"( --coupling none --details   what happens where nothing is agreed upon
+         R"( --coupling none           what happens where nothing is agreed upon
   )" + name +
          R"( --view --profile 4          touch it while it runs
   )" + name +
@@ -51,8 +51,7 @@ One peer for each process, in wall time; on this machine alone where there is no
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough
   --peer-id N        unique in the session (1 with --listen alone, else 2)
   --key FILE         encrypted; 64 hex digits, the same for all (tandem-key makes one)
-  --insecure         UDP without a secret; loopback addresses only
-  --transport tcp|udp  (udp with --key or --insecure, else tcp)
+  --transport tcp|udp  (udp with --key, else tcp)
   --wait S           give up where nobody has come after S seconds (0 = never)
 Session:
   --seconds S        length (20)
@@ -63,8 +62,9 @@ Session:
                      next one's, and off-grid: peers step at times of their own, and not at
                      multiples of the step of the session's time
   --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
-  --coupling one-pass|one-pass-plain|two-step|two-step-plain|two-step-paper|single-owner|pd|none
-                     (one-pass)
+  --coupling A[,B]   one-pass, one-pass-plain, two-step, two-step-plain, two-step-paper,
+                     single-owner, pd or none (one-pass); beside B, one of them or nothing (as the
+                     scene proposes; nothing where results are for programs, or A was chosen)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
   --predictor none|euler|replay
                      (replay; euler with plain, paper, single-owner and pd)
@@ -81,7 +81,7 @@ Session:
   --substeps N       of Tandem's solver (4)
   --iterations N[,M]  sweeps of Tandem's pass in each substep (1), and of Bullet's solver (10)
   --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, rotation,
-                     age, initiative, leading, arbitration, ramp, refine
+                     initiative, leading, arbitration, ramp, refine
   --variant NAME     of the scenario, where it has any
   --view [[ADDRESS:]PORT]  serve a page that shows the run, until ctrl-c unless --seconds is given;
                      its address is printed (docs/view.md); to this machine alone unless a numeric
@@ -94,11 +94,9 @@ Output:
   --record FILE      write what the users did in each step; FILE.glb: all motion, as glTF 2.0
   --trace FILE       write all that enters a peer, for tandem-replay; FILE.1, FILE.2, .. where all
                      peers are in one process
-  --beside COUPLING|nothing  run it with that one as well, and show both (as the scene proposes; nothing
-                     where results are for programs, or a coupling was chosen)
-  --details          all measures, and not what happened in words
+  --print nothing|story|details  what happened in words, all measures, or not even a progress bar
+                     (story)
   --reference        run what the users did at one peer as well, and compare
-  --quiet            no words and no progress bar
   --help, -h         what is used most, with examples; --help-all: this text
   --version          of this program
 )";

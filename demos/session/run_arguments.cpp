@@ -79,7 +79,7 @@ void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   if (o.over_network()) {
     words.add("--listen", "0");
     words.add("--peer-id", digits(o.peer_id));
-    words.flag("--insecure", o.udp());
+    if (o.udp()) words.add("--transport", "udp");
     return;
   }
   words.number("--peers", o.peers, usual.peers);

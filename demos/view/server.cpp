@@ -8,9 +8,6 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -22,6 +19,7 @@
 #include "tandem/pbd/validate.h"
 #include "view/access.h"
 #include "view/frame_encoder.h"
+#include "view/page_request.h"
 #include "view/page_socket.h"
 
 namespace tandem::demos::view {
@@ -29,29 +27,12 @@ namespace tandem::demos::view {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 using Error = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kPatience{10};         // with a request
 constexpr std::chrono::milliseconds kSameAgain{500};  // between two frames in which nothing moves
 constexpr std::chrono::milliseconds kAcceptAgain{100};
-constexpr std::uint32_t kHeaderBytes = 8192;
-
-/// For people who have lost part of the address. It says the same wherever they are.
-constexpr std::string_view kHelp =
-    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
-    "content=\"width=device-width\"><title>Tandem: not this address</title>"
-    "<h1>There is nothing at this address</h1>"
-    "<p>A Tandem program is running here, but its page has a secret in its address, which is drawn "
-    "anew at each start.</p>"
-    "<p>Open the whole address that the program printed after <code>view:</code>, with the 32 "
-    "letters and digits and the slash at its end.</p></html>";
-
-std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 std::string host_of(const asio::ip::address& address, std::uint16_t port) {
   const std::string text = address.to_string();
@@ -61,7 +42,7 @@ std::string host_of(const asio::ip::address& address, std::uint16_t port) {
 }  // namespace
 
 /// Everything below runs on the server's thread unless it says otherwise.
-class Server::Impl final : public PageHost {
+class Server::Impl final : public PageHost, public RequestHost {
  public:
   Impl(const ServerOptions& options, Layout layout, std::span<const Asset> assets)
       : options_(options),
@@ -102,7 +83,6 @@ class Server::Impl final : public PageHost {
   // From any thread.
 
   std::uint16_t port() const { return port_; }
-  const std::string& token() const { return token_; }
   std::string url() const {
     const bool any = address_.is_unspecified();
     const asio::ip::address shown = any ? (address_.is_v6() ? asio::ip::make_address("::1")
@@ -145,8 +125,6 @@ class Server::Impl final : public PageHost {
   }
 
  private:
-  class Request;
-
   const std::string& hello() const override { return hello_; }
   FrameEncoder& encoder() override { return encoder_; }
   void heard(PageId page, Command command) override { hand_on(page, std::move(command)); }
@@ -167,6 +145,18 @@ class Server::Impl final : public PageHost {
     note_pages();
   }
 
+  const std::string& token() const override { return token_; }
+  bool is_named(std::string_view host) const override { return is_name_of(host, address_, port_); }
+  const Asset* asset_of(std::string_view path) const override;
+  bool is_full() const override { return pages_.size() >= options_.max_pages; }
+  bool ends() const override { return stopping_; }
+  void refused() override {
+    const std::lock_guard lock(mutex_);
+    ++counters_.refused;
+  }
+  void open(boost::beast::tcp_stream&& stream, PageSocket::Request request) override;
+  void ended(PageRequest* request) override { requests_.erase(request); }
+
   void stop();
   void accept();
   void take_hello(std::string text);
@@ -178,19 +168,13 @@ class Server::Impl final : public PageHost {
     const std::lock_guard lock(mutex_);
     events_.push_back({page, std::move(what)});
   }
-  void count_refused() {
-    const std::lock_guard lock(mutex_);
-    ++counters_.refused;
-  }
-
-  const Asset* asset_of(std::string_view path) const;
 
   ServerOptions options_;
   Layout layout_;
   std::span<const Asset> assets_;
   FrameEncoder encoder_;
   std::string token_;
-  std::map<Request*, std::weak_ptr<Request>> requests_;
+  std::map<PageRequest*, std::weak_ptr<PageRequest>> requests_;
   asio::io_context io_{1};  // after what connections use when they end
   Tcp::acceptor acceptor_;
   asio::steady_timer again_;
@@ -214,138 +198,6 @@ class Server::Impl final : public PageHost {
   clockid_t cpu_clock_{};  ///< of thread_
 };
 
-/// One connection that asks for files, until it asks for the socket.
-class Server::Impl::Request : public std::enable_shared_from_this<Request> {
- public:
-  Request(Impl& server, Tcp::socket&& socket) : server_(server), stream_(std::move(socket)) {}
-  ~Request() { server_.requests_.erase(this); }
-
-  void start() {
-    server_.requests_[this] = weak_from_this();
-    read();
-  }
-  void close() {
-    Error ignored;
-    stream_.socket().close(ignored);
-  }
-
- private:
-  void read() {
-    parser_.emplace();
-    parser_->header_limit(kHeaderBytes);
-    parser_->body_limit(0);
-    stream_.expires_after(kPatience);
-    http::async_read(
-        stream_, buffer_, *parser_, [self = shared_from_this()](Error error, std::size_t) {
-          if (!error) return self->answer();
-          const Error ended = http::make_error_code(http::error::end_of_stream);
-          const bool malformed = error.category() == ended.category() && error != ended;
-          if (malformed) self->refuse(http::status::bad_request);
-        });
-  }
-
-  void answer() {
-    http::request<http::empty_body> request = parser_->release();
-    const std::string_view host = view_of(request[http::field::host]);
-    const std::string_view origin = view_of(request[http::field::origin]);
-    keep_alive_ = request.keep_alive();
-    const bool meant = is_name_of(host, server_.address_, server_.port_);
-    if (!meant || request.count(http::field::host) != 1) {
-      return refuse(http::status::not_found);
-    }
-    if (request.count(http::field::origin) != 0 && origin != "http://" + std::string(host)) {
-      return refuse(http::status::not_found);
-    }
-    if (request.method() != http::verb::get) return refuse(http::status::not_found);
-    const std::string_view target = view_of(request.target());
-    const std::optional<std::string_view> path = below(server_.token_, target);
-    if (!path && lacks_slash(server_.token_, target)) return send_on(target);
-    if (!path) return refuse(http::status::not_found, kHelp);
-    if (*path == "socket") {
-      const bool full = server_.pages_.size() >= server_.options_.max_pages;
-      if (!websocket::is_upgrade(request)) return refuse(http::status::not_found);
-      if (full) return refuse(http::status::service_unavailable);
-      return hand_on(std::move(request));
-    }
-    const Asset* const asset = server_.asset_of(*path);
-    if (asset == nullptr) return refuse(http::status::not_found, kHelp);
-    file_.emplace();
-    file_->result(http::status::ok);
-    file_->set(http::field::content_type,
-               beast::string_view(asset->mime.data(), asset->mime.size()));
-    // Neither the token nor anything else leaves the page, and nothing foreign enters it.
-    const std::string here(host);
-    file_->set(http::field::cache_control, "no-store");
-    file_->set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: "
-               "blob:; connect-src 'self' ws://" +
-                   here + "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
-    file_->set("Cross-Origin-Resource-Policy", "same-origin");
-    file_->set("Cross-Origin-Opener-Policy", "same-origin");
-    file_->set("Referrer-Policy", "no-referrer");
-    file_->set("X-Content-Type-Options", "nosniff");
-    file_->keep_alive(keep_alive_);
-    file_->body() = {asset->bytes.data(), asset->bytes.size()};
-    file_->prepare_payload();
-    write(*file_);
-  }
-
-  void refuse(http::status status, std::string_view why = {}) {
-    server_.count_refused();
-    keep_alive_ = false;
-    file_.emplace();
-    file_->result(status);
-    if (!why.empty()) {
-      file_->set(http::field::content_type, "text/html; charset=utf-8");
-      file_->set("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
-    }
-    file_->keep_alive(false);
-    file_->body() = {why.data(), why.size()};
-    file_->prepare_payload();
-    write(*file_);
-  }
-
-  /// Who knows the token and has left out the slash is sent to the page, query and all.
-  void send_on(std::string_view target) {
-    const std::size_t query = std::min(target.find('?'), target.size());
-    file_.emplace();
-    file_->result(http::status::permanent_redirect);
-    file_->set(http::field::location,
-               std::string(target.substr(0, query)) + '/' + std::string(target.substr(query)));
-    file_->set("Referrer-Policy", "no-referrer");
-    file_->set(http::field::cache_control, "no-store");
-    file_->keep_alive(keep_alive_);
-    file_->prepare_payload();
-    write(*file_);
-  }
-
-  template <class Response>
-  void write(Response& response) {
-    stream_.expires_after(kPatience);
-    http::async_write(stream_, response, [self = shared_from_this()](Error error, std::size_t) {
-      if (error) return;
-      if (self->keep_alive_ && !self->server_.stopping_) return self->read();
-      Error ignored;
-      self->stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
-    });
-  }
-
-  void hand_on(http::request<http::empty_body> request) {
-    const PageId id = server_.next_page_++;
-    auto page = std::make_shared<PageSocket>(server_, id, server_.layout_, std::move(stream_));
-    server_.pages_[id] = page;
-    server_.note_pages();
-    page->start(std::move(request));
-  }
-
-  Impl& server_;
-  beast::tcp_stream stream_;
-  beast::flat_buffer buffer_{2 * kHeaderBytes};
-  std::optional<http::request_parser<http::empty_body>> parser_;
-  std::optional<http::response<http::span_body<const char>>> file_;
-  bool keep_alive_ = false;
-};
-
 void Server::Impl::stop() {
   stopping_ = true;
   Error ignored;
@@ -353,7 +205,7 @@ void Server::Impl::stop() {
   again_.cancel();
   for (const auto& [id, page] : std::map(pages_)) page->say_goodbye();
   for (const auto& [request, alive] : requests_) {
-    if (const std::shared_ptr<Request> one = alive.lock()) one->close();
+    if (const std::shared_ptr<PageRequest> one = alive.lock()) one->close();
   }
 }
 
@@ -370,12 +222,22 @@ void Server::Impl::accept() {
     if (requests_.size() + pages_.size() < options_.max_connections) {
       Error ignored;
       socket.set_option(Tcp::no_delay(true), ignored);
-      std::make_shared<Request>(*this, std::move(socket))->start();
+      const auto request = std::make_shared<PageRequest>(*this, std::move(socket));
+      requests_[request.get()] = request;
+      request->start();
     } else {
-      count_refused();
+      refused();
     }
     accept();
   });
+}
+
+void Server::Impl::open(boost::beast::tcp_stream&& stream, PageSocket::Request request) {
+  const PageId id = next_page_++;
+  auto page = std::make_shared<PageSocket>(*this, id, layout_, std::move(stream));
+  pages_[id] = page;
+  note_pages();
+  page->start(std::move(request));
 }
 
 void Server::Impl::take_hello(std::string text) {

@@ -51,9 +51,11 @@ TEST_CASE("command line: every program says what it takes and which version it i
 TEST_CASE("command line: a result that cannot be written is told before the run",
           "[demos][fault]") {
   const Folder folder;
-  CHECK(code("cubes", {"--quiet", "--seconds", "86400", "--json", folder.file("no/such/folder")},
+  CHECK(code("cubes",
+             {"--print", "nothing", "--seconds", "86400", "--json", folder.file("no/such/folder")},
              folder.file("said")) == 2);
-  CHECK(code("cubes", {"--quiet", "--seconds", "86400", "--trace", folder.file("no/such/folder")},
+  CHECK(code("cubes",
+             {"--print", "nothing", "--seconds", "86400", "--trace", folder.file("no/such/folder")},
              folder.file("said")) == 2);
 }
 
@@ -68,10 +70,10 @@ TEST_CASE("command line: a run says in words what happened, beside another one",
   CHECK(usual.find("Two people, 28.5 ms apart, carried") == 0);
   CHECK_THAT(usual, Catch::Contains("without agreement"));
   CHECK(usual.find('\033') == std::string::npos);  // no terminal
-  CHECK_THAT(said({"--beside", "single-owner"}), Catch::Contains("with a single owner"));
-  CHECK_THAT(said({"--beside", "nothing"}), !Catch::Contains("without agreement"));
+  CHECK_THAT(said({"--coupling", "one-pass,single-owner"}), Catch::Contains("with a single owner"));
+  CHECK_THAT(said({"--coupling", "one-pass,nothing"}), !Catch::Contains("without agreement"));
   CHECK_THAT(said({"--coupling", "none"}), !Catch::Contains("with agreement"));
-  const std::string details = said({"--details"});
+  const std::string details = said({"--print", "details"});
   CHECK_THAT(details, Catch::Contains("divergence, mm"));
   CHECK_THAT(details, !Catch::Contains("Two people"));
   // Programs get one object, whoever reads along.

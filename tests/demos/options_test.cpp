@@ -79,7 +79,8 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
                                "2,20",
                                "--csv",
                                "out",
-                               "--quiet"});
+                               "--print",
+                               "nothing"});
   CHECK(o.peers == 3);
   CHECK(o.seconds == 4.5);
   CHECK(o.seed == 9);
@@ -93,7 +94,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.step_hz(1) == 72.0);
   CHECK(o.json == "-");
   CHECK(o.csv == "out");
-  CHECK(o.quiet);
+  CHECK(o.quiet());
   CHECK(o.solver_options().position_iterations == 2);
   CHECK(o.bullet_iterations == 20);
   CHECK(o.link_options().loss == 0.1);
@@ -113,13 +114,29 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
 TEST_CASE("options: what a run is shown beside", "[demos][unit]") {
   CHECK_FALSE(parse({}).beside);
   CHECK_FALSE(parse({}).alone);
-  CHECK(parse({"--beside", "single-owner"}).beside == Scheme::SingleOwner);
-  CHECK(parse({"--beside", "nothing"}).alone);
-  CHECK(parse({"--details"}).details);
-  CHECK(refusal({"--beside", "nobody"}).find("--beside must be one-pass, ") == 0);
-  CHECK(refusal({"--beside", "none", "--view"}) == "--beside has no meaning with --view");
-  CHECK(refusal({"--beside", "none", "--listen", "0"}) ==
-        "--beside has no meaning with --listen or --connect");
+  CHECK_FALSE(parse({"--coupling", "none"}).beside);
+  const DemoOptions two = parse({"--coupling", "two-step-paper,single-owner"});
+  CHECK(two.scheme == Scheme::TwoStepPaper);
+  CHECK(two.beside == Scheme::SingleOwner);
+  CHECK_FALSE(two.alone);
+  CHECK(parse({"--coupling", "one-pass,nothing"}).alone);
+  CHECK_FALSE(parse({"--coupling", "one-pass,none", "--coupling", "pd"}).beside);
+  CHECK(refusal({"--coupling", "one-pass,nobody"}).find("--coupling must be one-pass, ") == 0);
+  CHECK(refusal({"--coupling", "nothing"}).find("--coupling must be one-pass, ") == 0);
+  CHECK(refusal({"--coupling", "none,none,none"}) ==
+        "--coupling must be A, or A,B to show it beside B, is 'none,none,none'");
+  CHECK(refusal({"--coupling", "one-pass,none", "--view"}) ==
+        "--coupling A,B has no meaning with --view");
+  CHECK(refusal({"--coupling", "one-pass,none", "--listen", "0"}) ==
+        "--coupling A,B has no meaning with --listen or --connect");
+}
+
+TEST_CASE("options: what is said on the terminal", "[demos][unit]") {
+  CHECK(parse({}).print == Print::Story);
+  CHECK(parse({"--print", "story"}).print == Print::Story);
+  CHECK(parse({"--print", "details"}).print == Print::Details);
+  CHECK(parse({"--print=nothing"}).quiet());
+  CHECK(refusal({"--print", "all"}) == "--print must be nothing, story or details, is 'all'");
 }
 
 TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]") {
@@ -220,7 +237,8 @@ TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[
   CHECK(o.connect == std::vector<std::string>{"a:1", "b:65535"});
 }
 
-TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
+TEST_CASE("options: a key asks for UDP, which is on this machine alone without one",
+          "[demos][unit]") {
   CHECK_FALSE(parse({"--listen", "1"}).udp());
   const DemoOptions o = parse({"--listen", "1", "--key", "k", "--send", "budget=256"});
   CHECK(o.udp());
@@ -232,24 +250,23 @@ TEST_CASE("options: a key or --insecure ask for UDP", "[demos][unit]") {
         "unknown item of --clock 'gps'; --help-all lists what there is");
   CHECK(refusal({"--clock", "system"}) == "--clock system needs --listen or --connect");
   CHECK(refusal({"--listen", "1", "--clock", "none"}) ==
-        "--clock none needs --key or --insecure over a network");
+        "--clock none needs --key or --transport udp over a network");
   CHECK(parse({"--listen", "1", "--key", "k", "--clock", "none"}).peer_options().timestamps ==
         consensus::TimestampSource::Arrival);
   CHECK(parse({"--clock", "none"}).peer_options().timestamps ==
         consensus::TimestampSource::Arrival);
   CHECK(parse({"--clock", "spread=3"}).peer_options().timestamps ==
         consensus::TimestampSource::Sender);
-  CHECK(parse({"--connect", "localhost:1", "--insecure"}).udp());
-  CHECK(refusal({"--listen", "1", "--key", "k", "--insecure"}) ==
-        "--insecure has no meaning with --key");
+  CHECK(parse({"--connect", "localhost:1", "--transport", "udp"}).insecure);
   CHECK_FALSE(parse({"--listen", "1", "--key", "k", "--transport", "tcp"}).udp());
-  CHECK_FALSE(parse({"--listen", "1", "--insecure", "--transport", "tcp"}).udp());
-  CHECK(parse({"--listen", "1", "--key", "k", "--transport", "udp"}).udp());
-  CHECK(refusal({"--listen", "1", "--transport", "udp"}) ==
-        "--transport udp needs --key or --insecure");
+  CHECK_FALSE(parse({"--listen", "1", "--transport", "tcp"}).insecure);
+  const DemoOptions both = parse({"--listen", "1", "--key", "k", "--transport", "udp"});
+  CHECK(both.udp());
+  CHECK_FALSE(both.insecure);
+  CHECK(parse({"--listen", "1", "--transport", "udp", "--clock", "none"}).udp());
   CHECK(refusal({"--listen", "1", "--transport", "quic"}) ==
         "--transport must be tcp or udp, is 'quic'");
-  CHECK(refusal({"--insecure"}) == "--insecure needs --listen or --connect");
+  CHECK(refusal({"--transport", "udp"}) == "--transport needs --listen or --connect");
   CHECK(refusal({"--listen", "1", "--send", "budget=7"}) ==
         "--send budget must be 0 or a number from 8 to 1e6 kbit/s, is '7'");
 }
@@ -274,7 +291,7 @@ TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") 
           "--connect must be HOST:PORT, port 1 to 65535, is '" + std::string(bad) + "'");
   }
   CHECK(refusal({"7"}) == "unexpected word '7'; options begin with --");
-  CHECK(refusal({"--quiet=yes"}) == "--quiet takes no value");
+  CHECK(refusal({"--reference=yes"}) == "--reference takes no value");
   CHECK(refusal({"--json="}) == "--json must not be empty");
   CHECK(refusal({"--iterations", "1,2,3"}) ==
         "--iterations must be N, or N,M with M of Bullet's solver, is '1,2,3'");
@@ -320,7 +337,7 @@ TEST_CASE("options: a page has any port where none is given, and no end but a gi
           "[demos][unit]") {
   CHECK_FALSE(parse({}).view);
   CHECK(parse({"--view"}).view == std::uint16_t{0});
-  CHECK(parse({"--view", "--quiet"}).view == std::uint16_t{0});
+  CHECK(parse({"--view", "--reference"}).view == std::uint16_t{0});
   CHECK(parse({"--view", "8080"}).view == std::uint16_t{8080});
   CHECK(parse({"--view", "0.0.0.0:8080"}).view_address == "0.0.0.0");
   CHECK(parse({"--view", "[::1]:8080"}).view_address == "::1");

@@ -13,7 +13,7 @@ namespace tandem::demos {
 /// A run that tells nothing.
 inline DemoOptions quiet(int profile, double seconds) {
   DemoOptions options;
-  options.quiet = true;
+  options.print = Print::Nothing;
   options.seconds = seconds;
   options.profile = profile;
   return options;

@@ -31,10 +31,10 @@ TEST_CASE("tandem-replay: two processes over UDP are replayed bit for bit, each 
 #else
   const Folder folder;
   const std::string port = std::to_string(free_port(SOCK_DGRAM));
-  Process a("cubes", {"--listen", port, "--insecure", "--seconds", "4", "--trace", folder.file("a"),
-                      "--quiet"});
-  Process b("cubes", {"--connect", "127.0.0.1:" + port, "--insecure", "--seconds", "4", "--trace",
-                      folder.file("b"), "--quiet"});
+  Process a("cubes", {"--listen", port, "--transport", "udp", "--seconds", "4", "--trace",
+                      folder.file("a"), "--print", "nothing"});
+  Process b("cubes", {"--connect", "127.0.0.1:" + port, "--transport", "udp", "--seconds", "4",
+                      "--trace", folder.file("b"), "--print", "nothing"});
   CHECK(a.wait() == 0);
   CHECK(b.wait() == 0);
   for (const char* peer : {"a", "b"}) {
@@ -59,9 +59,9 @@ TEST_CASE("tandem-replay: a demo over TCP that is killed leaves a trace that is 
           "[demos][socket][fault]") {
   const Folder folder;
   const std::string port = std::to_string(free_port());
-  Process a("tennis",
-            {"--listen", port, "--seconds", "30", "--trace", folder.file("a"), "--quiet"});
-  Process b("tennis", {"--connect", "127.0.0.1:" + port, "--seconds", "30", "--quiet"});
+  Process a("tennis", {"--listen", port, "--seconds", "30", "--trace", folder.file("a"), "--print",
+                       "nothing"});
+  Process b("tennis", {"--connect", "127.0.0.1:" + port, "--seconds", "30", "--print", "nothing"});
   REQUIRE(eventually([&] {
     std::error_code none;
     return std::filesystem::file_size(folder.file("a"), none) > 100'000 && !none;

@@ -29,7 +29,7 @@ for host in "$a" "$b"; do
 done
 
 (umask 077 && "$bin/tandem-key" >"$folder/key")
-common=(--key "$folder/key" --seconds 8 --wait 20 --quiet)
+common=(--key "$folder/key" --seconds 8 --wait 20 --print nothing)
 on_host "$a" "$bin/cubes" --listen 7777 "${common[@]}" --json "$folder/a.json"
 on_host "$b" "$bin/cubes" --connect 10.77.0.1:7777 "${common[@]}" --json "$folder/b.json"
 # 0: the worlds stayed whole.

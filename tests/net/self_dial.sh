@@ -18,7 +18,7 @@ add_host "$host"
 ip netns exec "$host" sh -c 'echo 45000 45003 >/proc/sys/net/ipv4/ip_local_port_range' \
   2>"$folder/why" || skip "the ports to dial from cannot be chosen: $(cat "$folder/why")"
 
-common=(--seconds 2 --wait 20 --quiet)
+common=(--seconds 2 --wait 20 --print nothing)
 on_host "$host" "$bin/cubes" --connect localhost:45002 "${common[@]}"
 # Time to dial about ten times.
 sleep 8

@@ -3,7 +3,6 @@
 #include "input/springs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -24,8 +23,7 @@ constexpr SessionTime kTombstone = 5'000'000'000;
 constexpr double kStill = 0.05;
 
 std::uint32_t first_id(SessionTime now) {
-  const auto id = static_cast<std::uint32_t>(now / 1'000'000);
-  return id == 0 ? 1 : id;
+  return std::max(1U, static_cast<std::uint32_t>(now / 1'000'000));
 }
 
 }  // namespace
@@ -289,13 +287,13 @@ pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const 
   pbd::Tether::Def def = remote.def;
   SpringLimits::apply(remote.share, def);
   const HandTrack& hand = remote.hand;
-  if (time <= hand.newest()) {
+  if (time > hand.newest()) {
+    carry_on(hand.motion(), seconds(time - hand.newest()), def);
+  } else {
     const HandTrack::Motion then = hand.at(time);
     def.anchor_w = then.position;
     def.anchor_velocity = then.velocity;
-    return def;
   }
-  carry_on(hand.motion(), seconds(time - hand.newest()), def);
   return def;
 }
 
@@ -355,9 +353,7 @@ void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
 }
 
 bool Springs::holds(pbd::BodyId body) const {
-  const auto mine = [&](const Own& own) {
-    return own.body == body && (own.mode == InputMode::Hard || tethers_.contains(own.tether));
-  };
+  const auto mine = [&](const Own& own) { return own.body == body && holds(own); };
   const auto theirs = [&](const Remote& r) { return pulls(r) && r.def.body == body; };
   return ranges::any_of(own_, mine) || ranges::any_of(remote_, theirs);
 }
@@ -374,9 +370,7 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
     if (world_.contains(body)) grips[body.index] |= grip;
   };
   for (const Own& own : own_) {
-    if (own.mode == InputMode::Hard || tethers_.contains(own.tether)) {
-      set(own.body, own.mode == InputMode::Soft ? kShared : kAlone);
-    }
+    if (holds(own)) set(own.body, own.mode == InputMode::Soft ? kShared : kAlone);
   }
   for (const Remote& remote : remote_) {
     if (pulls(remote)) set(remote.def.body, kRemote);

@@ -127,6 +127,9 @@ class Springs {
   std::vector<Remote>::iterator place_of(PeerId peer, std::uint32_t spring);
   /// All that is known of that peer's; valid until one comes or goes.
   std::span<Remote> of(PeerId peer);
+  bool holds(const Own& own) const {
+    return own.mode == InputMode::Hard || tethers_.contains(own.tether);
+  }
   /// Whether it has a row: none where it was let go, or its body is gone.
   bool pulls(const Remote& remote) const { return remote.live && tethers_.contains(remote.tether); }
   void let_go(Remote& remote, SessionTime when);

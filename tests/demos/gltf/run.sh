@@ -31,14 +31,14 @@ fi
 
 demos=(cliff cubes piano pile room tennis)
 for demo in "${demos[@]}"; do
-  "$bin/$demo" --seconds 2 --quiet --record "$folder/$demo.glb" >"$folder/$demo.log" || {
+  "$bin/$demo" --seconds 2 --print nothing --record "$folder/$demo.glb" >"$folder/$demo.log" || {
     cat "$folder/$demo.log"
     echo "$demo does not record"
     exit 1
   }
 done
 # Peers that step at other rates, and more of them.
-"$bin/cubes" --seconds 2 --quiet --peers 3 --rates 60,72 --record "$folder/uneven.glb" >/dev/null
+"$bin/cubes" --seconds 2 --print nothing --peers 3 --rates 60,72 --record "$folder/uneven.glb" >/dev/null
 node "$modules/validate.mjs" "$folder"/*.glb
 
 # The check of the check: an accessor that reaches beyond its buffer is an error.
