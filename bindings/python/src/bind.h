@@ -17,5 +17,7 @@ void bind_joints(py::module_& m, SceneClass& scene);
 void bind_queries(py::module_& m, SceneClass& scene);
 void bind_contacts(py::module_& m, SceneClass& scene);
 void bind_batch(py::module_& m);
+void bind_networks(py::module_& m);
+void bind_sessions(py::module_& m);
 
 }  // namespace tandem::python

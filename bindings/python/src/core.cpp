@@ -53,7 +53,7 @@ void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
 }
 
 tandem::Scene& Core::scene() {
-  if (busy_) throw std::runtime_error("the scene is being stepped by another thread");
+  if (busy_ > 0) throw std::runtime_error("the scene is being stepped by another thread");
   return scene_;
 }
 
@@ -82,6 +82,19 @@ py::array Core::state() {
   }
   return py::array_t<double>(std::vector<py::ssize_t>{count, kStateSize},
                              reinterpret_cast<double*>(rows.data()), base);
+}
+
+void Core::let_in(const std::function<void()>& use) {
+  struct Back {
+    ~Back() { ++core.busy_; }
+    Core& core;
+  };
+  const Back back{*this};
+  --busy_;
+  remember();
+  use();
+  scene();  // nobody else has begun
+  take_writes();
 }
 
 void Core::require_room(std::size_t slots) const {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -50,14 +51,18 @@ class Core : public std::enable_shared_from_this<Core> {
   /// While steps run without the GIL.
   class Busy {
    public:
-    explicit Busy(Core& core) : core_(core) { core.busy_ = true; }
-    ~Busy() { core_.busy_ = false; }
+    explicit Busy(Core& core) : core_(core) { ++core.busy_; }
+    ~Busy() { --core_.busy_; }
     Busy(const Busy&) = delete;
     Busy& operator=(const Busy&) = delete;
 
    private:
     Core& core_;
   };
+
+  /// Within a Busy, and again with the GIL: the scene may be used as if there was none.
+  /// @throws what `use` throws; std::invalid_argument where it wrote what may not be
+  void let_in(const std::function<void()>& use);
 
  private:
   friend class Access;
@@ -66,7 +71,7 @@ class Core : public std::enable_shared_from_this<Core> {
   void remember();
 
   tandem::Scene scene_;
-  bool busy_ = false;
+  int busy_ = 0;
   int arrays_ = 0;                     ///< that are alive
   bool watched_ = false;               ///< an array may have been written to
   std::vector<pbd::BodyState> known_;  ///< storage as it was last seen, where watched

@@ -11,4 +11,6 @@ PYBIND11_MODULE(_tandem, m) {
   bind_queries(m, scene);
   bind_contacts(m, scene);
   bind_batch(m);
+  bind_networks(m);
+  bind_sessions(m);
 }

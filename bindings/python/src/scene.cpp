@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
 #include "bind.h"
 #include "body.h"
+#include "keywords.h"
 #include "report.h"
 #include "shape.h"
 #include "tandem/pbd/validate.h"
@@ -28,39 +28,6 @@ BodyType body_type(const std::string& name) {
   if (name == "kinematic") return BodyType::Kinematic;
   if (name == "dynamic") return BodyType::Dynamic;
   pbd::detail::refuse("type", "'static', 'kinematic' or 'dynamic'", "'" + name + "'");
-}
-
-// What is not given keeps the definition's default: there is one list of them.
-template <class T>
-void take(const py::kwargs& given, const char* name, T& field) {
-  if (!given.contains(name)) return;
-  const py::handle value = given[name];
-  try {
-    field = value.cast<T>();
-  } catch (const py::cast_error&) {
-    throw py::type_error(std::string(name) +
-                         " is of the wrong type: " + std::string(py::repr(value)));
-  }
-}
-
-void take(const py::kwargs& given, const char* name, Vec3& field) {
-  if (given.contains(name)) field = vec3(given[name], name);
-}
-
-void take(const py::kwargs& given, const char* name, Quat& field) {
-  if (given.contains(name)) field = quat(given[name], name);
-}
-
-/// @throws py::type_error as Python does for its own functions
-void require_known(const py::kwargs& given, const char* function,
-                   std::initializer_list<std::string_view> known) {
-  for (const auto& [key, value] : given) {
-    const std::string name = py::str(key);
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      throw py::type_error(std::string(function) + "() got an unexpected keyword argument '" +
-                           name + "'");
-    }
-  }
 }
 
 SceneOptions options_of(const py::kwargs& given) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Tandem, an XPBD rigid body engine: scenes, their states as numpy arrays, and batches of scenes."""
+"""Tandem, an XPBD rigid body engine: scenes, their states as numpy arrays, batches
+of scenes, and sessions that share bodies with other peers."""
 
 from ._tandem import (
     Batch,
@@ -10,6 +11,8 @@ from ._tandem import (
     Cone,
     Contacts,
     Cylinder,
+    Event,
+    Grab,
     HalfSpace,
     HeightField,
     Hit,
@@ -17,12 +20,19 @@ from ._tandem import (
     Impact,
     Joint,
     Mesh,
+    Network,
     Part,
+    PeerInfo,
+    Progress,
     Scene,
+    Session,
     Shape,
     Snapshot,
     Sphere,
     StepReport,
+    Tcp,
+    Udp,
+    VirtualNetwork,
 )
 
 __all__ = [
@@ -33,6 +43,8 @@ __all__ = [
     "Cone",
     "Contacts",
     "Cylinder",
+    "Event",
+    "Grab",
     "HalfSpace",
     "HeightField",
     "Hit",
@@ -40,10 +52,17 @@ __all__ = [
     "Impact",
     "Joint",
     "Mesh",
+    "Network",
     "Part",
+    "PeerInfo",
+    "Progress",
     "Scene",
+    "Session",
     "Shape",
     "Snapshot",
     "Sphere",
     "StepReport",
+    "Tcp",
+    "Udp",
+    "VirtualNetwork",
 ]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from types import TracebackType
 from typing import Literal
 
 import numpy as np
@@ -328,3 +329,160 @@ class Batch:
     def step(self, dt: float, steps: int = ...) -> list[int]: ...
     @property
     def scenes(self) -> list[Scene]: ...
+
+class Network: ...
+
+class VirtualNetwork(Network):
+    def __init__(
+        self,
+        *,
+        profile: int = ...,
+        latency: float = ...,
+        jitter: float = ...,
+        loss: float = ...,
+        duplicate: float = ...,
+        reorder: float = ...,
+        bandwidth: float = ...,
+        seed: int = ...,
+    ) -> None: ...
+    @property
+    def now(self) -> int: ...
+    def advance(self, seconds: float) -> None: ...
+    def set_link(
+        self,
+        sender: int,
+        receiver: int,
+        *,
+        profile: int = ...,
+        latency: float = ...,
+        jitter: float = ...,
+        loss: float = ...,
+        duplicate: float = ...,
+        reorder: float = ...,
+        bandwidth: float = ...,
+    ) -> None: ...
+    def cut(self, sender: int, receiver: int) -> None: ...
+    def heal(self, sender: int, receiver: int) -> None: ...
+
+class Tcp(Network):
+    def __init__(
+        self,
+        port: int | None = ...,
+        *,
+        address: str = ...,
+        connect: Sequence[str] = ...,
+        key: bytes | str | None = ...,
+    ) -> None: ...
+
+class Udp(Network):
+    def __init__(
+        self,
+        port: int = ...,
+        *,
+        key: bytes | str,
+        address: str = ...,
+        connect: Sequence[str] = ...,
+        kbit_per_s: float = ...,
+    ) -> None: ...
+
+class Progress:
+    @property
+    def steps(self) -> int: ...
+    @property
+    def status(self) -> Literal["ok", "non-finite", "invalid-step"]: ...
+    @property
+    def skipped(self) -> int: ...
+    @property
+    def lag(self) -> int: ...
+    @property
+    def stepped_elsewhere(self) -> bool: ...
+
+class Event:
+    @property
+    def sender(self) -> int: ...
+    @property
+    def stamp(self) -> int: ...
+    @property
+    def topic(self) -> str: ...
+    @property
+    def payload(self) -> bytes: ...
+
+class PeerInfo:
+    @property
+    def id(self) -> int: ...
+    @property
+    def connected(self) -> bool: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def round_trip(self) -> float | None: ...
+
+Coupling = Literal["one-pass", "two-step", "none", "single-owner"]
+InputMode = Literal["soft", "asymmetric", "hard"]
+
+class Grab:
+    def move(self, anchor: ArrayLike) -> None: ...
+    def release(self) -> None: ...
+
+class Session:
+    def __init__(
+        self,
+        scene: Scene,
+        network: Network,
+        peer: int,
+        *,
+        rate: float = ...,
+        update_hz: float = ...,
+        coupling: Coupling = ...,
+        mode: InputMode = ...,
+        predictor: Literal["none", "euler", "replay"] = ...,
+        influence: float = ...,
+        share: float = ...,
+        initiative: bool = ...,
+        arbitration: bool = ...,
+        outvote: bool = ...,
+        authority_ramp: float = ...,
+        limits_guesses: bool = ...,
+        extrapolates_orientation: bool = ...,
+        two_step_thresholds: bool = ...,
+    ) -> None: ...
+    def share(self, name: str, body: Body, owner: int | None = ...) -> None: ...
+    def unshare(self, name: str) -> None: ...
+    def grab(
+        self,
+        name: str,
+        anchor: ArrayLike,
+        *,
+        attachment: ArrayLike = ...,
+        stiffness: float = ...,
+        damping: float = ...,
+        max_force: float = ...,
+        mode: InputMode = ...,
+    ) -> Grab: ...
+    def held(self, name: str) -> bool: ...
+    def advance(
+        self, now: int | None = ..., before_step: Callable[[int], object] | None = ...
+    ) -> Progress: ...
+    def run(
+        self, before_step: Callable[[int], object] | None = ..., seconds: float | None = ...
+    ) -> None: ...
+    def stop(self) -> None: ...
+    def send(self, topic: str, payload: bytes, to: int = ...) -> int: ...
+    @property
+    def events(self) -> list[Event]: ...
+    @property
+    def now(self) -> int: ...
+    @property
+    def port(self) -> int: ...
+    @property
+    def peers(self) -> list[PeerInfo]: ...
+    @property
+    def stats(self) -> dict[str, float]: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> Session: ...
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
