@@ -81,7 +81,7 @@ constexpr double kHalfPosition = 0.5 / 4096.0 * (1.0 + 1e-9);
 constexpr double kHalfSpeed = 0.5 / 1024.0 * (1.0 + 1e-9);
 // The angle of two unit quaternions is twice that of two vectors. The three components are off by
 // up to d = sqrt(1/2) / 16383 / 2 each; the largest, at least 1/2, by up to 3 d in first order.
-const double kMostAngle = 2.0 * std::sqrt(3.0 + 9.0) * (std::sqrt(0.5) / 16383.0 / 2.0) * 1.001;
+const double kMaxAngle = 2.0 * std::sqrt(3.0 + 9.0) * (std::sqrt(0.5) / 16383.0 / 2.0) * 1.001;
 
 }  // namespace
 
@@ -118,10 +118,10 @@ TEST_CASE("compact: a state comes back within half a quantum of everything", "[c
     CHECK(std::abs(b.influence - a.influence) <= 0.5f / 65535.0f * 1.001f);
     const double angle = angle_between(a.pose.orientation, b.pose.orientation);
     largest_angle = std::max(largest_angle, angle);
-    CHECK(angle <= kMostAngle);
+    CHECK(angle <= kMaxAngle);
     CHECK(std::abs(b.pose.orientation.norm() - 1.0) < 1e-14);
   }
-  CHECK(largest_angle > 0.2 * kMostAngle);  // the bound is not idle
+  CHECK(largest_angle > 0.2 * kMaxAngle);  // the bound is not idle
 }
 
 TEST_CASE("compact: what is on the lattice stays where it is", "[consensus][unit]") {

@@ -88,11 +88,11 @@ TEST_CASE(
 }
 
 TEST_CASE("timestamps: no number that is sent overflows", "[consensus][fault]") {
-  constexpr SessionTime kLeast = std::numeric_limits<SessionTime>::min();
-  constexpr SessionTime kMost = std::numeric_limits<SessionTime>::max();
+  constexpr SessionTime kMin = std::numeric_limits<SessionTime>::min();
+  constexpr SessionTime kMax = std::numeric_limits<SessionTime>::max();
   const std::vector<SessionTime> stamps = {-kMaxStamp, kMaxStamp, 0, kStart, -1, kMaxStamp - 1};
-  const std::vector<SessionTime> times = {kLeast, kMost, 0, kStart, kMaxStamp, -kMaxStamp};
-  const std::vector<SessionTime> ways = {-1, 0, kMost, kLeast, kStart};
+  const std::vector<SessionTime> times = {kMin, kMax, 0, kStart, kMaxStamp, -kMaxStamp};
+  const std::vector<SessionTime> ways = {-1, 0, kMax, kMin, kStart};
   SenderClocks clocks;
   Dice random(1);
   const auto pick = [&](const std::vector<SessionTime>& from) {

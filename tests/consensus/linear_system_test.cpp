@@ -24,7 +24,7 @@ using Vector = Eigen::VectorXd;
 
 constexpr double kDt = 1.0 / 60.0;  // s
 constexpr int kLongest = 40;        // frames
-constexpr int kMost = 20000;        // frames; what has agreed stays so
+constexpr int kMax = 20000;         // frames; what has agreed stays so
 
 /// Undamped oscillators, coupled or not: what they do in a frame is exact, whatever their
 /// frequency. A state is positions, then velocities.
@@ -252,7 +252,7 @@ Outcome agree(const Oscillators& physics, std::size_t peers, double share, const
   const double energy = session.most_energy();
   Outcome outcome;
   std::vector<std::vector<News>> heard(peers);
-  for (int frame = 0; frame < kMost && session.spread() > 1e-10 * spread; ++frame) {
+  for (int frame = 0; frame < kMax && session.spread() > 1e-10 * spread; ++frame) {
     for (std::size_t to = 0; to < peers; ++to) {
       heard[to].clear();
       for (std::size_t from = 0; from < peers; ++from) {
@@ -310,7 +310,7 @@ TEST_CASE("linear system: ways of very unequal length agree as well", "[consensu
         const double spread = session.spread();
         const double energy = session.most_energy();
         double most = 0.0;
-        for (int frame = 0; frame < kMost && session.spread() > 1e-10 * spread; ++frame) {
+        for (int frame = 0; frame < kMax && session.spread() > 1e-10 * spread; ++frame) {
           session.step({{{.from = 1, .stamp = frame - back, .weight = 1.0}},
                         {{.from = 0, .stamp = frame - there, .weight = 1.0}}});
           most = std::max(most, session.most_energy());

@@ -32,10 +32,13 @@ double since_start(SessionTime time) { return 1e-9 * static_cast<double>(time - 
 /// A follower (first) and an owner with a kinematic body that its user puts on the hand's way, in
 /// all steps with the velocity that takes it to where the hand is next.
 std::unique_ptr<Session> follow(const LinkOptions& link, const Hand& hand, double phase,
-                                const pbd::WorldDef& def = {}, const PeerOptions& options = {}) {
+                                const pbd::WorldDef& def = {}, const PeerOptions& options = {},
+                                pbd::BodyType type = pbd::BodyType::Dynamic) {
   auto session = std::make_unique<Session>(link);
   Site& follower = session->add(1, 0.0, options, def);
-  follower.share(ball(Vec3(0.3, 0.0, 0.0)), kOwner);
+  pbd::BodyDef followed = ball(Vec3(0.3, 0.0, 0.0));
+  followed.type = type;
+  follower.share(followed, kOwner);
   Site& owner = session->add(kOwner, phase, {}, def);
   pbd::BodyDef driven = ball(hand.pose(phase).position);
   driven.type = pbd::BodyType::Kinematic;
@@ -77,8 +80,10 @@ TEST_CASE("owner: without delay followers have the body where the hand has it", 
 
 TEST_CASE("owner: followers do not lag behind a steady hand, whatever the delay", "[consensus]") {
   const int profile = GENERATE(1, 3, 5);
+  const auto type = GENERATE(pbd::BodyType::Dynamic, pbd::BodyType::Kinematic);
+  CAPTURE(static_cast<int>(type));
   const Hand hand{.velocity = Vec3(0.4, 0.1, -0.2), .spin = Vec3(0.0, 0.0, 1.5)};
-  const auto session = follow(network_profile(profile), hand, 0.007);
+  const auto session = follow(network_profile(profile), hand, 0.007, {}, {}, type);
   session->run(1.0);
   double largest = 0.0;
   double turned = 0.0;

@@ -148,6 +148,12 @@ void Agreement::aim(Wanted& wanted) {
     target.use_rotation_error = false;
     if (!shared.def.orientation) target.pose.orientation = own.pose.orientation;
   }
+  if (data_.world.props(target.body).type == pbd::BodyType::Kinematic) {
+    // Nothing pulls at it: it goes where its owner's hand goes, and pushes what is on its way.
+    if (target.share < 1.0) return;
+    const pbd::BodyState there = carried(mean_with(own, target), data_.step_dt);
+    return data_.world.set_kinematic_target(target.body, there.pose);
+  }
   trust_.limit(own, wanted);
   if (wanted.replayed) ease_in(own, wanted);
   shared.asked =

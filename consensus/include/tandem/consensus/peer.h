@@ -135,7 +135,8 @@ struct TANDEM_API ShareDef {
   SharedId id;
   pbd::BodyId body;
   /// Whose hand moves it, where it is nobody's but theirs: that peer's states count 100 % at the
-  /// others and the others' count nothing there.
+  /// others and the others' count nothing there. A body that is kinematic there may be so here:
+  /// it goes along, and pushes as any kinematic body does.
   std::optional<PeerId> owner;
   /// Whether it matters how the body is turned: not of a uniform sphere that is drawn plain. Else
   /// the compact format leaves it out, and nothing here is turned to agree.
