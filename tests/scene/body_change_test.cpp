@@ -57,6 +57,37 @@ TEST_CASE("body change: what is made static stops and holds", "[scene][change]")
   CHECK(scene.pose(ball).position.z() < 0.5);
 }
 
+TEST_CASE("body change: what weighs less falls slower", "[scene][change]") {
+  Scene scene;
+  const BodyId ball = scene.add(Sphere{0.1});
+  scene.world().set_gravity_scale(ball, 0.25);
+  run(scene, 1.0);
+  CHECK(scene.world().twist(ball).linear.z() == Approx(-0.25 * 9.81));
+  CHECK(names(refusal([&] { scene.world().set_gravity_scale(ball, NAN); }), "scale", "nan",
+              "finite"));
+}
+
+TEST_CASE("body change: who loses its ground falls; data of colliders change while they live",
+          "[scene][change]") {
+  Scene scene;
+  const BodyId ground = scene.add(HalfSpace{}, {.type = BodyType::Static});
+  const BodyId ball =
+      scene.add(Sphere{0.1}, {.pose = {.position = {0.0, 0.0, 0.1}}, .user_data = 7});
+  run(scene, 2.0);
+  const collision::ColliderId floor = scene.shapes().collider_at(0);
+  const collision::ColliderId sphere = scene.shapes().collider_at(1);
+  REQUIRE(scene.shapes().collider(floor).body == ground);
+  CHECK(scene.shapes().collider(sphere).user_data == 7);
+  scene.shapes().set_user_data(sphere, 8);
+  CHECK(scene.shapes().collider(sphere).user_data == 8);
+  CHECK_THROWS_AS(scene.shapes().set_user_data({}, 8), std::invalid_argument);
+  CHECK(scene.pose(ball).position.z() == Approx(0.1).margin(1e-3));
+  scene.shapes().remove(floor);
+  scene.world().wake(ball);
+  run(scene, 1.0);
+  CHECK(scene.pose(ball).position.z() == Approx(0.1 - 0.5 * 9.81).epsilon(0.02));
+}
+
 TEST_CASE("body change: sleeping neighbours wake", "[scene][change]") {
   Scene scene;
   scene.add(HalfSpace{}, {.type = BodyType::Static});

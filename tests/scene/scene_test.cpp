@@ -230,6 +230,34 @@ TEST_CASE("scene: events begin once, whenever they are first asked for", "[scene
   }
 }
 
+TEST_CASE("scene: who has a group that it gave does not meet the others of that group",
+          "[scene][unit]") {
+  Scene scene;
+  const std::int32_t mine = scene.new_group(), other = scene.new_group();
+  CHECK(mine < 0);
+  CHECK(other < 0);
+  REQUIRE(mine != other);
+  const auto ball = [&](double x, std::int32_t group) {
+    return scene.add(Sphere{0.5},
+                     {.pose = {.position = Vec3(x, 0.0, 0.0)}, .filter = {.group = group}});
+  };
+  const BodyId a = ball(0.0, mine), b = ball(0.2, mine), c = ball(0.4, other);
+  scene.step(kStep);
+  const auto touch = [&](BodyId one, BodyId two) {
+    for (const pbd::Contact& contact : scene.world().contacts()->contacts()) {
+      const auto& m = contact.manifold;
+      if ((m.body_a == one.index && m.body_b == two.index) ||
+          (m.body_a == two.index && m.body_b == one.index)) {
+        return true;
+      }
+    }
+    return false;
+  };
+  CHECK_FALSE(touch(a, b));
+  CHECK(touch(a, c));
+  CHECK(touch(b, c));
+}
+
 TEST_CASE("scene: queries see bodies where they are, whoever moved them", "[scene][queries]") {
   Scene scene;
   const BodyId box = scene.add(Box{0.5, 0.5, 0.5});

@@ -47,18 +47,10 @@ void check(const CarDef& def) {
 
 Car::Car(Scene& scene, const CarDef& def) : scene_(&scene), def_(def) {
   check(def);
+  // Wheels pass through the chassis.
+  if (def_.filter.group == 0) def_.filter.group = scene.new_group();
   chassis_ =
-      scene.add(Box{def.half_extents}, {.mass = def.mass, .pose = def.pose, .filter = def.filter});
-  // Wheels pass through the chassis: beneath all groups that somebody is likely to count.
-  if (def_.filter.group == 0) {
-    def_.filter.group = -1'000'000 - static_cast<std::int32_t>(chassis_.index);
-    for (std::uint32_t i = 0; i < scene.shapes().slot_count(); ++i) {
-      const collision::ColliderId id = scene.shapes().collider_at(i);
-      if (id.valid() && scene.shapes().collider(id).body == chassis_) {
-        scene.shapes().set_filter(id, def_.filter);
-      }
-    }
-  }
+      scene.add(Box{def.half_extents}, {.mass = def.mass, .pose = def.pose, .filter = def_.filter});
   const Quat& upright = def.pose.orientation;
   const Quat across = pbd::exp_map(-0.5 * std::numbers::pi * Vec3::UnitX());  // z becomes y
   for (int i = 0; i < kWheels; ++i) {

@@ -239,7 +239,7 @@ void Character::Impl::strike(const ClosestHit& hit, double dt, const Vec3& carri
 /// Along what is in the way, up steps where it stands; the velocity loses what that takes.
 void Character::Impl::slide(Vec3 way, bool stands) {
   ClipPlanes planes;
-  for (int i = 0; i < ClipPlanes::kMost && way.norm() > kShortest; ++i) {
+  for (int i = 0; i < ClipPlanes::kMax && way.norm() > kShortest; ++i) {
     std::optional<CastHit> hit;
     const double length = way.norm();
     const double done = advance(way, hit);

@@ -18,11 +18,11 @@ inline Vec3 without(const Vec3& v, const Vec3& axis) { return v - v.dot(axis) * 
 /// The planes that a way has met so far.
 class ClipPlanes {
  public:
-  static constexpr int kMost = 5;
+  static constexpr int kMax = 5;
 
   /// One more. @return false where there is no room
   bool add(const Vec3& normal) {
-    if (count_ == kMost) return false;
+    if (count_ == kMax) return false;
     normals_[count_++] = normal;
     return true;
   }
@@ -46,7 +46,7 @@ class ClipPlanes {
   }
 
  private:
-  std::array<Vec3, kMost> normals_;
+  std::array<Vec3, kMax> normals_;
   int count_ = 0;
 };
 

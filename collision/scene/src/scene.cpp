@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/scene.h"
 
+#include <limits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -116,7 +117,8 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
   collision::ContactEventOptions event_options;
   std::optional<collision::ContactEvents> events;  ///< none: nobody has asked
   std::optional<collision::SceneQuery> query;      ///< likewise
-  std::vector<Centre> centres;                     ///< by slot; those behind its end are 0
+  std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
+  std::vector<Centre> centres;  ///< by slot; those behind its end are 0
 };
 
 Scene::Scene(const SceneOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -137,6 +139,8 @@ BodyId Scene::add(std::span<const collision::CompoundPart> parts, const SolidDef
     collision::add_compound(impl_->shapes, impl_->world, surface, parts);
   });
 }
+
+std::int32_t Scene::new_group() { return impl_->next_group++; }
 
 Pose Scene::pose(BodyId body) const {
   Pose pose = impl_->world.pose(body);
