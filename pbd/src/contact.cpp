@@ -31,7 +31,7 @@ double push_slop(const SubstepContext& ctx) {
 
 /// m/s^2: carried impulses may grow by what holds a body that weighs as much as the contact's
 /// effective mass, in this gravity at least.
-constexpr double kLeastGravity = 1.0;
+constexpr double kMinGravity = 1.0;
 
 /// Sweeps that hold displacements against contacts. With one, a light body that its target pulls
 /// under a heavy one is pressed into the ground: pile, profile 5, seeds 831 to 834, three of four
@@ -44,7 +44,7 @@ constexpr double kLeverArm = 0.1;
 
 /// See SubstepRule::growth.
 double growth_of(const SubstepContext& ctx) {
-  return std::max(ctx.gravity.norm(), kLeastGravity) * ctx.h;
+  return std::max(ctx.gravity.norm(), kMinGravity) * ctx.h;
 }
 
 /// Which of the old points is the new one: of the same feature, or the nearest one close by.

@@ -78,7 +78,7 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
   // leave B singular. It acts on the change only, so repeated solves converge to the rigid answer.
   const V ridged(1.0 + 1e-6);
   constexpr int kAtOnce = 3;
-  constexpr int kMost = 16;
+  constexpr int kMax = 16;
   const V zero(0.0);
   const V one(1.0);
   std::array<Mask<V>, 4> loaded;
@@ -99,7 +99,7 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
   }
   Four<V> out{{zero, zero, zero, zero}};
   Mask<V> wrong = zero == zero;
-  for (int iteration = 0; iteration < kMost; ++iteration) {
+  for (int iteration = 0; iteration < kMax; ++iteration) {
     // Points without a load drop theirs; the others answer for that.
     Four<V> dropped, r, share;
     for (std::size_t i = 0; i < 4; ++i) {

@@ -16,7 +16,7 @@ namespace {
 /// rock otherwise, and at a share of 0.08 a pyramid of 5 cm boxes falls in 8 s. Up to a limit.
 constexpr double kSubstepsPerLoad = 1.0 / 11.0;
 constexpr double kFallShare = 0.05;
-constexpr double kMostSubsteps = 32.0;
+constexpr double kMaxSubsteps = 32.0;
 /// m/s, rms: an island that moves faster does not stand. An impact is no load, and only what stands
 /// can fall.
 constexpr double kStanding = 0.5;
@@ -62,7 +62,7 @@ void ContactBlock::Impl::want_substeps(const SubstepContext& ctx, std::span<doub
     if (island.contacts == 0 || island.speed2 > kStanding * kStanding * island.bodies) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
-    island.wanted = rounded_up(std::min(kMostSubsteps, island.wanted), ctx.substeps);
+    island.wanted = rounded_up(std::min(kMaxSubsteps, island.wanted), ctx.substeps);
     asked += island.contacts * (island.wanted - ctx.substeps);
   }
   // Where all of them are too many each gets the same share, rounded down.

@@ -275,7 +275,7 @@ template <class A>
   const V friction = load<V>(rows.friction, at);
   const Mask<V> has_friction = active & (friction > zero);
   const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
-  const V slip_n = dot(pair.n, spin);
+  const V spin_n = dot(pair.n, spin);
   const TangentBlock<V>& k_tt = m.k_tt;
   const V determinant = k_tt.m11 * k_tt.m22 - k_tt.m12 * k_tt.m12;
   const V scale = V(1.0) / determinant;
@@ -302,7 +302,7 @@ template <class A>
     const V v2 = slip_2 + (m.tn_2n * fn + m.tn_21 * c1 + m.tn_22 * c2) +
                  (k_tt.m12 * friction_change.f1 + k_tt.m22 * friction_change.f2 +
                   k_tt.m2n * friction_change.tn);
-    const V wn = slip_n + (m.tn_nn * fn + m.tn_n1 * c1 + m.tn_n2 * c2) +
+    const V wn = spin_n + (m.tn_nn * fn + m.tn_n1 * c1 + m.tn_n2 * c2) +
                  (k_tt.m1n * friction_change.f1 + k_tt.m2n * friction_change.f2 +
                   k_tt.mnn * friction_change.tn);
     Slide<V> next{slide.f1 - scale * (k_tt.m22 * v1 - k_tt.m12 * v2),

@@ -14,7 +14,7 @@ namespace {
 
 /// Islands of one level are solved group by group, of so many bodies where they are small enough:
 /// what four substeps read again and again stays in the processor's second cache.
-constexpr std::size_t kMostBodies = 1024;
+constexpr std::size_t kMaxBodies = 1024;
 
 /// Steps in a row that must have been easy before an island gets fewer substeps again.
 constexpr int kCalmSteps = 8;
@@ -117,7 +117,7 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<con
       if (islands.of()[i] != i || levels_[i] != level || !is_awake(i)) continue;
       // An island that goes on in another world is solved there in the group of the same number.
       const bool full = groups_.size() > begin && rule.coupling == nullptr &&
-                        groups_.back().size + islands_[i].bodies > kMostBodies;
+                        groups_.back().size + islands_[i].bodies > kMaxBodies;
       if (groups_.size() == begin || full) {
         groups_.push_back({.level = level, .substeps = rule.substeps << level});
       }
