@@ -100,6 +100,7 @@ static void comes_to_rest_on_the_ground(void) {
   CHECK(begun == 1);
   CHECK(hits == 1);
   CHECK(tandem_world_contacts(world, TANDEM_TOUCHING, &contact, 1) == 1);
+  CHECK(tandem_world_contacts(world, TANDEM_IN_SENSOR, NULL, 0) == 0);
   CHECK(contact.collider_a.index == collider.index || contact.collider_b.index == collider.index);
   CHECK(fabs(height(world, ball) - 0.5) < 1e-3);
   CHECK(!tandem_body_awake(world, ball));
@@ -173,6 +174,36 @@ static void snapshot_goes_on_as_before(void) {
   tandem_world_destroy(world);
 }
 
+/* A ball that falls through a sensor comes in once and goes out once. */
+static void sensor_tells_who_visits(void) {
+  tandem_world* world = make_world(1);
+  const tandem_body gate = add_body(world, TANDEM_STATIC, 0.0, 0.0);
+  const tandem_body ball = add_body(world, TANDEM_DYNAMIC, 0.0, 2.0);
+  tandem_collider_def def;
+  tandem_collider_def_init(&def, TANDEM_SPHERE);
+  def.body = gate;
+  def.sensor = 1;
+  tandem_collider sensor;
+  CHECK(tandem_collider_add(world, &def, &sensor, NULL) == TANDEM_OK);
+  const tandem_collider visitor = add_shape(world, ball, TANDEM_SPHERE);
+  size_t begun = 0, ended = 0, inside = 0;
+  for (int i = 0; i < 120; ++i) {
+    tandem_contact visit;
+    CHECK(tandem_world_step(world, kStep, NULL, NULL) == TANDEM_OK);
+    if (tandem_world_contacts(world, TANDEM_SENSOR_BEGUN, &visit, 1) == 1) {
+      ++begun;
+      CHECK(visit.collider_a.index == sensor.index);
+      CHECK(visit.collider_b.index == visitor.index);
+    }
+    ended += tandem_world_contacts(world, TANDEM_SENSOR_ENDED, NULL, 0);
+    inside += tandem_world_contacts(world, TANDEM_IN_SENSOR, NULL, 0);
+  }
+  CHECK(begun == 1);
+  CHECK(ended == 1);
+  CHECK(inside > 5);
+  tandem_world_destroy(world);
+}
+
 enum { kWatched = 40 };
 
 /* What begins, ends and touches after each of the next steps. */
@@ -226,6 +257,7 @@ int main(void) {
   pushes_change_motion();
   many_are_where_each_is();
   comes_to_rest_on_the_ground();
+  sensor_tells_who_visits();
   hinge_with_a_motor_turns();
   shapes_weigh_what_they_are();
   what_is_wrong_is_refused();

@@ -221,8 +221,8 @@ static void a_transport_of_ones_own_carries_a_session(void) {
 
 /* Twenty bodies are too much for one packet of 512 bytes, and so are ten springs. */
 static void packets_are_no_longer_than_was_said(void) {
-  enum { kShared = 20, kHeld = 10, kMost = 512 };
-  wire* w = make_wire(kMost);
+  enum { kShared = 20, kHeld = 10, kMax = 512 };
+  wire* w = make_wire(kMax);
   tandem_transport* transports[2] = {wire_transport(&w->ends[0]), wire_transport(&w->ends[1])};
   site sites[2];
   tandem_body bodies[2][kShared];
@@ -249,7 +249,7 @@ static void packets_are_no_longer_than_was_said(void) {
     for (int s = 0; s < 2; ++s) step_site(&sites[s], start + k * step, start + (k + 1) * step);
   }
   for (int s = 0; s < 2; ++s) {
-    CHECK(w->ends[s].longest <= kMost && w->ends[s].longest > kMost - 93);
+    CHECK(w->ends[s].longest <= kMax && w->ends[s].longest > kMax - 93);
     tandem_peer_stats stats;
     tandem_peer_get_stats(sites[s].peer, &stats);
     CHECK(stats.packets_rejected == 0 && stats.updates_received > 200 * (kShared + 1));

@@ -327,6 +327,11 @@ TEST_CASE("scene_query: the nearest of all is the nearest of each", "[collision]
     REQUIRE(best->distance == least);
     REQUIRE((best->distance < 0.0) == f.holder(p).valid());
     std::vector<ClosestHit> all;
+    const auto ball = query.closest(Sphere{0.1}, {p, Quat::Identity()}, 2.9);
+    REQUIRE(ball.has_value() == best.has_value());
+    // A ball is nearer by its radius, wherever it does not overlap.
+    if (best && best->distance > 0.1)
+      CHECK(ball->distance == Approx(best->distance - 0.1).margin(1e-6));
     query.closest_all(Sphere{1e-3}, {p, Quat::Identity()}, 3.0, all);
     REQUIRE(all.front().distance == Approx(least - 1e-3).margin(1e-9));
   }

@@ -41,7 +41,7 @@ TEST_CASE("recent quantiles: no number is out of range", "[demos][fault]") {
   for (const double value : {0.0, -1.0, 1e300, std::numeric_limits<double>::infinity()}) {
     q.add(value);
   }
-  CHECK(q.quantile(0.25) <= 1.1 * RecentQuantiles::kLeast);
+  CHECK(q.quantile(0.25) <= 1.1 * RecentQuantiles::kMin);
   CHECK(q.quantile(1.0) > 30.0);
 }
 

@@ -20,7 +20,7 @@ using pbd::Vec3;
 constexpr double kUnit = 20.0 / 0x100000;
 /// Each of three parts is off by half a step at most; where all four are 1/2 the fourth takes up
 /// all three errors, and an angle is twice the arc between quaternions.
-const double kMostTurn = 2.0 * std::sqrt(3.0 + 9.0) * 0.5 / (511.0 * std::sqrt(2.0));
+const double kMaxTurn = 2.0 * std::sqrt(3.0 + 9.0) * 0.5 / (511.0 * std::sqrt(2.0));
 
 Layout layout_of(std::size_t panes, std::size_t bodies) {
   Layout layout;
@@ -85,7 +85,7 @@ TEST_CASE("frame: a page reads what was shown, to half a unit and 0.3 degrees",
         const Vec3 off = body.position - pose.position;
         CHECK(off.cwiseAbs().maxCoeff() <= 0.5001 * kUnit);
         if (layout.bodies[b].turns) {
-          CHECK(angle_between(body.orientation, pose.orientation) < 1.01 * kMostTurn);
+          CHECK(angle_between(body.orientation, pose.orientation) < 1.01 * kMaxTurn);
         } else {
           CHECK(body.orientation.w() == 1.0);
         }
@@ -412,20 +412,20 @@ TEST_CASE("command: whatever comes is understood or refused", "[demos][view][fuz
       continue;
     }
     ++understood;
-    CHECK(text.size() <= kMostBytes);
-    CHECK(reader.held().size() <= kMostGrabs);
+    CHECK(text.size() <= kMaxBytes);
+    CHECK(reader.held().size() <= kMaxGrabs);
     const Command& command = std::get<Command>(said);
     const auto within = [](const Vec3& point) {
-      return point.cwiseAbs().maxCoeff() <= kMostDistance;
+      return point.cwiseAbs().maxCoeff() <= kMaxDistance;
     };
     if (const Grab* const grab = std::get_if<Grab>(&command)) {
       CHECK((grab->pane < 2 && grab->body < 4 && within(grab->point)));
     } else if (const Move* const move = std::get_if<Move>(&command)) {
       CHECK(within(move->point));
     } else if (const SetSpeed* const speed = std::get_if<SetSpeed>(&command)) {
-      CHECK((speed->speed >= kLeastSpeed && speed->speed <= kMostSpeed));
+      CHECK((speed->speed >= kMinSpeed && speed->speed <= kMaxSpeed));
     } else if (const SetInfluence* const share = std::get_if<SetInfluence>(&command)) {
-      CHECK((share->influence >= 0.0 && share->influence <= kMostInfluence));
+      CHECK((share->influence >= 0.0 && share->influence <= kMaxInfluence));
     }
   }
   CHECK(understood > 10000);

@@ -5,6 +5,7 @@
 #include "runs.h"
 #include "scenes/cubes.h"
 #include "support/catch.h"
+#include "view/frame_encoder.h"
 #include "view/live_session.h"
 
 namespace tandem::demos::view::view_session_test {
@@ -186,11 +187,18 @@ TEST_CASE("live session: paused, no time passes but by steps", "[demos][view][un
   CHECK(session.time() == Approx(0.55));
   REQUIRE_FALSE(session.apply(kPage, SetPaused{true}));
   const std::uint64_t before = hash(session);
+  // Pages get nothing new while it is paused, but what says now and then that it is still there.
+  FrameEncoder encoder(session.layout());
+  Frame frame;
+  session.show(frame, true);
+  CHECK(encoder.take(frame, false));
   grab(session, 0);
   pull_to(session, Vec3(0.0, 0.0, 1.0));
   session.pass(1.0);
   CHECK(session.time() == Approx(0.55));
   CHECK(hash(session) == before);
+  session.show(frame, true);
+  CHECK_FALSE(encoder.take(frame, false));
   REQUIRE_FALSE(session.apply(kPage, Step{}));
   CHECK(session.time() == Approx(0.55 + kFrame));
   REQUIRE_FALSE(session.apply(kPage, SetPaused{false}));

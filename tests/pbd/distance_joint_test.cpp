@@ -8,6 +8,7 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 #include "support/gradient.h"
+#include "tandem/pbd/world_copy.h"
 
 namespace distance_joint_test {
 
@@ -162,6 +163,30 @@ TEST_CASE("distance_joint: force() is Hooke's force and has a sign", "[pbd][anal
   run(world, solver, 8.0);
   // Stretched by the weight, it pulls: negative.
   CHECK(joints.at(id).force() == Approx(-2.0 * kGravity).epsilon(1e-6));
+}
+
+TEST_CASE(
+    "distance_joint: what others agree upon becomes no velocity, what somebody puts there does",
+    "[pbd][unit]") {
+  World world({.gravity = Vec3::Zero()});
+  const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
+  world.add_block<DistanceJoints>().add(world, {.b = body, .rest_length = 1.0});
+  const bool agreed = GENERATE(true, false);
+  WorldCopy copy;
+  REQUIRE(copy.assign(world));
+  BodyState stretched = world.state(body);
+  stretched.pose.position.x() = 1.1;
+  if (agreed) copy.displace(body.index, stretched);
+  if (!agreed) copy.set_state(body.index, stretched, true);
+  Solver solver({.sleep_after = 0.0});
+  solver.step(copy.world(), 1.0 / 60.0);
+  const BodyState& after = copy.world().state(body);
+  if (agreed) {
+    CHECK(after.twist.linear.norm() < 1e-9);
+    CHECK(after.pose.position.x() == Approx(1.1));
+  } else {
+    CHECK(after.pose.position.x() == Approx(1.0).margin(1e-6));
+  }
 }
 
 TEST_CASE("distance_joint: an infinitely soft spring leaves the motion alone", "[pbd][unit]") {

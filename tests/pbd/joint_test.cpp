@@ -304,6 +304,13 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
               "a body of this world"));
   CHECK(names(refusal([&] { hinge_joint_at(world, a, b, Vec3::Zero(), Vec3::Zero()); }),
               "joint: axis_w", "is 0", "longer"));
+  CHECK(names(refusal([&] { six_dof_joint_at(world, a, b, Vec3::Zero(), Vec3::Zero()); }),
+              "joint: axis_w", "is 0", "longer"));
+  const Vec3 at(0.3, 0.2, 0.1), along(0.0, 1.0, 1.0);
+  const HingeJointDef hinge = hinge_joint_at(world, a, b, at, along);
+  const SixDofJointDef six = six_dof_joint_at(world, a, b, at, along);
+  CHECK(six.frame_b.basis.coeffs() == hinge.frame_b.basis.coeffs());
+  CHECK(six.frame_b.anchor == hinge.frame_b.anchor);
   joints.add(world, SixDofJointDef{.a = a, .b = b});
   world.remove_body(a);
   CHECK(joints.size() == 0);
