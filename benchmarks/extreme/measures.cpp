@@ -18,12 +18,12 @@ using peers_bench::Site;
 /// Springs of all users, in the same order each time.
 template <class Visit>
 void for_each_spring(const pbd::World& world, Visit&& visit) {
-  constexpr std::uint32_t kMost = 16;  // of springs, and of times that one was let go
+  constexpr std::uint32_t kMax = 16;  // of springs, and of times that one was let go
   for (const auto& block : world.blocks()) {
     const auto* tethers = dynamic_cast<const pbd::Tethers*>(block.get());
     if (tethers == nullptr) continue;
-    for (std::uint32_t i = 0; i < kMost; ++i) {
-      for (std::uint32_t generation = 0; generation < kMost; ++generation) {
+    for (std::uint32_t i = 0; i < kMax; ++i) {
+      for (std::uint32_t generation = 0; generation < kMax; ++generation) {
         const pbd::ConstraintId id{i, generation};
         if (tethers->contains(id)) visit(tethers->at(id));
       }

@@ -54,7 +54,7 @@ void BroadPhase::look_again(std::uint32_t index) {
     if (gone) free_slots_.push_back(pair.cache);
     return gone;
   });
-  take_out(index);
+  unlink(index);
   remember_plane(index, {});
 }
 
@@ -67,7 +67,7 @@ void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
   }
 }
 
-void BroadPhase::take_out(std::uint32_t index) {
+void BroadPhase::unlink(std::uint32_t index) {
   if (!placed(index)) return;
   (placed_fixed(index) ? fixed_tree_ : tree_).remove(leaves_[index] & ~kFixed);
   leaves_[index] = AabbTree::kNone;
@@ -79,7 +79,7 @@ void BroadPhase::place(std::uint32_t index, const Aabb& fat, bool fixed) {
     tree.move(leaves_[index] & ~kFixed, fat);
     return;
   }
-  take_out(index);
+  unlink(index);
   leaves_[index] = tree.insert(fat, index) | (fixed ? kFixed : 0u);
 }
 
@@ -174,7 +174,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
     if (placed(i) && placed_fixed(i) == c.active()) look_again(i);  // its body's type has changed
     if (!c.finite) {  // out of the tree, so that it is found anew when it is back among numbers
       all_finite = false;
-      take_out(i);
+      unlink(i);
       remember_plane(i, {});
       has_moved_[i] = 1;
     } else if (c.is_half_space()) {

@@ -80,7 +80,7 @@ class BroadPhase {
     const std::uint32_t leaf = leaves_[index] & ~kFixed;
     return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
   }
-  void take_out(std::uint32_t index);
+  void unlink(std::uint32_t index);
   /// Place in half_spaces_, or its size.
   std::size_t plane_of(std::uint32_t index) const;
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;

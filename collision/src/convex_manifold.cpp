@@ -92,7 +92,7 @@ constexpr int kManyEdges = 64;
 /// Climb from a direction to the best one nearby. Steps are halved until they are 1e-6 rad; they
 /// are tried down the slope of the two foremost points first, then around, turned a little each
 /// time, because the separation has ridges.
-Vec3 climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
+Vec3 hill_climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
   constexpr double kTurn = 0.61;  // rad
   double best = separation(a, b, n);
   double angle = 0.0;
@@ -123,7 +123,7 @@ Vec3 climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
 }
 
 /// Climb from the best of directions all around.
-void look_around(Candidates& c) {
+void sample_sphere(Candidates& c) {
   constexpr int kCount = 64;
   constexpr int kClimbs = 4;
   constexpr double kGolden = 2.399963229728653;  // rad
@@ -140,7 +140,7 @@ void look_around(Candidates& c) {
                     [](const auto& l, const auto& r) {
                       return std::pair(l.first, l.second.z()) > std::pair(r.first, r.second.z());
                     });
-  for (int i = 0; i < kClimbs; ++i) c.other(climb(c.a, c.b, tried[i].second, 0.2), 0.0);
+  for (int i = 0; i < kClimbs; ++i) c.other(hill_climb(c.a, c.b, tried[i].second, 0.2), 0.0);
 }
 
 /// Where the cores overlap: products of edges, and the neighbourhood of what is known.
@@ -174,10 +174,10 @@ void search(Candidates& c, const Vec3* hint, double tie) {
       const Vec3 y = core->axes.col(1);
       for (const Vec3& n : {x, y, Vec3(-x), Vec3(-y)}) c.other(n, tie);
     }
-    if (c.has_other) c.other(climb(a, b, c.best_other.normal, 0.05), 0.0);
-    if (hint == nullptr) look_around(c);
+    if (c.has_other) c.other(hill_climb(a, b, c.best_other.normal, 0.05), 0.0);
+    if (hint == nullptr) sample_sphere(c);
   } else if (hint != nullptr && count_a * count_b > kManyEdges) {
-    const Vec3 near = climb(a, b, c.best_other.normal, 0.05);
+    const Vec3 near = hill_climb(a, b, c.best_other.normal, 0.05);
     const CoreEdge edge_a = edge_towards(a, near);
     const CoreEdge edge_b = edge_towards(b, -near);
     c.other(near, 0.0);

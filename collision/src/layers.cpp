@@ -9,7 +9,7 @@
 namespace tandem::collision {
 
 Layers::Layers(std::initializer_list<std::string_view> names) {
-  if (names.size() == 0 || names.size() > kMost) {
+  if (names.size() == 0 || names.size() > kMax) {
     pbd::detail::refuse("Layers: number of names", "from 1 to 32", std::to_string(names.size()));
   }
   for (const std::string_view name : names) {

@@ -193,9 +193,9 @@ void write_measures(JsonWriter& json, const Measures& m,
   json.end_array().key("max_m").begin_array();
   for (const Distribution& d : m.over_time_m) json.value(d.max);
   json.end_array().end_object();
-  constexpr std::size_t kMostBodies = 100;
+  constexpr std::size_t kMaxBodies = 100;
   json.key("bodies").begin_object();
-  for (std::size_t i = 0; i < m.of_body_m.size() && m.of_body_m.size() <= kMostBodies; ++i) {
+  for (std::size_t i = 0; i < m.of_body_m.size() && m.of_body_m.size() <= kMaxBodies; ++i) {
     json.key(body_names[i]).begin_object();
     json.field("p50", m.of_body_m[i].p50).field("p95", m.of_body_m[i].p95);
     json.field("max", m.of_body_m[i].max).end_object();

@@ -63,15 +63,15 @@ struct Gathered {
 };
 
 void add_arcs(const std::vector<TrackSample>& samples, double rate, std::vector<double>& out) {
-  constexpr double kShortest = 0.5;    // s
-  constexpr std::size_t kMost = 2000;  // stretches, of all bodies
+  constexpr double kShortest = 0.5;   // s
+  constexpr std::size_t kMax = 2000;  // stretches, of all bodies
   std::vector<double> speed;
   for (std::size_t i = 0; i <= samples.size(); ++i) {
     if (i < samples.size() && samples[i].speed > kMovingSpeed) {
       speed.push_back(samples[i].speed);
       continue;
     }
-    if (static_cast<double>(speed.size()) >= kShortest * rate && out.size() < kMost) {
+    if (static_cast<double>(speed.size()) >= kShortest * rate && out.size() < kMax) {
       out.push_back(spectral_arc_length(speed, rate));
     }
     speed.clear();

@@ -13,7 +13,7 @@ namespace tandem::demos {
 namespace {
 
 /// Nobody has a place in these scenes: all are in one.
-constexpr std::size_t kMostPeers = 64;
+constexpr std::size_t kMaxPeers = 64;
 
 nats::NatsOptions nats_options(const DemoOptions& options, std::uint64_t scene_hash) {
   nats::NatsOptions result;
@@ -25,7 +25,7 @@ nats::NatsOptions nats_options(const DemoOptions& options, std::uint64_t scene_h
     }
     result.server.servers.push_back(address);
   }
-  result.cells.max_near = kMostPeers;
+  result.cells.max_near = kMaxPeers;
   result.cells.levels = 1;
   return result;
 }

@@ -51,11 +51,11 @@ std::vector<std::size_t> needed(const std::vector<TrackSample>& samples) {
     }
     return true;
   };
-  constexpr std::size_t kMostSkipped = 64;
+  constexpr std::size_t kMaxSkipped = 64;
   for (std::size_t at = 0; at < samples.size();) {
     kept.push_back(at);
     std::size_t next = at + 1;
-    while (next + 1 < samples.size() && next - at < kMostSkipped && near(at, next + 1)) ++next;
+    while (next + 1 < samples.size() && next - at < kMaxSkipped && near(at, next + 1)) ++next;
     at = next;
   }
   return kept;

@@ -81,7 +81,7 @@ class Fields {
     for (std::size_t i = 0; i < 3; ++i) {
       const Json& each = (*found)[i];
       const double value = each.is_number() ? each.get<double>() : std::nan("");
-      if (!(std::abs(value) <= kMostDistance)) refuse("point", rule);
+      if (!(std::abs(value) <= kMaxDistance)) refuse("point", rule);
       result[static_cast<Eigen::Index>(i)] = value;
     }
     return result;
@@ -108,12 +108,12 @@ Command read_set(const Fields& fields) {
   const std::string name = fields.text("name", "a text");
   const Fields in(fields, name);
   if (name == "paused") return SetPaused{in.truth("value")};
-  if (name == "speed") return SetSpeed{in.number("value", kLeastSpeed, kMostSpeed, "0.05 to 2")};
+  if (name == "speed") return SetSpeed{in.number("value", kMinSpeed, kMaxSpeed, "0.05 to 2")};
   if (name == "profile") {
-    return SetProfile{static_cast<int>(in.integer("value", kMostProfile, "0 to 5"))};
+    return SetProfile{static_cast<int>(in.integer("value", kMaxProfile, "0 to 5"))};
   }
   if (name == "influence") {
-    return SetInfluence{in.number("value", 0.0, kMostInfluence, "from 0 to 0.5")};
+    return SetInfluence{in.number("value", 0.0, kMaxInfluence, "from 0 to 0.5")};
   }
   if (name == "predictor") return SetPredictor{named(in, consensus::PredictorKind::Replay)};
   if (name == "scheme") return SetScheme{named(in, Scheme::Pd)};
@@ -126,7 +126,7 @@ Command read_set(const Fields& fields) {
 }  // namespace
 
 std::variant<Command, Refused> CommandReader::read(std::string_view text) try {
-  if (text.size() > kMostBytes) throw Refusal("command must be at most 1 KiB");
+  if (text.size() > kMaxBytes) throw Refusal("command must be at most 1 KiB");
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) throw Refusal("command must be one JSON object");
   const Fields in(json);
@@ -154,7 +154,7 @@ std::variant<Command, Refused> CommandReader::read(std::string_view text) try {
     const auto place = held(grab.id);
     if (place != held_.end() && *place == grab.id)
       in.refuse("id", "one that this page does not hold yet");
-    if (held_.size() >= kMostGrabs) in.refuse("id", "one of at most 8 at once");
+    if (held_.size() >= kMaxGrabs) in.refuse("id", "one of at most 8 at once");
     const auto below = [&in](const char* name, std::size_t count) {
       const std::string rule = "below " + std::to_string(count);
       const std::uint64_t value = in.integer(name, std::uint64_t{1} << 32, rule);
@@ -196,8 +196,8 @@ std::variant<Command, Refused> CommandReader::read(std::string_view text) try {
   }
   if (type == "want") return Command(Want{in.truth("overlays")});
   if (type == "ping") {
-    constexpr double kMost = std::numeric_limits<double>::max();
-    return Command(Ping{in.number("time", -kMost, kMost, "a number")});
+    constexpr double kMax = std::numeric_limits<double>::max();
+    return Command(Ping{in.number("time", -kMax, kMax, "a number")});
   }
   in.refuse("type", "grab, move, release, set, step, restart, score, want or ping");
 } catch (const std::exception& error) {

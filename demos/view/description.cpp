@@ -106,7 +106,7 @@ void write(JsonWriter& json, const Settings& settings) {
 
 void write_choices(JsonWriter& json) {
   json.begin_object().key("profile").begin_array();
-  for (int profile = 0; profile <= kMostProfile; ++profile) json.value(profile);
+  for (int profile = 0; profile <= kMaxProfile; ++profile) json.value(profile);
   json.end_array().key("predictor").begin_array();
   for (int kind = 0; kind <= static_cast<int>(consensus::PredictorKind::Replay); ++kind) {
     json.value(to_string(static_cast<consensus::PredictorKind>(kind)));
@@ -115,8 +115,8 @@ void write_choices(JsonWriter& json) {
   for (int scheme = 0; scheme <= static_cast<int>(Scheme::Pd); ++scheme) {
     json.value(to_string(static_cast<Scheme>(scheme)));
   }
-  json.end_array().key("speed").begin_array().value(kLeastSpeed).value(kMostSpeed).end_array();
-  json.key("influence").begin_array().value(0.0).value(kMostInfluence).end_array().end_object();
+  json.end_array().key("speed").begin_array().value(kMinSpeed).value(kMaxSpeed).end_array();
+  json.key("influence").begin_array().value(0.0).value(kMaxInfluence).end_array().end_object();
 }
 
 /// Whether a body is a ball about its centre, so that nobody sees it turn.

@@ -16,7 +16,7 @@ constexpr std::uint8_t kKey = 1;
 constexpr std::uint8_t kOverlays = 2;
 constexpr std::uint32_t kMiddle = 0x100000;  // of 21 bits
 constexpr double kTurnSteps = 511.0;
-constexpr std::size_t kMostMarks = 16384;  // of each kind in a pane
+constexpr std::size_t kMaxMarks = 16384;  // of each kind in a pane
 
 std::uint32_t position_bits(double value, double unit) {
   const double steps = std::round(value / unit) + kMiddle;
@@ -64,7 +64,7 @@ class Writer {
   }
   /// How many of them are written.
   std::size_t count(std::size_t all) {
-    const std::size_t kept = std::min(all, kMostMarks);
+    const std::size_t kept = std::min(all, kMaxMarks);
     put(static_cast<std::uint16_t>(kept));
     return kept;
   }

@@ -18,7 +18,7 @@ using Error = boost::system::error_code;
 
 constexpr std::chrono::seconds kIdle{10};      // with a page that is gone
 constexpr std::chrono::seconds kHandshake{3};  // at the beginning and at the end of a socket
-constexpr std::size_t kMostWords = 256;        // waiting for one page
+constexpr std::size_t kMaxWords = 256;         // waiting for one page
 constexpr int kSocketBytes = 64 * 1024;        // what waits in the system is old when it is seen
 
 }  // namespace
@@ -34,7 +34,7 @@ void PageSocket::start(Request request) {
   timeout.idle_timeout = kIdle;
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
-  socket_.read_message_max(kMostBytes);
+  socket_.read_message_max(kMaxBytes);
   socket_.auto_fragment(false);
   // What a slow page has not read yet is to wait here, where the newest wins.
   Error ignored;
@@ -57,7 +57,7 @@ void PageSocket::greet() {
 
 void PageSocket::say(std::shared_ptr<const std::string> text) {
   if (!greeted_ || closed_) return;
-  if (words_.size() >= kMostWords) return close();
+  if (words_.size() >= kMaxWords) return close();
   words_.push_back(std::move(text));
   write();
 }

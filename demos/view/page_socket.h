@@ -69,7 +69,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
   Request request_;
   CommandReader commands_;
   Allowance allowance_;
-  boost::beast::flat_buffer incoming_{kMostBytes};
+  boost::beast::flat_buffer incoming_{kMaxBytes};
   std::deque<std::shared_ptr<const std::string>> words_;
   std::shared_ptr<const std::string> text_;  ///< being written
   FrameEncoder::Bytes frame_;                ///< likewise

@@ -15,9 +15,9 @@ namespace tandem::demos::view {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kMostPeers = 64;       // whose shares are kept
-constexpr std::size_t kMostContacts = 1024;  // more than anybody can see
-constexpr double kAgeMemory = 0.9;           // of the mean age, from step to step
+constexpr std::size_t kMaxPeers = 64;       // whose shares are kept
+constexpr std::size_t kMaxContacts = 1024;  // more than anybody can see
+constexpr double kAgeMemory = 0.9;          // of the mean age, from step to step
 
 }  // namespace
 
@@ -54,7 +54,7 @@ void PaneWatch::on_estimate(const consensus::EstimateEvent& event) {
   age_sum_ += event.age;
   age_count_ += 1.0;
   const auto known = shares_.find(event.from);
-  if (known == shares_.end() && shares_.size() >= kMostPeers) return;
+  if (known == shares_.end() && shares_.size() >= kMaxPeers) return;
   std::vector<float>& shares = known == shares_.end() ? shares_[event.from] : known->second;
   shares.resize(index_.size(), 0.0F);
   shares[index] = static_cast<float>(event.update.influence);
@@ -95,7 +95,7 @@ void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
     const std::uint32_t body = first == pbd::BodyId::kNone ? shared.index_of(b) : first;
     const pbd::Pose pose_a = pose_of(a), pose_b = pose_of(b);
     for (int i = 0; i < manifold.count; ++i) {
-      if (out.size() >= kMostContacts) return;
+      if (out.size() >= kMaxContacts) return;
       const auto k = static_cast<std::size_t>(i);
       if (!(contact.force[k] > 0.0)) continue;
       const pbd::Vec3 at_a = pose_a.to_world(manifold.points[k].anchor_a_l);

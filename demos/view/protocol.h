@@ -46,13 +46,13 @@ struct Settings {
 Settings settings_of(const DemoOptions& options);
 
 // The limits of what a page may ask for.
-inline constexpr double kLeastSpeed = 0.05;
-inline constexpr double kMostSpeed = 2.0;
-inline constexpr int kMostProfile = 5;
-inline constexpr double kMostInfluence = 0.5;
-inline constexpr double kMostDistance = 100.0;   ///< m, of a hand from the origin, each coordinate
-inline constexpr std::size_t kMostGrabs = 8;     ///< of one page at once
-inline constexpr std::size_t kMostBytes = 1024;  ///< of one command
+inline constexpr double kMinSpeed = 0.05;
+inline constexpr double kMaxSpeed = 2.0;
+inline constexpr int kMaxProfile = 5;
+inline constexpr double kMaxInfluence = 0.5;
+inline constexpr double kMaxDistance = 100.0;   ///< m, of a hand from the origin, each coordinate
+inline constexpr std::size_t kMaxGrabs = 8;     ///< of one page at once
+inline constexpr std::size_t kMaxBytes = 1024;  ///< of one command
 inline constexpr double kCommandsPerSecond = 240;  ///< of one page
 
 /// What is shown and how it is counted: all that frames and commands are read and written by.

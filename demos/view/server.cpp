@@ -83,6 +83,7 @@ class Server::Impl final : public PageHost, public RequestHost {
   // From any thread.
 
   std::uint16_t port() const { return port_; }
+  const std::string& token() const override { return token_; }
   std::string url() const {
     const bool any = address_.is_unspecified();
     const asio::ip::address shown = any ? (address_.is_v6() ? asio::ip::make_address("::1")
@@ -145,7 +146,6 @@ class Server::Impl final : public PageHost, public RequestHost {
     note_pages();
   }
 
-  const std::string& token() const override { return token_; }
   bool is_named(std::string_view host) const override { return is_name_of(host, address_, port_); }
   const Asset* asset_of(std::string_view path) const override;
   bool is_full() const override { return pages_.size() >= options_.max_pages; }

@@ -124,8 +124,8 @@ void ClockSync::follow(const Candidate& reference, std::int64_t now) {
     const auto fits = clock.filter.drifts();
     const double rate = believed(clock.claim.rate);
     // No further than what was seen demands.
-    constexpr double kMost = 2.0 * ClockFilter::kMaxDrift;
-    drift_ = std::clamp(std::clamp(drift_, fits.least + rate, fits.most + rate), -kMost, kMost);
+    constexpr double kMax = 2.0 * ClockFilter::kMaxDrift;
+    drift_ = std::clamp(std::clamp(drift_, fits.least + rate, fits.most + rate), -kMax, kMax);
     drift_due_ = now + kDriftPeriod;
   }
   base_ = correction(now);

@@ -14,15 +14,15 @@ class FloodGauge {
   void count_useless() { ++useless_; }
   bool is_flooded(std::int64_t now) {
     if (now - window_start_ > kWindow) {
-      before_ = useless_ > kMost;
+      before_ = useless_ > kMax;
       useless_ = 0;
       window_start_ = now;
     }
-    return before_ || useless_ > kMost;
+    return before_ || useless_ > kMax;
   }
 
  private:
-  static constexpr std::size_t kMost = 100;            // datagrams in
+  static constexpr std::size_t kMax = 100;             // datagrams in
   static constexpr std::int64_t kWindow = 10'000'000;  // ns
 
   std::int64_t window_start_ = 0;

@@ -15,7 +15,7 @@ namespace tandem::net {
 /// look for more take a tenth of the rate. Sizes are bytes of UDP payload, times ns.
 class MtuSearch {
  public:
-  static constexpr std::size_t kLeast = 548;  ///< goes everywhere: an IPv4 MTU of 576
+  static constexpr std::size_t kMin = 548;    ///< goes everywhere: an IPv4 MTU of 576
   static constexpr std::size_t kBase = 1200;  ///< to begin with, as in QUIC
   static constexpr std::size_t kFine = 16;    ///< how exactly it is found
   static constexpr int kTries = 3;            ///< MAX_PROBES: lost so often, a size is too long
@@ -24,7 +24,7 @@ class MtuSearch {
   /// loses four of five as well (tests/net/connection_test.cpp).
   static constexpr std::size_t kDoubt = 6;
 
-  /// @param most  >= kLeast
+  /// @param most  >= kMin
   explicit MtuSearch(std::size_t most) : most_(most) { begin(std::min(kBase, most), most); }
 
   /// The longest datagram that is sent.
@@ -56,7 +56,7 @@ class MtuSearch {
   /// Not of probes.
   void lost(std::size_t bytes) {
     // Longer ones than are sent now are known to be lost.
-    if (bytes > kLeast && bytes <= size_ && !is_in_doubt()) lost_[lost_count_++] = bytes;
+    if (bytes > kMin && bytes <= size_ && !is_in_doubt()) lost_[lost_count_++] = bytes;
   }
   void probe_lost(std::int64_t now) {
     if (std::exchange(flying_, 0) == 0 || !heard_) return;
@@ -64,7 +64,7 @@ class MtuSearch {
     if (!is_in_doubt()) return narrow(next_ - 1, now);
     // A black hole (RFC 8899, Sec. 4.3). All begins below.
     lost_count_ = 0;
-    begin(kLeast, most_);
+    begin(kMin, most_);
     next_ = std::min(kBase, most_);
     due_at_ = now;
   }

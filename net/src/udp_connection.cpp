@@ -16,7 +16,7 @@ constexpr int kGoodbyes = 3;                      // any of them may be lost
 constexpr std::int64_t kGoodbyeGap = 20'000'000;  // ns
 constexpr std::int64_t kLossCheck = 10'000'000;   // ns, how exactly a timeout is kept
 static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceBytes <=
-              MtuSearch::kLeast);
+              MtuSearch::kMin);
 
 }  // namespace
 
@@ -35,7 +35,7 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       keep_alive_(std::min(options.idle_timeout,
                            std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
                   4) {
-  require(options.max_datagram >= MtuSearch::kLeast && options.max_datagram <= kMaxDatagram,
+  require(options.max_datagram >= MtuSearch::kMin && options.max_datagram <= kMaxDatagram,
           "UdpConnectionOptions", "max_datagram", options.max_datagram, "in [548, 1472]");
   require(options.congestion.min_kbit > 0.0 &&
               options.congestion.min_kbit <= options.congestion.max_kbit,

@@ -14,9 +14,9 @@ void DistanceJoint::check(const World& world, const Def& def) {
   detail::require_finite(def.anchor_b_l, kName, "anchor_b_l");
   detail::require(def.rest_length >= 0.0 && std::isfinite(def.rest_length), kName, "rest_length",
                   def.rest_length, "finite and >= 0");
-  detail::require(def.compliance == 0.0 ||
-                      (def.compliance >= kLeastCompliance && std::isfinite(def.compliance)),
-                  kName, "compliance", def.compliance, "0, or finite and at least 1e-100");
+  detail::require(
+      def.compliance == 0.0 || (def.compliance >= kMinCompliance && std::isfinite(def.compliance)),
+      kName, "compliance", def.compliance, "0, or finite and at least 1e-100");
   detail::require(def.damping >= 0.0 && std::isfinite(def.damping), kName, "damping", def.damping,
                   "finite and >= 0");
   detail::require(def.min_length >= 0.0 && std::isfinite(def.min_length), kName, "min_length",
@@ -25,7 +25,7 @@ void DistanceJoint::check(const World& world, const Def& def) {
                   ">= min_length");
   detail::require(
       def.range_compliance == 0.0 ||
-          (def.range_compliance >= kLeastCompliance && std::isfinite(def.range_compliance)),
+          (def.range_compliance >= kMinCompliance && std::isfinite(def.range_compliance)),
       kName, "range_compliance", def.range_compliance, "0, or finite and at least 1e-100");
   detail::require(def.range_damping >= 0.0 && std::isfinite(def.range_damping), kName,
                   "range_damping", def.range_damping, "finite and >= 0");

@@ -40,7 +40,7 @@ void want_substeps(std::span<const JointRecord> records, const SubstepContext& c
 /// Whether the motor of a coordinate moves the joint on.
 bool motor_runs(const JointRecord& record, int c) {
   constexpr double kArrived = 1e-6;  // m or rad
-  constexpr double kMost = 1.0 - 1e-6;
+  constexpr double kMax = 1.0 - 1e-6;
   const JointAxis axis = record.axis(c);
   const JointMotor& motor = axis.motor;
   const bool limited = axis.freedom == Freedom::Limited;
@@ -54,7 +54,7 @@ bool motor_runs(const JointRecord& record, int c) {
   } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
     return false;
   }
-  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMost * motor.max_force);
+  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMax * motor.max_force);
 }
 
 }  // namespace

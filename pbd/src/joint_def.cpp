@@ -24,7 +24,7 @@ void check_at_least_0(double value, const std::string& field) {
 }
 
 void check_compliance(double value, const std::string& field) {
-  const bool ok = value == 0.0 || (value >= kLeastCompliance && std::isfinite(value));
+  const bool ok = value == 0.0 || (value >= kMinCompliance && std::isfinite(value));
   detail::require(ok, kKind, field, value, "0, or finite and at least 1e-100");
 }
 

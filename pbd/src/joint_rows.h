@@ -168,7 +168,7 @@ struct ForceLaw {
   }
 
   /// What the displacement channel left of a rigid row that should have kept `bound`. A soft row
-  /// keeps no debt: its stretch is a force.
+  /// has none: its stretch is a force.
   static double displacement_residual(const JointAxis& axis, double c, double bound) {
     if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
     if (axis.freedom == Freedom::Locked) return c - bound;

@@ -18,11 +18,11 @@ constexpr double kStiffTo = 8.0;
 /// Part of a part's kinetic energy that its joints may have given it before it is taken back.
 constexpr double kSurplus = 0.01;
 /// Part of it that one substep of loops may add before they are solved again, softer.
-constexpr double kMostAdded = 0.1;
+constexpr double kMaxAdded = 0.1;
 /// Part of it that others may have changed since joints were solved, by rounding.
 constexpr double kUndisturbed = 1e-9;
 /// Part of it that is given back in one substep, at most.
-constexpr double kMostGiven = 1.0;
+constexpr double kMaxGiven = 1.0;
 
 }  // namespace
 
@@ -66,7 +66,7 @@ bool JointSystem::adds_energy(const JointGraph::Part& part, const SubstepContext
     before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(inertia * slot.w);
     after += v.squaredNorm() / body.inv_mass + w.dot(inertia * w);
   }
-  return after > (1.0 + kMostAdded) * before;
+  return after > (1.0 + kMaxAdded) * before;
 }
 
 /// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
@@ -230,7 +230,7 @@ void JointSystem::limit_energy_gain(const JointGraph::Part& part, std::span<Join
     if (disturbed > kUndisturbed * energy) {
       shared += disturbed;
     } else if (is_ideal(part)) {
-      least -= kMostGiven * energy;
+      least -= kMaxGiven * energy;
     }
   }
   owed = std::max(owed + work, least);

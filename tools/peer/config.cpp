@@ -296,9 +296,9 @@ PeerConfig read(const toml::table& table, const std::string& name, const std::st
   Section top(table, name, "");
   top.expect({"id", "seed", "step_hz", "update_hz", "network", "user", "log", "status", "metrics",
               "view"});
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   top.read("id", o.peer_id, 1, std::int64_t{1} << 62, "an integer >= 1, unique in the session");
-  top.read("seed", o.seed, 0, kMost, "an integer >= 0");
+  top.read("seed", o.seed, 0, kMax, "an integer >= 0");
   top.read("step_hz", o.rates.front(), 10.0, 1000.0, "a number from 10 to 1000");
   top.read("update_hz", o.update_hz, 0.1, 1000.0, "a number from 0.1 to 1000");
   read_network(top.section("network"), name, transport, config);
@@ -307,7 +307,7 @@ PeerConfig read(const toml::table& table, const std::string& name, const std::st
   Section user = top.section("user");
   user.expect({"fidget", "seed"});
   user.read("fidget", config.fidget);
-  user.read("seed", config.user_seed, 0, kMost, "an integer >= 0");
+  user.read("seed", config.user_seed, 0, kMax, "an integer >= 0");
 
   Section log = top.section("log");
   log.expect({"file", "level"});

@@ -11,7 +11,7 @@ void DivergenceGauge::on_estimate(const consensus::EstimateEvent& event) {
   const auto found = of_peer_.find(event.from);
   if (found != of_peer_.end()) {
     found->second.add(distance);
-  } else if (of_peer_.size() < kMostPeers) {
+  } else if (of_peer_.size() < kMaxPeers) {
     of_peer_[event.from].add(distance);
   }
 }

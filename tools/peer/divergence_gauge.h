@@ -15,7 +15,7 @@ namespace tandem::demos {
 /// @par Thread safety  One object: the thread of its peer.
 class DivergenceGauge final : public consensus::PeerObserver {
  public:
-  static constexpr std::size_t kMostPeers = 64;
+  static constexpr std::size_t kMaxPeers = 64;
 
   void on_estimate(const consensus::EstimateEvent& event) override;
 

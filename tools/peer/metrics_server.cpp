@@ -26,7 +26,7 @@ using Tcp = asio::ip::tcp;
 using Error = boost::system::error_code;
 
 constexpr std::chrono::seconds kPatience{2};  // from the first byte of a request to the last answer
-constexpr std::size_t kMostClients = 16;      // at a time; the oldest gives way to a new one
+constexpr std::size_t kMaxClients = 16;       // at a time; the oldest gives way to a new one
 constexpr std::uint32_t kHeaderBytes = 8192;
 
 }  // namespace
@@ -84,7 +84,7 @@ class MetricsServer::Impl {
       if (!acceptor_.is_open()) return;
       if (!error) {
         // Its handler takes it out of the list.
-        if (clients_.size() >= kMostClients) clients_.front().stream.close();
+        if (clients_.size() >= kMaxClients) clients_.front().stream.close();
         serve(clients_.emplace(clients_.end(), std::move(socket)));
       }
       accept();

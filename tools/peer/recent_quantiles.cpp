@@ -11,7 +11,7 @@ void RecentQuantiles::add(double value) {
   if (std::isnan(value)) return;
   ++count_;
   sum_ += value;
-  const double place = std::log(std::max(value, kLeast) / kLeast) / std::log(kRatio);
+  const double place = std::log(std::max(value, kMin) / kMin) / std::log(kRatio);
   ++now_[std::min(static_cast<std::size_t>(std::min(place, 1e3)), kBins - 1)];
 }
 
@@ -29,9 +29,9 @@ double RecentQuantiles::quantile(double q) const {
   for (std::size_t i = 0; i < kBins; ++i) {
     below += static_cast<double>(now_[i]) + static_cast<double>(before_[i]);
     // The middle of the bin, as ratios go.
-    if (below >= rank) return kLeast * std::pow(kRatio, static_cast<double>(i) + 0.5);
+    if (below >= rank) return kMin * std::pow(kRatio, static_cast<double>(i) + 0.5);
   }
-  return kLeast * std::pow(kRatio, static_cast<double>(kBins));
+  return kMin * std::pow(kRatio, static_cast<double>(kBins));
 }
 
 }  // namespace tandem::demos

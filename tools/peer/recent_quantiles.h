@@ -12,7 +12,7 @@ namespace tandem::demos {
 /// @par Thread safety  Distinct objects: safe.
 class RecentQuantiles {
  public:
-  static constexpr double kLeast = 1e-7;  ///< what is below counts as this
+  static constexpr double kMin = 1e-7;    ///< what is below counts as this
   static constexpr double kRatio = 1.08;  ///< between bins; the last one is at 33
 
   /// NaN is passed over.

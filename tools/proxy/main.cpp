@@ -25,7 +25,7 @@ using namespace tandem::demos;
 using asio::ip::udp;
 using tandem::consensus::LinkOptions;
 
-constexpr std::size_t kMostFlows = 64;            // clients of one route
+constexpr std::size_t kMaxFlows = 64;             // clients of one route
 constexpr std::chrono::seconds kForgetAfter{60};  // a client that is silent
 
 constexpr std::string_view kUsage =
@@ -105,7 +105,7 @@ class Route {
       }
       return gone;
     });
-    if (flows_.size() == kMostFlows) return;
+    if (flows_.size() == kMaxFlows) return;
     // Each flow draws numbers of its own.
     flows_.push_back(std::make_shared<Flow>(io_, entrance_, client_, target_, settings_.link,
                                             settings_.seed + 1000 * made_++));

@@ -15,8 +15,8 @@ namespace {
 
 /// A count that was once negative is named before it is read for.
 size_t checked_count(size_t count, const char* field) {
-  constexpr size_t kMost = size_t{1} << 28;
-  if (count >= kMost) {
+  constexpr size_t kMax = size_t{1} << 28;
+  if (count >= kMax) {
     pbd::detail::refuse(field, "below 2^28", std::to_string(count));
   }
   return count;
@@ -46,8 +46,8 @@ collision::Mesh mesh_of(const tandem_shape& shape) {
 collision::Field heights_of(const tandem_shape& shape) {
   const double* const from = &required(shape.heights, "shape.heights");
   // Counts that are out of range are named by make(); nothing is read for them.
-  constexpr uint32_t kMost = 16384;
-  const bool readable = shape.columns <= kMost && shape.rows <= kMost;
+  constexpr uint32_t kMax = 16384;
+  const bool readable = shape.columns <= kMax && shape.rows <= kMax;
   const size_t count = readable ? size_t{shape.columns} * shape.rows : 0;
   return collision::HeightField::make(shape.columns, shape.rows, shape.spacing_x, shape.spacing_y,
                                       std::span(from, count));

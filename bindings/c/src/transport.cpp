@@ -22,7 +22,7 @@ using consensus::PeerId;
 using consensus::PeerStatus;
 
 /// Bytes: the least that all single records fit into, with room to spare.
-constexpr std::size_t kLeastMaxPacket = 512;
+constexpr std::size_t kMinMaxPacket = 512;
 
 /// The caller's functions as a transport.
 class Callbacks final : public consensus::Transport {
@@ -88,9 +88,9 @@ tandem_transport* tandem_transport_create(const tandem_transport_def* def, tande
       pbd::detail::refuse("post, drain and peers", "given", "null");
     }
     if (d.max_packet != 0 &&
-        (d.max_packet < kLeastMaxPacket || d.max_packet > consensus::kMaxPacketBytes)) {
+        (d.max_packet < kMinMaxPacket || d.max_packet > consensus::kMaxPacketBytes)) {
       pbd::detail::refuse("max_packet",
-                          "0 or from " + std::to_string(kLeastMaxPacket) + " to " +
+                          "0 or from " + std::to_string(kMinMaxPacket) + " to " +
                               std::to_string(consensus::kMaxPacketBytes),
                           std::to_string(d.max_packet));
     }

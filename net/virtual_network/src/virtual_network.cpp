@@ -187,13 +187,13 @@ std::optional<SessionTime> VirtualNetwork::next_event() const {
 }
 
 void VirtualNetwork::set_clock(PeerId peer, SessionTime ahead, double drift_ppm) {
-  constexpr SessionTime kMost = 1'000'000'000'000'000'000;
+  constexpr SessionTime kMax = 1'000'000'000'000'000'000;
   const auto at = state_->endpoints.find(peer);
   if (at == state_->endpoints.end()) {
     pbd::detail::refuse("VirtualNetwork::set_clock: peer", "one that has joined",
                         std::to_string(peer));
   }
-  if (ahead < -kMost || ahead > kMost) {
+  if (ahead < -kMax || ahead > kMax) {
     pbd::detail::refuse("VirtualNetwork::set_clock: ahead", "within 1e18 ns of 0",
                         std::to_string(ahead));
   }

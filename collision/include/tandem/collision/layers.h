@@ -25,9 +25,9 @@ namespace tandem::collision {
 /// @par Thread safety  A value: safe.
 class TANDEM_API Layers {
  public:
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMax = 32;
 
-  /// @throws std::invalid_argument for no name, an empty one, one twice, or more than kMost
+  /// @throws std::invalid_argument for no name, an empty one, one twice, or more than kMax
   Layers(std::initializer_list<std::string_view> names);
 
   /// Colliders of the one do not meet those of the other; both may be one layer.
@@ -40,7 +40,7 @@ class TANDEM_API Layers {
   std::size_t find(std::string_view name) const;
 
   std::vector<std::string> names_;
-  std::array<std::uint32_t, kMost> masks_{};
+  std::array<std::uint32_t, kMax> masks_{};
 };
 
 }  // namespace tandem::collision

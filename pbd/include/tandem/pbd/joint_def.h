@@ -16,7 +16,7 @@ class World;
 /// No bound on a force, speed or angle.
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 /// Compliances are 0 (rigid) or at least this: their inverse is a stiffness.
-inline constexpr double kLeastCompliance = 1e-100;
+inline constexpr double kMinCompliance = 1e-100;
 
 /// A point and three axes of a body. Hinges turn about x, sliders move along x, and twist is the
 /// rotation about x.
