@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Brings Debian's sources of FCL and libccd, which its packages have for native processors only.
+# Brings Debian's sources of FCL, libccd and libsodium, which its packages have for native processors only.
 #   bindings/web/fetch-sources.sh FOLDER
 # Needs apt-get and dpkg-dev, neither root nor deb-src in the system's lists; what is there stays.
 set -euo pipefail
@@ -10,7 +10,12 @@ set -euo pipefail
 [[ $# -eq 1 ]] || { echo "usage: fetch-sources.sh FOLDER" >&2; exit 2; }
 mkdir -p "$1"
 cd "$1"
-[[ ! -d fcl || ! -d libccd ]] || exit 0
+packages=(fcl libccd libsodium)
+missing=()
+for package in "${packages[@]}"; do
+  [[ -d $package ]] || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
 
 lists=$(mktemp -d)
 trap 'rm -rf "$lists"' EXIT
@@ -25,8 +30,8 @@ SOURCES
 apt=(apt-get -qq -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$lists/sources"
   -o "Dir::State::Lists=$lists/lists" -o "Dir::Cache=$lists/cache" -o APT::Sandbox::User=)
 "${apt[@]}" update
-"${apt[@]}" source --download-only fcl libccd
-for package in fcl libccd; do
+"${apt[@]}" source --download-only "${missing[@]}"
+for package in "${missing[@]}"; do
   rm -rf "$package"
   dpkg-source --extract "$package"_*.dsc "$package" >/dev/null
 done

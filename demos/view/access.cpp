@@ -69,12 +69,12 @@ bool is_name_of(std::string_view host, const boost::asio::ip::address& address,
   return !error && (named == address || address.is_unspecified());
 }
 
-bool Allowance::take(Clock::time_point now) {
+bool Allowance::take(Clock::time_point now, double amount) {
   const std::chrono::duration<double> passed = now - last_;
   last_ = now;
-  left_ = std::min(kCommandsPerSecond, left_ + kCommandsPerSecond * passed.count());
-  if (left_ < 1.0) return false;
-  left_ -= 1.0;
+  left_ = std::min(per_s_, left_ + per_s_ * passed.count());
+  if (left_ < amount) return false;
+  left_ -= amount;
   return true;
 }
 

@@ -9,8 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "view/protocol.h"
-
 namespace tandem::demos::view {
 
 /// 32 hex digits of the system's generator. @throws std::runtime_error where it has none
@@ -27,16 +25,20 @@ bool lacks_slash(std::string_view token, std::string_view target);
 /// name of this machine gets in.
 bool is_name_of(std::string_view host, const boost::asio::ip::address& address, std::uint16_t port);
 
-/// How many commands a page may still send: kCommandsPerSecond, and as many at once.
+/// What a connection may still send: so much each second, and a second's worth at once.
 class Allowance {
  public:
   using Clock = std::chrono::steady_clock;
 
-  bool take(Clock::time_point now);
+  explicit Allowance(double per_s) : per_s_(per_s), left_(per_s) {}
+
+  /// False where there is not so much left; nothing is then taken.
+  bool take(Clock::time_point now, double amount = 1.0);
 
  private:
+  double per_s_;
   Clock::time_point last_ = Clock::now();
-  double left_ = kCommandsPerSecond;
+  double left_;
 };
 
 }  // namespace tandem::demos::view

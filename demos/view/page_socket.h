@@ -68,7 +68,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   Request request_;
   CommandReader commands_;
-  Allowance allowance_;
+  Allowance allowance_{kCommandsPerSecond};
   boost::beast::flat_buffer incoming_{kMaxBytes};
   std::deque<std::shared_ptr<const std::string>> words_;
   std::shared_ptr<const std::string> text_;  ///< being written

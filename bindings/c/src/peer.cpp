@@ -29,7 +29,10 @@ void tandem_peer_def_init(tandem_peer_def* def) {
   const consensus::PeerOptions defaults;
   *def = {.update_hz = defaults.update_hz,
           .influence = defaults.influence.baseline,
-          .authority_ramp = defaults.authority_ramp};
+          .authority_ramp = defaults.authority_ramp,
+          .compact = 0,
+          .tolerance = defaults.sending.tolerance,
+          .kbit_per_s = defaults.sending.kbit_per_s};
 }
 
 tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport,
@@ -42,6 +45,10 @@ tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport
     options.update_hz = d.update_hz;
     options.influence.baseline = d.influence;
     options.authority_ramp = d.authority_ramp;
+    options.sending.format =
+        d.compact != 0 ? consensus::StateFormat::Compact : consensus::StateFormat::Full;
+    options.sending.tolerance = d.tolerance;
+    options.sending.kbit_per_s = d.kbit_per_s;
     if (w.world.target_source() != nullptr) {
       pbd::detail::refuse("world", "one that has no peer yet");
     }

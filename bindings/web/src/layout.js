@@ -80,7 +80,8 @@ export const hit = struct([
   ['colliderA', 'u32', 2], ['colliderB', 'u32', 2], ['bodyA', 'u32', 2], ['bodyB', 'u32', 2], ['point', 'f64', 3],
   ['normal', 'f64', 3], ['speed', 'f64'], ['impulse', 'f64'],
 ]);
-export const peerDef = struct([['updateHz', 'f64'], ['influence', 'f64'], ['authorityRamp', 'f64']]);
+export const peerDef = struct([['updateHz', 'f64'], ['influence', 'f64'], ['authorityRamp', 'f64'],
+  ['compact', 'i32'], ['tolerance', 'f64'], ['kbitPerS', 'f64']]);
 export const sharedId = struct([['high', 'u64'], ['low', 'u64']]);
 export const grabDef = struct([
   ['high', 'u64'], ['low', 'u64'], ['attachment', 'f64', 3], ['anchor', 'f64', 3], ['stiffness', 'f64'],

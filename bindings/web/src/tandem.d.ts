@@ -151,9 +151,16 @@ export interface GrabDef {
   damping?: number;
   maxForce?: number;
 }
+export interface PeerDef {
+  updateHz?: number;  // states sent each second; 60
+  influence?: number;  // share of a difference that is closed per 1/60 s; 0.08
+  authorityRamp?: number;  // s
+  compact?: boolean;  // states are rounded and take less than a third of the bytes
+  tolerance?: number;  // m: what others expect more exactly is not sent
+  kbitPerS?: number;  // to each of the others
+}
 export class Peer {
-  constructor(world: World, transport: Transport,
-              def?: {updateHz?: number; influence?: number; authorityRamp?: number});
+  constructor(world: World, transport: Transport, def?: PeerDef);
   free(): void;
   share(name: string, body: Body, owner?: bigint): void;
   unshare(name: string): void;

@@ -86,7 +86,7 @@ function shapeValues(allocate, {type, points, triangles, heights, ...sizes}) {
 
 const imports = {
   post: (user, to, at, size, delivery) =>
-    (transports[user].send(to, bytesAt(at, size).slice(), delivery === 1) === false ? 0 : 1),
+    (transports[user].send(BigInt.asUintN(64, to), bytesAt(at, size).slice(), delivery === 1) === false ? 0 : 1),
   drain: (user, inbox) => {
     for (const {from, bytes} of transports[user].inbox.splice(0)) {
       borrow((allocate) => c.tandem_web_receive(inbox, from, numbers(allocate, bytes, Uint8Array), bytes.length));
@@ -96,7 +96,7 @@ const imports = {
     const all = [...transports[user].peers].sort((l, r) => (l[0] < r[0] ? -1 : 1));
     for (const [peer, connected] of all) c.tandem_web_list(list, peer, connected ? 1 : 0);
   },
-  drop: (user, peer, reason) => transports[user].onDrop?.(peer, textAt(reason)),
+  drop: (user, peer, reason) => transports[user].onDrop?.(BigInt.asUintN(64, peer), textAt(reason)),
 };
 
 /** Whatever the C++ library asks of a system: nothing that the engine does needs an answer. */
@@ -430,7 +430,7 @@ export class Peer {
     this.at = borrow((a) => {
       const at = a(layouts.peerDef.size);
       c.tandem_peer_def_init(at);
-      layouts.write(view(), at, layouts.peerDef, def);
+      layouts.write(view(), at, layouts.peerDef, {...def, compact: def.compact ? 1 : 0});
       return made(c.tandem_peer_create(world.at, transport.at, at, error));
     });
   }

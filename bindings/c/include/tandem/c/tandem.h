@@ -47,7 +47,7 @@ extern "C" {
 #endif
 
 /** Changes with every change of this header that an older program would not survive. */
-#define TANDEM_C_VERSION 1
+#define TANDEM_C_VERSION 2
 /** TANDEM_C_VERSION of the library that runs. */
 TANDEM_C_API uint32_t tandem_c_version(void);
 
@@ -500,6 +500,9 @@ typedef struct tandem_peer_def {
   double update_hz;      /**< states sent each second; 60 */
   double influence;      /**< share of a difference that is closed per 1/60 s; 0.08 */
   double authority_ramp; /**< s, over which a newcomer gets its say; 1 */
+  int32_t compact;   /**< not 0: states are rounded (0.12 mm) and take about 27 bytes, not 93; 0 */
+  double tolerance;  /**< m: what others expect more exactly is not sent; 0 = all is */
+  double kbit_per_s; /**< to each of the others, at most; 0 = no limit */
 } tandem_peer_def;
 
 typedef struct tandem_shared_id {

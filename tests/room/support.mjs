@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// A room's server, native peers and pages in it, as processes and browser contexts of their own.
+import {spawn} from 'node:child_process';
+import {createRequire} from 'node:module';
+import {existsSync} from 'node:fs';
+import {dirname, join} from 'node:path';
+import {createInterface} from 'node:readline';
+import {fileURLToPath} from 'node:url';
+
+const root = join(dirname(fileURLToPath(import.meta.url)), '../..');
+const view = createRequire(join(root, 'tests/view/package.json'));
+const {chromium} = view('playwright-core');
+export const {WebSocket} = view('ws');
+export const BIN = process.env.TANDEM_BIN ?? join(root, 'build/release/bin');
+export const PAGE = process.env.TANDEM_ROOM_PAGE ?? join(root, 'build/web/room');
+const PATHS = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+// Candidates by number: the other way needs multicast, which a container may not have.
+const ARGUMENTS = ['--headless=new', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
+                   '--enable-unsafe-swiftshader', '--disable-dev-shm-usage', '--hide-scrollbars',
+                   '--disable-features=WebRtcHideLocalIpsWithMdns', '--disable-background-timer-throttling',
+                   '--disable-renderer-backgrounding'];
+
+export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+export const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+
+/** Waits until `check` gives something. */
+export async function until(check, what, seconds = 60) {
+  for (let k = 0; k < seconds * 20; ++k) {
+    const got = await check();
+    if (got) return got;
+    await pause(50);
+  }
+  throw new Error(`not within ${seconds} s: ${what}`);
+}
+
+export async function startBrowser() {
+  const executablePath = PATHS.find((path) => path && existsSync(path));
+  return chromium.launch({executablePath, args: ARGUMENTS});
+}
+
+/** A program that ends with its test. @returns {Promise<object>}  once its first line is there */
+async function start(program, options) {
+  const child = spawn(join(BIN, program), options, {stdio: ['pipe', 'pipe', 'inherit']});
+  const over = new Promise((resolve) => child.on('close', resolve));
+  const lines = createInterface({input: child.stdout});
+  return {
+    child, lines, over,
+    stop: async (signal = 'SIGTERM') => {
+      child.kill(signal);
+      await over;
+    },
+  };
+}
+
+/** @returns {Promise<{link: string, url: string, stop: function}>}  link: with the key, url: up to the token */
+export async function startServer(options = []) {
+  const server = await start('tandem-room', ['--page', PAGE, ...options]);
+  server.link = await new Promise((resolve, reject) => {
+    server.lines.once('line', resolve);
+    server.over.then((code) => reject(new Error(`tandem-room ended with ${code}`)));
+  });
+  server.url = server.link.slice(0, server.link.indexOf('?'));
+  return server;
+}
+
+/** A native peer, told by say() and heard by `heard`. */
+export async function startPeer(link, room = 'sandbox', options = []) {
+  const peer = await start('tandem-room-peer', [link, '--scene', join(root, `tools/room/page/room-${room}.json`),
+                                                ...options]);
+  peer.heard = [];
+  peer.others = 0;
+  peer.track = [];
+  peer.lines.on('line', (line) => {
+    const said = JSON.parse(line);
+    if (said.at) peer.track.push(said);
+    else peer.heard.push(said);
+    if (said.others !== undefined) peer.others = said.others;
+  });
+  peer.say = (line) => peer.child.stdin.write(`${line}\n`);
+  peer.poses = async () => {
+    const count = peer.heard.length;
+    peer.say('poses');
+    return until(() => peer.heard.slice(count).find(({poses}) => poses)?.poses, 'poses');
+  };
+  return peer;
+}
+
+/** A page in a context of its own; page.complaints is what its console and scripts complained of. */
+export async function openPage(browser, link, options = {}) {
+  const context = await browser.newContext({viewport: {width: 1000, height: 620}, ...options});
+  const page = await context.newPage();
+  page.complaints = [];
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type()) && !/GPU stall due to|GL Driver Message/.test(message.text())) {
+      page.complaints.push(message.text());
+    }
+  });
+  page.on('pageerror', (error) => page.complaints.push(String(error)));
+  await page.goto(link);
+  await page.waitForFunction(() => window.tandemRoom?.drawing.drawn > 0, null, {timeout: 60000});
+  return page;
+}
+
+/** Something of the page's session, as `window.tandemRoom.${expression}`. */
+export const ask = (page, expression) => page.evaluate(`(() => { const {session, drawing, link} = window.tandemRoom;
+  return ${expression}; })()`);
+export const others = (page) => ask(page, 'session.members.here.length');
+export const direct = (page) => ask(page, 'session.members.here.filter((m) => m.direct?.open).length');
+/** By name, m. */
+export const poses = (page) => ask(page, `Object.fromEntries(session.world.bodies.filter((b) => b.mass > 0)
+  .map((b) => [b.name, [...b.body.position]]))`);
+export const pose = (page, name) => ask(page, `[...session.world.find('${name}').body.position]`);
+
+/** The largest distance between bodies of the same name, m. */
+export function furthest(a, b) {
+  return Math.max(...Object.keys(a).filter((name) => b[name]).map((name) => distance(a[name], b[name])));
+}

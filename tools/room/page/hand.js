@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The user's hand, which holds a body by a spring: as strong as four times its weight, at most 2 m/s fast and never
+// farther than 10 cm from the point that it holds, so that a long pull tows and does not throw.
+
+const FASTEST = 2;        // m/s
+const REACH = 0.1;        // m
+const FORCE = 40;         // N/kg
+const FULL_AT = 0.04;     // m, from where on it pulls with all its force
+const DAMPING_RATIO = 0.7;
+const DT = 1 / 60;        // s
+
+const minus = (a, b) => a.map((x, i) => x - b[i]);
+const plus = (a, b) => a.map((x, i) => x + b[i]);
+const shortened = (way, most) => {
+  const length = Math.hypot(...way);
+  return length > most ? way.map((x) => x * most / length) : way;
+};
+
+/** v turned by a unit quaternion x, y, z, w. */
+export function rotated([x, y, z, w], v) {
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const t = cross([x, y, z], v).map((k) => 2 * k);
+  return plus(plus(v, t.map((k) => k * w)), cross([x, y, z], t));
+}
+
+export class Hand {
+  #grab = null;
+
+  /** @param {{name: string, body: object, mass: number}} held @param {number[]} attachment  m, frame of the body */
+  constructor(held, attachment) {
+    Object.assign(this, {held, attachment});
+    this.anchor = this.point;
+    this.wanted = this.anchor;
+  }
+  /** m, world: what it holds. */
+  get point() {
+    const {position, orientation} = this.held.body;
+    return plus([...position], rotated([...orientation], this.attachment));
+  }
+  /** Before each step. @param {object} peer @param {bigint} now */
+  update(peer, now) {
+    this.anchor = plus(this.anchor, shortened(minus(this.wanted, this.anchor), FASTEST * DT));
+    this.anchor = plus(this.point, shortened(minus(this.anchor, this.point), REACH));
+    if (this.#grab !== null) return peer.move(this.#grab, this.anchor, now);
+    const maxForce = FORCE * this.held.mass;
+    const stiffness = maxForce / FULL_AT;
+    this.#grab = peer.grab(this.held.name, {
+      attachment: this.attachment, anchor: this.anchor, stiffness, maxForce,
+      damping: 2 * DAMPING_RATIO * Math.sqrt(stiffness * this.held.mass),
+    });
+  }
+  release(peer) {
+    if (this.#grab !== null) peer.release(this.#grab);
+    this.#grab = null;
+  }
+}

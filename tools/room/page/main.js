@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+import {init} from './tandem.js';
+import {initCipher} from './cipher.js';
+import {Drawing} from './drawing.js';
+import {readLink} from './link.js';
+import {Panel, fail} from './panel.js';
+import {listen} from './pointer.js';
+import {Session} from './session.js';
+
+const COLOURS = ['#c8553d', '#3f78b5', '#5a9367', '#8d6cab', '#b8862b', '#2f8f9d', '#b0486f', '#5d6d7e'];
+const NAMES = ['Ada', 'Ben', 'Cleo', 'Dev', 'Eli', 'Fay', 'Gus', 'Hana', 'Ivo', 'June', 'Kit', 'Lou', 'Max', 'Nia'];
+const SHOW_MS = 250;
+const STEP_EVERY_MS = 4;
+const MADE = {
+  box: () => ({type: 'box', halfExtents: [0.1, 0.1, 0.1]}),
+  ball: () => ({type: 'sphere', radius: 0.1}),
+  plank: () => ({type: 'box', halfExtents: [0.35, 0.08, 0.025]}),
+};
+
+const one = (list) => list[crypto.getRandomValues(new Uint32Array(1))[0] % list.length];
+
+function ownProfile() {
+  const query = new URLSearchParams(location.search);
+  return {name: (query.get('name') || one(NAMES)).slice(0, 24), colour: one(COLOURS)};
+}
+
+async function start() {
+  const link = readLink();
+  const [room] = await Promise.all([
+    fetch(`room-${link.room}.json`).then((answer) => answer.json()),
+    init(),
+    fetch('cipher.wasm').then((answer) => answer.arrayBuffer()).then(initCipher),
+  ]);
+  const profile = ownProfile();
+  let panel = null;
+  const session = new Session(room, link, profile, () => panel?.show());
+  const canvas = document.getElementById('picture');
+  const drawing = new Drawing(canvas, room.camera);
+  session.world.bodies.forEach(({body, def}) => drawing.add(body.row, def));
+  session.onMade = ({body, def}) => drawing.add(body.row, def);
+  panel = new Panel(room, link, session, profile);
+  listen(canvas, drawing, session);
+  for (const button of document.querySelectorAll('[data-make]')) {
+    button.onclick = () => {
+      const [x, y] = drawing.look.target;
+      const aside = () => 0.3 * (Math.random() - 0.5);
+      session.make(MADE[button.dataset.make](), [x + aside(), y + aside(), 1.2]);
+    };
+  }
+  document.addEventListener('visibilitychange', () => (document.hidden ? session.leave() : session.comeBack()));
+  if (document.hidden) session.leave();
+  window.addEventListener('pagehide', () => session.end());
+  window.addEventListener('pageshow', ({persisted}) => persisted && location.reload());
+  window.addEventListener('hashchange', () => location.reload());
+
+  const hands = function* hands() {
+    const {hand} = session;
+    if (hand) yield {key: 'own', ...profile, anchor: hand.anchor, attachment: hand.attachment, held: hand.held};
+    for (const {member, ...seen} of session.seenHands()) {
+      yield {key: member.id, name: member.name, colour: member.colour, ...seen};
+    }
+  };
+  let shown = 0;
+  const frame = () => {
+    requestAnimationFrame(frame);
+    drawing.draw(session.world.world.states, hands());
+    if (performance.now() - shown < SHOW_MS) return;
+    shown = performance.now();
+    panel.show();
+  };
+  requestAnimationFrame(frame);
+  // Not by pictures, which take long on some machines: others are to hear of each step at its time.
+  setInterval(() => session.advance(), STEP_EVERY_MS);
+  // For tests, and for who looks into it.
+  window.tandemRoom = {session, drawing, link};
+}
+
+start().catch((problem) => {
+  fail(problem.message);
+  throw problem;
+});

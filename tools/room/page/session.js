@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// This page as a peer: its world in steps of session time, shared with the members of the room. A page that is not
+// seen takes no part: it lets go and says so; when it is seen again it begins as a newcomer does, who learns before
+// he is heard.
+import {Peer, Transport} from './tandem.js';
+import {Clock} from './clock.js';
+import {Hand} from './hand.js';
+import {CONSTRAINTS, DIGEST, HAND, Members, STATES} from './members.js';
+import {RoomWorld, STEP_MS, WAIT} from './world.js';
+
+const STEP_NS = 16666667n;
+const MOST_STEPS = 8;        // at once
+const TOO_LATE_MS = 250;     // what was not stepped in time is left out
+const ASLEEP_MS = 1000;      // the page did not run for so long
+const DIGEST_EVERY = 30;     // steps
+const HAND_EVERY = 3;        // steps
+const ASK_TIME_MS = 10000;
+const PACKET_BYTES = 1100;   // a data channel must not cut what may be lost
+const HANDS_FOR_MS = 1000;
+const MADE_EACH = 64;
+const HAND_BYTES = 24;       // anchor (world) and attachment (body), f32; the body's name follows
+
+export class Session {
+  #peer = null;
+  #transport;
+  #step = 0;      // number of the world's next step: its session time by STEP_NS
+  #ran = 0;       // ms, performance.now() of the last advance
+  #asked = -Infinity;
+  #digests = new Map();  // by member, to be compared
+
+  /** @param {object} room  its file @param {object} link  key, room, url @param {object} profile  name, colour */
+  constructor(room, link, profile, changed) {
+    this.self = randomId();
+    this.changed = changed;
+    this.world = new RoomWorld(room);
+    this.clock = new Clock();
+    this.hand = null;
+    this.away = false;
+    this.apart = new Map();   // by member: {typical, most}, m
+    this.hands = new Map();   // by member: {id, anchor, attachment, at}
+    this.onMade = () => {};
+    this.steps = 0;
+    this.members = new Members({...link, self: this.self, profile: {...profile, meets: true}}, {
+      welcome: () => changed(),
+      came: (member) => this.#came(member),
+      left: (member) => this.#left(member),
+      changed: () => this.#changed(),
+      heard: (member, channel, bytes) => this.#heard(member, channel, bytes),
+      words: (member, words) => this.#words(member, words),
+      time: (sent, server) => this.#time(sent, server),
+    });
+    this.#transport = new Transport({
+      self: this.self, maxPacket: PACKET_BYTES,
+      send: (to, bytes, reliable) => this.members.send(to, reliable ? CONSTRAINTS : STATES, bytes),
+      onDrop: (id) => this.members.drop(id),
+    });
+    this.#join();
+  }
+
+  get now() { return BigInt(this.#step) * STEP_NS; }
+  /** ms, session time of the world. */
+  get time() { return this.#step * STEP_MS; }
+  get running() { return this.#ran > 0 && !this.away; }
+
+  /** Makes the steps that are due. @returns {number}  how many */
+  advance() {
+    const real = performance.now();
+    if (real - this.#asked > ASK_TIME_MS) this.#askTime(real);
+    if (this.away || !this.clock.known) return 0;
+    if (this.#ran > 0 && real - this.#ran > ASLEEP_MS) this.#join();
+    this.#ran = real;
+    const due = this.clock.now() / STEP_MS;
+    if (due - this.#step > TOO_LATE_MS / STEP_MS) {
+      this.#step = Math.floor(due);
+      this.world.forget();
+    }
+    let steps = 0;
+    for (; this.#step + 1 <= due && steps < MOST_STEPS; ++steps) this.#advance();
+    return steps;
+  }
+
+  /** Holds a body at a point of its own frame; nothing is held after that but this. */
+  grab(held, attachment) {
+    this.release();
+    this.hand = new Hand(held, attachment);
+  }
+  release() {
+    if (!this.hand) return;
+    this.hand.release(this.#peer);
+    this.hand = null;
+    this.members.sendAll(HAND, new Uint8Array(0));
+  }
+  /** Puts a body into the room. @param {object} shape @param {number[]} position  m */
+  make(shape, position) {
+    const def = {name: `made/${this.self.toString(16)}-${this.world.made.length}`, shape, position};
+    if (!this.#made(def)) return false;
+    this.members.sayAll({made: [def]});
+    return true;
+  }
+  /** The page is no longer seen. */
+  leave() {
+    if (this.away) return;
+    this.release();
+    this.#peer.leave(this.now > 0n ? this.now : 1n);
+    this.away = true;
+    this.members.sayAll({away: true});
+    this.changed();
+  }
+  comeBack() {
+    if (!this.away) return;
+    this.away = false;
+    this.#askTime(performance.now());
+    this.#join();
+    this.members.sayAll({away: false});
+    this.changed();
+  }
+  end() {
+    if (!this.away) this.leave();
+    this.members.leave();
+  }
+
+  /** As a newcomer. */
+  #join() {
+    if (this.hand) this.hand = null;
+    this.#peer?.free();
+    this.#transport.inbox.length = 0;
+    this.world.forget();
+    this.#peer = new Peer(this.world.world, this.#transport, {compact: true, tolerance: 5e-4});
+    for (const {name, body, mass} of this.world.bodies) if (mass > 0) this.#peer.share(name, body);
+  }
+  #advance() {
+    this.hand?.update(this.#peer, this.now);
+    this.#peer.beforeStep(this.now);
+    this.world.step();
+    ++this.#step;
+    ++this.steps;
+    this.#peer.afterStep(this.now);
+    this.world.remember(this.time);
+    this.#compare();
+    if (this.#step % DIGEST_EVERY === 0) {
+      this.members.sendAll(DIGEST, this.world.digest(this.now));
+      this.members.tend();
+    }
+    if (this.hand && this.#step % HAND_EVERY === 0) this.members.sendAll(HAND, this.#handBytes());
+  }
+  /** What others have said of their bodies, once this world is as far. */
+  #compare() {
+    for (const [id, bytes] of this.#digests) {
+      const apart = this.world.compare(bytes);
+      if (apart === WAIT) continue;
+      this.#digests.delete(id);
+      if (apart) this.apart.set(id, apart);
+    }
+  }
+  #askTime(real) {
+    this.#asked = real;
+    this.members.server.askTime();
+  }
+  #time(sent, server) {
+    this.clock.take(sent, server);
+    if (!this.clock.known) this.members.server.askTime();
+    else this.changed();
+  }
+  #changed() {
+    if (!this.clock.known && this.members.server.open) this.#askTime(performance.now());
+    for (const member of this.members.all.values()) {
+      this.#transport.connected(member.id, member.here && !member.away);
+    }
+    this.changed();
+  }
+  #came(member) {
+    for (let first = 0; first < this.world.made.length; first += MADE_EACH) {
+      this.members.say(member.id, {made: this.world.made.slice(first, first + MADE_EACH)});
+    }
+    if (this.away) this.members.say(member.id, {away: true});
+    this.#changed();
+  }
+  #left(member) {
+    this.apart.delete(member.id);
+    this.hands.delete(member.id);
+    this.#digests.delete(member.id);
+    this.#changed();
+  }
+  #made(def) {
+    const made = this.world.make(def);
+    if (!made) return false;
+    this.#peer.share(made.name, made.body);
+    this.onMade(made);
+    return true;
+  }
+  #words(member, words) {
+    if (Array.isArray(words.made)) for (const def of words.made.slice(0, MADE_EACH)) this.#made(def);
+  }
+  #heard(member, channel, bytes) {
+    if (channel === STATES || channel === CONSTRAINTS) {
+      if (!this.away && !member.away) this.#transport.receive(member.id, bytes);
+    } else if (channel === DIGEST && !this.away) {
+      this.#digests.set(member.id, bytes.slice());
+    } else if (channel === HAND) {
+      this.#hear(member, bytes);
+    }
+  }
+  #handBytes() {
+    const {held, anchor, attachment} = this.hand;
+    const places = new Uint8Array(new Float32Array([...anchor, ...attachment]).buffer);
+    return new Uint8Array([...places, ...new TextEncoder().encode(held.name)]);
+  }
+  #hear(member, bytes) {
+    if (bytes.length < HAND_BYTES || bytes.length > HAND_BYTES + 64) {
+      this.hands.delete(member.id);
+      return;
+    }
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+    const numbers = Array.from({length: 6}, (_, i) => view.getFloat32(4 * i, true));
+    const held = this.world.find(new TextDecoder().decode(bytes.subarray(HAND_BYTES)));
+    if (!held || !numbers.every(Number.isFinite)) return;
+    this.hands.set(member.id, {held, anchor: numbers.slice(0, 3), attachment: numbers.slice(3), at: performance.now()});
+  }
+  /** Hands of others that were heard of lately. */
+  *seenHands() {
+    for (const [id, hand] of this.hands) {
+      const member = this.members.all.get(id);
+      if (member?.here && performance.now() - hand.at < HANDS_FOR_MS) yield {member, ...hand};
+    }
+  }
+}
+
+/** Above 0, of 63 bits. */
+function randomId() {
+  const [id] = crypto.getRandomValues(new BigUint64Array(1));
+  return id >> 1n | 1n;
+}

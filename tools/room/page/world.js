@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// The room's bodies, as its file has them and as members have made more; where they were, and how far those of others
+// were from there.
+import {STATE, World, shapeMass, sharedId} from './tandem.js';
+
+export const STEP_MS = 16666667e-6;  // of session time
+const DT = 1 / 60;                   // s
+const REMEMBERED = 120;              // steps
+const MOST_BODIES = 320;
+const MADE_DENSITY = 300;            // kg/m^3
+const DIGEST_BODY = 20;              // bytes
+const LATE_MS = 1000;
+/** Of compare(): the own world is not so far yet. */
+export const WAIT = Symbol('wait');
+
+const within = (value, low, high) => typeof value === 'number' && value >= low && value <= high;
+
+/** What members may make: one shape of 3 cm to 1 m, near the room's middle. Native peers have the same rule. */
+export function mayBeMade(body) {
+  if (body === null || typeof body !== 'object' || Object.keys(body).length !== 3) return false;
+  const {name, shape, position} = body;
+  if (typeof name !== 'string' || name.length > 64 || !name.startsWith('made/')) return false;
+  if (!Array.isArray(position) || position.length !== 3) return false;
+  if (!position.every((x, i) => within(x, i === 2 ? 0 : -10, 10))) return false;
+  if (shape === null || typeof shape !== 'object') return false;
+  if (shape.type === 'sphere') return within(shape.radius, 0.03, 0.5);
+  return shape.type === 'box' && Array.isArray(shape.halfExtents) && shape.halfExtents.length === 3 &&
+    shape.halfExtents.every((x) => within(x, 0.015, 0.5));
+}
+
+/** Median and largest of some numbers. */
+function summary(values) {
+  if (values.length === 0) return null;
+  values.sort((a, b) => a - b);
+  return {typical: values[values.length >> 1], most: values[values.length - 1]};
+}
+
+export class RoomWorld {
+  #ids = new Map();   // upper half of a shared id: row
+  #past = [];         // of the last steps: {time: ms, states}
+
+  /** @param {object} room  its file */
+  constructor(room) {
+    this.room = room;
+    this.world = new World();
+    this.bodies = [];  // {name, body, mass, def}, by row of states
+    this.made = [];    // what members have made
+    for (const def of room.bodies) this.#add(def);
+  }
+
+  #add(def) {
+    const {name, colour, parts = [], ...solid} = def;
+    const body = this.world.addBody(solid);
+    for (const part of parts) {
+      this.world.addCollider(body, {...part, friction: def.friction, restitution: def.restitution});
+    }
+    const moves = def.type !== 'static';
+    const mass = moves ? def.mass ?? shapeMass(def.shape, def.density).mass : 0;
+    const added = {name, body, mass, def};
+    this.bodies.push(added);
+    if (moves) this.#ids.set(sharedId(name).high, body.row);
+    return added;
+  }
+  find(name) { return this.bodies.find((one) => one.name === name); }
+  /** Null where it is none that may be made, or is there already. @param {object} def  untrusted */
+  make(def) {
+    if (!mayBeMade(def) || this.bodies.length >= MOST_BODIES || this.find(def.name)) return null;
+    const added = this.#add({...def, density: MADE_DENSITY});
+    this.made.push(def);
+    return added;
+  }
+
+  step() { this.world.step(DT); }
+  /** Remembers where all are. @param {number} time  ms, session time after the step */
+  remember(time) {
+    const old = this.#past.length >= REMEMBERED ? this.#past.shift() : null;
+    const states = this.world.states;
+    const kept = old?.states.length === states.length ? old.states : new Float64Array(states.length);
+    kept.set(states);
+    this.#past.push({time, states: kept});
+  }
+  forget() { this.#past = []; }
+
+  /** Session time, ns, and of each body the upper half of its id and its position. @param {bigint} time */
+  digest(time) {
+    const view = new DataView(new ArrayBuffer(8 + DIGEST_BODY * this.#ids.size));
+    view.setBigUint64(0, time, true);
+    let at = 8;
+    for (const [id, row] of this.#ids) {
+      view.setBigUint64(at, id, true);
+      for (let k = 0; k < 3; ++k) view.setFloat32(at + 8 + 4 * k, this.world.states[row * STATE + k], true);
+      at += DIGEST_BODY;
+    }
+    return new Uint8Array(view.buffer);
+  }
+  /**
+   * How far another's bodies were from the own, at its time.
+   * @param {Uint8Array} bytes  untrusted
+   * @returns {?{typical: number, most: number}|symbol}  m; null where that time is not known here, WAIT: not yet
+   */
+  compare(bytes) {
+    if (bytes.length < 8 || (bytes.length - 8) % DIGEST_BODY !== 0) return null;
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+    const time = Number(view.getBigUint64(0, true)) / 1e6;
+    const after = this.#past.findIndex((one) => one.time >= time - 1e-3);
+    if (after < 0) return time - (this.#past.at(-1)?.time ?? 0) < LATE_MS ? WAIT : null;
+    if (after === 0 && this.#past[0].time > time + 1e-3) return null;
+    const last = this.#past[after];
+    const first = this.#past[Math.max(0, after - 1)];
+    const part = last.time > first.time ? Math.min(1, (time - first.time) / (last.time - first.time)) : 1;
+    const apart = [];
+    for (let at = 8; at < bytes.length; at += DIGEST_BODY) {
+      const row = this.#ids.get(view.getBigUint64(at, true));
+      if (row === undefined || row * STATE + 3 > first.states.length) continue;
+      let square = 0;
+      for (let k = 0; k < 3; ++k) {
+        const a = first.states[row * STATE + k];
+        const own = a + part * (last.states[row * STATE + k] - a);
+        square += (view.getFloat32(at + 8 + 4 * k, true) - own) ** 2;
+      }
+      if (Number.isFinite(square)) apart.push(Math.sqrt(square));
+    }
+    return summary(apart);
+  }
+}

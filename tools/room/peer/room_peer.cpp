@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "peer/room_peer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+
+namespace tandem::room {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr consensus::SessionTime kStep = 16'666'667;  // ns
+constexpr double kDt = 1.0 / 60.0;                    // s
+constexpr int kMostSteps = 8;                         // at once
+constexpr consensus::SessionTime kTooLate = 250'000'000;
+constexpr consensus::SessionTime kDigestEvery = 500'000'000;
+
+// A hand, as the live view has it (docs/view.md).
+constexpr double kFastest = 2.0;      // m/s
+constexpr double kReach = 0.1;        // m
+constexpr double kForcePerKg = 40.0;  // N/kg, at most: four times its weight
+constexpr double kFullAt = 0.04;      // m, from where on it pulls with all of it
+constexpr double kDampingRatio = 0.7;
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+Vec3 shortened(const Vec3& way, double most) {
+  const double length = way.norm();
+  return length > most ? Vec3(most / length * way) : way;
+}
+
+void append_float(Bytes& out, double value) {
+  const auto rounded = static_cast<float>(value);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &rounded, sizeof bits);
+  for (std::size_t i = 0; i < 4; ++i) out.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
+}
+
+consensus::PeerOptions peer_options() {
+  consensus::PeerOptions options;
+  options.sending.format = consensus::StateFormat::Compact;
+  options.sending.tolerance = 5e-4;
+  return options;
+}
+
+}  // namespace
+
+RoomPeer::RoomPeer(const Address& address, MemberId self, std::string_view scene,
+                   std::string profile)
+    : scene_(scene),
+      transport_(address, self, std::move(profile)),
+      peer_(scene_.scene().world(), transport_, peer_options()) {
+  for (const RoomScene::Body& body : scene_.bodies()) share(body);
+}
+
+RoomPeer::~RoomPeer() {
+  if (time_ > 0) peer_.leave(time_);
+}
+
+void RoomPeer::share(const RoomScene::Body& body) {
+  if (body.mass > 0.0)
+    peer_.share({.id = consensus::SharedId::from_name(body.name), .body = body.body, .owner = {}});
+}
+
+int RoomPeer::advance() {
+  transport_.poll();
+  hear();
+  const auto now = transport_.now();
+  if (!now) return 0;
+  // What was not stepped in time is left out: others have news of what became of it.
+  if (time_ == 0 || *now - time_ > kTooLate) time_ = *now - *now % kStep;
+  int steps = 0;
+  while (time_ + kStep <= *now && steps < kMostSteps) {
+    step();
+    ++steps;
+  }
+  return steps;
+}
+
+void RoomPeer::step() {
+  move_hand();
+  peer_.before_step(time_);
+  scene_.scene().step(kDt);
+  time_ += kStep;
+  peer_.after_step(time_);
+  if (time_ - told_ >= kDigestEvery) send_digest();
+}
+
+bool RoomPeer::pull(std::string_view name, const Vec3& to) {
+  const RoomScene::Body* const body = scene_.find(name);
+  if (body == nullptr || !(body->mass > 0.0)) return false;
+  if (hand_ && hand_->body != name) release();
+  if (!hand_)
+    hand_ = Hand{std::string(name), scene_.scene().world().pose(body->body).position, to, {}};
+  hand_->wanted = to;
+  return true;
+}
+
+void RoomPeer::release() {
+  if (hand_ && hand_->spring.spring != 0) peer_.release(hand_->spring);
+  hand_.reset();
+}
+
+void RoomPeer::move_hand() {
+  if (!hand_) return;
+  const RoomScene::Body& body = *scene_.find(hand_->body);
+  const Vec3 held = scene_.scene().world().pose(body.body).position;
+  hand_->anchor += shortened(hand_->wanted - hand_->anchor, kFastest * kDt);
+  hand_->anchor = held + shortened(hand_->anchor - held, kReach);
+  if (hand_->spring.spring != 0) return peer_.move(hand_->spring, hand_->anchor, time_);
+  const double force = kForcePerKg * body.mass;
+  const double stiffness = force / kFullAt;
+  hand_->spring = peer_.grab({.body = consensus::SharedId::from_name(body.name),
+                              .anchor_w = hand_->anchor,
+                              .stiffness = stiffness,
+                              .damping = 2.0 * kDampingRatio * std::sqrt(stiffness * body.mass),
+                              .max_force = force});
+}
+
+void RoomPeer::hear() {
+  heard_.clear();
+  newcomers_.clear();
+  transport_.take_newcomers(newcomers_);
+  for (const MemberId id : newcomers_) say_made(id);
+  transport_.take(heard_);
+  for (const RoomTransport::Heard& heard : heard_) {
+    if (heard.channel != Channel::Words) continue;
+    hear_words(heard.from, {reinterpret_cast<const char*>(heard.bytes.data()), heard.bytes.size()});
+  }
+}
+
+/// Untrusted, as all that members say.
+void RoomPeer::hear_words(MemberId from, std::string_view text) {
+  const json words = json::parse(text, nullptr, false);
+  if (!words.is_object()) return;
+  if (const auto away = words.find("away"); away != words.end() && away->is_boolean()) {
+    transport_.set_away(from, away->get<bool>());
+  }
+  if (const auto made = words.find("made"); made != words.end() && made->is_array()) {
+    for (const json& one : *made) {
+      const std::string body = one.dump();
+      const RoomScene::Body* const added = scene_.make(body);
+      if (added == nullptr) continue;
+      share(*added);
+      made_.push_back(body);
+    }
+  }
+}
+
+/// All that were made by anybody, in messages that are not too long: whoever knows less, takes them
+/// over.
+void RoomPeer::say_made(MemberId to) {
+  constexpr std::size_t kEach = 64;
+  for (std::size_t first = 0; first < made_.size(); first += kEach) {
+    std::string text = "{\"made\":[";
+    for (std::size_t i = first; i < std::min(first + kEach, made_.size()); ++i) {
+      if (i > first) text += ',';
+      text += made_[i];
+    }
+    text += "]}";
+    transport_.send(to, Channel::Words, bytes_of(text));
+  }
+}
+
+/// Session time, ns, and of each body the upper half of its id and its position, which others
+/// compare with theirs.
+void RoomPeer::send_digest() {
+  told_ = time_;
+  Bytes out;
+  append_u64(out, static_cast<std::uint64_t>(time_));
+  for (const RoomScene::Body& body : scene_.bodies()) {
+    if (!(body.mass > 0.0)) continue;
+    append_u64(out, consensus::SharedId::from_name(body.name).high);
+    const Vec3 at = scene_.scene().world().pose(body.body).position;
+    for (int i = 0; i < 3; ++i) append_float(out, at[i]);
+  }
+  for (const consensus::PeerStatus& other : transport_.peers()) {
+    if (other.connected) transport_.send(other.id, Channel::Digest, out);
+  }
+}
+
+}  // namespace tandem::room

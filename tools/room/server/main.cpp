@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Rooms by a link: see kUsage and docs/room.md.
+#include <sodium.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "arguments/arguments.h"
+#include "server/room_server.h"
+
+namespace {
+
+using namespace tandem;
+
+constexpr std::string_view kUsage =
+    "usage: tandem-room --page FOLDER [OPTION]...\n"
+    "Serves rooms that people enter by a link, and prints it. Ends with ctrl-c; people who reach "
+    "each\n"
+    "other go on.\n"
+    "  --page FOLDER       the page, as target tandem_room_page of preset web makes it\n"
+    "  --room NAME         which room the link leads to: sandbox, piano or tennis; sandbox\n"
+    "  --listen ADDRESS    numeric; 127.0.0.1, and 0.0.0.0 for all networks\n"
+    "  --port NUMBER       0 takes a free one; 0\n"
+    "  --name HOST[:PORT]  by which pages reach it through a proxy\n"
+    "  --token DIGITS      32 hex digits, the part of the address that lets in; drawn at each "
+    "start\n"
+    "  --no-key            prints the link without a key: the first page draws one, and this "
+    "program\n"
+    "                      has never seen it\n";
+
+/// Drawn for the link and not kept.
+std::string random_key() {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  std::array<unsigned char, 32> key{};
+  randombytes_buf(key.data(), key.size());
+  std::array<char, sodium_base64_ENCODED_LEN(32, sodium_base64_VARIANT_URLSAFE_NO_PADDING)> text{};
+  sodium_bin2base64(text.data(), text.size(), key.data(), key.size(),
+                    sodium_base64_VARIANT_URLSAFE_NO_PADDING);
+  sodium_memzero(key.data(), key.size());
+  return text.data();
+}
+
+int run(std::span<const std::string_view> words) {
+  room::ServerOptions options;
+  std::string page;
+  std::string room = "sandbox";
+  bool with_key = true;
+  demos::read_arguments(
+      words, {{"--page", [&](demos::Argument& a) { page = a.text(); }},
+              {"--room", [&](demos::Argument& a) { room = a.text(); }},
+              {"--listen", [&](demos::Argument& a) { options.address = a.text(); }},
+              {"--port",
+               [&](demos::Argument& a) {
+                 options.port = a.number<std::uint16_t>(0, 65535, "a port from 0 to 65535");
+               }},
+              {"--name", [&](demos::Argument& a) { options.name = a.text(); }},
+              {"--token", [&](demos::Argument& a) { options.token = a.text(); }},
+              {"--no-key", [&](demos::Argument&) { with_key = false; }}});
+  if (page.empty()) throw demos::UsageError("--page must be given");
+  if (std::find(options.rooms.begin(), options.rooms.end(), room) == options.rooms.end()) {
+    demos::refuse("--room", room, "sandbox, piano or tennis");
+  }
+  sigset_t ends{};
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGINT);
+  sigaddset(&ends, SIGTERM);
+  // Before the server's thread begins, which has the same mask.
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+  const room::RoomServer server(options, room::PageFiles(page));
+  std::printf("%s?room=%s%s%s\n", server.url().c_str(), room.c_str(), with_key ? "#" : "",
+              with_key ? random_key().c_str() : "");
+  std::fflush(stdout);
+  int signal = 0;
+  sigwait(&ends, &signal);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return tandem::demos::program_main(argc, argv, kUsage, run); }
