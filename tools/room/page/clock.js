@@ -4,8 +4,9 @@
 // Session time: the server's, as the quickest answers have it, carried on by the page's own clock, so that it goes on
 // where the server does not.
 
-const MOST_SLEW = 1;  // ms each answer, once it is known
-const FIRST = 5;      // answers, before which it is set and not slewed
+const MOST_SLEW = 1;  // ms each answer, once it is known well
+const FIRST = 5;      // answers, before which it is not known
+const SETTLED = 20;   // answers, up to which a quicker one sets it
 
 export class Clock {
   #offset = null;
@@ -18,16 +19,15 @@ export class Clock {
     if (!(roundTrip >= 0) || !Number.isFinite(server)) return;
     const offset = server - (sent + roundTrip / 2);
     ++this.#answers;
-    if (this.#offset === null || (this.#answers <= FIRST && roundTrip <= this.#best)) {
+    if (this.#offset === null || (this.#answers <= SETTLED && roundTrip <= this.#best)) {
       this.#offset = offset;
-    } else if (roundTrip < 2 * this.#best + 1) {
+    } else if (this.#answers > SETTLED && roundTrip < 2 * this.#best + 1) {
       this.#offset += Math.min(MOST_SLEW, Math.max(-MOST_SLEW, offset - this.#offset));
     }
     this.#best = Math.min(this.#best, roundTrip);
   }
   get known() { return this.#answers >= FIRST; }
-  /** ms, round trip of the quickest answer. */
-  get roundTrip() { return this.#best; }
+  get settled() { return this.#answers >= SETTLED; }
   /** ms since 1970. */
   now() { return performance.now() + this.#offset; }
 }

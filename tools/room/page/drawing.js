@@ -11,7 +11,8 @@ const SKY = 0xe9eef2;
 const HAND_RADIUS = 0.025;  // m
 const SHADOWS = 1024;       // pixels
 const SLOW_MS = 30;         // from picture to picture
-const SETTLING = 40;        // pictures
+const SETTLING = 15;        // pictures
+const SPARING_MS = 90;
 
 const SOLIDS = {
   box: {make: () => new THREE.BoxGeometry(2, 2, 2), scale: ({halfExtents}) => halfExtents},
@@ -83,6 +84,15 @@ class HandMark {
   }
 }
 
+/** Whether there is no graphics processor: then the processor is needed for other things than shadows. */
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const names = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class Drawing {
   #solids = new Map();
   #marks = new Map();
@@ -95,8 +105,10 @@ export class Drawing {
 
   /** @param {HTMLCanvasElement} canvas @param {object} camera  target, distance, azimuth, elevation (degrees) */
   constructor(canvas, camera) {
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true});
-    this.renderer.shadowMap.enabled = true;
+    const slow = drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !slow});
+    this.renderer.shadowMap.enabled = !slow;
+    this.quality = slow ? 0 : 2;
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(SKY);
     this.scene.fog = new THREE.Fog(SKY, 12, 40);
@@ -109,7 +121,6 @@ export class Drawing {
     sun.shadow.bias = -0.002;
     this.scene.add(sun);
     this.sun = sun;
-    this.quality = 2;
     const ground = new THREE.Mesh(new THREE.PlaneGeometry(80, 80), new THREE.MeshLambertMaterial({color: 0xcfd3c9}));
     ground.receiveShadow = true;
     this.scene.add(ground);
@@ -153,6 +164,9 @@ export class Drawing {
     ++this.drawn;
   }
 
+  /** ms from picture to picture, at least: what computes the picture is then the processor that steps the world. */
+  get pause() { return this.quality > 0 ? 0 : SPARING_MS; }
+
   /** Where pictures come slowly, they cast no shadows, and are then coarser. */
   #spare() {
     const now = performance.now();
@@ -188,7 +202,7 @@ export class Drawing {
   #aim() {
     const canvas = this.renderer.domElement;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    const ratio = this.quality > 0 ? Math.min(devicePixelRatio, 2) : 0.6;
+    const ratio = this.quality > 0 ? Math.min(devicePixelRatio, 2) : 0.75;
     if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);

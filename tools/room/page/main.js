@@ -6,6 +6,7 @@ import {Drawing} from './drawing.js';
 import {readLink} from './link.js';
 import {Panel, fail} from './panel.js';
 import {listen} from './pointer.js';
+import {drawQr} from './qr.js';
 import {Session} from './session.js';
 
 const COLOURS = ['#c8553d', '#3f78b5', '#5a9367', '#8d6cab', '#b8862b', '#2f8f9d', '#b0486f', '#5d6d7e'];
@@ -40,6 +41,7 @@ async function start() {
   session.world.bodies.forEach(({body, def}) => drawing.add(body.row, def));
   session.onMade = ({body, def}) => drawing.add(body.row, def);
   panel = new Panel(room, link, session, profile);
+  drawQr(document.getElementById('code'), link.share);
   listen(canvas, drawing, session);
   for (const button of document.querySelectorAll('[data-make]')) {
     button.onclick = () => {
@@ -62,8 +64,11 @@ async function start() {
     }
   };
   let shown = 0;
+  let drawn = 0;
   const frame = () => {
     requestAnimationFrame(frame);
+    if (performance.now() - drawn < drawing.pause) return;
+    drawn = performance.now();
     drawing.draw(session.world.world.states, hands());
     if (performance.now() - shown < SHOW_MS) return;
     shown = performance.now();

@@ -17,12 +17,14 @@ export const HAND = 4;        // where the sender's hand is
 const isReliable = (channel) => channel === CONSTRAINTS || channel === WORDS;
 const encode = (value) => new TextEncoder().encode(JSON.stringify(value));
 const TRY_AGAIN_MS = 8000;
+const SILENT_MS = 4000;   // who takes part says so ten times a second
+const AWAY_MS = 90000;    // of a page that is not seen, whose timers hardly run
 
 /** One of the others. */
 class Member {
   constructor(id) {
     Object.assign(this, {id, name: '', colour: '#888888', listed: false, here: false, away: false, dropped: false,
-                         direct: null, tried: -Infinity, canMeet: false});
+                         direct: null, tried: -Infinity, heard: 0, canMeet: false});
   }
 }
 
@@ -81,12 +83,25 @@ export class Members {
   }
   /** Tells all, and goes. */
   leave() {
-    this.sayAll({bye: true});
+    // By the server where there is one: a direct way that closes may lose its last words.
+    for (const {id, listed} of this.here) {
+      const sealed = this.#cipher.seal(id, new Uint8Array([WORDS, ...encode({bye: true})]));
+      if (!listed || !this.server.send(RELIABLE, id, sealed)) this.all.get(id).direct?.send(sealed, true);
+    }
     for (const {direct} of this.all.values()) direct?.close();
     this.server.close();
   }
-  /** Now and then: direct ways that failed are tried again. */
-  tend() { for (const member of this.here) this.#meet(member); }
+  /** Now and then: direct ways on which nothing comes are given up, and those that failed are tried again. */
+  tend() {
+    for (const member of this.here) {
+      const silent = performance.now() - member.heard > (member.away ? AWAY_MS : SILENT_MS);
+      if (silent && member.direct?.open) {
+        member.direct.close();
+        this.#check(member);
+      }
+      this.#meet(member);
+    }
+  }
 
   #seal(member, plain) {
     const sealed = this.#cipher.seal(member.id, plain);
@@ -139,6 +154,7 @@ export class Members {
       return;
     }
     if (member.dropped) return;
+    member.heard = performance.now();
     if (!member.here) {
       member.here = true;
       member.away = false;

@@ -16,6 +16,8 @@ const TOO_LATE_MS = 250;     // what was not stepped in time is left out
 const ASLEEP_MS = 1000;      // the page did not run for so long
 const DIGEST_EVERY = 30;     // steps
 const HAND_EVERY = 3;        // steps
+const AWAY_EVERY_MS = 2000;
+const ASK_SOON_MS = 200;
 const ASK_TIME_MS = 10000;
 const PACKET_BYTES = 1100;   // a data channel must not cut what may be lost
 const HANDS_FOR_MS = 1000;
@@ -28,6 +30,7 @@ export class Session {
   #step = 0;      // number of the world's next step: its session time by STEP_NS
   #ran = 0;       // ms, performance.now() of the last advance
   #asked = -Infinity;
+  #told = 0;      // ms, when it last said that it is away
   #digests = new Map();  // by member, to be compared
 
   /** @param {object} room  its file @param {object} link  key, room, url @param {object} profile  name, colour */
@@ -67,7 +70,11 @@ export class Session {
   /** Makes the steps that are due. @returns {number}  how many */
   advance() {
     const real = performance.now();
-    if (real - this.#asked > ASK_TIME_MS) this.#askTime(real);
+    if (real - this.#asked > (this.clock.settled ? ASK_TIME_MS : ASK_SOON_MS)) this.#askTime(real);
+    if (this.away && real - this.#told > AWAY_EVERY_MS) {
+      this.#told = real;
+      this.members.sayAll({away: true});
+    }
     if (this.away || !this.clock.known) return 0;
     if (this.#ran > 0 && real - this.#ran > ASLEEP_MS) this.#join();
     this.#ran = real;
@@ -127,7 +134,7 @@ export class Session {
     this.#peer?.free();
     this.#transport.inbox.length = 0;
     this.world.forget();
-    this.#peer = new Peer(this.world.world, this.#transport, {compact: true, tolerance: 5e-4});
+    this.#peer = new Peer(this.world.world, this.#transport, {compact: true, tolerance: 2e-4});
     for (const {name, body, mass} of this.world.bodies) if (mass > 0) this.#peer.share(name, body);
   }
   #advance() {
@@ -218,6 +225,7 @@ export class Session {
     if (!held || !numbers.every(Number.isFinite)) return;
     this.hands.set(member.id, {held, anchor: numbers.slice(0, 3), attachment: numbers.slice(3), at: performance.now()});
   }
+  peerStats() { return this.#peer.stats(); }
   /** Hands of others that were heard of lately. */
   *seenHands() {
     for (const [id, hand] of this.hands) {

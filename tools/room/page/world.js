@@ -9,7 +9,7 @@ export const STEP_MS = 16666667e-6;  // of session time
 const DT = 1 / 60;                   // s
 const REMEMBERED = 120;              // steps
 const MOST_BODIES = 320;
-const MADE_DENSITY = 300;            // kg/m^3
+const MADE = {density: 300, linearDamping: 0.3, angularDamping: 2};
 const DIGEST_BODY = 20;              // bytes
 const LATE_MS = 1000;
 /** Of compare(): the own world is not so far yet. */
@@ -67,7 +67,7 @@ export class RoomWorld {
   /** Null where it is none that may be made, or is there already. @param {object} def  untrusted */
   make(def) {
     if (!mayBeMade(def) || this.bodies.length >= MOST_BODIES || this.find(def.name)) return null;
-    const added = this.#add({...def, density: MADE_DENSITY});
+    const added = this.#add({...def, ...MADE});
     this.made.push(def);
     return added;
   }

@@ -99,7 +99,7 @@ class Program {
       if (!going && !stay_) break;
       if (peer_.advance() > 0 && !watched_.empty()) {
         print({{"body", watched_},
-               {"time", seconds()},
+               {"time", 1e-9 * static_cast<double>(peer_.transport().now().value_or(0))},
                {"at", place_of(peer_, *peer_.scene().find(watched_))}});
       }
       if (peer_.transport().members() != members) {

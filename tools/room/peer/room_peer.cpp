@@ -46,7 +46,7 @@ void append_float(Bytes& out, double value) {
 consensus::PeerOptions peer_options() {
   consensus::PeerOptions options;
   options.sending.format = consensus::StateFormat::Compact;
-  options.sending.tolerance = 5e-4;
+  options.sending.tolerance = 2e-4;
   return options;
 }
 

@@ -97,8 +97,6 @@ bool may_be_made(const json& body) {
   return within(half.minCoeff(), 0.015, 0.5) && within(half.maxCoeff(), 0.015, 0.5);
 }
 
-constexpr double kMadeDensity = 300.0;  // kg/m^3
-
 }  // namespace
 
 RoomScene::RoomScene(std::string_view text) {
@@ -125,7 +123,7 @@ const RoomScene::Body* RoomScene::make(std::string_view text) {
     if (bodies_.size() >= kMaxBodies || !may_be_made(body)) return nullptr;
     const std::string name = body["name"].get<std::string>();
     if (find(name) != nullptr) return nullptr;
-    body["density"] = kMadeDensity;
+    body.update({{"density", 300.0}, {"linearDamping", 0.3}, {"angularDamping", 2.0}});
     const pbd::BodyId id = add(scene_, body);
     bodies_.push_back({name, id, mass_of(scene_, id)});
     return &bodies_.back();

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Two pages in contexts of their own and a native peer in one room: what docs/room.md promises.
+import assert from 'node:assert/strict';
+import {after, before, describe, test} from 'node:test';
+import {ask, direct, distance, furthest, openPage, others, pause, pose, poses, startBrowser, startPeer, startServer,
+        until} from './support.mjs';
+
+const CUBE = 'cube/9';   // the uppermost one
+const LIFT = 0.08;       // m
+const MARGIN = 0.1;      // s, that a pull may take beyond the way
+const AT_REST = 1e-3;    // m
+const BEGUN = 0.002;    // m
+const SLACK = 0.03;      // s, of two clocks and steps
+const PULLS = 3;         // of which the middle one counts: the machine may do something else meanwhile
+const refusal = /WebSocket connection to .* failed/;  // what Chromium says of a server that is gone
+
+/** Lifts a body of the page with its mouse. @returns {Promise<function()>}  what puts it back */
+async function lift(page, name) {
+  const drawn = await ask(page, 'drawing.drawn');
+  await until(() => ask(page, `drawing.drawn > ${drawn} + 1`), 'a picture');
+  const [x, y] = await ask(page, `drawing.project([...session.world.find('${name}').body.position])`);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(() => ask(page, 'session.hand?.held.name'), 'a hand', 10);
+  assert.equal(await ask(page, 'session.hand.held.name'), name);
+  for (let i = 1; i <= 8; ++i) await page.mouse.move(x, y - 12 * i);
+  return async () => {
+    for (let i = 7; i >= 0; --i) {
+      await page.mouse.move(x, y - 12 * i);
+      await pause(60);
+    }
+    await pause(300);
+    await page.mouse.up();
+  };
+}
+
+/** Notes at each step what time it is and how high the body is, in window.track. */
+const track = (page, name) => page.evaluate((body) => {
+  const {session} = window.tandemRoom;
+  const held = session.world.find(body).body;
+  window.track = [];
+  window.remember ??= session.world.remember.bind(session.world);
+  session.world.remember = (time) => {
+    window.remember(time);
+    window.track.push([session.clock.now() / 1000, held.position[2]]);
+  };
+}, name);
+
+/** When it was so high, s; undefined: never. */
+const when = (points, height) => points.find(([, z]) => z > height)?.[0];
+
+/** Waits until nothing moves anywhere, and all are as near to each other as they are then to be. */
+async function atRest(pages, native, what) {
+  const look = async () => [...await Promise.all(pages.map(poses)), ...native ? [await native.poses()] : []];
+  let before = await look();
+  let apart = Infinity;
+  let moved = Infinity;
+  const check = async () => {
+    await pause(250);
+    const now = await look();
+    moved = Math.max(...now.map((all, i) => furthest(all, before[i])));
+    apart = Math.max(...now.flatMap((all, i) => now.slice(i + 1).map((other) => furthest(all, other))));
+    before = now;
+    return moved < 1e-4 && (apart <= AT_REST || now.length === 1);
+  };
+  await until(check, 'rest', 10).catch(async () => {
+    const bodies = Object.keys(before[0]).map((name) => [name, before.map((all) => all[name])])
+      .filter(([, places]) => places.some((place) => !place || distance(place, places[0]) > AT_REST));
+    const steps = await Promise.all(pages.map((page) => ask(page, 'session.steps')));
+    throw new Error(`${what}: ${1000 * apart} mm apart, moved by ${1000 * moved} mm, after ${steps} steps: ${JSON.stringify(bodies)}`);
+  });
+}
+
+/** What the page does when it is hidden or shown again; headless pages are always shown. */
+const hide = (page, hidden) => page.evaluate((is) => {
+  Object.defineProperty(document, 'hidden', {configurable: true, get: () => is});
+  document.dispatchEvent(new Event('visibilitychange'));
+}, hidden);
+
+describe('a room by a link', {timeout: 240000}, () => {
+  let server;
+  let browser;
+  let native;
+  let a;
+  let b;
+  before(async () => {
+    server = await startServer();
+    browser = await startBrowser();
+    [a, b] = [await openPage(browser, server.link), await openPage(browser, server.link)];
+    native = await startPeer(server.link);
+    // From above, so that nothing hides what is to be pulled.
+    for (const page of [a, b]) await ask(page, '(drawing.look.elevation = 55)');
+  });
+  after(async () => {
+    await browser?.close();
+    native?.say('quit');
+    await native?.over;
+    await server?.stop();
+  });
+
+  test('three meet, the pages directly', async () => {
+    await until(async () => await others(a) === 2 && await others(b) === 2 && native.others === 2, 'three');
+    await until(async () => await direct(a) === 1 && await direct(b) === 1, 'a direct way');
+    await until(() => ask(a, 'session.running'), 'steps');
+    await atRest([a, b], native, 'to begin with');
+  });
+
+  test('the key never leaves the page', async () => {
+    const key = server.link.split('#')[1];
+    const seen = [];
+    const watch = (request) => seen.push(request.url());
+    a.on('request', watch);
+    await a.evaluate(() => fetch(location.href).then((answer) => answer.text()));
+    a.off('request', watch);
+    assert.ok(seen.length > 0);
+    const sent = (text) => text.split('#')[0];
+    assert.deepEqual(seen.filter((url) => sent(url).includes(key)), []);
+  });
+
+  test('what one page pulls is seen by the others within the latency and 100 ms', async (t) => {
+    for (const delay of [0, 100]) {
+      await ask(a, `(session.members.delay = ${delay})`);
+      const late = {b: [], native: [], begun: []};
+      for (let k = 0; k < PULLS; ++k) {
+        await Promise.all([track(a, CUBE), track(b, CUBE)]);
+        native.track.length = 0;
+        native.say(`watch ${CUBE}`);
+        await until(() => native.track.length > 0, 'the native peer to watch');
+        const low = (await pose(a, CUBE))[2];
+        const putBack = await lift(a, CUBE);
+        const seen = async (height) => {
+          const points = await Promise.all([a, b].map((page) => page.evaluate(() => window.track)));
+          const places = native.track.map(({time, at}) => [time, at[2]]);
+          const times = [...points, places].map((list) => when(list, low + height));
+          return times.every((time) => time !== undefined) && times;
+        };
+        const [first, second, third] = await until(() => seen(LIFT / 2), 'the lift', 10);
+        late.b.push(second - first);
+        late.native.push(third - first);
+        const begun = await seen(BEGUN);
+        late.begun.push(Math.min(begun[1], begun[2]) - begun[0]);
+        await putBack();
+        native.say('watch');
+        await atRest([a, b], native, 'after a pull');
+      }
+      const middle = (times) => times.sort((x, y) => x - y)[PULLS >> 1];
+      for (const who of ['b', 'native']) {
+        t.diagnostic(`${delay} ms away, ${who} sees it ${(1000 * middle(late[who])).toFixed(0)} ms later`);
+        assert.ok(middle(late[who]) <= delay / 1000 + MARGIN, `${who}: ${late[who]}`);
+      }
+      // Others carry the hand on, and may have caught up half way; but they know of it no sooner.
+      assert.ok(middle(late.begun) >= delay / 1000 - SLACK, `sooner than it can be: ${late.begun}`);
+    }
+    await ask(a, '(session.members.delay = 0)');
+  });
+
+  test('what the native peer pulls, the pages see, and the panel says how far all are apart', async () => {
+    const [x, y, z] = await pose(a, 'domino/0');
+    native.say(`pull domino/0 ${x} ${y - 0.3} ${z + 0.4}`);
+    await until(async () => (await pose(a, 'domino/0'))[2] > z + 0.3 && (await pose(b, 'domino/0'))[2] > z + 0.3,
+                'the lift');
+    native.say('release');
+    await atRest([a, b], native, 'afterwards');
+    assert.match(await a.textContent('#apart'), /Furthest apart: (< )?[\d.]+ mm/);
+    assert.equal(await a.locator('#people li').count(), 3);
+  });
+
+  test('what one makes is there for all', async () => {
+    for (const what of ['box', 'ball', 'plank']) await a.click(`[data-make=${what}]`);
+    const made = (all) => Object.keys(all).filter((name) => name.startsWith('made/')).length;
+    await until(async () => made(await poses(b)) === 3 && made(await native.poses()) === 3, 'three more');
+    await atRest([a, b], native, 'with them');
+  });
+
+  test('a late joiner takes over what the others know, and drags nobody', async (t) => {
+    const places = await poses(a);
+    const late = await openPage(browser, server.link);
+    t.after(() => late.context().close());
+    await until(async () => await others(late) === 3, 'three others');
+    await until(async () => Object.keys(await poses(late)).length === Object.keys(places).length, 'all bodies');
+    await atRest([a, b, late], native, 'with a late joiner');
+    assert.ok(furthest(places, await poses(a)) <= AT_REST, 'nothing was dragged');
+    assert.deepEqual(late.complaints, []);
+    await late.context().close();
+    await until(async () => await others(a) === 2, 'the late joiner to go', 30);
+  });
+
+  test('a reload comes back to the same room', async () => {
+    const places = await poses(a);
+    await b.reload();
+    await b.waitForFunction(() => window.tandemRoom?.drawing.drawn > 0);
+    await ask(b, '(drawing.look.elevation = 55)');
+    await until(async () => await others(b) === 2 && await others(a) === 2, 'two others');
+    await atRest([a, b], native, 'after the reload');
+    assert.ok(furthest(places, await poses(b)) <= 2 * AT_REST, 'it is where it was left');
+  });
+
+  test('a page in the background takes no part, catches up, and drags nobody', async () => {
+    await lift(b, CUBE);
+    await hide(b, true);
+    assert.equal(await ask(b, 'session.hand'), null);
+    await b.mouse.up();
+    await until(() => ask(a, 'session.members.here.some((m) => m.away)'), 'the others to know');
+    const steps = await ask(b, 'session.steps');
+    const [x, y, z] = await pose(a, 'ball/0');
+    native.say(`pull ball/0 ${x - 0.5} ${y} ${z + 0.3}`);
+    await until(async () => (await pose(a, 'ball/0'))[0] < x - 0.3, 'the ball');
+    native.say('release');
+    await atRest([a], native, 'without the page');
+    assert.equal(await ask(b, 'session.steps'), steps);
+    const places = await poses(a);
+    await hide(b, false);
+    await until(async () => (await ask(b, 'session.steps')) > steps + 30, 'steps');
+    await atRest([a, b], native, 'back again');
+    assert.ok(furthest(places, await poses(a)) <= 2 * AT_REST, 'nobody was dragged');
+  });
+
+  test('a page that slept for two seconds drags nobody', async () => {
+    await a.evaluate(() => { window.tandemRoom.drawing.look.azimuth += 5; });
+    const [x, y, z] = await pose(a, 'ball/1');
+    native.say(`pull ball/1 ${x - 0.5} ${y} ${z + 0.3}`);
+    await b.evaluate(() => { for (const end = performance.now() + 2000; performance.now() < end;); });
+    await until(async () => (await pose(a, 'ball/1'))[0] < x - 0.3, 'the ball');
+    native.say('release');
+    await atRest([a, b], native, 'after it slept');
+    assert.ok((await pose(a, 'ball/1'))[0] < x - 0.2);
+  });
+
+  test('where the server is gone the pages go on, and it comes back', async () => {
+    assert.deepEqual([...a.complaints, ...b.complaints], []);
+    const port = new URL(server.url).port;
+    const token = new URL(server.url).pathname.slice(1, -1);
+    await server.stop('SIGKILL');
+    await until(async () => await others(a) === 1 && await others(b) === 1, 'each other alone');
+    const low = (await pose(b, CUBE))[2];
+    const putBack = await lift(a, CUBE);
+    await until(async () => (await pose(b, CUBE))[2] > low + LIFT / 2, 'the lift');
+    await putBack();
+    await atRest([a, b], null, 'without a server');
+    assert.match(await a.textContent('#state'), /server is gone/);
+    const {link} = server;
+    server = await startServer(['--port', port, '--token', token]);
+    server.link = link;
+    await until(async () => await others(a) === 2 && await others(b) === 2 && native.others === 2, 'all three');
+    await atRest([a, b], native, 'with the server');
+    assert.deepEqual([...a.complaints, ...b.complaints].filter((text) => !refusal.test(text)), []);
+  });
+});
+
+describe('pages that cannot meet', {timeout: 120000}, () => {
+  test('go through the server, on a phone as well', async () => {
+    const server = await startServer(['--no-key']);
+    const browser = await startBrowser();
+    try {
+      const a = await openPage(browser, server.link);
+      const link = await a.evaluate(() => location.href);
+      assert.match(link, /#[\w-]{43}$/, 'the first page has drawn a key');
+      const context = {viewport: {width: 390, height: 760}, hasTouch: true, isMobile: true};
+      const blocked = await browser.newContext(context);
+      await blocked.addInitScript(() => { delete window.RTCPeerConnection; });
+      const b = await openPage({newContext: async () => blocked}, link);
+      await until(async () => await others(a) === 1 && await others(b) === 1, 'two');
+      assert.equal(await direct(a), 0);
+      await until(() => ask(b, 'session.running'), 'steps');
+      // A finger.
+      const session = await b.context().newCDPSession(b);
+      const low = (await pose(a, CUBE))[2];
+      const [x, y] = await ask(b, `drawing.project([...session.world.find('${CUBE}').body.position])`);
+      const touch = (type, points) => session.send('Input.dispatchTouchEvent', {type, touchPoints: points});
+      await touch('touchStart', [{x, y}]);
+      for (let i = 1; i <= 8; ++i) await touch('touchMove', [{x, y: y - 8 * i}]);
+      await until(async () => (await pose(a, CUBE))[2] > low + LIFT / 2, 'the lift');
+      await touch('touchEnd', []);
+      await atRest([a, b], null, 'relayed');
+      const small = await b.evaluate(() => [...document.querySelectorAll('button')].filter((one) => one.offsetParent)
+        .map((one) => Math.min(one.offsetWidth, one.offsetHeight)));
+      assert.ok(Math.min(...small) >= 44, 'what one touches is 44 pixels large');
+      assert.deepEqual([...a.complaints, ...b.complaints], []);
+    } finally {
+      await browser.close();
+      await server.stop();
+    }
+  });
+});
