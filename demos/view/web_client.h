@@ -96,15 +96,17 @@ class WebClient {
     return head.size() > 12 ? std::stoi(head.substr(9, 3)) : 0;
   }
 
-  /// A message of text, masked as a browser's are.
-  bool say(std::string_view text) {
-    std::string frame = "\x81";
+  /// A message of text, or of bytes, masked as a browser's are.
+  bool say(std::string_view text, bool binary = false) {
+    std::string frame = binary ? "\x82" : "\x81";
     if (text.size() < 126) {
       frame += static_cast<char>(0x80 | text.size());
     } else {
-      frame += static_cast<char>(0x80 | 126);
-      frame += static_cast<char>(text.size() >> 8);
-      frame += static_cast<char>(text.size() & 0xff);
+      const int length_bytes = text.size() < 65536 ? 2 : 8;
+      frame += static_cast<char>(0x80 | (length_bytes == 2 ? 126 : 127));
+      for (int i = length_bytes - 1; i >= 0; --i) {
+        frame += static_cast<char>(text.size() >> (8 * i) & 0xff);
+      }
     }
     constexpr std::string_view kMask = "abcd";
     frame += kMask;

@@ -11,6 +11,7 @@ const CUBE = 'cube/9';   // the uppermost one
 const LIFT = 0.08;       // m
 const MARGIN = 0.1;      // s, that a pull may take beyond the way
 const AT_REST = 1e-3;    // m
+const STILL = 1e-3;      // m, in a quarter of a second
 const BEGUN = 0.002;    // m
 const SLACK = 0.03;      // s, of two clocks and steps
 const PULLS = 3;         // of which the middle one counts: the machine may do something else meanwhile
@@ -63,7 +64,7 @@ async function atRest(pages, native, what) {
     moved = Math.max(...now.map((all, i) => furthest(all, before[i])));
     apart = Math.max(...now.flatMap((all, i) => now.slice(i + 1).map((other) => furthest(all, other))));
     before = now;
-    return moved < 1e-4 && (apart <= AT_REST || now.length === 1);
+    return moved < STILL && (apart <= AT_REST || now.length === 1);
   };
   await until(check, 'rest', 10).catch(async () => {
     const bodies = Object.keys(before[0]).map((name) => [name, before.map((all) => all[name])])

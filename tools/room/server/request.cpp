@@ -71,7 +71,7 @@ void Request::answer() {
     if (!beast::websocket::is_upgrade(request)) return refuse(http::status::not_found);
     std::string room(path->substr(kSocket.size()));
     if (!host_.may_join(room)) return refuse(http::status::service_unavailable);
-    return host_.upgrade(std::move(room), std::move(request), std::move(stream_));
+    return host_.upgrade(std::move(room), std::move(request), std::move(stream_), from_);
   }
   const PageFile* const file = host_.file(*path);
   if (file == nullptr) return refuse(http::status::not_found);

@@ -27,7 +27,7 @@ class RequestHost {
   virtual const PageFile* file(std::string_view path) const = 0;
   virtual bool may_join(std::string_view room) const = 0;
   virtual void upgrade(std::string room, MemberSocket::Request request,
-                       boost::beast::tcp_stream&& stream) = 0;
+                       boost::beast::tcp_stream&& stream, const boost::asio::ip::address& from) = 0;
   virtual void refused() = 0;
   virtual void opened(Request& request, const boost::asio::ip::address& from) = 0;
   virtual void ended(Request& request, const boost::asio::ip::address& from) = 0;

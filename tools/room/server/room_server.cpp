@@ -84,6 +84,10 @@ class RoomServer::Impl final : public MemberHost, public RequestHost {
 
  private:
   using Room = std::map<std::uint64_t, MemberSocket*>;
+  struct Kept {
+    std::shared_ptr<MemberSocket> socket;
+    asio::ip::address from;
+  };
 
   // RequestHost
   const std::string& token() const override { return options_.token; }
@@ -98,11 +102,12 @@ class RoomServer::Impl final : public MemberHost, public RequestHost {
     const auto found = rooms_.find(room);
     return found == rooms_.end() || found->second.size() < options_.max_members;
   }
-  void upgrade(std::string room, MemberSocket::Request request,
-               boost::beast::tcp_stream&& stream) override {
+  void upgrade(std::string room, MemberSocket::Request request, boost::beast::tcp_stream&& stream,
+               const asio::ip::address& from) override {
     auto socket =
         std::make_shared<MemberSocket>(*this, std::move(room), options_.member, std::move(stream));
-    sockets_.emplace(socket.get(), socket);
+    sockets_[socket.get()] = {socket, from};
+    note_address(from, 1);
     socket->start(std::move(request));
     note();
   }
@@ -170,7 +175,11 @@ class RoomServer::Impl final : public MemberHost, public RequestHost {
       }
       if (room->second.empty()) rooms_.erase(room);
     }
-    sockets_.erase(&socket);
+    const auto kept = sockets_.find(&socket);
+    if (kept != sockets_.end()) {
+      note_address(kept->second.from, -1);
+      sockets_.erase(kept);
+    }
     note();
   }
 
@@ -179,7 +188,7 @@ class RoomServer::Impl final : public MemberHost, public RequestHost {
     Error ignored;
     acceptor_.close(ignored);
     again_.cancel();
-    for (const auto& [socket, kept] : std::map(sockets_)) socket->close();
+    for (const auto& [raw, kept] : std::map(sockets_)) raw->close();
     for (const auto& [request, weak] : std::map(requests_)) {
       if (const auto alive = weak.lock()) alive->close();
     }
@@ -235,7 +244,7 @@ class RoomServer::Impl final : public MemberHost, public RequestHost {
   std::map<asio::ip::address, std::size_t> addresses_;
   std::map<std::string, Room, std::less<>> rooms_;
   asio::io_context io_{1};  // after what connections use when they end
-  std::map<MemberSocket*, std::shared_ptr<MemberSocket>> sockets_;
+  std::map<MemberSocket*, Kept> sockets_;
   Tcp::acceptor acceptor_;
   asio::steady_timer again_;
   asio::ip::address address_;
