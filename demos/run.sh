@@ -8,6 +8,8 @@
 #   demos/run.sh tennis --profile 5
 # or plaza, a square for very many people over a NATS server, which it starts unless --server names one:
 #   demos/run.sh plaza --people 200
+# or opens rooms in the browser and prints a link; who has it is in (docs/room.md):
+#   demos/run.sh room-link
 # or draws key frames of all of them as PNG (needs Chromium):
 #   demos/run.sh --pictures docs/img
 # or README's moving picture (needs Debian's webp as well):
@@ -61,6 +63,28 @@ run_plaza() {
   "$root/build/nats/bin/plaza" --server "$address" "$@"
 }
 
+# The page is built unless TANDEM_ROOM_PAGE names a folder that has it.
+run_room_link() {
+  local page=${TANDEM_ROOM_PAGE:-$root/build/web/room}
+  if [[ -z ${TANDEM_ROOM_PAGE:-} ]]; then
+    bash "$root/cmake/install-deps.sh" --with-view --with-web >&2
+    bash "$root/bindings/web/fetch-sources.sh" "$root/build/web_sources" >&2
+  else
+    bash "$root/cmake/install-deps.sh" --with-view >&2
+  fi
+  (
+    cd "$root"
+    if [[ -z ${TANDEM_ROOM_PAGE:-} ]]; then
+      export NODE_PATH=/usr/share/nodejs
+      env -u CMAKE_CXX_COMPILER_LAUNCHER cmake --preset web >&2
+      cmake --build --preset web --target tandem_room_page >&2
+    fi
+    cmake --preset release -B build/room -DTANDEM_BUILD_ROOM=ON -DTANDEM_BUILD_BENCHMARKS=OFF >&2
+    cmake --build build/room --target tandem-room >&2
+  )
+  exec "$root/build/room/bin/tandem-room" --page "$page" "$@"
+}
+
 # NODE_SCRIPT ARGUMENT..., with the demos' programs and a browser.
 draw() {
   npm --prefix "$root/tests/view" ci --no-audit --no-fund >&2
@@ -90,8 +114,9 @@ case $demo in
     exec "$root/build/release/bin/$demo" "$@"
     ;;
   plaza) run_plaza "$@" ;;
+  room-link) run_room_link "$@" ;;
   *)
-    echo "run.sh: unknown demo '$demo'; it must be cliff, cubes, piano, pile, plaza, room or tennis" >&2
+    echo "run.sh: unknown demo '$demo'; it must be cliff, cubes, piano, pile, plaza, room, room-link or tennis" >&2
     exit 2
     ;;
 esac

@@ -147,6 +147,18 @@ static void times_that_no_session_has(void) {
   CHECK(refused(tandem_world_step(world, 1e7, NULL, &error), &error, "dt", "1e6"));
   tandem_peer_def def;
   tandem_peer_def_init(&def);
+  def.tolerance = -1.0;
+  CHECK(tandem_peer_create(world, tandem_network_transport(network, 1, NULL), &def, &error) ==
+        NULL);
+  CHECK(refused(error.result, &error, "tolerance", "-1"));
+  tandem_peer_def_init(&def);
+  def.replay_budget = 0.5;
+  CHECK(tandem_peer_create(world, tandem_network_transport(network, 1, NULL), &def, &error) ==
+        NULL);
+  CHECK(refused(error.result, &error, "budget", "0.5"));
+  tandem_peer_def_init(&def);
+  def.compact = 1;
+  def.kbit_per_s = 64.0;
   tandem_peer* peer =
       tandem_peer_create(world, tandem_network_transport(network, 1, NULL), &def, NULL);
   CHECK(peer != NULL);

@@ -11,6 +11,7 @@ const CUBE = 'cube/9';   // the uppermost one
 const LIFT = 0.08;       // m
 const MARGIN = 0.1;      // s, that a pull may take beyond the way
 const AT_REST = 1e-3;    // m
+const DRAGGED = 0.01;    // m: less may be a ball that rolls to its end
 const STILL = 1e-3;      // m, in a quarter of a second
 const BEGUN = 0.002;    // m
 const SLACK = 0.03;      // s, of two clocks and steps
@@ -162,7 +163,10 @@ describe('a room by a link', {timeout: 240000}, () => {
     native.say(`pull domino/0 ${x} ${y - 0.3} ${z + 0.4}`);
     await until(async () => (await pose(a, 'domino/0'))[2] > z + 0.3 && (await pose(b, 'domino/0'))[2] > z + 0.3,
                 'the lift');
+    assert.deepEqual(await ask(a, '[...session.seenHands()].map(({member, held}) => [member.name, held.name])'),
+                     [['native', 'domino/0']]);
     native.say('release');
+    await until(() => ask(a, '[...session.seenHands()].length === 0'), 'the hand to let go');
     await atRest([a, b], native, 'afterwards');
     assert.match(await a.textContent('#apart'), /Furthest apart: (< )?[\d.]+ mm/);
     assert.equal(await a.locator('#people li').count(), 3);
@@ -182,7 +186,7 @@ describe('a room by a link', {timeout: 240000}, () => {
     await until(async () => await others(late) === 3, 'three others');
     await until(async () => Object.keys(await poses(late)).length === Object.keys(places).length, 'all bodies');
     await atRest([a, b, late], native, 'with a late joiner');
-    assert.ok(furthest(places, await poses(a)) <= AT_REST, 'nothing was dragged');
+    assert.ok(furthest(places, await poses(a)) <= DRAGGED, 'nothing was dragged');
     assert.deepEqual(late.complaints, []);
     await late.context().close();
     await until(async () => await others(a) === 2, 'the late joiner to go', 30);
@@ -195,7 +199,7 @@ describe('a room by a link', {timeout: 240000}, () => {
     await ask(b, '(drawing.look.elevation = 55)');
     await until(async () => await others(b) === 2 && await others(a) === 2, 'two others');
     await atRest([a, b], native, 'after the reload');
-    assert.ok(furthest(places, await poses(b)) <= 2 * AT_REST, 'it is where it was left');
+    assert.ok(furthest(places, await poses(b)) <= DRAGGED, 'it is where it was left');
   });
 
   test('a page in the background takes no part, catches up, and drags nobody', async () => {
@@ -215,7 +219,7 @@ describe('a room by a link', {timeout: 240000}, () => {
     await hide(b, false);
     await until(async () => (await ask(b, 'session.steps')) > steps + 30, 'steps');
     await atRest([a, b], native, 'back again');
-    assert.ok(furthest(places, await poses(a)) <= 2 * AT_REST, 'nobody was dragged');
+    assert.ok(furthest(places, await poses(a)) <= DRAGGED, 'nobody was dragged');
   });
 
   test('a page that slept for two seconds drags nobody', async () => {
@@ -227,6 +231,41 @@ describe('a room by a link', {timeout: 240000}, () => {
     native.say('release');
     await atRest([a, b], native, 'after it slept');
     assert.ok((await pose(a, 'ball/1'))[0] < x - 0.2);
+  });
+
+  test('a member that says anything at all is cut off, and the others go on', async (t) => {
+    const places = await poses(a);
+    const hostile = await openPage(browser, server.link, {viewport: {width: 300, height: 300}});
+    t.after(() => hostile.context().close());
+    await until(async () => await others(hostile) === 3, 'three others');
+    await hostile.evaluate(() => {
+      const {session} = window.tandemRoom;
+      const {members} = session;
+      const text = (value) => new TextEncoder().encode(typeof value === 'string' ? value : JSON.stringify(value));
+      const sphere = {type: 'sphere', radius: 0.1};
+      const words = ['', '{', 'null', '[]', {made: 7}, {made: [null, 1, {name: 'made/x'}]}, {rtc: {offer: 'x'}},
+                     {rtc: {answer: {}}}, {rtc: {candidate: {candidate: 'x'}}}, {away: 'x'}, {bye: 1},
+                     {made: [{name: 'made/nan', shape: sphere, position: [null, 0, 1]},
+                             {name: 'made/far', shape: sphere, position: [1e9, 0, 1]},
+                             {name: 'ground', shape: sphere, position: [0, 0, 1]}]}];
+      for (const {id} of members.here) {
+        for (const one of words) members.send(id, 2, text(one));
+        for (const size of [0, 1, 7, 8, 9, 24, 28, 300]) {
+          const junk = crypto.getRandomValues(new Uint8Array(size));
+          for (const channel of [3, 4, 5, 255]) members.send(id, channel, junk);
+          members.send(id, 4, new Uint8Array([...new Uint8Array(new Float32Array(6).fill(NaN).buffer), ...junk]));
+        }
+        // The sharing itself: whoever cannot be understood there is dropped.
+        members.send(id, 0, crypto.getRandomValues(new Uint8Array(300)));
+      }
+      session.leave();
+    });
+    await until(() => ask(a, 'session.members.here.length === 2'), 'the page to drop it');
+    await until(() => ask(b, 'session.members.here.length === 2'), 'the other page to drop it');
+    await atRest([a, b], native, 'in spite of it');
+    assert.ok(furthest(places, await poses(a)) <= DRAGGED, 'nothing has moved');
+    assert.equal(Object.keys(await poses(a)).length, Object.keys(places).length);
+    assert.deepEqual([...a.complaints, ...b.complaints], []);
   });
 
   test('where the server is gone the pages go on, and it comes back', async () => {

@@ -32,7 +32,8 @@ void tandem_peer_def_init(tandem_peer_def* def) {
           .authority_ramp = defaults.authority_ramp,
           .compact = 0,
           .tolerance = defaults.sending.tolerance,
-          .kbit_per_s = defaults.sending.kbit_per_s};
+          .kbit_per_s = defaults.sending.kbit_per_s,
+          .replay_budget = defaults.replay.budget};
 }
 
 tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport,
@@ -49,6 +50,7 @@ tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport
         d.compact != 0 ? consensus::StateFormat::Compact : consensus::StateFormat::Full;
     options.sending.tolerance = d.tolerance;
     options.sending.kbit_per_s = d.kbit_per_s;
+    options.replay.budget = d.replay_budget;
     if (w.world.target_source() != nullptr) {
       pbd::detail::refuse("world", "one that has no peer yet");
     }

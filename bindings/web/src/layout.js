@@ -81,7 +81,7 @@ export const hit = struct([
   ['normal', 'f64', 3], ['speed', 'f64'], ['impulse', 'f64'],
 ]);
 export const peerDef = struct([['updateHz', 'f64'], ['influence', 'f64'], ['authorityRamp', 'f64'],
-  ['compact', 'i32'], ['tolerance', 'f64'], ['kbitPerS', 'f64']]);
+  ['compact', 'i32'], ['tolerance', 'f64'], ['kbitPerS', 'f64'], ['replayBudget', 'f64']]);
 export const sharedId = struct([['high', 'u64'], ['low', 'u64']]);
 export const grabDef = struct([
   ['high', 'u64'], ['low', 'u64'], ['attachment', 'f64', 3], ['anchor', 'f64', 3], ['stiffness', 'f64'],

@@ -158,6 +158,7 @@ export interface PeerDef {
   compact?: boolean;  // states are rounded and take less than a third of the bytes
   tolerance?: number;  // m: what others expect more exactly is not sent
   kbitPerS?: number;  // to each of the others
+  replayBudget?: number;  // steps that may be replayed in each step to agree, at least 1; 4
 }
 export class Peer {
   constructor(world: World, transport: Transport, def?: PeerDef);

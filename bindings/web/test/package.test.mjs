@@ -127,7 +127,8 @@ test('what is wrong is named and changes nothing', () => {
   world.free();
 });
 
-test('two peers who exchange bytes hold one body', () => {
+/** Two peers 50 ms apart, of whom one holds a body by a hand for 10 s. */
+function holdTogether(options, ids = [1n, 2n]) {
   const now = {ns: 1_000_000_000n, wire: []};
   const site = (self, place) => {
     const world = new World({gravity: [0, 0, 0]});
@@ -135,12 +136,12 @@ test('two peers who exchange bytes hold one body', () => {
     const transport = new Transport({
       self, send: (to, bytes) => now.wire.push({due: now.ns + 50_000_000n, to, from: self, bytes}),
     });
-    transport.connected(self === 1n ? 2n : 1n);
-    const peer = new Peer(world, transport);
+    transport.connected(ids.find((id) => id !== self));
+    const peer = new Peer(world, transport, options);
     peer.share('cube', body);
     return {world, body, transport, peer};
   };
-  const sites = [site(1n, [0, 0, 0]), site(2n, [0, 0.4, 0])];
+  const sites = [site(ids[0], [0, 0, 0]), site(ids[1], [0, 0.4, 0])];
   const hand = [1, 0.2, 0.5];
   const grab = sites[0].peer.grab('cube', {anchor: hand});
   for (let i = 0; i < 600; ++i) {
@@ -151,17 +152,32 @@ test('two peers who exchange bytes hold one body', () => {
     }
     now.ns += 16_666_667n;
     for (const {due, to, from, bytes} of now.wire) {
-      if (due <= now.ns) sites[Number(to) - 1].transport.receive(from, bytes);
+      if (due <= now.ns) sites[ids.indexOf(to)].transport.receive(from, bytes);
     }
     now.wire = now.wire.filter(({due}) => due > now.ns);
     for (const {peer} of sites) peer.afterStep(now.ns);
   }
-  const [one, two] = sites.map(({body}) => [...body.position]);
-  assert.ok(Math.hypot(...one.map((x, i) => x - two[i])) < 1e-3);
-  assert.ok(Math.hypot(...two.map((x, i) => x - hand[i])) < 1e-2);
-  assert.ok(sites[1].peer.stats().updatesReceived > 100n);
+  return {hand, places: sites.map(({body}) => [...body.position]), stats: sites.map(({peer}) => peer.stats())};
+}
+
+test('two peers who exchange bytes hold one body, whatever their ids', () => {
+  for (const ids of [[1n, 2n], [1n << 63n, (1n << 64n) - 1n]]) {
+    const {hand, places: [one, two], stats} = holdTogether({}, ids);
+    assert.ok(Math.hypot(...one.map((x, i) => x - two[i])) < 1e-3);
+    assert.ok(Math.hypot(...two.map((x, i) => x - hand[i])) < 1e-2);
+    assert.ok(stats[1].updatesReceived > 100n);
+  }
   // FNV-1a of "a", as the other machines compute it.
   assert.equal(sharedId('a').high, 0xd228cb696f1a8cafn);
+});
+
+test('what is sent compactly, where it is news, takes less than half and agrees as well', () => {
+  const full = holdTogether({});
+  const {places: [one, two], stats} = holdTogether({compact: true, tolerance: 2e-4, kbitPerS: 256, replayBudget: 1});
+  assert.ok(Math.hypot(...one.map((x, i) => x - two[i])) < 1e-3);
+  assert.ok(2n * stats[0].bytesSent < full.stats[0].bytesSent);
+  assert.throws(() => holdTogether({compact: true, tolerance: -1}), /tolerance/);
+  assert.throws(() => holdTogether({replayBudget: 0}), /budget/);
 });
 
 test('the compat build is the same with the module in it', async () => {

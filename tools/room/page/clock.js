@@ -5,7 +5,7 @@
 // where the server does not.
 
 const MOST_SLEW = 1;  // ms each answer, once it is known well
-const FIRST = 5;      // answers, before which it is not known
+const FIRST = 3;      // answers, before which it is not known
 const SETTLED = 20;   // answers, up to which a quicker one sets it
 
 export class Clock {

@@ -19,6 +19,7 @@ constexpr double kDt = 1.0 / 60.0;                    // s
 constexpr int kMostSteps = 8;                         // at once
 constexpr consensus::SessionTime kTooLate = 250'000'000;
 constexpr consensus::SessionTime kDigestEvery = 500'000'000;
+constexpr int kHandEvery = 3;  // steps
 
 // A hand, as the live view has it (docs/view.md).
 constexpr double kFastest = 2.0;      // m/s
@@ -47,6 +48,7 @@ consensus::PeerOptions peer_options() {
   consensus::PeerOptions options;
   options.sending.format = consensus::StateFormat::Compact;
   options.sending.tolerance = 2e-4;
+  options.replay.budget = 1.0;
   return options;
 }
 
@@ -91,6 +93,7 @@ void RoomPeer::step() {
   time_ += kStep;
   peer_.after_step(time_);
   if (time_ - told_ >= kDigestEvery) send_digest();
+  if (hand_ && --until_hand_ <= 0) send_hand();
 }
 
 bool RoomPeer::pull(std::string_view name, const Vec3& to) {
@@ -104,8 +107,10 @@ bool RoomPeer::pull(std::string_view name, const Vec3& to) {
 }
 
 void RoomPeer::release() {
-  if (hand_ && hand_->spring.spring != 0) peer_.release(hand_->spring);
+  if (!hand_) return;
+  if (hand_->spring.spring != 0) peer_.release(hand_->spring);
   hand_.reset();
+  send_all(Channel::Hand, {});
 }
 
 void RoomPeer::move_hand() {
@@ -181,8 +186,21 @@ void RoomPeer::send_digest() {
     const Vec3 at = scene_.scene().world().pose(body.body).position;
     for (int i = 0; i < 3; ++i) append_float(out, at[i]);
   }
+  send_all(Channel::Digest, out);
+}
+
+void RoomPeer::send_hand() {
+  until_hand_ = kHandEvery;
+  Bytes out;
+  for (int i = 0; i < 3; ++i) append_float(out, hand_->anchor[i]);
+  for (int i = 0; i < 3; ++i) append_float(out, 0.0);  // it holds the middle
+  out.insert(out.end(), hand_->body.begin(), hand_->body.end());
+  send_all(Channel::Hand, out);
+}
+
+void RoomPeer::send_all(Channel channel, const Bytes& bytes) {
   for (const consensus::PeerStatus& other : transport_.peers()) {
-    if (other.connected) transport_.send(other.id, Channel::Digest, out);
+    if (other.connected) transport_.send(other.id, channel, bytes);
   }
 }
 

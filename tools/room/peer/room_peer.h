@@ -54,12 +54,15 @@ class RoomPeer {
   void share(const RoomScene::Body& body);
   void say_made(MemberId to);
   void send_digest();
+  void send_hand();
+  void send_all(Channel channel, const Bytes& bytes);
 
   RoomScene scene_;
   RoomTransport transport_;
   consensus::Peer peer_;
   consensus::SessionTime time_ = 0;
   consensus::SessionTime told_ = 0;  ///< ns, of the last digest
+  int until_hand_ = 0;               ///< steps until the hand is told of again
   std::optional<Hand> hand_;
   std::vector<std::string> made_;  ///< JSON of bodies that members have made
   std::vector<RoomTransport::Heard> heard_;

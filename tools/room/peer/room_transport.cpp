@@ -38,7 +38,7 @@ bool RoomTransport::send(MemberId to, Channel channel, std::span<const std::uint
   plain_.assign(1, static_cast<std::uint8_t>(channel));
   plain_.insert(plain_.end(), bytes.begin(), bytes.end());
   if (!cipher_.seal(to, plain_, sealed_)) return false;
-  const bool newest = channel == Channel::Newest || channel == Channel::Digest;
+  const bool newest = channel != Channel::Reliable && channel != Channel::Words;
   Bytes out = message(newest ? Wire::Newest : Wire::Reliable, to);
   out.insert(out.end(), sealed_.begin(), sealed_.end());
   return link_.send(std::move(out));

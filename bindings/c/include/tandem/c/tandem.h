@@ -503,6 +503,7 @@ typedef struct tandem_peer_def {
   int32_t compact;   /**< not 0: states are rounded (0.12 mm) and take about 27 bytes, not 93; 0 */
   double tolerance;  /**< m: what others expect more exactly is not sent; 0 = all is */
   double kbit_per_s; /**< to each of the others, at most; 0 = no limit */
+  double replay_budget; /**< steps that may be replayed in each step to agree, at least 1; 4 */
 } tandem_peer_def;
 
 typedef struct tandem_shared_id {
