@@ -25,7 +25,7 @@ async function lift(page, name) {
   const [x, y] = await ask(page, `drawing.project([...session.world.find('${name}').body.position])`);
   await page.mouse.move(x, y);
   await page.mouse.down();
-  await until(() => ask(page, 'session.hand?.held.name'), 'a hand', 10);
+  await until(() => ask(page, 'session.hand?.held.name'), 'a hand');
   assert.equal(await ask(page, 'session.hand.held.name'), name);
   for (let i = 1; i <= 8; ++i) await page.mouse.move(x, y - 12 * i);
   return async () => {
@@ -67,7 +67,7 @@ async function atRest(pages, native, what) {
     before = now;
     return moved < STILL && (apart <= AT_REST || now.length === 1);
   };
-  await until(check, 'rest', 10).catch(async () => {
+  await until(check, 'rest', 30).catch(async () => {
     const bodies = Object.keys(before[0]).map((name) => [name, before.map((all) => all[name])])
       .filter(([, places]) => places.some((place) => !place || distance(place, places[0]) > AT_REST));
     const steps = await Promise.all(pages.map((page) => ask(page, 'session.steps')));
@@ -81,7 +81,7 @@ const hide = (page, hidden) => page.evaluate((is) => {
   document.dispatchEvent(new Event('visibilitychange'));
 }, hidden);
 
-describe('a room by a link', {timeout: 240000}, () => {
+describe('a room by a link', {timeout: 600000}, () => {
   let server;
   let browser;
   let native;
@@ -138,7 +138,7 @@ describe('a room by a link', {timeout: 240000}, () => {
           const times = [...points, places].map((list) => when(list, low + height));
           return times.every((time) => time !== undefined) && times;
         };
-        const [first, second, third] = await until(() => seen(LIFT / 2), 'the lift', 10);
+        const [first, second, third] = await until(() => seen(LIFT / 2), 'the lift');
         late.b.push(second - first);
         late.native.push(third - first);
         const begun = await seen(BEGUN);
@@ -189,7 +189,7 @@ describe('a room by a link', {timeout: 240000}, () => {
     assert.ok(furthest(places, await poses(a)) <= DRAGGED, 'nothing was dragged');
     assert.deepEqual(late.complaints, []);
     await late.context().close();
-    await until(async () => await others(a) === 2, 'the late joiner to go', 30);
+    await until(async () => await others(a) === 2, 'the late joiner to go');
   });
 
   test('a reload comes back to the same room', async () => {
@@ -289,7 +289,7 @@ describe('a room by a link', {timeout: 240000}, () => {
   });
 });
 
-describe('pages that cannot meet', {timeout: 120000}, () => {
+describe('pages that cannot meet', {timeout: 300000}, () => {
   test('go through the server, on a phone as well', async () => {
     const server = await startServer(['--no-key']);
     const browser = await startBrowser();

@@ -26,7 +26,7 @@ export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 export const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
 
 /** Waits until `check` gives something. */
-export async function until(check, what, seconds = 20) {
+export async function until(check, what, seconds = 60) {
   for (const end = Date.now() + 1000 * seconds; Date.now() < end;) {
     const got = await check();
     if (got) return got;

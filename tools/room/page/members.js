@@ -17,7 +17,7 @@ export const HAND = 4;        // where the sender's hand is
 const isReliable = (channel) => channel === CONSTRAINTS || channel === WORDS;
 const encode = (value) => new TextEncoder().encode(JSON.stringify(value));
 const TRY_AGAIN_MS = 8000;
-const SILENT_MS = 4000;   // who takes part says so ten times a second
+const SILENT_MS = 8000;   // who takes part says so ten times a second
 const AWAY_MS = 90000;    // of a page that is not seen, whose timers hardly run
 
 /** One of the others. */
@@ -97,6 +97,8 @@ export class Members {
       const silent = performance.now() - member.heard > (member.away ? AWAY_MS : SILENT_MS);
       if (silent && member.direct?.open) {
         member.direct.close();
+        member.direct = null;
+        this.#seal(member, new Uint8Array([WORDS, ...encode({rtc: {closed: true}})]));
         this.#check(member);
       }
       this.#meet(member);
@@ -193,6 +195,11 @@ export class Members {
     if (typeof words.away === 'boolean' && words.away !== member.away) {
       member.away = words.away;
       this.listener.changed();
+    }
+    if (words.rtc?.closed === true) {
+      member.direct?.close();
+      member.direct = null;
+      return this.#check(member);
     }
     if (words.rtc && typeof words.rtc === 'object' && !this.relayed) this.#directOf(member, false)?.hear(words.rtc);
     this.listener.words(member, words);

@@ -16,6 +16,7 @@ const TOO_LATE_MS = 250;     // what was not stepped in time is left out
 const ASLEEP_MS = 1000;      // the page did not run for so long
 const DIGEST_EVERY = 30;     // steps
 const HAND_EVERY = 3;        // steps
+const HAVE_EVERY = 120;      // steps
 const AWAY_EVERY_MS = 2000;
 const ASK_SOON_MS = 200;
 const ASK_TIME_MS = 10000;
@@ -152,6 +153,8 @@ export class Session {
       this.members.sendAll(DIGEST, this.world.digest(this.now));
       this.members.tend();
     }
+    // Where ways change words may be lost: who has less is told all.
+    if (this.#step % HAVE_EVERY === 0) this.members.sayAll({have: this.world.made.length});
     if (this.hand && this.#step % HAND_EVERY === 0) this.members.sendAll(HAND, this.#handBytes());
   }
   /** What others have said of their bodies, once this world is as far. */
@@ -180,11 +183,14 @@ export class Session {
     this.changed();
   }
   #came(member) {
+    this.#tellMade(member);
+    if (this.away) this.members.say(member.id, {away: true});
+    this.#changed();
+  }
+  #tellMade(member) {
     for (let first = 0; first < this.world.made.length; first += MADE_EACH) {
       this.members.say(member.id, {made: this.world.made.slice(first, first + MADE_EACH)});
     }
-    if (this.away) this.members.say(member.id, {away: true});
-    this.#changed();
   }
   #left(member) {
     this.apart.delete(member.id);
@@ -200,6 +206,7 @@ export class Session {
     return true;
   }
   #words(member, words) {
+    if (words.have < this.world.made.length) this.#tellMade(member);
     if (Array.isArray(words.made)) for (const def of words.made.slice(0, MADE_EACH)) this.#made(def);
   }
   #heard(member, channel, bytes) {

@@ -19,7 +19,8 @@ constexpr double kDt = 1.0 / 60.0;                    // s
 constexpr int kMostSteps = 8;                         // at once
 constexpr consensus::SessionTime kTooLate = 250'000'000;
 constexpr consensus::SessionTime kDigestEvery = 500'000'000;
-constexpr int kHandEvery = 3;  // steps
+constexpr int kHandEvery = 3;    // steps
+constexpr int kHaveEvery = 120;  // steps
 
 // A hand, as the live view has it (docs/view.md).
 constexpr double kFastest = 2.0;      // m/s
@@ -93,6 +94,7 @@ void RoomPeer::step() {
   time_ += kStep;
   peer_.after_step(time_);
   if (time_ - told_ >= kDigestEvery) send_digest();
+  if (time_ / kStep % kHaveEvery == 0) say_have();
   if (hand_ && --until_hand_ <= 0) send_hand();
 }
 
@@ -148,6 +150,10 @@ void RoomPeer::hear_words(MemberId from, std::string_view text) {
   if (const auto away = words.find("away"); away != words.end() && away->is_boolean()) {
     transport_.set_away(from, away->get<bool>());
   }
+  // Where ways change words may be lost: who has less is told all.
+  if (const auto have = words.find("have"); have != words.end() && have->is_number()) {
+    if (have->get<double>() < static_cast<double>(made_.size())) say_made(from);
+  }
   if (const auto made = words.find("made"); made != words.end() && made->is_array()) {
     for (const json& one : *made) {
       const std::string body = one.dump();
@@ -187,6 +193,12 @@ void RoomPeer::send_digest() {
     for (int i = 0; i < 3; ++i) append_float(out, at[i]);
   }
   send_all(Channel::Digest, out);
+}
+
+void RoomPeer::say_have() {
+  const std::string text = "{\"have\":" + std::to_string(made_.size()) + "}";
+  const std::span<const std::uint8_t> bytes = bytes_of(text);
+  send_all(Channel::Words, Bytes(bytes.begin(), bytes.end()));
 }
 
 void RoomPeer::send_hand() {

@@ -54,6 +54,7 @@ class RoomPeer {
   void share(const RoomScene::Body& body);
   void say_made(MemberId to);
   void send_digest();
+  void say_have();
   void send_hand();
   void send_all(Channel channel, const Bytes& bytes);
 
