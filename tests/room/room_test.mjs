@@ -8,6 +8,7 @@ import {ask, direct, distance, furthest, openPage, others, pause, pose, poses, s
         until} from './support.mjs';
 
 const CUBE = 'cube/9';   // the uppermost one
+const PLANK = 'plank/0'; // lies by itself, and lies down again
 const LIFT = 0.08;       // m
 const MARGIN = 0.1;      // s, that a pull may take beyond the way
 const AT_REST = 1e-3;    // m
@@ -126,12 +127,12 @@ describe('a room by a link', {timeout: 600000}, () => {
       await ask(a, `(session.members.delay = ${delay})`);
       const late = {b: [], native: [], begun: []};
       for (let k = 0; k < PULLS; ++k) {
-        await Promise.all([track(a, CUBE), track(b, CUBE)]);
+        await Promise.all([track(a, PLANK), track(b, PLANK)]);
         native.track.length = 0;
-        native.say(`watch ${CUBE}`);
+        native.say(`watch ${PLANK}`);
         await until(() => native.track.length > 0, 'the native peer to watch');
-        const low = (await pose(a, CUBE))[2];
-        const putBack = await lift(a, CUBE);
+        const low = (await pose(a, PLANK))[2];
+        const putBack = await lift(a, PLANK);
         const seen = async (height) => {
           const points = await Promise.all([a, b].map((page) => page.evaluate(() => window.track)));
           const places = native.track.map(({time, at}) => [time, at[2]]);
@@ -203,7 +204,7 @@ describe('a room by a link', {timeout: 600000}, () => {
   });
 
   test('a page in the background takes no part, catches up, and drags nobody', async () => {
-    await lift(b, CUBE);
+    await lift(b, PLANK);
     await hide(b, true);
     assert.equal(await ask(b, 'session.hand'), null);
     await b.mouse.up();
@@ -274,9 +275,9 @@ describe('a room by a link', {timeout: 600000}, () => {
     const token = new URL(server.url).pathname.slice(1, -1);
     await server.stop('SIGKILL');
     await until(async () => await others(a) === 1 && await others(b) === 1, 'each other alone');
-    const low = (await pose(b, CUBE))[2];
-    const putBack = await lift(a, CUBE);
-    await until(async () => (await pose(b, CUBE))[2] > low + LIFT / 2, 'the lift');
+    const low = (await pose(b, PLANK))[2];
+    const putBack = await lift(a, PLANK);
+    await until(async () => (await pose(b, PLANK))[2] > low + LIFT / 2, 'the lift');
     await putBack();
     await atRest([a, b], null, 'without a server');
     assert.match(await a.textContent('#state'), /server is gone/);

@@ -24,7 +24,7 @@ const AWAY_MS = 90000;    // of a page that is not seen, whose timers hardly run
 class Member {
   constructor(id) {
     Object.assign(this, {id, name: '', colour: '#888888', listed: false, here: false, away: false, dropped: false,
-                         direct: null, tried: -Infinity, heard: 0, canMeet: false});
+                         direct: null, tried: -Infinity, heard: 0, told: -Infinity, canMeet: false});
   }
 }
 

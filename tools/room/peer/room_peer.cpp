@@ -19,6 +19,7 @@ constexpr double kDt = 1.0 / 60.0;                    // s
 constexpr int kMostSteps = 8;                         // at once
 constexpr consensus::SessionTime kTooLate = 250'000'000;
 constexpr consensus::SessionTime kDigestEvery = 500'000'000;
+constexpr consensus::SessionTime kTellEvery = 1'000'000'000;
 constexpr int kHandEvery = 3;    // steps
 constexpr int kHaveEvery = 120;  // steps
 
@@ -48,8 +49,6 @@ void append_float(Bytes& out, double value) {
 consensus::PeerOptions peer_options() {
   consensus::PeerOptions options;
   options.sending.format = consensus::StateFormat::Compact;
-  options.sending.tolerance = 2e-4;
-  options.replay.budget = 1.0;
   return options;
 }
 
@@ -152,7 +151,9 @@ void RoomPeer::hear_words(MemberId from, std::string_view text) {
   }
   // Where ways change words may be lost: who has less is told all.
   if (const auto have = words.find("have"); have != words.end() && have->is_number()) {
-    if (have->get<double>() < static_cast<double>(made_.size())) say_made(from);
+    const bool less = have->get<double>() < static_cast<double>(made_.size());
+    // Nobody makes this peer say all again more often.
+    if (less && time_ - told_made_[from] > kTellEvery) say_made(from);
   }
   if (const auto made = words.find("made"); made != words.end() && made->is_array()) {
     for (const json& one : *made) {
@@ -169,6 +170,7 @@ void RoomPeer::hear_words(MemberId from, std::string_view text) {
 /// over.
 void RoomPeer::say_made(MemberId to) {
   constexpr std::size_t kEach = 64;
+  told_made_[to] = time_;
   for (std::size_t first = 0; first < made_.size(); first += kEach) {
     std::string text = "{\"made\":[";
     for (std::size_t i = first; i < std::min(first + kEach, made_.size()); ++i) {

@@ -65,7 +65,8 @@ class RoomPeer {
   consensus::SessionTime told_ = 0;  ///< ns, of the last digest
   int until_hand_ = 0;               ///< steps until the hand is told of again
   std::optional<Hand> hand_;
-  std::vector<std::string> made_;  ///< JSON of bodies that members have made
+  std::vector<std::string> made_;                         ///< JSON of bodies that members have made
+  std::map<MemberId, consensus::SessionTime> told_made_;  ///< ns, when a member was told of them
   std::vector<RoomTransport::Heard> heard_;
   std::vector<MemberId> newcomers_;
 };
