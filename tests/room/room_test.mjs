@@ -325,3 +325,30 @@ describe('pages that cannot meet', {timeout: 300000}, () => {
     }
   });
 });
+
+describe('the other rooms', {timeout: 300000}, () => {
+  for (const [room, body] of [['piano', 'piano'], ['tennis', 'racket/0']]) {
+    test(`${room}: a page and a native peer move one thing`, async () => {
+      const server = await startServer(['--room', room]);
+      const browser = await startBrowser();
+      let native = null;
+      try {
+        const page = await openPage(browser, server.link);
+        native = await startPeer(server.link, room);
+        await until(async () => await others(page) === 1 && native.others === 1, 'two');
+        await until(() => ask(page, 'session.running'), 'steps');
+        await atRest([page], native, 'to begin with');
+        const [x, y, z] = await pose(page, body);
+        native.say(`pull ${body} ${x + 0.4} ${y} ${z + 0.2}`);
+        await until(async () => (await pose(page, body))[0] > x + 0.2, 'the pull');
+        native.say('release');
+        await atRest([page], native, 'afterwards');
+        assert.deepEqual(page.complaints, []);
+      } finally {
+        native?.say('quit');
+        await browser.close();
+        await server.stop();
+      }
+    });
+  }
+});
