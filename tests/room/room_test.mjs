@@ -224,14 +224,19 @@ describe('a room by a link', {timeout: 600000}, () => {
   });
 
   test('a page that slept for two seconds drags nobody', async () => {
-    await a.evaluate(() => { window.tandemRoom.drawing.look.azimuth += 5; });
     const [x, y, z] = await pose(a, 'ball/1');
+    const steps = await ask(b, 'session.steps');
     native.say(`pull ball/1 ${x - 0.5} ${y} ${z + 0.3}`);
     await b.evaluate(() => { for (const end = performance.now() + 2000; performance.now() < end;); });
-    await until(async () => (await pose(a, 'ball/1'))[0] < x - 0.3, 'the ball');
+    await until(async () => (await pose(a, 'ball/1'))[0] < x - 0.4, 'the ball');
+    // While the other wakes up it stays where it is held.
+    await until(async () => {
+      assert.ok((await pose(a, 'ball/1'))[0] < x - 0.35, 'it was dragged back');
+      return (await ask(b, 'session.steps')) > steps + 60;
+    }, 'the page to go on');
+    await until(async () => (await pose(b, 'ball/1'))[0] < x - 0.4, 'the page to see it');
     native.say('release');
     await atRest([a, b], native, 'after it slept');
-    assert.ok((await pose(a, 'ball/1'))[0] < x - 0.2);
   });
 
   test('a member that says anything at all is cut off, and the others go on', async (t) => {
