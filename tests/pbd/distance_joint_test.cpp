@@ -166,7 +166,8 @@ TEST_CASE("distance_joint: force() is Hooke's force and has a sign", "[pbd][anal
 }
 
 TEST_CASE(
-    "distance_joint: what others agree upon becomes no velocity, what somebody puts there does",
+    "distance_joint: what others agree upon is left to decay, what somebody puts there springs "
+    "back",
     "[pbd][unit]") {
   World world({.gravity = Vec3::Zero()});
   const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
@@ -182,8 +183,9 @@ TEST_CASE(
   solver.step(copy.world(), 1.0 / 60.0);
   const BodyState& after = copy.world().state(body);
   if (agreed) {
-    CHECK(after.twist.linear.norm() < 1e-9);
-    CHECK(after.pose.position.x() == Approx(1.1));
+    // What is left decays, by less than a tenth in a step, and brings no more speed than that.
+    CHECK(after.pose.position.x() > 1.09);
+    CHECK(after.twist.linear.norm() < 0.01 * 60.0);
   } else {
     CHECK(after.pose.position.x() == Approx(1.0).margin(1e-6));
   }
