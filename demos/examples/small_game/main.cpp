@@ -122,7 +122,9 @@ int main() {
   for (int i = 0; i < 480; ++i) {
     const double time = i * kStep;
     network.advance_to(network.now() + 16'666'667);
-    one.play(time > 1.0 && time < 4.0 ? Vec3(1.4, 0.0, 0.0) : Vec3(0.0, 0.0, 0.0), std::nullopt);
+    // Straight on, whatever the door does.
+    const double aside = one.position(one.heroes[0]).y();
+    one.play(time > 1.0 && time < 4.5 ? Vec3(1.4, -2.0 * aside, 0.0) : Vec3::Zero(), std::nullopt);
     std::optional<Car::Controls> wheel;
     if (i == 60) wheel = Car::Controls{.throttle = 0.4, .steer = 0.1};
     if (i == 240) wheel = Car::Controls{.brake = 1.0};
