@@ -3,7 +3,7 @@
 # Copyright (c) 2026 The Tandem authors
 """The C interface as a language sees it that reads no headers: binding.py LIBRARY
 
-The structs are written down once more, as version 1 has them. Where the library's are other ones,
+The structs are written down once more, as version 2 has them. Where the library's are other ones,
 its version must be another one as well: defaults would be misplaced, or what lies behind a struct
 would be written to. Ends with 1 and what does not hold.
 """
@@ -12,7 +12,7 @@ import sys
 from ctypes import (CFUNCTYPE, Structure, byref, c_char, c_double, c_int32, c_int64, c_size_t,
                     c_uint32, c_uint64, c_ubyte, c_void_p)
 
-VERSION = 1
+VERSION = 2
 BEHIND = 64  # bytes that are watched behind each struct
 INVALID_ARGUMENT = 1
 
@@ -49,7 +49,8 @@ JointDef = struct("JointDef", kind=c_int32, a=Id, b=Id, anchor=Vec3, axis=Vec3, 
                   break_torque=c_double)
 Contact = struct("Contact", collider_a=Id, collider_b=Id, body_a=Id, body_b=Id)
 Hit = struct("Hit", contact=Contact, point=Vec3, normal=Vec3, speed=c_double, impulse=c_double)
-PeerDef = struct("PeerDef", update_hz=c_double, influence=c_double, authority_ramp=c_double)
+PeerDef = struct("PeerDef", update_hz=c_double, influence=c_double, authority_ramp=c_double,
+                 compact=c_int32, tolerance=c_double, kbit_per_s=c_double, replay_budget=c_double)
 GrabDef = struct("GrabDef", body=SharedId, attachment=Vec3, anchor=Vec3, stiffness=c_double,
                  damping=c_double, max_force=c_double)
 PeerStats = struct("PeerStats", updates_received=c_uint64, packets_received=c_uint64,
@@ -181,8 +182,9 @@ def session(library, world, body):
     wire.max_packet = 512
     transport = c_void_p(library.call("transport_create", byref(wire), None, result=c_void_p))
     definition = library.made(PeerDef, "peer_def_init")
-    check((definition.update_hz, definition.influence, definition.authority_ramp) ==
-          (60.0, 0.08, 1.0), "defaults of peers")
+    check((definition.update_hz, definition.influence, definition.authority_ramp,
+           definition.compact, definition.tolerance, definition.kbit_per_s,
+           definition.replay_budget) == (60.0, 0.08, 1.0, 0, 0.0, 0.0, 4.0), "defaults of peers")
     peer = c_void_p(library.call("peer_create", world, transport, byref(definition), None,
                                  result=c_void_p))
     name = library.call("shared_id_of", b"ball", result=SharedId)
@@ -211,7 +213,7 @@ def main():
     for failure in failures:
         print(f"binding: does not hold: {failure}")
     if not failures:
-        print("binding: structs and calls are those of version 1")
+        print("binding: structs and calls are those of version 2")
     return 1 if failures else 0
 
 
