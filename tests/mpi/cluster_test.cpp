@@ -174,6 +174,15 @@ ClusterOptions with_gravity(const Vec3& gravity) {
   return options;
 }
 
+/// Whole islands change hands as often as they can.
+ClusterOptions restless() {
+  ClusterOptions options;
+  options.balance_every = 1;
+  options.balance_above = 1.0;
+  options.cut_above = 1.0;
+  return options;
+}
+
 /// A heap of balls and cubes that fall on each other.
 Plans heap() {
   Plans plans;
@@ -254,11 +263,7 @@ TEST_CASE("cluster: islands that stay whole move as without MPI, wherever they g
     plans.ball(0.1, Vec3(-1.0, 1.0 * lane, 0.1), Vec3(speed, 0.0, 0.0));
     plans.ball(0.1, Vec3(0.5, 1.0 * lane + 0.05, 0.3 + 0.1 * (lane % 5)), Vec3(-speed, 0.0, 0.0));
   }
-  ClusterOptions options;
-  options.balance_every = 1;
-  options.balance_above = 1.0;
-  options.cut_above = 1.0;
-  Cluster cluster(options);
+  Cluster cluster(restless());
   fill(cluster, plans);
   Whole whole(plans);
   for (int k = 0; k < 120; ++k) {
@@ -276,11 +281,7 @@ TEST_CASE("cluster: hulls go from rank to rank as their numbers", "[mpi]") {
     plans.crystal(Vec3(-1.0, 1.0 * lane, 0.3), Vec3(0.5 + 0.4 * (lane % 7), 0.0, 0.0));
     plans.crystal(Vec3(0.0, 1.0 * lane, 0.2), Vec3::Zero());
   }
-  ClusterOptions options;
-  options.balance_every = 1;
-  options.balance_above = 1.0;
-  options.cut_above = 1.0;
-  Cluster cluster(options);
+  Cluster cluster(restless());
   fill(cluster, plans);
   for (int k = 0; k < 180; ++k) cluster.step(kFrame);
   const std::uint64_t migrated = sum_of(cluster.state().migrated);

@@ -69,11 +69,11 @@ class Extrapolator final : public Predictor {
   /// Of an owner's body gravity where it is free, else what was measured, while that changes
   /// slowly. Whatever is not owned answers to this peer's guess, and a guess of its acceleration
   /// swings: copies of the piano at profile 5 had turned 15 degrees apart (p95), and 0.7 without
-  /// it; cubes of two Bullets were 8 to 27 mm apart, and 4 without it.
+  /// it.
   Vec3 acceleration_of(const StateUpdate& update, const PredictionContext& context) const {
+    if (!(update.influence >= 1.0F)) return Vec3::Zero();
     PredictorMemory* const memory = context.memory;
     if (memory != nullptr && update.stamp > memory->stamp) measure(update, *memory);
-    if (!(update.influence >= 1.0F)) return Vec3::Zero();
     if (is_free(update)) return context.gravity;
     if (memory == nullptr) return Vec3::Zero();
     const double fit = std::clamp(2.0 - 2.0 * memory->frequency / kMaxFrequency, 0.0, 1.0);
