@@ -107,6 +107,31 @@ TEST_CASE("sending: copies at one place off the lattice are not drawn to it", "[
   }
 }
 
+TEST_CASE("sending: what is damped comes to rest though its velocity is rounded", "[consensus]") {
+  // In a step the damping takes less than half a quantum from here on: 40 mm/s.
+  constexpr double kDamping = 0.8;  // 1/s
+  constexpr double kSeconds = 8.0;
+  const Vec3 v(0.03, 0.01, 0.0);
+  Session session({.latency = 0.01});
+  for (PeerId id = 1; id <= 3; ++id) {
+    Site& site = session.add(id, 0.004 * static_cast<double>(id - 1), compact(), kWeightless);
+    tandem::pbd::BodyDef def = ball(Vec3::Zero(), v);
+    def.twist.angular = Vec3(0.02, -0.03, 0.0);
+    def.linear_damping = kDamping;
+    def.angular_damping = kDamping;
+    site.share(def);
+  }
+  session.run(kSeconds);
+  const double left = std::exp(-kDamping * kSeconds);
+  for (auto& site : session.sites) {
+    INFO("peer " << site->id);
+    CHECK(site->v().norm() <= 1.2 * left * v.norm());
+    // Half a step of the way at the start, as long again for the phases, and half a quantum.
+    const double tolerance = v.norm() / 60.0 + 0.5 * kPositionQuantum;
+    CHECK((site->x() - v / kDamping).norm() < tolerance);
+  }
+}
+
 TEST_CASE("sending: rounded states agree as well as full ones", "[consensus]") {
   const auto gap_after = [](const PeerOptions& options) {
     Session session({.latency = 0.05, .jitter = 0.002});

@@ -24,6 +24,13 @@ double shrunk(double value, double limit) {
   return std::copysign(std::max(0.0, std::abs(value) - limit), value);
 }
 
+/// What rounds to `value` and is nearest to `own`, component by component.
+pbd::Vec3 nearest(const pbd::Vec3& own, const pbd::Vec3& value, double half_quantum) {
+  pbd::Vec3 out;
+  for (int i = 0; i < 3; ++i) out[i] = own[i] + shrunk(value[i] - own[i], half_quantum);
+  return out;
+}
+
 /// Lengths as well: they are what a rotation and a distance are made from.
 bool finite(const Prediction& p) {
   return std::isfinite(p.translation.squaredNorm()) && std::isfinite(p.rotation.squaredNorm()) &&
@@ -44,23 +51,24 @@ const StateUpdate& RemoteStates::as_meant(const Inbox::Received& received,
                                           const SharedBody& shared) {
   const StateUpdate& update = received.update;
   const bool oriented = update.oriented && shared.def.orientation;
-  const bool rests = update.flags.resting || (update.rounded && is_slow(update.twist));
-  if (!rests && oriented) return update;
+  if (!update.flags.resting && !update.rounded && oriented) return update;
   meant_ = update;
   meant_.stamp = data_.inbox.holds_until(received);
-  const pbd::Pose own = data_.history.state_at(shared.def.body.index, meant_.stamp).pose;
-  if (!oriented) meant_.pose.orientation = own.orientation;
-  if (!rests || !update.rounded) return meant_;
-  // What rounds to the same is the same: else every resting body would be drawn to the lattice.
-  for (int i = 0; i < 3; ++i) {
-    const double apart = update.pose.position[i] - own.position[i];
-    meant_.pose.position[i] = own.position[i] + shrunk(apart, 0.5 * kPositionQuantum);
-  }
+  const pbd::BodyState own =
+      data_.history.state_beside(shared.def.body.index, meant_.stamp, update.twist);
+  if (!oriented) meant_.pose.orientation = own.pose.orientation;
+  if (!update.rounded) return meant_;
+  // What rounds to the same is the same: else each body would be drawn to the lattice, and one that
+  // slows down would be kept at a multiple of the speed's quantum.
+  meant_.pose.position = nearest(own.pose.position, update.pose.position, 0.5 * kPositionQuantum);
+  meant_.twist.linear = nearest(own.twist.linear, update.twist.linear, 0.5 * kLinearSpeedQuantum);
+  meant_.twist.angular =
+      nearest(own.twist.angular, update.twist.angular, 0.5 * kAngularSpeedQuantum);
   if (oriented) {
-    const pbd::Vec3 turn = pbd::rotation_between(own.orientation, update.pose.orientation);
+    const pbd::Vec3 turn = pbd::rotation_between(own.pose.orientation, update.pose.orientation);
     const double angle = turn.norm();
     const double left = angle > 0.0 ? shrunk(angle, kRoundedAngle) / angle : 0.0;
-    meant_.pose.orientation = pbd::rotated(own.orientation, left * turn);
+    meant_.pose.orientation = pbd::rotated(own.pose.orientation, left * turn);
   }
   return meant_;
 }
