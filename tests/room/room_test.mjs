@@ -19,11 +19,16 @@ const SLACK = 0.03;      // s, of two clocks and steps
 const PULLS = 3;         // of which the middle one counts: the machine may do something else meanwhile
 const refusal = /WebSocket connection to .* failed/;  // what Chromium says of a server that is gone
 
-/** Lifts a body of the page with its mouse. @returns {Promise<function()>}  what puts it back */
-async function lift(page, name) {
+/** Where a body is on the page, in pixels, once it is drawn as it is now. */
+async function place(page, name) {
   const drawn = await ask(page, 'drawing.drawn');
   await until(() => ask(page, `drawing.drawn > ${drawn} + 1`), 'a picture');
-  const [x, y] = await ask(page, `drawing.project([...session.world.find('${name}').body.position])`);
+  return ask(page, `drawing.project([...session.world.find('${name}').body.position])`);
+}
+
+/** Lifts a body of the page with its mouse. @returns {Promise<function()>}  what puts it back */
+async function lift(page, name) {
+  const [x, y] = await place(page, name);
   await page.mouse.move(x, y);
   await page.mouse.down();
   await until(() => ask(page, 'session.hand?.held.name'), 'a hand');
@@ -203,9 +208,10 @@ describe('a room by a link', {timeout: 600000}, () => {
     assert.ok(furthest(places, await poses(b)) <= DRAGGED, 'it is where it was left');
   });
 
-  test('a page in the background takes no part, catches up, and drags nobody', async () => {
+  test('a page in the background takes no part, catches up, and drags nobody', async (t) => {
     await lift(b, PLANK);
     await hide(b, true);
+    t.after(() => hide(b, false));
     assert.equal(await ask(b, 'session.hand'), null);
     await b.mouse.up();
     await until(() => ask(a, 'session.members.here.some((m) => m.away)'), 'the others to know');
@@ -313,9 +319,11 @@ describe('pages that cannot meet', {timeout: 300000}, () => {
       // A finger.
       const session = await b.context().newCDPSession(b);
       const low = (await pose(a, CUBE))[2];
-      const [x, y] = await ask(b, `drawing.project([...session.world.find('${CUBE}').body.position])`);
+      const [x, y] = await place(b, CUBE);
       const touch = (type, points) => session.send('Input.dispatchTouchEvent', {type, touchPoints: points});
       await touch('touchStart', [{x, y}]);
+      await until(() => ask(b, 'session.hand?.held.name'), 'a hand');
+      assert.equal(await ask(b, 'session.hand.held.name'), CUBE);
       for (let i = 1; i <= 8; ++i) await touch('touchMove', [{x, y: y - 8 * i}]);
       await until(async () => (await pose(a, CUBE))[2] > low + LIFT / 2, 'the lift');
       await touch('touchEnd', []);
