@@ -15,7 +15,7 @@ namespace tandem::pbd {
 void Solver::Impl::begin_step(World& world, double dt) {
   world_ = &world;
   dt_ = dt;
-  clock_.start(options_.measure_stages);
+  clock_.start(options_.measure_stages, options_.observer);
   reset_report();
   BodyBuffer::aim_kinematic(world, dt);
   detect();

@@ -6,21 +6,24 @@
 #include <chrono>
 
 #include "tandem/pbd/report.h"
+#include "tandem/pbd/stage_observer.h"
 
 namespace tandem::pbd {
 
-/// Adds the time since the last call to a stage.
+/// Adds the time since the last call to a stage, and tells the observer, if there is one.
 class StageClock {
  public:
-  void start(bool enabled) {
+  void start(bool enabled, StageObserver* observer) {
     seconds_.fill(0.0);
-    enabled_ = enabled;
+    observer_ = observer;
+    enabled_ = enabled || observer != nullptr;
     if (enabled_) last_ = std::chrono::steady_clock::now();
   }
   void stop(Stage stage) {
     if (!enabled_) return;
     const auto now = std::chrono::steady_clock::now();
     seconds_[static_cast<std::size_t>(stage)] += std::chrono::duration<double>(now - last_).count();
+    if (observer_ != nullptr) observer_->on_stage(stage, last_, now);
     last_ = now;
   }
   const std::array<double, kStageCount>& seconds() const { return seconds_; }
@@ -28,6 +31,7 @@ class StageClock {
  private:
   std::array<double, kStageCount> seconds_{};
   std::chrono::steady_clock::time_point last_;
+  StageObserver* observer_ = nullptr;
   bool enabled_ = false;
 };
 

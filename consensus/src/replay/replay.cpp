@@ -63,6 +63,7 @@ void Replay::set_solver(const pbd::SolverOptions& options) {
   solved_with_ = options;
   pbd::SolverOptions own = options;
   own.measure_stages = false;
+  own.observer = nullptr;
   solver_.emplace(own);
 }
 

@@ -8,6 +8,7 @@
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/report.h"
+#include "tandem/pbd/stage_observer.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
@@ -40,6 +41,8 @@ struct TANDEM_API SolverOptions {
   int threads = 1;
   /// Read the clock around each stage.
   bool measure_stages = true;
+  /// Told of each stage, for profilers; outlives the solver. None costs nothing.
+  StageObserver* observer = nullptr;
 
   /// Whether all fields are within their rules; if not, `error` names field, value and rule.
   bool validate(std::string* error = nullptr) const;
