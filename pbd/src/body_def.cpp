@@ -36,6 +36,7 @@ void check_def(const BodyDef& def) {
   detail::require(std::isfinite(def.gravity_scale), kKind, "gravity_scale", def.gravity_scale,
                   "finite");
   check_damping(def.linear_damping, def.angular_damping, kKind);
+  detail::require_finite(def.origin, kKind, "origin");
   if (def.type != BodyType::Dynamic) return;
   detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
                   "finite and > 0");
@@ -60,6 +61,7 @@ BodyProps make_props(const BodyDef& def) {
   props.type = def.type;
   props.gravity_scale = def.gravity_scale;
   props.stable_id = def.stable_id;
+  props.origin = def.origin;
   if (def.type == BodyType::Dynamic) {
     props.mass = def.mass;
     props.inverse_mass = 1.0 / def.mass;

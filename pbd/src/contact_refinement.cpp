@@ -52,6 +52,9 @@ void ContactBlock::Impl::want_substeps(const SubstepContext& ctx, std::span<doub
     const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
     const double load = contact.impulse / ctx.h;  // N, mean of the step
     island.ratio2 += load * load * lightness * lightness / (gravity * gravity);
+    // What cannot turn does not topple.
+    const SolverBody& body = ctx.bodies[movable];
+    if (!body.turns_freely && body.inv_inertia_w.isZero(0.0)) continue;
     const ManifoldPoint& point = contact.manifold.points[0];
     const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;

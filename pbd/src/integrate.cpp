@@ -62,6 +62,10 @@ void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result) {
     tensor_to_world(q, props.inverse_inertia, result);
     return;
   }
+  if (locked[0] && locked[1] && locked[2]) {
+    result.setZero();
+    return;
+  }
   Mat3 inertia = tensor_to_world(q, props.inertia);
   for (int axis = 0; axis < 3; ++axis) {
     if (!locked[static_cast<std::size_t>(axis)]) continue;

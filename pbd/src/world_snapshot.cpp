@@ -16,7 +16,7 @@ namespace tandem::pbd {
 namespace {
 
 constexpr std::uint32_t kSnapshotMagic = 0x53444e54;  // "TNDS"
-constexpr std::uint32_t kSnapshotVersion = 6;
+constexpr std::uint32_t kSnapshotVersion = 7;
 
 /// Bytes before the state, and after it: see snapshot().
 constexpr std::size_t kHeadBytes = 4 + 4 + 4 + 8 + 1;
@@ -24,7 +24,7 @@ constexpr std::size_t kCheckBytes = 8;
 
 /// Bytes of one slot: head, properties, activity, state.
 constexpr std::size_t kBytesPerSlot =
-    (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8) + (1 + 1 + 4 + 8) + 13 * 8;
+    (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8 + 3 * 8) + (1 + 1 + 4 + 8) + 13 * 8;
 
 void save_props(ByteWriter& out, const BodyProps& props) {
   out.u8(static_cast<std::uint8_t>(props.type));
@@ -40,6 +40,7 @@ void save_props(ByteWriter& out, const BodyProps& props) {
   for (int k = 0; k < 9; ++k) out.f64(props.inverse_inertia(k / 3, k % 3));
   out.u8(props.stable_id ? 1 : 0);
   out.u64(props.stable_id.value_or(0));
+  out.vec3(props.origin);
 }
 
 void load_props(ByteReader& in, BodyProps& props) {
@@ -57,6 +58,7 @@ void load_props(ByteReader& in, BodyProps& props) {
   const bool named = in.u8() != 0;
   const std::uint64_t id = in.u64();
   props.stable_id = named ? std::optional(id) : std::nullopt;
+  props.origin = in.vec3();
 }
 
 void save_activity(ByteWriter& out, const BodyActivity& activity) {
@@ -104,7 +106,8 @@ bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const B
                .inertia = props.inertia,
                .gravity_scale = props.gravity_scale,
                .linear_damping = props.linear_damping,
-               .angular_damping = props.angular_damping});
+               .angular_damping = props.angular_damping,
+               .origin = props.origin});
   } catch (const std::invalid_argument&) {
     return false;
   }

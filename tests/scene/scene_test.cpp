@@ -144,6 +144,22 @@ TEST_CASE("scene: a shape is where it was placed, its centre of mass where the f
   CHECK(past.pose(after).position == Vec3(5.0, 0.0, 0.0));
 }
 
+TEST_CASE("scene: a restored body has its own centre, whoever had its slot in between",
+          "[scene][snapshot]") {
+  const Pose place{Vec3(1.0, 2.0, 3.0), Quat(Eigen::AngleAxisd(0.4, Vec3::UnitY()))};
+  Scene scene({.gravity = Vec3::Zero()});
+  const BodyId cone = scene.add(Cone{0.2, 0.4}, {.pose = place});
+  const auto bytes = scene.world().snapshot();
+  scene.remove(cone);
+  const BodyId other = scene.add(Cone{0.2, 0.8});
+  REQUIRE(other.index == cone.index);
+  scene.world().restore(bytes);
+  REQUIRE(scene.world().contains(cone));
+  CHECK((scene.pose(cone).position - place.position).norm() < 1e-14);
+  scene.set_pose(cone, {});
+  CHECK(scene.world().pose(cone).position.z() == Approx(-0.2));
+}
+
 TEST_CASE("scene: a dumbbell weighs what its parts do", "[scene][analytic]") {
   Scene scene;
   const std::vector<collision::CompoundPart> parts{

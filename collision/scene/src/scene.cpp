@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "tandem/pbd/validate.h"
 
@@ -26,7 +25,10 @@ pbd::BodyDef body_of(const SolidDef& def, const collision::MassProperties& solid
                     .can_sleep = def.can_sleep,
                     .stable_id = def.stable_id,
                     .user_data = def.user_data};
-  if (!solid.com.isZero(0.0)) body.pose.position = def.pose.to_world(solid.com);
+  if (!solid.com.isZero(0.0)) {  // -0 would not be the same bits
+    body.pose.position = def.pose.to_world(solid.com);
+    body.origin = -solid.com;
+  }
   return body;
 }
 
@@ -87,29 +89,14 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
     try {
       collision::ColliderDef surface = surface_of(def);
       surface.body = id;
-      const bool apart = !solid.com.isZero(0.0);
-      if (apart) surface.local.position = -solid.com;  // -0 would not be the same bits
+      surface.local.position = world.props(id).origin;
       attach(surface);
-      if (apart && centres.size() <= id.index) centres.resize(id.index + 1);
-      // Written for each body: a restored world may give an id again that another body had.
-      if (id.index < centres.size()) centres[id.index] = {id.generation, solid.com};
     } catch (...) {
       world.remove_body(id);
       throw;
     }
     return id;
   }
-
-  /// m, of mass, in the frame of the body's shapes.
-  Vec3 centre(BodyId id) const {
-    const bool known = id.index < centres.size() && centres[id.index].generation == id.generation;
-    return known ? centres[id.index].centre : Vec3::Zero();
-  }
-
-  struct Centre {
-    std::uint32_t generation = 0;  ///< of the body that it belongs to
-    Vec3 centre = Vec3::Zero();
-  };
 
   collision::CollisionScene shapes;  ///< lives longer than the world, which asks it
   pbd::World world;
@@ -118,7 +105,6 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
   std::optional<collision::ContactEvents> events;  ///< none: nobody has asked
   std::optional<collision::SceneQuery> query;      ///< likewise
   std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
-  std::vector<Centre> centres;  ///< by slot; those behind its end are 0
 };
 
 Scene::Scene(const SceneOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -144,15 +130,15 @@ std::int32_t Scene::new_group() { return impl_->next_group++; }
 
 Pose Scene::pose(BodyId body) const {
   Pose pose = impl_->world.pose(body);
-  const Vec3 centre = impl_->centre(body);
-  if (!centre.isZero(0.0)) pose.position = pose.to_world(-centre);
+  const Vec3& origin = impl_->world.props(body).origin;
+  if (!origin.isZero(0.0)) pose.position = pose.to_world(origin);
   return pose;
 }
 
 void Scene::set_pose(BodyId body, const Pose& pose) {
-  const Vec3 centre = impl_->centre(body);
+  const Vec3& origin = impl_->world.props(body).origin;
   impl_->world.set_pose(
-      body, {centre.isZero(0.0) ? pose.position : pose.to_world(centre), pose.orientation});
+      body, {origin.isZero(0.0) ? pose.position : pose.to_world(-origin), pose.orientation});
 }
 
 const pbd::StepReport& Scene::step(double dt) noexcept {

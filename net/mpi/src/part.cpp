@@ -38,6 +38,7 @@ pbd::BodyDef def_of(const pbd::World& world, std::uint32_t slot) {
   def.bullet = props.bullet;
   def.can_sleep = props.can_sleep;
   def.stable_id = props.stable_id;
+  def.origin = props.origin;
   def.user_data = world.user_data(world.body_at(slot));
   return def;
 }
@@ -194,6 +195,7 @@ void Part::write(std::uint32_t slot, Bytes& bytes) const {
   out.put(def.locks);
   out.put<std::uint8_t>(static_cast<std::uint8_t>((def.bullet ? 1 : 0) | (def.can_sleep ? 2 : 0)));
   out.put(def.user_data);
+  out.doubles({def.origin.data(), 3});
   write_state(world_.states()[slot], out);
   write_activity(world_.activities()[slot], out);
   out.put(static_cast<std::uint32_t>(colliders_[slot].size()));
@@ -215,6 +217,7 @@ std::uint32_t Part::read(MessageReader& in, bool copy) {
   def.bullet = (flags & 1) != 0;
   def.can_sleep = (flags & 2) != 0;
   def.user_data = in.get<std::uint64_t>();
+  def.origin = in.vec3();
   const pbd::BodyState state = read_state(in);
   const pbd::BodyActivity activity = read_activity(in);
   const auto count = in.get<std::uint32_t>();

@@ -92,8 +92,7 @@ class TANDEM_API Scene {
 
   /// Where the shape is, as SolidDef::pose. World::pose() is that of the centre of mass: another
   /// place for cones, and for hulls, meshes and compounds about another point.
-  /// Not part of snapshots: of a body that a restored world brings back, wrong where its slot has
-  /// been used for another such shape in between.
+  /// It is BodyProps::origin, and so part of snapshots.
   Pose pose(BodyId body) const;
   void set_pose(BodyId body, const Pose& pose);
 

@@ -59,6 +59,9 @@ struct TANDEM_API BodyDef {
   /// BodyOrder.
   std::optional<std::uint64_t> stable_id = {};
   std::uint64_t user_data = 0;  ///< see World::user_data()
+  /// m, body frame: where the application has the body's origin, which need not be the centre of
+  /// mass. Nothing here reads it; it goes with the body into snapshots.
+  Vec3 origin = Vec3::Zero();
 };
 
 /// What a body is between two steps.
@@ -81,6 +84,7 @@ struct TANDEM_API BodyProps {
   bool bullet = false;
   bool can_sleep = true;
   std::optional<std::uint64_t> stable_id;
+  Vec3 origin = Vec3::Zero();  ///< m, body frame: the application's
 };
 
 /// What the solver remembers of a body from step to step.

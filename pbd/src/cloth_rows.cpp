@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What the rows of a ClothBlock are, as bytes. An object of its own: see cloth_block.cpp.
+#include "cloth_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/pbd/world.h"
+
+namespace tandem::pbd {
+namespace {
+
+void save_id(ByteWriter& out, BodyId id) {
+  out.u32(id.index);
+  out.u32(id.generation);
+}
+BodyId load_id(ByteReader& in) {
+  BodyId id;
+  id.index = in.u32();
+  id.generation = in.u32();
+  return id;
+}
+
+/// A count of things of so many bytes each; 0 where there cannot be as many.
+std::uint32_t load_count(ByteReader& in, std::size_t bytes) {
+  const std::uint32_t count = in.u32();
+  if (count <= in.remaining() / bytes) return count;
+  in.fail();
+  return 0;
+}
+
+bool soft_or_rigid(double compliance) { return compliance >= 0.0 && std::isfinite(compliance); }
+bool is_length(double length) { return length > 0.0 && std::isfinite(length); }
+
+bool is_sound(const ClothRows::Mean& mean) {
+  for (std::uint32_t i = 0; i < mean.count; ++i) {
+    if (!std::isfinite(mean.weights[i])) return false;
+    for (std::uint32_t k = 0; k < i; ++k) {
+      if (mean.points[k] == mean.points[i]) return false;
+    }
+  }
+  return soft_or_rigid(mean.compliance);
+}
+
+}  // namespace
+
+std::size_t ClothRows::number() {
+  std::uint32_t at = 0;
+  const auto take = [&](std::uint32_t& place, std::uint32_t scalars) {
+    place = at;
+    at += scalars;
+  };
+  for (Strand& strand : strands) take(strand.at, strand.count - 1);
+  for (Tether& tether : tethers) take(tether.at, 1);
+  for (Mean& mean : means) take(mean.at, 3);
+  for (Attachment& attachment : attachments) take(attachment.at, 3);
+  return at;
+}
+
+bool ClothRows::is_point(BodyId body) const {
+  const auto has = [&](const auto& list) {
+    return std::find(list.begin(), list.end(), body) != list.end();
+  };
+  return has(points) ||
+         std::any_of(tethers.begin(), tethers.end(),
+                     [&](const Tether& t) { return t.a == body || t.b == body; }) ||
+         std::any_of(means.begin(), means.end(), [&](const Mean& m) { return has(m.points); }) ||
+         std::any_of(attachments.begin(), attachments.end(),
+                     [&](const Attachment& a) { return a.particle == body; });
+}
+
+void ClothRows::save(ByteWriter& out) const {
+  out.u64(next_id);
+  out.u32(static_cast<std::uint32_t>(strands.size()));
+  for (const Strand& strand : strands) {
+    out.u64(strand.id);
+    out.f64(strand.compliance);
+    out.u32(strand.count);
+    for (std::uint32_t i = strand.first; i < strand.first + strand.count; ++i) {
+      save_id(out, points[i]);
+      out.f64(lengths[i]);
+    }
+  }
+  out.u32(static_cast<std::uint32_t>(tethers.size()));
+  for (const Tether& tether : tethers) {
+    out.u64(tether.id);
+    save_id(out, tether.a);
+    save_id(out, tether.b);
+    out.f64(tether.length);
+  }
+  out.u32(static_cast<std::uint32_t>(means.size()));
+  for (const Mean& mean : means) {
+    out.u64(mean.id);
+    out.f64(mean.compliance);
+    out.u8(mean.leads ? 1 : 0);
+    out.u32(mean.count);
+    for (std::uint32_t i = 0; i < mean.count; ++i) {
+      save_id(out, mean.points[i]);
+      out.f64(mean.weights[i]);
+    }
+  }
+  out.u32(static_cast<std::uint32_t>(attachments.size()));
+  for (const Attachment& attachment : attachments) {
+    out.u64(attachment.id);
+    save_id(out, attachment.particle);
+    save_id(out, attachment.host);
+    out.vec3(attachment.anchor_l);
+  }
+}
+
+void ClothRows::load(ByteReader& in) {
+  *this = {};
+  next_id = in.u64();
+  const std::uint32_t strand_count = load_count(in, 8 + 8 + 4);
+  for (std::uint32_t n = 0; n < strand_count && !in.failed(); ++n) {
+    Strand strand{.id = in.u64(), .compliance = in.f64()};
+    strand.first = static_cast<std::uint32_t>(points.size());
+    strand.count = load_count(in, 8 + 8);
+    if (strand.count < 2) return in.fail();
+    for (std::uint32_t i = 0; i < strand.count; ++i) {
+      points.push_back(load_id(in));
+      lengths.push_back(in.f64());
+    }
+    strands.push_back(strand);
+  }
+  const std::uint32_t tether_count = load_count(in, 8 + 16 + 8);
+  for (std::uint32_t n = 0; n < tether_count && !in.failed(); ++n) {
+    Tether tether{.id = in.u64()};
+    tether.a = load_id(in);
+    tether.b = load_id(in);
+    tether.length = in.f64();
+    tethers.push_back(tether);
+  }
+  const std::uint32_t mean_count = load_count(in, 8 + 8 + 1 + 4);
+  for (std::uint32_t n = 0; n < mean_count && !in.failed(); ++n) {
+    Mean mean{.id = in.u64()};
+    mean.compliance = in.f64();
+    mean.leads = in.u8() != 0;
+    mean.count = in.u32();
+    if (mean.count < 2 || mean.count > MeanDef::kMaxPoints) return in.fail();
+    for (std::uint32_t i = 0; i < mean.count; ++i) {
+      mean.points[i] = load_id(in);
+      mean.weights[i] = in.f64();
+    }
+    means.push_back(mean);
+  }
+  const std::uint32_t attachment_count = load_count(in, 8 + 16 + 24);
+  for (std::uint32_t n = 0; n < attachment_count && !in.failed(); ++n) {
+    Attachment attachment{.id = in.u64()};
+    attachment.particle = load_id(in);
+    attachment.host = load_id(in);
+    attachment.anchor_l = in.vec3();
+    attachments.push_back(attachment);
+  }
+  number();
+}
+
+bool ClothRows::fits(const World& world) const {
+  bool fits = true;
+  for_neighbours(
+      [&](BodyId a, BodyId b) { fits = fits && world.contains(a) && world.contains(b) && a != b; });
+  for (const Strand& strand : strands) {
+    fits = fits && soft_or_rigid(strand.compliance);
+    for (std::uint32_t i = 0; i + 1 < strand.count; ++i) {
+      fits = fits && is_length(lengths[strand.first + i]);
+    }
+  }
+  for (const Tether& tether : tethers) fits = fits && is_length(tether.length);
+  for (const Mean& mean : means) fits = fits && is_sound(mean);
+  std::vector<std::uint32_t> held;
+  for (const Attachment& attachment : attachments) {
+    fits = fits && attachment.anchor_l.allFinite();
+    held.push_back(attachment.particle.index);
+    fits = fits && !is_point(attachment.host);
+  }
+  std::sort(held.begin(), held.end());
+  return fits && std::adjacent_find(held.begin(), held.end()) == held.end();
+}
+
+}  // namespace tandem::pbd
