@@ -109,7 +109,8 @@ void ClothBlock::Sweep::find_points(const ClothRows& rows, std::size_t bodies) {
   }
   means_at_ = named_.size();
   for (const ClothRows::Mean& mean : rows.means) {
-    for (std::uint32_t i = 0; i < MeanDef::kMaxPoints; ++i) name(mean.points[i < mean.count ? i : 0]);
+    for (std::uint32_t i = 0; i < MeanDef::kMaxPoints; ++i)
+      name(mean.points[i < mean.count ? i : 0]);
   }
   attachments_at_ = named_.size();
   for (const ClothRows::Attachment& a : rows.attachments) name(a.particle);

@@ -41,19 +41,18 @@ double share_at(int index, int count) { return index == 0 || index + 1 == count 
 
 }  // namespace
 
-Cloth::Cloth(pbd::World& world, collision::CollisionScene& shapes, const ClothDef& def)
-    : world_(&world), shapes_(&shapes), def_(def) {
+Cloth::Cloth(Scene& scene, const ClothDef& def)
+    : world_(&scene.world()), shapes_(&scene.shapes()), def_(def) {
   check(def);
   detail::ParticleKind kind{def.radius, def.damping, def.material, def.filter};
   detail::check(kind, kKind);
-  if (kind.filter.group == 0) kind.filter.group = detail::group_of(world);
+  if (kind.filter.group == 0) kind.filter.group = scene.new_group();
   const double dx = def.width / (def.columns - 1), dy = def.height / (def.rows - 1);
   for (int row = 0; row < def.rows; ++row) {
     for (int column = 0; column < def.columns; ++column) {
       const double area = dx * dy * share_at(column, def.columns) * share_at(row, def.rows);
-      particles_.push_back(detail::add_particle(world, shapes, kind,
-                                                def.pose.to_world(Vec3(column * dx, row * dy, 0.0)),
-                                                def.density * area));
+      particles_.push_back(detail::add_particle(
+          scene, kind, def.pose.to_world(Vec3(column * dx, row * dy, 0.0)), def.density * area));
     }
   }
   add_strands();

@@ -22,23 +22,19 @@ void check(const ParticleKind& kind, std::string_view name) {
   if (!kind.material.validate(&error)) throw std::invalid_argument(error);
 }
 
-BodyId add_particle(pbd::World& world, collision::CollisionScene& shapes, const ParticleKind& kind,
-                    const Vec3& position, double mass) {
+BodyId add_particle(Scene& scene, const ParticleKind& kind, const Vec3& position, double mass) {
+  pbd::World& world = scene.world();
   const double inertia = 0.4 * mass * kind.radius * kind.radius;  // of a ball; it never turns
   const BodyId id = world.add_body({.pose = {.position = position},
                                     .mass = mass,
                                     .inertia = inertia * pbd::Mat3::Identity(),
                                     .linear_damping = kind.damping,
                                     .locks = {.angular = {true, true, true}}});
-  shapes.add(world, {.body = id,
-                     .shape = collision::Sphere{kind.radius},
-                     .material = kind.material,
-                     .filter = kind.filter});
+  scene.shapes().add(world, {.body = id,
+                             .shape = collision::Sphere{kind.radius},
+                             .material = kind.material,
+                             .filter = kind.filter});
   return id;
-}
-
-std::int32_t group_of(const pbd::World& world) {
-  return -500'000'000 - static_cast<std::int32_t>(world.slot_count());
 }
 
 pbd::ClothBlock& cloth_of(pbd::World& world) {

@@ -2,9 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include "tandem/collision/contact_source.h"
 #include "tandem/pbd/cloth_block.h"
-#include "tandem/pbd/world.h"
+#include "tandem/scene.h"
 
 namespace tandem::detail {
 
@@ -19,11 +18,8 @@ struct ParticleKind {
 /// @throws std::invalid_argument naming field, value and rule
 void check(const ParticleKind& kind, std::string_view name);
 /// A point mass with a ball about it. @param position  m, world     @param mass  kg
-pbd::BodyId add_particle(pbd::World& world, collision::CollisionScene& shapes,
-                         const ParticleKind& kind, const pbd::Vec3& position, double mass);
-/// Particles of one thing do not touch each other: beneath all groups that somebody is likely to
-/// count.
-std::int32_t group_of(const pbd::World& world);
+pbd::BodyId add_particle(Scene& scene, const ParticleKind& kind, const pbd::Vec3& position,
+                         double mass);
 /// The world's block of cloth; made where there is none.
 pbd::ClothBlock& cloth_of(pbd::World& world);
 /// Hold a particle where it now is on the host. It touches nothing from then on: it lies in what it

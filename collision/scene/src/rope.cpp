@@ -50,15 +50,14 @@ Vec3 lowest(const RopeDef& def, double length, const Vec3& gravity) {
 
 }  // namespace
 
-Rope::Rope(pbd::World& world, collision::CollisionScene& shapes, const RopeDef& def)
-    : world_(&world), shapes_(&shapes) {
+Rope::Rope(Scene& scene, const RopeDef& def) : world_(&scene.world()), shapes_(&scene.shapes()) {
   check(def);
   detail::ParticleKind kind{def.radius, def.damping, def.material, def.filter};
   detail::check(kind, kKind);
-  if (kind.filter.group == 0) kind.filter.group = detail::group_of(world);
+  if (kind.filter.group == 0) kind.filter.group = scene.new_group();
   const double distance = (def.to - def.from).norm();
   const double length = def.length.value_or(distance);
-  const Vec3 middle = lowest(def, length, world.gravity());
+  const Vec3 middle = lowest(def, length, world_->gravity());
   const int pieces = def.particles - 1;
   const double piece = length / pieces;
   for (int i = 0; i <= pieces; ++i) {
@@ -69,15 +68,15 @@ Rope::Rope(pbd::World& world, collision::CollisionScene& shapes, const RopeDef& 
                     : Vec3(middle + (t - 1.0) * (def.to - middle));
     }
     const double share = i == 0 || i == pieces ? 0.5 : 1.0;
-    particles_.push_back(detail::add_particle(world, shapes, kind, at, share * def.mass / pieces));
+    particles_.push_back(detail::add_particle(scene, kind, at, share * def.mass / pieces));
   }
-  detail::cloth_of(world).add(
-      world, pbd::StrandDef{.points = particles_,
-                            .lengths = std::vector<double>(particles_.size() - 1, piece),
-                            .compliance = def.compliance});
+  detail::cloth_of(*world_).add(
+      *world_, pbd::StrandDef{.points = particles_,
+                              .lengths = std::vector<double>(particles_.size() - 1, piece),
+                              .compliance = def.compliance});
   if (def.bending == 0.0) return;
   for (std::size_t i = 2; i < particles_.size(); ++i) {
-    detail::add_bending(world, particles_[i - 2], particles_[i - 1], particles_[i],
+    detail::add_bending(*world_, particles_[i - 2], particles_[i - 1], particles_[i],
                         def.bending / (piece * piece * piece));
   }
 }

@@ -43,9 +43,8 @@ struct TANDEM_API ClothDef {
 /// @par Thread safety  As its scene.
 class TANDEM_API Cloth {
  public:
-  /// Adds bodies and rows, which outlive it. World and shapes stay where they are.
-  Cloth(pbd::World& world, collision::CollisionScene& shapes, const ClothDef& def);
-  Cloth(Scene& scene, const ClothDef& def) : Cloth(scene.world(), scene.shapes(), def) {}
+  /// Adds bodies and rows, which outlive it.
+  Cloth(Scene& scene, const ClothDef& def);
 
   int columns() const { return def_.columns; }
   int rows() const { return def_.rows; }

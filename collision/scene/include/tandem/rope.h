@@ -40,9 +40,8 @@ struct TANDEM_API RopeDef {
 /// @par Thread safety  As its scene.
 class TANDEM_API Rope {
  public:
-  /// Adds bodies and rows, which outlive it. World and shapes stay where they are.
-  Rope(pbd::World& world, collision::CollisionScene& shapes, const RopeDef& def);
-  Rope(Scene& scene, const RopeDef& def) : Rope(scene.world(), scene.shapes(), def) {}
+  /// Adds bodies and rows, which outlive it.
+  Rope(Scene& scene, const RopeDef& def);
 
   /// From one end to the other; half a particle's mass at the ends.
   const std::vector<BodyId>& particles() const { return particles_; }
