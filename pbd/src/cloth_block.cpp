@@ -105,33 +105,32 @@ ClothRowId ClothBlock::add(const World& world, const ClothTetherDef& def) {
 ClothRowId ClothBlock::add(const World& world, const MeanDef& def) {
   constexpr std::string_view kKind = "MeanDef";
   const std::size_t count = def.points.size();
-  require(count >= 2 && count <= MeanDef::kMaxPoints, kKind, "number of points",
-          static_cast<double>(count), "from 2 to 5");
+  require(count >= 2, kKind, "number of points", static_cast<double>(count), "at least 2");
   require(def.weights.size() == count, kKind, "number of weights",
           static_cast<double>(def.weights.size()), "that of points");
   require_compliance(def.compliance, kKind);
-  ClothRows::Mean mean{
-      .count = static_cast<std::uint32_t>(count), .compliance = def.compliance, .leads = def.leads};
   double sum = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     detail::require_body(world, def.points[i], kKind, "points");
     require_no_host(def.points[i], kKind);
-    for (std::size_t k = 0; k < i; ++k) {
-      require(def.points[k] != def.points[i], kKind, "points", def.points[i].index, "each once");
-    }
     require(std::isfinite(def.weights[i]), kKind, "weights", def.weights[i], "finite");
-    mean.points[i] = def.points[i];
-    mean.weights[i] = def.weights[i];
     sum += def.weights[i];
   }
+  if (!all_differ(def.points)) refuse("MeanDef: points", "each once", "one twice");
   require(std::abs(sum) < 1e-9, kKind, "sum of weights", sum, "0");
   require(!def.leads || def.weights[0] != 0.0, kKind, "weight of the one that leads",
           def.weights[0], "not 0");
   ClothRows& rows = own_rows();
-  mean.id = rows.next_id++;
-  mean.at = take_scalars(3, def.points);
-  rows.means.push_back(mean);
-  return {mean.id};
+  const ClothRowId id{rows.next_id++};
+  rows.means.push_back({.id = id.number,
+                        .first = static_cast<std::uint32_t>(rows.mean_points.size()),
+                        .count = static_cast<std::uint32_t>(count),
+                        .compliance = def.compliance,
+                        .leads = def.leads,
+                        .at = take_scalars(3, def.points)});
+  rows.mean_points.insert(rows.mean_points.end(), def.points.begin(), def.points.end());
+  rows.weights.insert(rows.weights.end(), def.weights.begin(), def.weights.end());
+  return id;
 }
 
 ClothRowId ClothBlock::add(const World& world, const AttachmentDef& def) {

@@ -34,17 +34,20 @@ std::uint32_t load_count(ByteReader& in, std::size_t bytes) {
 bool soft_or_rigid(double compliance) { return compliance >= 0.0 && std::isfinite(compliance); }
 bool is_length(double length) { return length > 0.0 && std::isfinite(length); }
 
-bool is_sound(const ClothRows::Mean& mean) {
-  for (std::uint32_t i = 0; i < mean.count; ++i) {
-    if (!std::isfinite(mean.weights[i])) return false;
-    for (std::uint32_t k = 0; k < i; ++k) {
-      if (mean.points[k] == mean.points[i]) return false;
-    }
-  }
-  return soft_or_rigid(mean.compliance);
+bool is_sound(const ClothRows& rows, const ClothRows::Mean& mean) {
+  const auto from = rows.mean_points.begin() + mean.first;
+  const auto weight = rows.weights.begin() + mean.first;
+  return all_differ({from, from + mean.count}) && soft_or_rigid(mean.compliance) &&
+         std::all_of(weight, weight + mean.count, [](double w) { return std::isfinite(w); }) &&
+         (!mean.leads || *weight != 0.0);
 }
 
 }  // namespace
+
+bool all_differ(std::vector<BodyId> bodies) {
+  std::sort(bodies.begin(), bodies.end(), [](BodyId a, BodyId b) { return a.index < b.index; });
+  return std::adjacent_find(bodies.begin(), bodies.end()) == bodies.end();
+}
 
 std::size_t ClothRows::number() {
   std::uint32_t at = 0;
@@ -63,10 +66,9 @@ bool ClothRows::is_point(BodyId body) const {
   const auto has = [&](const auto& list) {
     return std::find(list.begin(), list.end(), body) != list.end();
   };
-  return has(points) ||
+  return has(points) || has(mean_points) ||
          std::any_of(tethers.begin(), tethers.end(),
                      [&](const Tether& t) { return t.a == body || t.b == body; }) ||
-         std::any_of(means.begin(), means.end(), [&](const Mean& m) { return has(m.points); }) ||
          std::any_of(attachments.begin(), attachments.end(),
                      [&](const Attachment& a) { return a.particle == body; });
 }
@@ -96,9 +98,9 @@ void ClothRows::save(ByteWriter& out) const {
     out.f64(mean.compliance);
     out.u8(mean.leads ? 1 : 0);
     out.u32(mean.count);
-    for (std::uint32_t i = 0; i < mean.count; ++i) {
-      save_id(out, mean.points[i]);
-      out.f64(mean.weights[i]);
+    for (std::uint32_t i = mean.first; i < mean.first + mean.count; ++i) {
+      save_id(out, mean_points[i]);
+      out.f64(weights[i]);
     }
   }
   out.u32(static_cast<std::uint32_t>(attachments.size()));
@@ -138,11 +140,12 @@ void ClothRows::load(ByteReader& in) {
     Mean mean{.id = in.u64()};
     mean.compliance = in.f64();
     mean.leads = in.u8() != 0;
-    mean.count = in.u32();
-    if (mean.count < 2 || mean.count > MeanDef::kMaxPoints) return in.fail();
+    mean.first = static_cast<std::uint32_t>(mean_points.size());
+    mean.count = load_count(in, 8 + 8);
+    if (mean.count < 2) return in.fail();
     for (std::uint32_t i = 0; i < mean.count; ++i) {
-      mean.points[i] = load_id(in);
-      mean.weights[i] = in.f64();
+      mean_points.push_back(load_id(in));
+      weights.push_back(in.f64());
     }
     means.push_back(mean);
   }
@@ -168,7 +171,7 @@ bool ClothRows::fits(const World& world) const {
     }
   }
   for (const Tether& tether : tethers) fits = fits && is_length(tether.length);
-  for (const Mean& mean : means) fits = fits && is_sound(mean);
+  for (const Mean& mean : means) fits = fits && is_sound(*this, mean);
   std::vector<std::uint32_t> held;
   for (const Attachment& attachment : attachments) {
     fits = fits && attachment.anchor_l.allFinite();

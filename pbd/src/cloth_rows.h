@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,6 +11,9 @@
 #include "tandem/pbd/cloth_block.h"
 
 namespace tandem::pbd {
+
+/// Whether each is there once.
+bool all_differ(std::vector<BodyId> bodies);
 
 /// What the rows of a ClothBlock are. Each scalar of a row has a place in arrays of carried and of
 /// scratch numbers, from `at` on: one for each length of a strand and for a tether, three for means
@@ -31,9 +34,8 @@ struct ClothRows {
   };
   struct Mean {
     std::uint64_t id = 0;
-    std::array<BodyId, MeanDef::kMaxPoints> points{};
-    std::array<double, MeanDef::kMaxPoints> weights{};
-    std::uint32_t count = 0;
+    std::uint32_t first = 0;  ///< into mean_points and weights
+    std::uint32_t count = 0;  ///< of points
     double compliance = 0.0;  ///< m/N
     bool leads = false;
     std::uint32_t at = 0;
@@ -50,6 +52,8 @@ struct ClothRows {
   std::vector<double> lengths;  ///< m, of strands; of a strand's last point 0
   std::vector<Tether> tethers;
   std::vector<Mean> means;
+  std::vector<BodyId> mean_points;
+  std::vector<double> weights;
   std::vector<Attachment> attachments;
   std::uint64_t next_id = 1;
 
@@ -90,7 +94,9 @@ void ClothRows::for_neighbours(Visit&& visit) const {
   }
   for (const Tether& tether : tethers) visit(tether.a, tether.b);
   for (const Mean& mean : means) {
-    for (std::uint32_t i = 1; i < mean.count; ++i) visit(mean.points[i - 1], mean.points[i]);
+    for (std::uint32_t i = mean.first + 1; i < mean.first + mean.count; ++i) {
+      visit(mean_points[i - 1], mean_points[i]);
+    }
   }
   for (const Attachment& attachment : attachments) visit(attachment.particle, attachment.host);
 }
@@ -135,9 +141,14 @@ void ClothRows::erase(std::vector<double>& carried, const GoneId& gone_id,
   }
   for (const Mean& mean : means) {
     bool gone = gone_id(mean.id);
-    for (std::uint32_t i = 0; i < mean.count; ++i) gone = gone || gone_body(mean.points[i]);
+    const auto from = mean_points.begin() + mean.first, to = from + mean.count;
+    gone = gone || std::any_of(from, to, gone_body);
     if (gone) continue;
     kept.means.push_back(mean);
+    kept.means.back().first = static_cast<std::uint32_t>(kept.mean_points.size());
+    kept.mean_points.insert(kept.mean_points.end(), from, to);
+    const auto weight = weights.begin() + mean.first;
+    kept.weights.insert(kept.weights.end(), weight, weight + mean.count);
     keep(mean.at, 3);
   }
   for (const Attachment& attachment : attachments) {

@@ -25,10 +25,11 @@ double length_of(std::span<const SolverBody> bodies, BodyId a, BodyId b) {
   return (at(bodies, b).x - at(bodies, a).x).norm();
 }
 
-Vec3 sum_of(std::span<const SolverBody> bodies, const ClothRows::Mean& mean) {
+Vec3 sum_of(std::span<const SolverBody> bodies, const ClothRows& rows,
+            const ClothRows::Mean& mean) {
   Vec3 sum = Vec3::Zero();
-  for (std::uint32_t i = 0; i < mean.count; ++i) {
-    sum += mean.weights[i] * at(bodies, mean.points[i]).x;
+  for (std::uint32_t i = mean.first; i < mean.first + mean.count; ++i) {
+    sum += rows.weights[i] * at(bodies, rows.mean_points[i]).x;
   }
   return sum;
 }
@@ -78,8 +79,9 @@ void ClothBlock::Sweep::find_groups(const ClothRows& rows, std::span<const Solve
   mean_group_.resize(rows.means.size());
   for (std::size_t n = 0; n < rows.means.size(); ++n) {
     mean_group_[n] = SolverBody::kNoGroup;
-    for (std::uint32_t i = 0; i < rows.means[n].count; ++i) {
-      mean_group_[n] = std::min(mean_group_[n], group_of(rows.means[n].points[i]));
+    const ClothRows::Mean& mean = rows.means[n];
+    for (std::uint32_t i = mean.first; i < mean.first + mean.count; ++i) {
+      mean_group_[n] = std::min(mean_group_[n], group_of(rows.mean_points[i]));
     }
   }
   attachment_group_.resize(rows.attachments.size());
@@ -108,10 +110,7 @@ void ClothBlock::Sweep::find_points(const ClothRows& rows, std::size_t bodies) {
     name(tether.b);
   }
   means_at_ = named_.size();
-  for (const ClothRows::Mean& mean : rows.means) {
-    for (std::uint32_t i = 0; i < MeanDef::kMaxPoints; ++i)
-      name(mean.points[i < mean.count ? i : 0]);
-  }
+  for (const BodyId id : rows.mean_points) name(id);
   attachments_at_ = named_.size();
   for (const ClothRows::Attachment& a : rows.attachments) name(a.particle);
   points_.resize(slots_.size());
@@ -249,10 +248,11 @@ void ClothBlock::Sweep::solve_tether(const ClothRows::Tether& tether, std::size_
 }
 
 /// @param led  the first point does not give way
-void ClothBlock::Sweep::solve_mean(const ClothRows::Mean& mean, std::size_t index,
+void ClothBlock::Sweep::solve_mean(const ClothRows& rows, const ClothRows::Mean& mean,
                                    const SubstepContext& ctx, std::span<const double> held,
                                    bool led) {
-  const std::uint32_t* const named = named_.data() + means_at_ + MeanDef::kMaxPoints * index;
+  const std::uint32_t* const named = named_.data() + means_at_ + mean.first;
+  const double* const weights = rows.weights.data() + mean.first;
   const std::uint32_t first = led ? 1 : 0;
   const double soft = mean.compliance / (ctx.h * ctx.h);
   Vec3 c = -Vec3(held[mean.at], held[mean.at + 1], held[mean.at + 2]);
@@ -260,10 +260,10 @@ void ClothBlock::Sweep::solve_mean(const ClothRows::Mean& mean, std::size_t inde
   bool rigid = false;
   for (std::uint32_t i = 0; i < mean.count; ++i) {
     const Point& point = points_[named[i]];
-    c += mean.weights[i] * point.x;
+    c += weights[i] * point.x;
     if (i < first) continue;
     rigid = rigid || hold_of_[named[i]] != kFree;
-    stiff += mean.weights[i] * mean.weights[i] * point.inv_mass;
+    stiff += weights[i] * weights[i] * point.inv_mass;
   }
   if (!(stiff > 0.0)) return;
   double* const lambda = lambda_.data() + mean.at;
@@ -272,7 +272,7 @@ void ClothBlock::Sweep::solve_mean(const ClothRows::Mean& mean, std::size_t inde
     Mat3 k = Mat3::Identity() * (soft + kRegular * stiff);
     for (std::uint32_t i = first; i < mean.count; ++i) {
       const std::uint32_t hold = hold_of_[named[i]];
-      const double w2 = mean.weights[i] * mean.weights[i];
+      const double w2 = weights[i] * weights[i];
       if (hold == kFree) {
         k.diagonal().array() += w2 * points_[named[i]].inv_mass;
       } else {
@@ -285,7 +285,7 @@ void ClothBlock::Sweep::solve_mean(const ClothRows::Mean& mean, std::size_t inde
   }
   for (int k = 0; k < 3; ++k) lambda[k] += change[k];
   for (std::uint32_t i = first; i < mean.count; ++i) {
-    push(ctx.bodies, named[i], mean.weights[i] * change);
+    push(ctx.bodies, named[i], weights[i] * change);
   }
 }
 
@@ -320,7 +320,7 @@ void ClothBlock::Sweep::run(const ClothRows& rows, const SubstepContext& ctx,
   for (int i = 0; i < sweeps; ++i, reverse = !reverse) {
     sweep(attachment_group_, [&](std::size_t n) { solve_attachment(rows, n, ctx, held); });
     sweep(mean_group_, [&](std::size_t n) {
-      solve_mean(rows.means[n], n, ctx, held, led && rows.means[n].leads);
+      solve_mean(rows, rows.means[n], ctx, held, led && rows.means[n].leads);
     });
     sweep(tether_group_, [&](std::size_t n) { solve_tether(rows.tethers[n], n, ctx, held); });
     sweep(strand_group_, [&](std::size_t n) { solve_strand(rows, rows.strands[n], ctx, held); });
@@ -345,7 +345,7 @@ void ClothBlock::Sweep::violations(const ClothRows& rows, std::span<const Solver
   }
   for (std::size_t n = 0; n < rows.means.size(); ++n) {
     if (!in_group(mean_group_[n], group)) continue;
-    put_three(out, rows.means[n].at, sum_of(bodies, rows.means[n]));
+    put_three(out, rows.means[n].at, sum_of(bodies, rows, rows.means[n]));
   }
   for (std::size_t n = 0; n < rows.attachments.size(); ++n) {
     if (!in_group(attachment_group_[n], group)) continue;
@@ -357,8 +357,8 @@ void ClothBlock::Sweep::follow(const ClothRows& rows, const SubstepContext& ctx)
   for (std::size_t n = 0; n < rows.means.size(); ++n) {
     const ClothRows::Mean& mean = rows.means[n];
     if (!mean.leads || mean_group_[n] != ctx.group) continue;
-    at(ctx.bodies, mean.points[0]).x -=
-        (sum_of(ctx.bodies, mean) - three(bounds, mean.at)) / mean.weights[0];
+    at(ctx.bodies, rows.mean_points[mean.first]).x -=
+        (sum_of(ctx.bodies, rows, mean) - three(bounds, mean.at)) / rows.weights[mean.first];
   }
 }
 

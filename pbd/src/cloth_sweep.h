@@ -101,7 +101,7 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   void eliminate(std::uint32_t count);
   void solve_tether(const ClothRows::Tether& tether, std::size_t index, const SubstepContext& ctx,
                     std::span<const double> held);
-  void solve_mean(const ClothRows::Mean& mean, std::size_t index, const SubstepContext& ctx,
+  void solve_mean(const ClothRows& rows, const ClothRows::Mean& mean, const SubstepContext& ctx,
                   std::span<const double> held, bool led);
   void solve_attachment(const ClothRows& rows, std::size_t index, const SubstepContext& ctx,
                         std::span<const double> held);
@@ -109,8 +109,8 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   std::vector<std::uint32_t> strand_group_, tether_group_, mean_group_, attachment_group_;
   std::vector<std::uint32_t> slots_;     ///< by point
   std::vector<std::uint32_t> point_of_;  ///< by body; kFree where no row has it
-  /// What rows name, as points: strands as ClothRows::points, then two for each tether, kMaxPoints
-  /// for each mean, and the particle of each attachment.
+  /// What rows name, as points: strands as ClothRows::points, two for each tether, means as
+  /// ClothRows::mean_points, and the particle of each attachment.
   std::vector<std::uint32_t> named_;
   std::vector<std::uint32_t> touched_;  ///< slots of all points and hosts, each once
   std::vector<Point> points_;

@@ -168,7 +168,7 @@ TEST_CASE("cloth: a snapshot and a copy go on with the same bits, on any number 
         scene.add(Box{0.05, 0.05, 0.05}, {.pose = {.position = Vec3(0.5, 0.5, 0.9)}});
     cloth.attach(11, 11, weight);
     cloth.tether();
-    cloth.add_handle(0.3, 0.4, 0.01);
+    cloth.add_handle(0.3, 0.4, 0.2, 0.5);
     CHECK(scene.solver().options().threads == threads);
     steps(scene, count);
   };
@@ -200,22 +200,40 @@ TEST_CASE("cloth: allocates nothing once it hangs", "[scene][allocation]") {
   CHECK(allocations.count() == 0);
 }
 
-TEST_CASE("cloth: a handle is where its place is, and pulls it", "[scene][analytic]") {
+TEST_CASE("cloth: a handle is the mean about its place, with mass from there, and pulls it",
+          "[scene][analytic]") {
   Scene scene({.gravity = Vec3::Zero()});
-  Cloth cloth(scene, {.columns = 14, .rows = 9});
+  Cloth cloth(scene, {.columns = 21, .rows = 11});
   CHECK((cloth.point(0.3, 0.7) - Vec3(0.3, 0.7, 0.0)).norm() < 1e-14);
-  const BodyId handle = cloth.add_handle(0.3, 0.7, 0.001);
+  const BodyId handle = cloth.add_handle(0.3, 0.7, 0.3, 0.9);
+  CHECK((scene.pose(handle).position - Vec3(0.3, 0.7, 0.0)).norm() < 1e-14);
+  // Of a hat over a square of twice its reach.
+  CHECK(scene.world().props(handle).mass == Approx(0.9 * 0.2 * 0.3 * 0.3));
   scene.world().apply_impulse(handle, Vec3(0.0, 0.0, 0.02));
   steps(scene, 60);
-  CHECK((scene.pose(handle).position - cloth.point(0.3, 0.7)).norm() < 1e-4);
-  // All of the momentum is in the cloth, but for what the air took.
-  double mass = 0.0, momentum = 0.0;
-  for (const BodyId id : cloth.particles()) {
-    mass += scene.world().props(id).mass;
-    momentum += scene.world().props(id).mass * scene.world().twist(id).linear.z();
+  Vec3 mean = Vec3::Zero();
+  double weights = 0.0, mass = scene.world().props(handle).mass;
+  double momentum = mass * scene.world().twist(handle).linear.z();
+  for (int row = 0; row < 11; ++row) {
+    for (int column = 0; column < 21; ++column) {
+      const BodyId id = cloth.particle(column, row);
+      const double x = std::abs(0.05 * column - 0.3), y = std::abs(0.1 * row - 0.7);
+      const double edge = column == 0 || column == 20 || row == 0 || row == 10 ? 0.5 : 1.0;
+      const double weight = edge * std::max(0.0, 0.3 - x) * std::max(0.0, 0.3 - y);
+      mean += weight * scene.pose(id).position;
+      weights += weight;
+      mass += scene.world().props(id).mass;
+      momentum += scene.world().props(id).mass * scene.world().twist(id).linear.z();
+    }
   }
+  CHECK((scene.pose(handle).position - mean / weights).norm() < 1e-4);
+  // All of the momentum is in the cloth, but for what the air took.
   CHECK(mass == Approx(0.2));
-  CHECK(momentum == Approx(0.02 * std::exp(-0.2)).epsilon(0.03));
+  CHECK(momentum == Approx(0.02 * std::exp(-0.2)).epsilon(0.01));
+  // What one has taken another one has not.
+  CHECK(names(refusal([&] { cloth.add_handle(0.3, 0.7, 0.3, 0.5); }), "share", "0.5", "have left"));
+  CHECK(names(refusal([&] { cloth.add_handle(0.3, 1.7, 0.3, 0.5); }), "v", "1.7", "from 0 to 1"));
+  CHECK(names(refusal([&] { cloth.add_handle(0.3, 0.7, 0.1, 0.5); }), "reach", "0.1", "above"));
 }
 
 TEST_CASE("cloth: tethers keep what hangs from stretching", "[scene][invariant]") {

@@ -171,18 +171,46 @@ void Cloth::tether() {
   }
 }
 
-BodyId Cloth::add_handle(double u, double v, double mass) {
-  Corners of = corners(u, v);
-  // Of the size of a ball of cloth; it never turns.
-  const BodyId id = world_->add_body({.pose = {.position = point(u, v)},
-                                      .mass = mass,
-                                      .inertia = mass * pbd::Mat3::Identity(),
-                                      .locks = {.angular = {true, true, true}}});
-  of.points.insert(of.points.begin(), id);
-  of.weights.insert(of.weights.begin(), -1.0);
-  detail::cloth_of(*world_).add(
-      *world_, pbd::MeanDef{.points = of.points, .weights = of.weights, .leads = true});
-  return id;
+BodyId Cloth::add_handle(double u, double v, double reach, double share) {
+  const double dx = def_.width / (def_.columns - 1), dy = def_.height / (def_.rows - 1);
+  const auto in_unit = [](double value, const char* field) {
+    pbd::detail::require(value >= 0.0 && value <= 1.0, "Cloth", field, value, "from 0 to 1");
+  };
+  in_unit(u, "u");
+  in_unit(v, "v");
+  pbd::detail::require(reach > std::max(dx, dy) && std::isfinite(reach), "Cloth", "reach", reach,
+                       "finite and above the distance of particles");
+  pbd::detail::require(share > 0.0 && share < 1.0, "Cloth", "share", share, "above 0, below 1");
+  pbd::MeanDef mean{.points = {BodyId{}}, .weights = {-1.0}, .leads = true};
+  Vec3 at = Vec3::Zero();
+  double mass = 0.0;
+  for (int row = 0; row < def_.rows; ++row) {
+    for (int column = 0; column < def_.columns; ++column) {
+      const double x = std::abs(column * dx - u * def_.width) / reach;
+      const double y = std::abs(row * dy - v * def_.height) / reach;
+      if (x >= 1.0 || y >= 1.0) continue;
+      const double area = dx * dy * share_at(column, def_.columns) * share_at(row, def_.rows);
+      mean.points.push_back(particle(column, row));
+      mean.weights.push_back(share * def_.density * area * (1.0 - x) * (1.0 - y));
+      mass += mean.weights.back();
+      at += mean.weights.back() * world_->pose(mean.points.back()).position;
+    }
+  }
+  for (std::size_t i = 1; i < mean.points.size(); ++i) {
+    const double left = world_->props(mean.points[i]).mass - mean.weights[i];
+    pbd::detail::require(left > 0.0, "Cloth", "share", share, "less than other handles have left");
+  }
+  for (std::size_t i = 1; i < mean.points.size(); ++i) {
+    world_->set_mass(mean.points[i], world_->props(mean.points[i]).mass - mean.weights[i]);
+    mean.weights[i] /= mass;
+  }
+  mean.points[0] = world_->add_body({.pose = {.position = at / mass},
+                                     .mass = mass,
+                                     .inertia = mass * pbd::Mat3::Identity(),  // it never turns
+                                     .linear_damping = def_.damping,
+                                     .locks = {.angular = {true, true, true}}});
+  detail::cloth_of(*world_).add(*world_, mean);
+  return mean.points[0];
 }
 
 }  // namespace tandem

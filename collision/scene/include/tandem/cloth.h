@@ -60,10 +60,14 @@ class TANDEM_API Cloth {
   /// Each particle keeps within its distance, in the flat cloth, of the nearest one that is
   /// attached by now: what hangs does not stretch, however few the sweeps. Once, after attach().
   void tether();
-  /// A body that is where the material point is. It can be held, pulled and shared: cloth of any
-  /// resolution has it, so that peers with different ones agree on such points.
-  /// @param u, v  0 to 1     @param mass  kg, > 0, which the cloth carries as well
-  BodyId add_handle(double u, double v, double mass);
+  /// A body at the mean of the cloth about a point, which counts less and less up to `reach` from
+  /// it. It can be held, pulled and shared: cloth of any resolution has it, so that peers with
+  /// different ones agree on such points. They cover a cloth where they lie `reach` apart.
+  /// @param u, v   0 to 1
+  /// @param reach  m, above the distance of particles
+  /// @param share  above 0 and below 1: of the mass there, which goes from particles to the body;
+  ///               what agreement does to the body the cloth follows the more the larger it is
+  BodyId add_handle(double u, double v, double reach, double share);
 
  private:
   struct Corners {

@@ -39,10 +39,9 @@ struct TANDEM_API ClothTetherDef {
 };
 
 /// A weighted sum of points is zero: C = sum w_i x_i [m]. Weights 1, -2, 1 resist bending of a
-/// strand; -1 and four that add up to 1 hold a body to a place between particles.
+/// strand; -1 and some that add up to 1 hold a body to the mean of particles.
 struct TANDEM_API MeanDef {
-  static constexpr std::size_t kMaxPoints = 5;
-  std::vector<BodyId> points;   ///< 2 to kMaxPoints, each once
+  std::vector<BodyId> points;   ///< at least 2, each once
   std::vector<double> weights;  ///< one for each; their sum is 0
   double compliance = 0.0;      ///< m/N, >= 0; 0 = rigid
   /// The first point is where agreement between peers acts: it leads the others where agreement
