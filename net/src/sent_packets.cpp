@@ -99,10 +99,19 @@ bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome&
   }
   const std::uint64_t before = outcome.acked_packets;
   acked(ack, outcome);
-  for (std::uint64_t i = 0; i < 64 && i + 1 < ack; ++i) {
-    if ((header.ack_bits >> i & 1) != 0) acked(ack - 1 - i, outcome);
+  // Each packet is told of many times: of those that are known nothing is looked at again.
+  if (ack > highest_acked_) {
+    const std::uint64_t ahead = ack - highest_acked_;
+    known_acked_ = ahead < 64 ? known_acked_ << ahead | std::uint64_t{1} << (ahead - 1) : 0;
+    highest_acked_ = ack;
   }
-  highest_acked_ = std::max(highest_acked_, ack);
+  const std::uint64_t behind = highest_acked_ - ack;
+  const std::uint64_t news =
+      header.ack_bits & ~(behind < 64 ? known_acked_ >> behind : std::uint64_t{0});
+  for (std::uint64_t i = 0; i < 64 && i + 1 < ack; ++i) {
+    if ((news >> i & 1) != 0) acked(ack - 1 - i, outcome);
+  }
+  if (behind < 64) known_acked_ |= header.ack_bits << behind;
   if (outcome.acked_packets > before) backoff_ = 0;
 
   for (; oldest_ + kReorder <= highest_acked_; ++oldest_) {

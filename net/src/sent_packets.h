@@ -63,6 +63,7 @@ class SentPackets {
     backoff_ = 0;
   }
 
+  std::uint64_t highest_acknowledged() const { return highest_acked_; }
   const RttEstimate& rtt() const { return rtt_; }
   std::size_t in_flight() const { return in_flight_; }
 
@@ -87,8 +88,9 @@ class SentPackets {
   std::array<Entry, kRing> entries_{};
   std::uint64_t latest_sent_ = 0;
   std::uint64_t highest_acked_ = 0;
-  std::uint64_t oldest_ = 1;      // none that flies is older
-  std::uint64_t path_first_ = 0;  // sent on the way of now
+  std::uint64_t known_acked_ = 0;  // bit i: the packet 1 + i before that one as well
+  std::uint64_t oldest_ = 1;       // none that flies is older
+  std::uint64_t path_first_ = 0;   // sent on the way of now
   std::size_t in_flight_ = 0;
   int backoff_ = 0;  // timeouts in a row, nothing heard between them
   std::int64_t last_timeout_ = 0;
