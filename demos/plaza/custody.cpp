@@ -34,6 +34,9 @@ Custody::Custody(const PlazaOptions& options, consensus::PeerId self, tandem::Sc
       ledger_(ledger) {}
 
 void Custody::watch_cells(const pbd::Vec3& feet) {
+  constexpr double kStride = 0.05;  // m
+  if (watched_about_ && (*watched_about_ - feet).norm() < kStride) return;
+  watched_about_ = feet;
   const double reach = options_.reach();
   for (auto at = watched_.begin(); at != watched_.end();) {
     if (nats::distance_to(cells_, *at, feet) <= reach + 2.0 * cells_.slack) {

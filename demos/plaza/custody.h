@@ -85,6 +85,7 @@ class Custody {
   nats::BodyLedger& ledger_;
   std::map<consensus::SharedId, Local> local_;
   std::set<nats::Cell> watched_;
+  std::optional<pbd::Vec3> watched_about_;      ///< where the person was when they were chosen
   std::map<consensus::SharedId, Lying> lying_;  ///< in the cells about, by their records
   std::vector<consensus::PeerId> near_;
   std::optional<consensus::SharedId> held_;  ///< by this person

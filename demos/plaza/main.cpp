@@ -33,6 +33,7 @@ std::string usage() {
          "  --near       m: whom a person hears; bodies half as far; 2 to 50: 8\n"
          "  --hz         steps and --update-hz states a second: 60, 20\n"
          "  --per-hub    people who share a connection: 32\n"
+         "  --direct     so many of the nearest are spoken to by UDP, 0 to 256: 16\n"
          "  --no-far     no summaries of cells\n"
          "  --transport  nats, or udp: everybody with everybody, for up to 40 people\n"
          "  --seed       of places and of what people do: 1\n"
@@ -64,6 +65,10 @@ PlazaOptions read(std::span<const std::string_view> words) {
        {"--per-hub",
         [&](Argument& in) {
           out.per_hub = in.number(std::size_t{1}, std::size_t{5000}, "from 1 to 5000");
+        }},
+       {"--direct",
+        [&](Argument& in) {
+          out.direct = in.number(std::size_t{0}, std::size_t{256}, "from 0 to 256");
         }},
        {"--no-far", [&](Argument&) { out.tells_far = false; }},
        {"--transport",
@@ -101,8 +106,10 @@ void write(std::FILE* file, const PlazaOptions& options, const SquareReport& r) 
   std::fprintf(file, " \"kbit_in\": %.2f, \"kbit_out\": %.2f,\n", r.kbit_in, r.kbit_out);
   std::fprintf(file, " \"messages_in\": %.2f, \"messages_out\": %.2f, \"summaries\": %.2f,\n",
                r.messages_in, r.messages_out, r.summaries);
-  std::fprintf(file, " \"connected\": %.3f, \"simulated\": %.3f, \"cells\": %.2f,\n", r.connected,
-               r.simulated, r.cells);
+  std::fprintf(file, " \"connected\": %.3f, \"direct\": %.3f, \"simulated\": %.3f,\n", r.connected,
+               r.direct, r.simulated);
+  std::fprintf(file, " \"cells\": %.2f, \"direct_in\": %.2f, \"direct_out\": %.2f,\n", r.cells,
+               r.direct_in, r.direct_out);
   spread("moving_mm", r.moving_mm);
   spread("resting_mm", r.resting_mm);
   std::fprintf(

@@ -33,6 +33,7 @@ struct PlazaOptions {
   PlazaWire wire = PlazaWire::Nats;
   std::size_t per_hub = 32;  ///< people who share a connection to the server
   double near = 8.0;         ///< m: whom a person is connected to
+  std::size_t direct = 16;   ///< of the nearest, spoken to by UDP; 0: all goes over the server
   bool tells_far = true;     ///< cells are summarised
   std::string json = {};     ///< file for the figures, "-" = standard output
   bool quiet = false;

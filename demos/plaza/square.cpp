@@ -36,6 +36,11 @@ std::shared_ptr<nats::NatsHub> connect(const PlazaOptions& options) {
   nats::HubOptions hub;
   hub.servers = {net::parse_host_port(options.server)};
   hub.driven = false;
+  if (options.direct > 0) {
+    hub.direct.emplace();
+    // Who is on a server of this machine is on this machine.
+    if (hub.servers.front().host == "127.0.0.1") hub.direct->address = "127.0.0.1";
+  }
   auto out = std::make_shared<nats::NatsHub>(hub);
   const auto end = std::chrono::steady_clock::now() + kServerPatience;
   while (!out->status().connected) {
@@ -199,17 +204,27 @@ void Square::census() {
   }
 }
 
-std::array<double, 5> Square::counts() const {
+std::array<double, 7> Square::counts() const {
   const auto total = [this](auto field) {
     std::uint64_t sum = 0;
     for (const auto& hub : hubs_) sum += hub->status().*field;
     return static_cast<double>(sum);
   };
-  std::uint64_t far = 0;
-  for (const auto& visitor : people_) far += visitor->far().summaries;
-  return {total(&nats::HubStatus::bytes_in), total(&nats::HubStatus::bytes_out),
-          total(&nats::HubStatus::messages_in), total(&nats::HubStatus::messages_out),
-          static_cast<double>(far)};
+  std::array<double, 7> out{total(&nats::HubStatus::bytes_in), total(&nats::HubStatus::bytes_out),
+                            total(&nats::HubStatus::messages_in),
+                            total(&nats::HubStatus::messages_out)};
+  for (const auto& visitor : people_) {
+    out[4] += static_cast<double>(visitor->far().summaries);
+    if (visitor->transport() == nullptr) continue;
+    const nats::NatsStatus status = visitor->transport()->status();
+    out[0] += static_cast<double>(status.direct_bytes_in);
+    out[1] += static_cast<double>(status.direct_bytes_out);
+    out[5] += static_cast<double>(status.direct_in);
+    out[6] += static_cast<double>(status.direct_out);
+  }
+  out[2] += out[5];
+  out[3] += out[6];
+  return out;
 }
 
 void Square::sample() {
@@ -218,11 +233,13 @@ void Square::sample() {
     report_.connected += static_cast<double>(visitor->connected());
     if (visitor->custody() == nullptr) continue;
     report_.simulated += static_cast<double>(visitor->custody()->local().size());
-    report_.cells += static_cast<double>(visitor->transport()->status().cells);
+    const nats::NatsStatus status = visitor->transport()->status();
+    report_.cells += static_cast<double>(status.cells);
+    report_.direct += static_cast<double>(status.direct);
   }
 }
 
-void Square::sum_up(const std::array<double, 5>& before) {
+void Square::sum_up(const std::array<double, 7>& before) {
   const auto after = counts();
   const double people = static_cast<double>(people_.size());
   const auto per = [&](std::size_t i) {
@@ -234,8 +251,12 @@ void Square::sum_up(const std::array<double, 5>& before) {
   report_.messages_in = per(2);
   report_.messages_out = per(3);
   report_.summaries = per(4);
+  report_.direct_in = per(5);
+  report_.direct_out = per(6);
   const double samples = people * static_cast<double>(std::max<std::size_t>(1, samples_));
-  for (double* sum : {&report_.connected, &report_.simulated, &report_.cells}) *sum /= samples;
+  for (double* sum : {&report_.connected, &report_.direct, &report_.simulated, &report_.cells}) {
+    *sum /= samples;
+  }
   report_.moving_mm = spread_of(all_moving_);
   report_.resting_mm = spread_of(all_resting_);
   for (const auto& visitor : people_) {
@@ -258,7 +279,7 @@ SquareReport Square::run() {
   const std::int64_t all = settle + steps(options_.seconds);
   double cpu = 0.0;
   double watching = 0.0;  // s of CPU that is not the visitors'
-  std::array<double, 5> counted{};
+  std::array<double, 7> counted{};
   auto wall = std::chrono::steady_clock::now();
   std::int64_t now = clock_.begin_step();
   for (std::int64_t step = 0; step < all; ++step) {

@@ -49,11 +49,14 @@ struct SquareReport {
   double session_s = 0.0;
   double wall_s = 0.0;
   double cpu_s = 0.0;    ///< of this process while people were there, user and system
-  double kbit_in = 0.0;  ///< per person and session second, of NATS payloads
+  double kbit_in = 0.0;  ///< per person and session second, of payloads of NATS and UDP
   double kbit_out = 0.0;
   double messages_in = 0.0;  ///< per person and session second
   double messages_out = 0.0;
+  double direct_in = 0.0;         ///< of these, by UDP
+  double direct_out = 0.0;        ///< likewise
   double connected = 0.0;         ///< peers of a person, mean
+  double direct = 0.0;            ///< of them spoken to by UDP alone
   double simulated = 0.0;         ///< bodies of a person, mean
   double cells = 0.0;             ///< listened to
   double summaries = 0.0;         ///< heard, per person and session second
@@ -83,11 +86,11 @@ class Square {
   void look();
   void tell(double time);
   /// All that is counted from the beginning on: bytes and messages in and out, and summaries heard.
-  std::array<double, 5> counts() const;
+  std::array<double, 7> counts() const;
   /// What is averaged over the run.
   void sample();
   /// @param before  counts() where the run began
-  void sum_up(const std::array<double, 5>& before);
+  void sum_up(const std::array<double, 7>& before);
   void census();
 
   PlazaOptions options_;

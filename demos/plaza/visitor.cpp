@@ -15,10 +15,11 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr double kArm = 2.5;             // m: what is further away is not taken
-constexpr double kLetGo = 1.0;           // m: a body that is so far from the hand has got away
-constexpr std::uint64_t kSayEvery = 10;  // steps between two looks at what to summarise
-constexpr std::size_t kFarBodies = 4;    // of a summary
+constexpr double kArm = 2.5;              // m: what is further away is not taken
+constexpr double kLetGo = 1.0;            // m: a body that is so far from the hand has got away
+constexpr std::uint64_t kPlaceEvery = 6;  // steps
+constexpr std::uint64_t kSayEvery = 10;   // steps between two looks at what to summarise
+constexpr std::size_t kFarBodies = 4;     // of a summary
 
 /// A grip that sags by 1 cm under the body and is four times as strong as it must be.
 consensus::GrabDef grip_of(const consensus::SharedId& id, const pbd::Vec3& hand) {
@@ -43,6 +44,7 @@ nats::NatsOptions nats_options(const PlazaOptions& options, consensus::PeerId id
   // The square's time stands still at the end.
   out.member.flush_timeout = std::chrono::milliseconds(0);
   out.cells = options.cells();
+  out.direct_peers = options.direct;
   out.steady = link.clock;
   return out;
 }
@@ -116,7 +118,8 @@ const pbd::BodyState* Visitor::copy_of(const consensus::SharedId& id) const {
 
 void Visitor::look_about() {
   const std::vector<consensus::PeerId> before = std::exchange(near_, {});
-  for (const consensus::PeerStatus& peer : wire().peers()) {
+  wire().list_peers(peers_);
+  for (const consensus::PeerStatus& peer : peers_) {
     if (peer.connected) near_.push_back(peer.id);
   }
   for (const consensus::PeerId peer : before) {
@@ -124,10 +127,13 @@ void Visitor::look_about() {
   }
   if (nats_ == nullptr) return;
   nats_->set_position(feet());
-  near_peers_.clear();
-  nats_->near_peers(near_peers_);
-  for (const nats::NearPeer& each : near_peers_) {
-    interest_->set_position(each.peer, each.position);
+  // They say where they are twice a second.
+  if (steps_ % kPlaceEvery == 0) {
+    near_peers_.clear();
+    nats_->near_peers(near_peers_);
+    for (const nats::NearPeer& each : near_peers_) {
+      interest_->set_position(each.peer, each.position);
+    }
   }
   summaries_.clear();
   nats_->take_summaries(summaries_);
@@ -219,8 +225,9 @@ void Visitor::step(consensus::SessionTime now, consensus::SessionTime end) {
   peer_->after_step(end);
   if (custody_) custody_->finish(feet(), held_ ? &*held_ : nullptr, end);
   if (nats_ == nullptr) return;
-  if (options_.tells_far && (steps_++ + id_) % kSayEvery == 0) say_far();
+  if (options_.tells_far && (steps_ + id_) % kSayEvery == 0) say_far();
   nats_->poll();
+  ++steps_;
 }
 
 void Visitor::leave(consensus::SessionTime now) {

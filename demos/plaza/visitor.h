@@ -78,6 +78,7 @@ class Visitor {
   Walker walker_;
   std::optional<consensus::SharedId> held_;
   consensus::GrabId grab_;
+  std::vector<consensus::PeerStatus> peers_;  ///< scratch
   std::vector<consensus::PeerId> near_;
   std::vector<nats::NearPeer> near_peers_;
   std::vector<nats::CellSummary> summaries_;

@@ -25,6 +25,10 @@ nats::NatsOptions nats_options(const DemoOptions& options, std::uint64_t scene_h
     }
     result.server.servers.push_back(address);
   }
+  if (options.listen) {
+    result.server.direct = nats::DirectOptions{
+        .address = result.member.address, .port = *options.listen, .reachable_at = {}};
+  }
   result.cells.max_near = kMaxPeers;
   result.cells.levels = 1;
   return result;
@@ -40,7 +44,7 @@ class NatsNetwork final : public Network {
   consensus::Transport& transport() override { return transport_; }
   consensus::SessionTime now() override { return transport_.session_now(); }
   std::int64_t clock_error() const override { return transport_.clock().error_bound; }
-  std::uint16_t local_port() const override { return 0; }
+  std::uint16_t local_port() const override { return transport_.status().hub.direct_port; }
   void change_group(std::span<const std::byte> signed_change) override {
     (void)transport_.change_group(signed_change);
   }
@@ -58,7 +62,10 @@ class NatsNetwork final : public Network {
     }
     return text;
   }
-  Counts refused() const override { return {{"bad_proof", transport_.status().refused}}; }
+  Counts refused() const override {
+    const nats::NatsStatus s = transport_.status();
+    return {{"bad_proof", s.refused}, {"unknown", s.unknown + s.hub.direct_unknown}};
+  }
 
  private:
   nats::NatsTransport transport_;

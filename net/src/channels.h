@@ -109,6 +109,8 @@ class Channels {
   /// Round trips of before were those of another way.
   void begin_path();
 
+  /// Of all packets that were sent the last that is known to have come; 0: none.
+  std::uint64_t highest_acknowledged() const { return sent_.highest_acknowledged(); }
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_; }
   /// Posted and not sent, or come and not taken.

@@ -3,24 +3,9 @@
 #include "connection_path.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace tandem::net {
-
-namespace {
-
-std::uint64_t random_token(const crypto::Random& random) {
-  for (;;) {
-    std::array<std::uint8_t, 8> bytes{};
-    random(bytes);
-    std::uint64_t out = 0;
-    for (const std::uint8_t byte : bytes) out = out << 8 | byte;
-    if (out != kNoToken) return out;
-  }
-}
-
-}  // namespace
 
 bool ConnectionPath::may_move_to(const Address& address) const {
   return link_->confirmed() && link_->state() == UdpConnection::State::Open &&
@@ -42,8 +27,13 @@ void ConnectionPath::on_read(const Address& from, const SendDatagram& send, std:
     // On the way on which the question came: it is that way that is asked about.
     const auto sealed = link_->seal_answer(*token, now);
     if (!sealed.empty()) send(sealed, from);
+    if (direct_ && from != direct_->address()) direct_->exclude_before(link_->next_sequence());
   }
   const auto answer = inbox.take_answer();
+  if (direct_) {
+    if (from != address_) direct_->on_heard(from);
+    if (answer) direct_->on_answer(*answer, *link_, now);
+  }
   if (answer && moving_ && *answer == moving_->token()) moving_->answered();
 }
 
@@ -75,7 +65,17 @@ std::int64_t ConnectionPath::next_due(std::int64_t now) const {
   return std::max({now, question_due_, due});
 }
 
-bool ConnectionPath::poll(const SendDatagram& send, std::int64_t now) {
+void ConnectionPath::send(std::span<const std::byte> datagram, const SendDatagram& send,
+                          std::int64_t now) {
+  if (!direct_ || direct_->uses_path()) send(datagram, address_);
+  if (!direct_ || !direct_->uses_direct()) return;
+  send(datagram, direct_->address());
+  direct_->sent(now);
+}
+
+bool ConnectionPath::poll(const SendDatagram& send, const crypto::Random& random,
+                          std::int64_t now) {
+  if (direct_) direct_->poll(*link_, send, random, now);
   if (!moving_) {
     poll_rumour(send, now);
     return false;

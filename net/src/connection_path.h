@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "crypto.h"
+#include "direct_way.h"
 #include "path_validation.h"
 #include "udp_node_options.h"
 
@@ -25,6 +26,20 @@ class ConnectionPath {
     return address == address_ || may_move_to(address);
   }
 
+  /// It is not followed from here; what comes from elsewhere has come by the way from socket to
+  /// socket.
+  void add_direct() { direct_.emplace(); }
+  /// Null where there is none.
+  DirectWay* direct() { return direct_ ? &*direct_ : nullptr; }
+  /// The other end is there, as far as is known.
+  bool is_known(const Address& from) const {
+    return from == address_ || (direct_ && from == direct_->address());
+  }
+  /// What comes from there is no sign of a move.
+  bool is_at(const Address& from) const { return from == address_ || direct_.has_value(); }
+  /// Sends a datagram of the connection to its other end.
+  void send(std::span<const std::byte> datagram, const SendDatagram& send, std::int64_t now);
+
   /// A packet with this number has come from address(). It may be a copy.
   void refute(std::uint64_t sequence) {
     if (moving_ && moving_->refuted_by(sequence)) moving_.reset();
@@ -37,7 +52,7 @@ class ConnectionPath {
   /// A third peer says that it is there.
   void on_rumour(const Address& to, std::int64_t now);
   /// Sends what is due. True where the peer is followed: address() is another one now.
-  [[nodiscard]] bool poll(const SendDatagram& send, std::int64_t now);
+  [[nodiscard]] bool poll(const SendDatagram& send, const crypto::Random& random, std::int64_t now);
   /// When poll() may do something, if nothing comes before.
   std::int64_t next_due(std::int64_t now) const;
 
@@ -50,8 +65,9 @@ class ConnectionPath {
 
   UdpConnection* link_;
   Address address_;
-  std::optional<PathValidation> moving_;   // packets come from another address
-  std::optional<PathRumour> rumour_;       // others say that it is elsewhere
+  std::optional<PathValidation> moving_;  // packets come from another address
+  std::optional<PathRumour> rumour_;      // others say that it is elsewhere
+  std::optional<DirectWay> direct_;
   std::int64_t question_due_ = INT64_MIN;  // who copies packets does not make us ask all the time
 };
 

@@ -87,6 +87,10 @@ std::vector<consensus::PeerStatus> UdpTransport::peers() const {
   return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.peers(); });
 }
 
+void UdpTransport::list_peers(std::vector<consensus::PeerStatus>& out) const {
+  impl_->socket.with(false, [&out](UdpNode& node, std::int64_t) { node.table().list(out); });
+}
+
 bool UdpTransport::change_group(std::span<const std::byte> signed_change) {
   return impl_->socket.with(true, [&](UdpNode& node, std::int64_t now) {
     return node.change_group(signed_change, now) == Credentials::Changed::Yes;

@@ -82,6 +82,8 @@ class UdpConnection {
   static constexpr std::size_t kQuestionBytes = kProtectedOverhead + kChannelHeader + kPathBytes;
   /// The packet that was opened and not read yet has the highest number so far.
   bool is_newest() const { return opened_ && opened_->sequence == opener_.window().latest(); }
+  /// Of the next packet that is sealed.
+  std::uint64_t next_sequence() const { return sealer_.next_sequence(); }
   /// It goes another way from now on: what was learned of the one before does not hold.
   void begin_path(std::int64_t now);
 

@@ -98,12 +98,12 @@ bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte
   }
   Connection& connection = at->second;
   UdpConnection& link = *connection.link;
-  const bool elsewhere = connection.path.address() != from;
+  const bool elsewhere = !connection.path.is_at(from);
   // Also where a copy of it was here before: then it is not opened.
   if (!elsewhere) connection.path.refute(header.sequence);
   const bool first = !link.confirmed();
   if (!link.open(datagram, now)) {
-    if (elsewhere) ++unknown_;
+    if (!connection.path.is_known(from)) ++unknown_;
     return false;
   }
   if (first) attach(connection, now);
@@ -184,7 +184,7 @@ void UdpNode::poll(std::int64_t now) {
   for (auto at = connections.begin(); at != connections.end();) {
     Connection& connection = at->second;
     peers_.introduce(connection, now);
-    if (connection.path.poll(transmit_, now)) {
+    if (connection.path.poll(transmit_, random_, now)) {
       // Where the others are may have been told to where it was.
       connection.told_to = 0;
       connection.tell_due = now;
@@ -193,7 +193,7 @@ void UdpNode::poll(std::int64_t now) {
     }
     for (auto out = connection.link->poll(now, told); !out.empty();
          out = connection.link->poll(now, told)) {
-      transmit_(out, connection.path.address());
+      connection.path.send(out, transmit_, now);
       if (connection.record == nullptr) continue;
       ++connection.record->status.packets_out;
       connection.record->status.bytes_out += out.size();
@@ -218,12 +218,6 @@ std::int64_t UdpNode::next_due(std::int64_t now) {
 void UdpNode::leave(const std::string& reason, std::int64_t now) {
   now_ = now;
   peers_.leave(reason, now);
-}
-
-bool UdpNode::busy() const {
-  return std::ranges::any_of(peers_.connections(), [](const auto& entry) {
-    return entry.second.record != nullptr && !entry.second.link->channels().reliable().empty();
-  });
 }
 
 void UdpNode::drop(PeerId peer, const std::string& reason, std::int64_t now) {
@@ -258,10 +252,14 @@ Credentials::Changed UdpNode::change_group(std::span<const std::byte> signed_cha
 }
 
 void UdpNode::told(PeerId teller, const KnownPeer& known, std::int64_t now) {
-  if (!options_.introduces) return;
-  const Connection* connection = peers_.attached(teller);
-  if (connection == nullptr || known.peer == 0 || known.peer == options_.handshake.self ||
-      known.peer == teller) {
+  Connection* const connection = peers_.attached(teller);
+  if (connection == nullptr) return;
+  if (known.peer == teller) {
+    DirectWay* const direct = connection->path.direct();
+    if (direct != nullptr) direct->offer(known.address);
+    return;
+  }
+  if (!options_.introduces || known.peer == 0 || known.peer == options_.handshake.self) {
     return;
   }
   if (!is_relayed(connection->path.address())) {

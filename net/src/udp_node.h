@@ -48,8 +48,8 @@ class UdpNode {
   /// Say goodbye to all; no new connections. Done when connections() is 0.
   void leave(const std::string& reason, std::int64_t now);
   std::size_t connections() const { return peers_.connections().size(); }
-  /// Something reliable is still on its way.
-  bool busy() const;
+  /// Who is connected, and how: to be asked, and told whom to prefer. Handshakes are this node's.
+  UdpPeers& table() { return peers_; }
 
   bool post(consensus::PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery,
             std::int64_t now) {
@@ -57,7 +57,11 @@ class UdpNode {
   }
   void drain(std::vector<consensus::Packet>& out) { peers_.drain(clock_, out); }
   void drop(consensus::PeerId peer, const std::string& reason, std::int64_t now);
-  std::vector<consensus::PeerStatus> peers() const { return peers_.statuses(); }
+  std::vector<consensus::PeerStatus> peers() const {
+    std::vector<consensus::PeerStatus> out;
+    peers_.list(out);
+    return out;
+  }
 
   /// Bytes of the longest state that post() takes to any peer, as far as is known of the ways
   /// there.

@@ -79,7 +79,8 @@ UdpPeers::Connection& UdpPeers::add(const Session& session, const Address& addre
         known ? std::max(options_.path_limit(path_number(address)), kMaxRelayed) : kMaxRelayed);
   }
   auto link = std::make_unique<UdpConnection>(session, options, began_here, now);
-  const ConnectionPath path(*link, address);
+  ConnectionPath path(*link, address);
+  if (is_path(address) && !options_.direct_addresses.empty()) path.add_direct();
   return connections_
       .insert_or_assign(session.local_receiver,
                         Connection{.link = std::move(link),
@@ -102,7 +103,10 @@ void UdpPeers::forget_unconfirmed() {
 }
 
 void UdpPeers::forget_departed() {
-  if (records_.size() < 2 * options_.max_peers) return;
+  if (records_.size() < 2 * options_.max_peers &&
+      records_.size() - attached_count() < options_.max_departed) {
+    return;
+  }
   auto oldest = records_.end();
   for (auto at = records_.begin(); at != records_.end(); ++at) {
     if (at->second.connection != nullptr) continue;
@@ -255,20 +259,43 @@ void UdpPeers::drain(const ClockSync& clock, std::vector<consensus::Packet>& out
   }
 }
 
-std::vector<consensus::PeerStatus> UdpPeers::statuses() const {
-  std::vector<consensus::PeerStatus> out;
+void UdpPeers::list(std::vector<consensus::PeerStatus>& out) const {
+  out.resize(records_.size());
+  auto next = out.begin();
   for (const auto& [peer, record] : records_) {
-    out.push_back(record.status);
+    consensus::PeerStatus& status = *next++;
+    status = record.status;
     if (record.connection == nullptr) continue;
     const UdpConnection& link = *record.connection->link;
     const RttEstimate& rtt = link.channels().rtt();
-    out.back().dropped_queue_full += link.channels().dropped_states();
-    out.back().rejected += link.rejected();
-    out.back().over_budget += link.channels().inbox().budget().refused();
-    out.back().round_trip = rtt.any() ? rtt.smoothed() : record.connection->round_trip;
-    out.back().kbit_per_s = link.congestion().rate();
+    status.dropped_queue_full += link.channels().dropped_states();
+    status.rejected += link.rejected();
+    status.over_budget += link.channels().inbox().budget().refused();
+    status.round_trip = rtt.any() ? rtt.smoothed() : record.connection->round_trip;
+    status.kbit_per_s = link.congestion().rate();
   }
-  return out;
+}
+
+bool UdpPeers::busy() const {
+  return std::ranges::any_of(connections_, [](const auto& entry) {
+    return entry.second.record != nullptr && !entry.second.link->channels().reliable().empty();
+  });
+}
+
+void UdpPeers::prefer_direct(std::span<const PeerId> peers, std::int64_t now) {
+  for (auto& [receiver, connection] : connections_) {
+    DirectWay* const direct = connection.path.direct();
+    if (direct == nullptr || connection.record == nullptr) continue;
+    direct->want(std::ranges::binary_search(peers, connection.record->status.id), *connection.link,
+                 now);
+  }
+}
+
+std::size_t UdpPeers::direct() {
+  return static_cast<std::size_t>(std::ranges::count_if(connections_, [](auto& entry) {
+    DirectWay* const direct = entry.second.path.direct();
+    return entry.second.record != nullptr && direct != nullptr && !direct->uses_path();
+  }));
 }
 
 void UdpPeers::tell_others(const Connection& connection) {
@@ -281,7 +308,15 @@ void UdpPeers::tell_others(const Connection& connection) {
 }
 
 void UdpPeers::introduce(Connection& connection, std::int64_t now) {
-  if (!options_.introduces || connection.record == nullptr || now < connection.tell_due) return;
+  if (connection.record == nullptr || now < connection.tell_due) return;
+  DirectWay* const direct = connection.path.direct();
+  if (direct != nullptr && direct->searches()) {
+    for (const Address& own : options_.direct_addresses) {
+      connection.link->channels().tell({.peer = options_.handshake.self, .address = own});
+    }
+    connection.tell_due = now + kTellPeriod;
+  }
+  if (!options_.introduces) return;
   const PeerId other = connection.link->session().remote.peer;
   // The next ones in the order of their ids, after whom it was told of last.
   std::size_t told = 0;

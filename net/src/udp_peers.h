@@ -67,6 +67,13 @@ class UdpPeers {
   /// Null where there is none.
   const Record* record(PeerId peer) const;
   Connection* attached(PeerId peer) const;
+  /// Calls `use(peer)` with each that has a connection, by ascending id; it changes none.
+  template <class Use>
+  void for_each_attached(Use&& use) const {
+    for (const auto& [peer, record] : records_) {
+      if (record.connection != nullptr) use(peer);
+    }
+  }
   bool is_attached_directly(PeerId peer) const;
   bool is_leaving() const { return leaving_; }
 
@@ -88,7 +95,15 @@ class UdpPeers {
   bool post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery,
             std::int64_t now);
   void drain(const ClockSync& clock, std::vector<consensus::Packet>& out);
-  std::vector<consensus::PeerStatus> statuses() const;
+  /// In place of what is there.
+  void list(std::vector<consensus::PeerStatus>& out) const;
+
+  /// Something reliable is still on its way.
+  bool busy() const;
+  /// Whom to speak to from socket to socket, by ascending id, and how many are; for nodes with
+  /// UdpNodeOptions::direct_addresses.
+  void prefer_direct(std::span<const PeerId> peers, std::int64_t now);
+  std::size_t direct();
 
   /// Tell all others where the other end of a connection is.
   void tell_others(const Connection& connection);

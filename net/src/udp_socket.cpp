@@ -222,7 +222,7 @@ void UdpSocket::step() {
   wake_posted_ = false;
   const std::int64_t time = now();
   if (flush_until_ != INT64_MAX) {
-    if (!left_ && (time >= flush_until_ || !node_.busy())) {
+    if (!left_ && (time >= flush_until_ || !node_.table().busy())) {
       left_ = true;
       flush_until_ = time + kGoodbyeTime;
       node_.leave("has left", time);

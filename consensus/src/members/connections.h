@@ -27,7 +27,7 @@ class Connections {
 
   /// Ask the transport who is there.
   void refresh() {
-    peers_ = transport_.peers();
+    transport_.list_peers(peers_);
     std::erase_if(newcomers_, [this](PeerId id) {
       return !ranges::any_of(
           peers_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });

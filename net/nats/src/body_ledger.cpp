@@ -134,7 +134,7 @@ BodyLedger::BodyLedger(const LedgerOptions& options) {
 BodyLedger::~BodyLedger() {
   // What was written last is worth a moment.
   const auto end = std::chrono::steady_clock::now() + kLeavePatience;
-  while (impl_->shared->waiting > 0 && impl_->options.hub->status().connected &&
+  while (impl_->shared->waiting > 0 && impl_->options.hub->impl().connected() &&
          std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
@@ -188,7 +188,7 @@ const LedgerRecord* BodyLedger::known(const SharedId& id) const {
 
 void BodyLedger::take(std::vector<LedgerNews>& out) {
   // What was told while there was no server is looked for, and what it has lost is written again.
-  const std::uint64_t reconnects = impl_->options.hub->status().reconnects;
+  const std::uint64_t reconnects = impl_->options.hub->impl().reconnects();
   if (reconnects != impl_->reconnects) {
     impl_->reconnects = reconnects;
     impl_->write_again();

@@ -3,10 +3,15 @@
 #include "tandem/nats/hub.h"
 
 #include <algorithm>
+#include <array>
+#include <asio/ip/address.hpp>
 #include <stdexcept>
+#include <system_error>
 
+#include "direct_way.h"
 #include "hub_impl.h"
 #include "require.h"
+#include "tandem/consensus/shared_id.h"
 
 namespace tandem::nats {
 
@@ -83,11 +88,31 @@ void HubOptions::validate() const {
   net::require(
       reconnect_wait >= std::chrono::milliseconds(10) && reconnect_wait <= std::chrono::minutes(1),
       "HubOptions", "reconnect_wait", reconnect_wait.count(), "in [10 ms, 1 min]");
+  if (direct) direct->validate();
+}
+
+void DirectOptions::validate() const {
+  const auto is_numeric = [](const std::string& text) {
+    std::error_code error;
+    (void)asio::ip::make_address(text, error);
+    return !error;
+  };
+  net::require(is_numeric(address), "DirectOptions", "address", address, "a numeric address");
+  net::require(reachable_at.size() <= net::DirectWay::kMaxOffered, "DirectOptions",
+               "reachable_at.size()", reachable_at.size(), "at most 4");
+  for (const net::HostPort& each : reachable_at) {
+    net::require(is_numeric(each.host) && each.port != 0, "DirectOptions", "reachable_at",
+                 net::to_string(each), "numeric addresses with ports");
+  }
 }
 
 NatsHub::Impl::Impl(const HubOptions& options) : driven_by_thread_(options.driven) {
   options.validate();
+  if (options.direct) direct_ = std::make_unique<DirectSocket>(*options.direct);
   const NatsOwned<natsOptions> own = library_options(options, &slow_);
+  natsStatistics* counts = nullptr;
+  check(natsStatistics_Create(&counts), "count");
+  statistics_.reset(counts);
   natsConnection* made = nullptr;
   const natsStatus status = natsConnection_Connect(&made, own.get());
   connection_.reset(made);
@@ -115,9 +140,8 @@ NatsHub::Impl::~Impl() {
 
 void NatsHub::Impl::publish(const std::string& subject, std::span<const std::byte> bytes) {
   // What a client library keeps for a server that is away is old when that comes back.
-  if (natsConnection_Status(connection_.get()) != NATS_CONN_STATUS_CONNECTED ||
-      natsConnection_Publish(connection_.get(), subject.c_str(), bytes.data(),
-                             static_cast<int>(bytes.size())) != NATS_OK) {
+  if (!connected() || natsConnection_Publish(connection_.get(), subject.c_str(), bytes.data(),
+                                             static_cast<int>(bytes.size())) != NATS_OK) {
     ++lost_;
   }
 }
@@ -198,17 +222,40 @@ void NatsHub::Impl::work() {
   }
 }
 
+bool NatsHub::Impl::connected() const {
+  return natsConnection_Status(connection_.get()) == NATS_CONN_STATUS_CONNECTED;
+}
+
+std::uint64_t NatsHub::Impl::life() const {
+  std::array<char, 128> text{};
+  if (!connected() ||
+      natsConnection_GetConnectedServerId(connection_.get(), text.data(), text.size()) != NATS_OK) {
+    return 0;
+  }
+  return consensus::SharedId::from_name(text.data()).low;
+}
+
+std::uint64_t NatsHub::Impl::reconnects() const {
+  HubStatus out;
+  count(out);
+  return out.reconnects;
+}
+
+void NatsHub::Impl::count(HubStatus& out) const {
+  const std::scoped_lock lock(counting_);
+  if (natsConnection_GetStats(connection_.get(), statistics_.get()) != NATS_OK) return;
+  natsStatistics_GetCounts(statistics_.get(), &out.messages_in, &out.bytes_in, &out.messages_out,
+                           &out.bytes_out, &out.reconnects);
+}
+
 HubStatus NatsHub::Impl::status() const {
   HubStatus out;
-  natsConnection* connection = connection_.get();
-  out.connected = natsConnection_Status(connection) == NATS_CONN_STATUS_CONNECTED;
-  natsStatistics* statistics = nullptr;
-  if (natsStatistics_Create(&statistics) == NATS_OK &&
-      natsConnection_GetStats(connection, statistics) == NATS_OK) {
-    natsStatistics_GetCounts(statistics, &out.messages_in, &out.bytes_in, &out.messages_out,
-                             &out.bytes_out, &out.reconnects);
+  out.connected = connected();
+  if (direct_ != nullptr) {
+    out.direct_port = direct_->port();
+    out.direct_unknown = direct_->unknown();
   }
-  natsStatistics_Destroy(statistics);
+  count(out);
   out.lost = lost_;
   out.slow = slow_;
   return out;

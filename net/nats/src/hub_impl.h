@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "direct_socket.h"
 #include "tandem/nats/hub.h"
 
 namespace tandem::nats {
@@ -27,6 +28,7 @@ struct NatsFree {
   void operator()(natsMsg* message) const { natsMsg_Destroy(message); }
   void operator()(jsCtx* context) const { jsCtx_Destroy(context); }
   void operator()(jsPubAck* ack) const { jsPubAck_Destroy(ack); }
+  void operator()(natsStatistics* counts) const { natsStatistics_Destroy(counts); }
   void operator()(jsStreamInfo* info) const { jsStreamInfo_Destroy(info); }
 };
 template <class T>
@@ -68,16 +70,30 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   void later(std::function<bool()> job);
 
   HubStatus status() const;
+  /// Of status(), without a look at the rest.
+  bool connected() const;
+  /// Counted before connected() says so.
+  std::uint64_t reconnects() const;
+  /// Of the server that this is connected to, another one with each of its starts; 0: none.
+  std::uint64_t life() const;
+  std::uint64_t slow() const { return slow_; }
+  /// Null where there is none.
+  DirectSocket* direct() { return direct_.get(); }
   natsConnection* connection() { return connection_.get(); }
 
  private:
   void run();
   void work();
+  /// What the client library has counted.
+  void count(HubStatus& out) const;
 
   const bool driven_by_thread_;
+  std::unique_ptr<DirectSocket> direct_;
   NatsOwned<natsConnection> connection_;
   std::atomic<std::uint64_t> lost_ = 0;
   std::atomic<std::uint64_t> slow_ = 0;
+  mutable std::mutex counting_;
+  NatsOwned<natsStatistics> statistics_;  ///< scratch
 
   std::mutex mutex_;
   std::condition_variable woken_;

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "address.h"
+
 namespace tandem::nats {
 
 /// What came from the server, between the client library's thread and the transport. The oldest
@@ -19,14 +21,16 @@ class Inbox {
   static constexpr std::size_t kMaxMessages = 4096;
   static constexpr std::size_t kMaxBytes = 2 * 1024 * 1024;
 
-  enum class Kind : std::uint8_t { Datagram, Presence, Summary };
+  enum class Kind : std::uint8_t { Datagram, Direct, Presence, Summary };
   struct Message {
     Kind kind{};
     std::int64_t at = 0;  ///< ns
     std::vector<std::byte> bytes;
+    net::Address from{};  ///< of Direct
   };
 
-  void put(Kind kind, std::span<const std::byte> bytes, std::int64_t at) {
+  void put(Kind kind, std::span<const std::byte> bytes, std::int64_t at,
+           const net::Address& from = {}) {
     if (bytes.size() > kMaxBytes) return;
     const std::scoped_lock lock(mutex_);
     while (messages_.size() >= kMaxMessages || bytes_ + bytes.size() > kMaxBytes) {
@@ -35,7 +39,7 @@ class Inbox {
       ++dropped_;
     }
     bytes_ += bytes.size();
-    messages_.push_back({kind, at, {bytes.begin(), bytes.end()}});
+    messages_.push_back({kind, at, {bytes.begin(), bytes.end()}, from});
   }
   std::deque<Message> take() {
     const std::scoped_lock lock(mutex_);

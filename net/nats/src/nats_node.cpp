@@ -3,6 +3,7 @@
 #include "nats_node.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "node_options.h"
@@ -21,15 +22,22 @@ constexpr std::int64_t kFollowEvery = 50'000'000;    // ns
 constexpr std::int64_t kCoarsePeriod = 500'000'000;  // ns, of levels above 1
 constexpr std::int64_t kPartLife = 5'000'000'000;    // ns, of what was said of a part
 constexpr std::int64_t kPatience = 3'000'000'000;    // ns, for a handshake and a farewell
+constexpr std::size_t kMaxDeparted = 8;              // they are listed in each step
 constexpr std::size_t kMaxPackets = 1024;            // of summaries that nobody drains
 
-net::UdpNodeOptions options_of(const NatsOptions& options, std::int64_t now,
-                               std::int64_t correction) {
+net::UdpNodeOptions options_of(const NatsOptions& options, const DirectSocket* direct,
+                               std::int64_t now, std::int64_t correction) {
   net::UdpNodeOptions out = net::node_options(options.member);
   out.max_peers = std::min<std::size_t>(1024, 2 * options.cells.max_near + 8);
+  out.max_departed = kMaxDeparted;
   out.relay = false;
   out.introduces = false;
   out.path_limit = [](std::uint64_t) { return net::kMaxDatagram; };
+  if (direct != nullptr && options.direct_peers > 0) {
+    out.direct_addresses = direct->addresses();
+    // Of the way from socket to socket nothing more is known.
+    out.path_limit = [](std::uint64_t) { return net::MtuSearch::kBase; };
+  }
   out.start = now;
   out.correction = correction;
   return out;
@@ -46,16 +54,29 @@ NatsNode::NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std
       subjects_(options.prefix, options.member.scene_hash, options.cells),
       hub_(std::move(hub)),
       steady_(std::move(steady)),
-      node_(options_of(options, now, correction), crypto::system_random(),
+      node_(options_of(options, hub_->impl().direct(), now, correction), crypto::system_random(),
             [this](std::span<const std::byte> datagram, const net::Address& to) {
               send(datagram, to);
             }),
-      hood_(options.cells, options.member.self) {
+      hood_(options.cells, options.member.self),
+      direct_{.nearest = Nearest(options.direct_peers, options.cells.slack), .hear = nullptr} {
   if (options.speaker) speaking_.secret.emplace(*options.speaker);
   for (const TrustedSpeaker& each : options.speakers)
     speaking_.trusted[each.peer] = each.public_key;
   for (int level = 1; level < cells_.levels; ++level) levels_.emplace_back(self_, now);
   own_ = subscribe(subjects_.to(self_), Inbox::Kind::Datagram);
+  listen_directly();
+}
+
+void NatsNode::listen_directly() {
+  DirectSocket* const socket = hub_->impl().direct();
+  if (socket == nullptr) return;
+  direct_.hear = std::make_shared<DirectSocket::Hear>(
+      [inbox = direct_.inbox, steady = steady_](std::span<const std::byte> bytes,
+                                                const net::Address& from) {
+        inbox->put(Inbox::Kind::Direct, bytes, steady(), from);
+      });
+  socket->attach(node_.receiver_prefix(), direct_.hear);
 }
 
 NatsOwned<natsSubscription> NatsNode::subscribe(const std::string& subject, Inbox::Kind kind) {
@@ -66,7 +87,14 @@ NatsOwned<natsSubscription> NatsNode::subscribe(const std::string& subject, Inbo
 }
 
 void NatsNode::send(std::span<const std::byte> datagram, const net::Address& to) {
-  if (!net::is_path(to)) return;
+  if (!net::is_path(to)) {
+    DirectSocket* const socket = hub_->impl().direct();
+    if (socket == nullptr) return;
+    socket->send(datagram, to);
+    ++direct_.out;
+    direct_.bytes_out += datagram.size();
+    return;
+  }
   seal_.sealed.clear();
   pbd::ByteWriter writer(seal_.sealed);
   writer.u64(self_);
@@ -75,20 +103,14 @@ void NatsNode::send(std::span<const std::byte> datagram, const net::Address& to)
 }
 
 void NatsNode::tick(std::int64_t now) {
-  for (const Inbox::Message& message : inbox_->take()) {
+  auto messages = inbox_->take();
+  const auto of_server = static_cast<std::ptrdiff_t>(messages.size());
+  std::ranges::move(direct_.inbox->take(), std::back_inserter(messages));
+  std::ranges::inplace_merge(messages, messages.begin() + of_server, {}, &Inbox::Message::at);
+  for (const Inbox::Message& message : messages) {
     // The node's time does not go back, and what waited here has come when it came.
     last_ = std::max(last_, std::min(message.at, now));
-    switch (message.kind) {
-      case Inbox::Kind::Datagram:
-        on_datagram(message);
-        break;
-      case Inbox::Kind::Presence:
-        on_presence(message);
-        break;
-      case Inbox::Kind::Summary:
-        on_summary(message);
-        break;
-    }
+    take_in(message);
   }
   last_ = std::max(last_, now);
   if (now >= due_.follow) {
@@ -98,6 +120,29 @@ void NatsNode::tick(std::int64_t now) {
   if (now >= due_.presence) say_where(now);
   speak(now);
   node_.poll(now);
+}
+
+void NatsNode::take_in(const Inbox::Message& message) {
+  switch (message.kind) {
+    case Inbox::Kind::Datagram:
+      on_datagram(message);
+      break;
+    case Inbox::Kind::Direct:
+      on_direct(message);
+      break;
+    case Inbox::Kind::Presence:
+      on_presence(message);
+      break;
+    case Inbox::Kind::Summary:
+      on_summary(message);
+      break;
+  }
+}
+
+void NatsNode::on_direct(const Inbox::Message& message) {
+  if (!node_.on_datagram(message.bytes, message.from, last_)) return;
+  ++direct_.in;
+  direct_.bytes_in += message.bytes.size();
 }
 
 void NatsNode::on_datagram(const Inbox::Message& message) {
@@ -112,7 +157,7 @@ void NatsNode::on_presence(const Inbox::Message& message) {
   if (!opened) return;
   const auto presence = decode_presence(opened->plain);
   if (!presence) {
-    ++unbelieved_;
+    ++seal_.unbelieved;
   } else if (opened->sender == self_) {
     load_.heard(presence->sent, steady_());
   } else {
@@ -136,7 +181,7 @@ void NatsNode::on_summary(const Inbox::Message& message) {
   const auto summary = decode_summary(opened->plain);
   if (!summary || summary->cell.level >= cells_.levels ||
       !is_believed(opened->sender, *summary, opened->plain)) {
-    ++unbelieved_;
+    ++seal_.unbelieved;
     return;
   }
   const Cell cell = summary->cell;
@@ -162,8 +207,9 @@ void NatsNode::on_summary(const Inbox::Message& message) {
 }
 
 void NatsNode::follow(std::int64_t now) {
-  const HubStatus hub = hub_->status();
-  switch (load_.look(inbox_->dropped() + hub.slow, hub.connected, now)) {
+  NatsHub::Impl& hub = hub_->impl();
+  const bool connected = hub.connected();
+  switch (load_.look(inbox_->dropped() + hub.slow(), connected, now)) {
     case Load::Verdict::Slow:
       hood_.lower_limit();
       break;
@@ -173,7 +219,7 @@ void NatsNode::follow(std::int64_t now) {
     case Load::Verdict::Wait:
       break;
   }
-  const Neighbourhood::Changes& changes = hood_.update(hub.connected, now);
+  const Neighbourhood::Changes& changes = hood_.update(connected, now);
   for (const Cell& cell : changes.unlisten) heard_cells_.erase(cell);
   for (const Cell& cell : changes.listen) {
     heard_cells_[cell] = cell.level == 0 ? subscribe(subjects_.who(cell), Inbox::Kind::Presence)
@@ -185,6 +231,9 @@ void NatsNode::follow(std::int64_t now) {
   }
   for (const PeerId peer : changes.part) node_.hang_up(peer, "too far away", now);
   reconcile(now);
+  if (direct_.hear != nullptr) {
+    node_.table().prefer_direct(direct_.nearest.choose(hood_.met_peers(), hood_.position()), now);
+  }
   for (int level = 1; level < cells_.levels; ++level) {
     Level& each = levels_[static_cast<std::size_t>(level) - 1];
     each.speaker.enter(cell_at(cells_, hood_.position(), level), now);
@@ -204,16 +253,14 @@ void NatsNode::reconcile(std::int64_t now) {
     node_.hang_up(peer, "too far away", now);
     hood_.lose(peer);
   };
-  const auto peers = node_.peers();
-  for (const consensus::PeerStatus& peer : peers) {
-    if (peer.connected && !hood_.is_met(peer.id)) note(peer.id);
+  std::vector<PeerId> unlike;
+  node_.table().for_each_attached([&](PeerId peer) {
+    if (!hood_.is_met(peer)) unlike.push_back(peer);
+  });
+  for (const auto& [peer, position] : hood_.met_peers()) {
+    if (node_.table().attached(peer) == nullptr) unlike.push_back(peer);
   }
-  std::vector<NearPeer> met;
-  hood_.met_peers(met);
-  for (const auto& [peer, position] : met) {
-    const auto at = std::ranges::lower_bound(peers, peer, {}, &consensus::PeerStatus::id);
-    if (at == peers.end() || at->id != peer || !at->connected) note(peer);
-  }
+  for (const PeerId peer : unlike) note(peer);
   amiss_ = std::move(amiss);
 }
 
@@ -302,10 +349,8 @@ bool NatsNode::set_summary(int level, std::span<const std::byte> content) {
 
 void NatsNode::drain(std::vector<consensus::Packet>& out) {
   node_.drain(out);
-  const auto peers = node_.peers();
   for (consensus::Packet& packet : packets_) {
-    const auto known = std::ranges::find(peers, packet.from, &consensus::PeerStatus::id);
-    if (known == peers.end() || !known->connected) out.push_back(std::move(packet));
+    if (node_.table().attached(packet.from) == nullptr) out.push_back(std::move(packet));
   }
   packets_.clear();
 }
@@ -315,16 +360,22 @@ void NatsNode::take_summaries(std::vector<CellSummary>& out) {
   summaries_.clear();
 }
 
-NatsStatus NatsNode::status() const {
+NatsStatus NatsNode::status() {
   return {.hub = hub_->status(),
           .hears = hood_.hears(),
           .limit = hood_.limit(),
           .met = hood_.met(),
+          .direct = node_.table().direct(),
           .contacts = hood_.contacts(),
           .cells = hood_.cells(),
           .lag = load_.lag(),
-          .dropped = inbox_->dropped(),
-          .refused = seal_.opener.refused() + unbelieved_};
+          .direct_out = direct_.out,
+          .direct_bytes_out = direct_.bytes_out,
+          .direct_in = direct_.in,
+          .direct_bytes_in = direct_.bytes_in,
+          .dropped = inbox_->dropped() + direct_.inbox->dropped(),
+          .refused = seal_.opener.refused() + seal_.unbelieved,
+          .unknown = node_.unknown()};
 }
 
 }  // namespace tandem::nats

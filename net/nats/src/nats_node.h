@@ -15,6 +15,7 @@
 #include "hub_impl.h"
 #include "inbox.h"
 #include "load.h"
+#include "nearest.h"
 #include "neighbourhood.h"
 #include "speaker.h"
 #include "subjects.h"
@@ -37,12 +38,15 @@ class NatsNode {
 
   net::UdpNode& node() { return node_; }
   void move(const pbd::Vec3& position) { hood_.move(position); }
-  void near_peers(std::vector<NearPeer>& out) const { hood_.met_peers(out); }
+  void near_peers(std::vector<NearPeer>& out) const {
+    const auto met = hood_.met_peers();
+    out.insert(out.end(), met.begin(), met.end());
+  }
   bool speaks(int level, std::int64_t now) const;
   bool set_summary(int level, std::span<const std::byte> content);
   void drain(std::vector<consensus::Packet>& out);
   void take_summaries(std::vector<CellSummary>& out);
-  NatsStatus status() const;
+  NatsStatus status();
 
  private:
   using PeerId = consensus::PeerId;
@@ -62,6 +66,7 @@ class NatsNode {
     std::unique_ptr<GroupSealer> sealer;
     std::uint64_t group = 0;  ///< that `sealer` is for
     GroupOpener opener;
+    std::uint64_t unbelieved = 0;   ///< opened, and not to be believed
     std::vector<std::byte> plain;   ///< scratch
     std::vector<std::byte> sealed;  ///< scratch
   };
@@ -70,13 +75,27 @@ class NatsNode {
     std::optional<net::crypto::Secret> secret;  ///< own
     std::map<PeerId, net::crypto::PublicKey> trusted;
   };
+  /// Of those who are near, by UDP.
+  struct Direct {
+    Nearest nearest;
+    std::shared_ptr<DirectSocket::Hear> hear;
+    /// Its own: who floods the socket takes no room from what comes from the server.
+    std::shared_ptr<Inbox> inbox = std::make_shared<Inbox>();
+    std::uint64_t out = 0;
+    std::uint64_t bytes_out = 0;
+    std::uint64_t in = 0;
+    std::uint64_t bytes_in = 0;
+  };
   struct Due {
     std::int64_t follow = INT64_MIN;
     std::int64_t presence = INT64_MIN;
   };
 
   void send(std::span<const std::byte> datagram, const net::Address& to);
+  void take_in(const Inbox::Message& message);
+  void listen_directly();
   void on_datagram(const Inbox::Message& message);
+  void on_direct(const Inbox::Message& message);
   void on_presence(const Inbox::Message& message);
   void on_summary(const Inbox::Message& message);
   bool is_believed(PeerId sender, const Summary& summary, std::span<const std::byte> plain) const;
@@ -102,6 +121,7 @@ class NatsNode {
   net::UdpNode node_;
   Neighbourhood hood_;
   Load load_;
+  Direct direct_;
   std::vector<Level> levels_;  ///< from level 1 on
   Seal seal_;
   NatsOwned<natsSubscription> own_;
@@ -109,8 +129,7 @@ class NatsNode {
 
   std::int64_t last_ = INT64_MIN;  ///< of the newest thing that the node was told
   Due due_;
-  std::map<PeerId, std::int64_t> amiss_;  ///< whose connection is not as wanted, since when
-  std::uint64_t unbelieved_ = 0;
+  std::map<PeerId, std::int64_t> amiss_;    ///< whose connection is not as wanted, since when
   std::vector<consensus::Packet> packets_;  ///< of summaries
   std::vector<CellSummary> summaries_;
 };

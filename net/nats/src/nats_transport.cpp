@@ -54,6 +54,7 @@ void NatsOptions::validate() const {
                "1 to 64 letters, digits, - and _");
   member.validate();
   cells.validate();
+  net::require(direct_peers <= 256, "NatsOptions", "direct_peers", direct_peers, "in [0, 256]");
   for (const TrustedSpeaker& each : speakers) {
     net::require(each.peer != 0, "NatsOptions", "speakers", each.peer, "ids above 0");
   }
@@ -100,7 +101,7 @@ class __attribute__((visibility("hidden"))) NatsTransport::Impl final : public D
       return std::chrono::steady_clock::now() < end;
     };
     tick(steady());
-    while (node.node().busy() && wait()) {
+    while (node.node().table().busy() && wait()) {
     }
     node.node().leave("left the session", steady());
     tick(steady());
@@ -160,6 +161,10 @@ std::vector<consensus::PeerStatus> NatsTransport::peers() const {
   return impl_->with([](NatsNode& node, std::int64_t) { return node.node().peers(); });
 }
 
+void NatsTransport::list_peers(std::vector<consensus::PeerStatus>& out) const {
+  impl_->with([&out](NatsNode& node, std::int64_t) { node.node().table().list(out); });
+}
+
 void NatsTransport::set_position(const pbd::Vec3& position) {
   if (!position.allFinite()) return;
   impl_->with([&](NatsNode& node, std::int64_t) { node.move(position); });
@@ -204,7 +209,7 @@ net::ClockStatus NatsTransport::clock() const {
 }
 
 NatsStatus NatsTransport::status() const {
-  return impl_->with([](const NatsNode& node, std::int64_t) { return node.status(); });
+  return impl_->with([](NatsNode& node, std::int64_t) { return node.status(); });
 }
 
 }  // namespace tandem::nats

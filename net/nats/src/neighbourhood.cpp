@@ -7,6 +7,12 @@
 
 namespace tandem::nats {
 
+namespace {
+
+constexpr double kEnoughOfSlack = 0.05;  // that a user has moved before cells are looked at again
+
+}  // namespace
+
 void Neighbourhood::hear(PeerId peer, const Presence& presence, std::int64_t now) {
   if (peer == self_ || peer == 0) return;
   const auto known = contacts_.find(peer);
@@ -28,17 +34,6 @@ void Neighbourhood::lower_limit() {
 }
 
 void Neighbourhood::raise_limit() { limit_ = std::min(options_.max_near, limit_ + 1); }
-
-std::size_t Neighbourhood::met() const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(contacts_, [](const auto& entry) { return entry.second.met; }));
-}
-
-void Neighbourhood::met_peers(std::vector<NearPeer>& out) const {
-  for (const auto& [peer, contact] : contacts_) {
-    if (contact.met) out.push_back({peer, contact.position});
-  }
-}
 
 std::size_t Neighbourhood::people_in(const Cell& cell) const {
   const bool self = cell_at(options_, position_, cell.level) == cell;
@@ -78,6 +73,7 @@ void Neighbourhood::update_hears() {
 }
 
 void Neighbourhood::update_peers(bool served, std::int64_t now) {
+  met_.clear();
   for (auto at = contacts_.begin(); at != contacts_.end();) {
     Contact& contact = at->second;
     const double apart = distance(contact);
@@ -91,11 +87,15 @@ void Neighbourhood::update_peers(bool served, std::int64_t now) {
       contact.met = false;
       changes_.part.push_back(at->first);
     }
+    if (contact.met) met_.push_back({at->first, contact.position});
     at = silent ? contacts_.erase(at) : std::next(at);
   }
 }
 
 void Neighbourhood::update_cells() {
+  const double enough = kEnoughOfSlack * options_.slack;
+  if (cells_about_ && (*cells_about_ - position_).norm() < enough) return;
+  cells_about_ = position_;
   for (auto at = cells_.begin(); at != cells_.end();) {
     const double reach = at->level == 0 ? options_.near + 3.0 * options_.slack
                                         : 1.1 * cell_edge(options_, at->level);

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "cell_wire.h"
@@ -35,7 +37,10 @@ class Neighbourhood {
   const pbd::Vec3& position() const { return position_; }
   void hear(PeerId peer, const Presence& presence, std::int64_t now);
   /// There is no connection to it any more: it is met again when it is heard again.
-  void lose(PeerId peer) { contacts_.erase(peer); }
+  void lose(PeerId peer) {
+    contacts_.erase(peer);
+    std::erase_if(met_, [peer](const NearPeer& each) { return each.peer == peer; });
+  }
   bool is_met(PeerId peer) const {
     const auto at = contacts_.find(peer);
     return at != contacts_.end() && at->second.met;
@@ -62,9 +67,9 @@ class Neighbourhood {
   /// m: how far this peer hears.
   double hears() const { return hears_; }
   std::size_t contacts() const { return contacts_.size(); }
-  std::size_t met() const;
-  /// By ascending id, appended.
-  void met_peers(std::vector<NearPeer>& out) const;
+  std::size_t met() const { return met_.size(); }
+  /// By ascending id, as of the last update().
+  std::span<const NearPeer> met_peers() const { return met_; }
   /// Peers that are in a cell, as far as is known here.
   std::size_t people_in(const Cell& cell) const;
   bool listens_to(const Cell& cell) const { return cells_.contains(cell); }
@@ -92,7 +97,9 @@ class Neighbourhood {
   std::size_t limit_ = options_.max_near;
   double hears_ = options_.near;
   std::map<PeerId, Contact> contacts_;
+  std::vector<NearPeer> met_;
   std::set<Cell> cells_;
+  std::optional<pbd::Vec3> cells_about_;  ///< where the user was when they were chosen
   Changes changes_;
   std::vector<double> distances_;  ///< scratch
 };

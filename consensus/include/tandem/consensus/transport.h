@@ -79,6 +79,9 @@ class TANDEM_API Transport {
   virtual void drop(PeerId peer, const std::string& reason) = 0;
   /// All peers ever seen in this session, by ascending id.
   virtual std::vector<PeerStatus> peers() const = 0;
+  /// The same in place of what `out` holds, whose memory is used again where a transport can: it is
+  /// asked in each step.
+  virtual void list_peers(std::vector<PeerStatus>& out) const { out = peers(); }
 };
 
 }  // namespace tandem::consensus

@@ -131,6 +131,7 @@ class TANDEM_API UdpTransport final : public consensus::Transport {
   void drain(std::vector<consensus::Packet>& out) override;
   void drop(consensus::PeerId peer, const std::string& reason) override;
   std::vector<consensus::PeerStatus> peers() const override;
+  void list_peers(std::vector<consensus::PeerStatus>& out) const override;
 
   /// Take over what the organiser has signed, see GroupChange, and pass it on to all members. False
   /// where it is not his, or no news.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,19 @@
 
 namespace tandem::nats {
 
+/// A UDP socket beside the connection to the server, by which peers that are near speak to each
+/// other without it.
+struct TANDEM_API DirectOptions {
+  std::string address = "0.0.0.0";  ///< numeric, of this machine: where it is bound
+  std::uint16_t port = 0;           ///< 0: any that is free
+  /// Where others reach it, numeric, at most four; empty: at the addresses of this machine. The
+  /// NatsOptions::direct_peers nearest are told, sealed, and nobody else.
+  std::vector<net::HostPort> reachable_at;
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
 /// Where the server is, and how this process shows itself there.
 struct TANDEM_API HubOptions {
   std::vector<net::HostPort> servers;  ///< of one cluster, at least one; tried in turn
@@ -20,6 +34,8 @@ struct TANDEM_API HubOptions {
   std::string password;
   bool tls = false;  ///< the server shows a certificate that this system trusts
   std::chrono::milliseconds reconnect_wait{100};  ///< between two attempts, in [10 ms, 1 min]
+  /// None: all goes over the server.
+  std::optional<DirectOptions> direct;
   /// A thread of the hub's drives the transports; false: each is driven by NatsTransport::poll().
   bool driven = true;
 
@@ -29,6 +45,8 @@ struct TANDEM_API HubOptions {
 
 struct TANDEM_API HubStatus {
   bool connected = false;
+  std::uint16_t direct_port = 0;     ///< bound by HubOptions::direct; 0: none
+  std::uint64_t direct_unknown = 0;  ///< datagrams there that are for nobody here
   std::uint64_t reconnects = 0;
   std::uint64_t messages_in = 0;
   std::uint64_t messages_out = 0;
@@ -44,7 +62,8 @@ struct TANDEM_API HubStatus {
 class TANDEM_API NatsHub {
  public:
   /// A server that is not there (yet) is no error. @throws std::invalid_argument
-  /// (HubOptions::validate), std::runtime_error where the client library cannot begin
+  /// (HubOptions::validate), std::runtime_error where the client library cannot begin,
+  /// std::system_error where HubOptions::direct cannot be bound
   explicit NatsHub(const HubOptions& options);
   ~NatsHub();
   NatsHub(const NatsHub&) = delete;

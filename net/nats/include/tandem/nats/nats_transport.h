@@ -42,6 +42,9 @@ struct TANDEM_API NatsOptions {
   /// port, address, connect, max_peers, kernel_filter and relay.
   net::UdpOptions member;
   CellOptions cells;
+  /// So many of the nearest are spoken to by UDP where both ends have HubOptions::direct and that
+  /// works, in [0, 256].
+  std::size_t direct_peers = 16;
   /// Ed25519 secret with which this peer signs what it says of a cell.
   std::optional<net::Key> speaker;
   /// Whose summaries count; empty: those of all who have the session key, signed or not.
@@ -70,14 +73,20 @@ struct TANDEM_API NearPeer {
 
 struct TANDEM_API NatsStatus {
   HubStatus hub;
-  double hears = 0.0;         ///< m: whom this peer connects to now
-  std::size_t limit = 0;      ///< so many of them at most, see CellOptions::max_near
-  std::size_t met = 0;        ///< connected to, or about to be
-  std::size_t contacts = 0;   ///< known to be near
-  std::size_t cells = 0;      ///< listened to
-  std::int64_t lag = -1;      ///< ns, from here through the server and back; -1: not known
+  double hears = 0.0;                  ///< m: whom this peer connects to now
+  std::size_t limit = 0;               ///< so many of them at most, see CellOptions::max_near
+  std::size_t met = 0;                 ///< connected to, or about to be
+  std::size_t direct = 0;              ///< of those, spoken to by UDP alone
+  std::size_t contacts = 0;            ///< known to be near
+  std::size_t cells = 0;               ///< listened to
+  std::int64_t lag = -1;               ///< ns, from here through the server and back; -1: not known
+  std::uint64_t direct_out = 0;        ///< datagrams by UDP
+  std::uint64_t direct_bytes_out = 0;  ///< of them
+  std::uint64_t direct_in = 0;         ///< likewise, taken in
+  std::uint64_t direct_bytes_in = 0;
   std::uint64_t dropped = 0;  ///< messages that came faster than they were taken in
   std::uint64_t refused = 0;  ///< messages to cells that did not open or were not signed
+  std::uint64_t unknown = 0;  ///< packets of no connection, over the server or by UDP
 };
 
 /// Peers that meet through NATS servers: whoever is near is connected, whoever is far is
@@ -92,8 +101,12 @@ struct TANDEM_API NatsStatus {
 ///   that one is connected.
 /// - A peer that is too slow hears fewer of the nearest, down to CellOptions::min_near, and each
 ///   connection slows down by itself; when it catches up it hears more again.
-/// - Where the server goes away nothing is sent; what is reliable goes on when it is back. Peers
-///   are kept for UdpOptions::idle_timeout.
+/// - The nearest speak by UDP where they can (NatsOptions::direct_peers): all goes that way alone,
+///   by both while it is in doubt, and by the server where it fails. It is the same connection all
+///   the time; what comes by both ways counts once. These peers alone are told the addresses of
+///   HubOptions::direct.
+/// - Where the server goes away nothing is sent but by UDP; what is reliable goes on when it is
+///   back. Peers are kept for UdpOptions::idle_timeout.
 ///
 /// post, drain and the others take a short lock and never wait for the network.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
@@ -113,6 +126,7 @@ class TANDEM_API NatsTransport final : public consensus::Transport {
   void drop(consensus::PeerId peer, const std::string& reason) override;
   /// Of those that are or were near lately.
   std::vector<consensus::PeerStatus> peers() const override;
+  void list_peers(std::vector<consensus::PeerStatus>& out) const override;
 
   /// The user is here now, m, world; not finite: he stays where he was.
   void set_position(const pbd::Vec3& position);
