@@ -30,12 +30,6 @@ std::span<const std::byte> data_of(const natsMsg* message) {
           static_cast<std::size_t>(natsMsg_GetDataLength(message))};
 }
 
-/// Names of streams have no dots.
-std::string stream_of(std::string base) {
-  for (char& c : base) c = c == '.' ? '_' : c;
-  return base + "ledger";
-}
-
 }  // namespace
 
 LedgerStore::LedgerStore(NatsHub::Impl& hub, const Subjects& subjects,
@@ -44,10 +38,10 @@ LedgerStore::LedgerStore(NatsHub::Impl& hub, const Subjects& subjects,
       subjects_(subjects),
       session_key_(session_key),
       random_(net::crypto::system_random()),
-      stream_(stream_of(subjects.base())) {}
+      stream_(stream_name(subjects.base(), "ledger")) {}
 
 Result LedgerStore::open() {
-  const std::uint64_t now = life();
+  const std::uint64_t now = hub_.life();
   if (now == 0) return Result::NoServer;
   if (open_ == now) return Result::Done;
   if (context_ == nullptr) {
@@ -76,15 +70,6 @@ Result LedgerStore::open() {
   const NatsOwned<jsStreamInfo> owned(info);
   open_ = status == NATS_OK ? now : 0;
   return open_ != 0 ? Result::Done : Result::NoServer;
-}
-
-std::uint64_t LedgerStore::life() const {
-  std::array<char, 128> text{};
-  if (natsConnection_Status(hub_.connection()) != NATS_CONN_STATUS_CONNECTED ||
-      natsConnection_GetConnectedServerId(hub_.connection(), text.data(), text.size()) != NATS_OK) {
-    return 0;
-  }
-  return SharedId::from_name(text.data()).low;
 }
 
 std::string LedgerStore::record_subject(const SharedId& id) const {

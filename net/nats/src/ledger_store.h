@@ -49,8 +49,6 @@ class __attribute__((visibility("hidden"))) LedgerStore {
   /// @param sequence  of the record that says so: what was written later stays
   void take_back(const std::string& subject, std::uint64_t sequence);
   void tell(const StoredRecord& record, std::span<const std::byte> sealed, const Cell& cell);
-  /// Of the server that this is connected to; 0: none.
-  std::uint64_t life() const;
 
   NatsHub::Impl& hub_;
   Subjects subjects_;

@@ -35,6 +35,12 @@ std::string Subjects::path(const Cell& cell) const {
   return out;
 }
 
+std::string stream_name(std::string base, std::string_view kind) {
+  for (char& c : base) c = c == '.' ? '_' : c;
+  base += kind;
+  return base;
+}
+
 std::string hex(std::uint64_t value) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string out(16, '0');

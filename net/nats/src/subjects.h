@@ -37,6 +37,9 @@ class Subjects {
   std::string base_;
 };
 
+/// Of a stream of a session: names of streams have no dots.
+std::string stream_name(std::string base, std::string_view kind);
+
 /// Sixteen hex digits.
 std::string hex(std::uint64_t value);
 
