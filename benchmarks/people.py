@@ -3,7 +3,7 @@
 # Copyright (c) 2026 The Tandem authors
 """What many people cost over NATS (docs/scale.md): runs bin/plaza with servers of its own on loopback.
 
-  benchmarks/people.py BIN people    100, 300 and 1000 people at constant density, interleaved
+  benchmarks/people.py BIN people    100, 300 and 1000 people at constant density, interleaved; --direct of plaza
   benchmarks/people.py BIN udp       the same eight people over UDP and NATS, by seed
   benchmarks/people.py BIN restart   a server that is killed and started again in the middle
 
@@ -73,7 +73,7 @@ def people(binary, args):
         for count in args.counts:
             with Server() as server:
                 run = plaza(binary, server, "--people", count, "--density", 20, "--seconds", args.seconds, "--seed",
-                            round_ + 1)
+                            round_ + 1, "--direct", args.direct)
                 # Of the whole run, settling included.
                 run["server"] = 1e3 * server.cpu() / count / (args.seconds + 3.0)
             runs.setdefault(count, []).append(run)
@@ -130,6 +130,7 @@ def main():
     parser.add_argument("binary", type=pathlib.Path)
     parser.add_argument("what", choices=("people", "udp", "restart"))
     parser.add_argument("--counts", type=int, nargs="+", default=[100, 300, 1000])
+    parser.add_argument("--direct", type=int, default=0)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=8.0)
     parser.add_argument("--seeds", type=int, default=9)
