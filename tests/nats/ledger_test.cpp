@@ -272,7 +272,8 @@ TEST_CASE("ledger: a body whose last keeper the server has forgotten gets exactl
       second.take(news);
       return first.waiting() + second.waiting() == 0 && first.known(body(1)) != nullptr &&
              second.known(body(1)) != nullptr &&
-             first.known(body(1))->keeper == second.known(body(1))->keeper;
+             first.known(body(1))->keeper == second.known(body(1))->keeper &&
+             first.known(body(1))->revision == second.known(body(1))->revision;
     }));
     const auto found = census(ledger_options(server.port()), 1);
     REQUIRE(found.contains(body(1)));
