@@ -79,6 +79,14 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
                                 bodies[def.b.index].inv_mass > 0.0);
   }
 
+  /// Whether this step has moved one of its ends.
+  static bool is_awake(const JointRecord& record, std::span<const SolverBody> bodies) {
+    const auto moves = [&](BodyId id) {
+      return id.valid() && bodies[id.index].group != SolverBody::kNoGroup;
+    };
+    return moves(record.def.a) || moves(record.def.b);
+  }
+
   void note_change(const JointRecord& record) {
     if (record.def.a.valid()) changed.push_back(record.def.a.index);
     changed.push_back(record.def.b.index);

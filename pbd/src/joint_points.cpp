@@ -45,6 +45,8 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     if (node.off) continue;
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
+    const bool held = ctx.substep > 0;
+    const bool shared = a.shared || b.shared;
     const JointPlace place = JointPlace::of(record.def, a, b);
     for (int i = 0; i < 3; ++i) {
       node.r_a[i] = place.r_a[i];
@@ -52,15 +54,15 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     }
     node.pull_a = node.pull_b = 0.0;
     add_pull(plan, node, h2 * record.state.force);
-    if (channel == Channel::Real && !a.shared && !b.shared) {
-      for (double& residual : record.displacement_residual) residual *= kDisplacementResidualDecay;
-    }
     for (int i = 0; i < 3; ++i) {
       const JointAxis& axis = record.def.linear[static_cast<std::size_t>(i)];
-      const ForceLaw law =
-          channel == Channel::Real
-              ? ForceLaw::of(axis, place.d[i], record.displacement_residual[i], ctx.h)
-              : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
+      double& residual = record.displacement_residual[i];
+      if (channel == Channel::Real) {
+        residual = ForceLaw::begin_residual(axis, place.d[i], residual, held, shared, ctx.h);
+      }
+      const ForceLaw law = channel == Channel::Real
+                               ? ForceLaw::of(axis, place.d[i], residual, ctx.h)
+                               : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
       node.target[i] = law.target;
       node.softness = law.at;
     }

@@ -15,8 +15,8 @@ namespace tandem::pbd {
 struct JointRecord {
   SixDofJointDef def;
   JointState state;
-  std::array<double, kCoordinates>
-      displacement_residual{};               ///< what agreement left of each coordinate
+  /// What agreement and blows left of each coordinate.
+  std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
   double twist = 0.0;                        ///< rad, counting turns
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it

@@ -137,9 +137,8 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
     const SixDofJointDef& def = record.def;
     const SolverBody& a = body_of(def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(def.b, ctx.bodies, ground);
-    if (channel == Channel::Real && !a.shared && !b.shared) {
-      for (double& residual : record.displacement_residual) residual *= kDisplacementResidualDecay;
-    }
+    const bool held = ctx.substep > 0;
+    const bool shared = a.shared || b.shared;
     NodeRows& rows = rows_[k];
     node.lambda.fill(0.0);
     rows.last_kind.fill(Segment::Kind::None);
@@ -153,9 +152,13 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
     // Force laws.
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
-      rows.law[i] = channel == Channel::Real
-                        ? ForceLaw::of(axis, c[i], record.displacement_residual[i], ctx.h)
-                        : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
+      if (channel == Channel::Displacement) {
+        rows.law[i] = ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
+        return;
+      }
+      double& residual = record.displacement_residual[i];
+      residual = ForceLaw::begin_residual(axis, c[i], residual, held && i < 3, shared, ctx.h);
+      rows.law[i] = ForceLaw::of(axis, c[i], residual, ctx.h);
     });
   }
 }

@@ -311,4 +311,45 @@ TEST_CASE("scene: a door's angle is what its motor was told", "[scene][joints]")
   CHECK(scene.world().blocks().size() == 2);
 }
 
+// What contacts leave of joints is not thrown back. Without that rule the two limbs that fall
+// upright rise to 278 J after 242, three to 597 after 529, four to 1.7 kJ after 1.0 and, tilted by
+// -0.4, to 67 kJ.
+TEST_CASE("scene: limbs on hinges that fall on their end are not thrown up", "[scene][invariant]") {
+  for (const int limbs : {2, 3, 4}) {
+    for (const double tilt : {0.0, 0.3, -0.4}) {
+      Scene scene({.solver = {.sleep_after = 0.0}});
+      scene.add(HalfSpace{}, {.type = BodyType::Static});
+      const Quat turn(Eigen::AngleAxisd(tilt, Vec3(0.6, 0.8, 0.0)));
+      const Pose end{Vec3(0.0, 0.0, 0.4), turn};
+      BodyId below;
+      for (int i = 0; i < limbs; ++i) {
+        const BodyId limb = scene.add(Capsule{0.05, 0.2},
+                                      {.mass = 4.0 + 3.0 * i,
+                                       .pose = {end.to_world(Vec3(0.0, 0.0, 0.25 + 0.5 * i)), turn},
+                                       .twist = {.linear = Vec3(0.0, 0.0, -5.0)},
+                                       .filter = {.group = -1}});
+        if (i > 0) {
+          scene.add_joint(pbd::hinge_joint_at(scene.world(), limb, below,
+                                              end.to_world(Vec3(0.0, 0.0, 0.5 * i)),
+                                              turn * Vec3::UnitY()));
+        }
+        below = limb;
+      }
+      const double start = scene.world().mechanical_energy();
+      double before = start, rise = 0.0;
+      for (int i = 0; i < 60; ++i) {
+        scene.step(1.0 / 60.0);
+        const double now = scene.world().mechanical_energy();
+        rise = std::max(rise, now - before);
+        before = now;
+        CAPTURE(limbs, tilt, i);
+        REQUIRE(now <= start);
+      }
+      // In the step after the blow; on the whole they lose more than half.
+      CHECK(rise < 0.15 * start);
+      CHECK(before < 0.5 * start);
+    }
+  }
+}
+
 }  // namespace scene_test

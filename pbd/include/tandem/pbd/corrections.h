@@ -79,8 +79,9 @@ inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
   return block.inverse() * (-c - softness.at * lambda - softness.gamma * slip);
 }
 
-/// What agreement left of a row's violation is let into the real channel at this rate for each
-/// substep once no target is about that could repair it without velocity: 1 mm fades at 12 mm/s.
+/// What agreement or a blow left of a row's violation is let into the real channel at this rate for
+/// each substep once no target is about that could repair it without velocity: 1 mm fades at 12
+/// mm/s.
 inline constexpr double kDisplacementResidualDecay = 0.98;
 
 }  // namespace tandem::pbd
