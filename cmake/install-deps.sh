@@ -5,12 +5,12 @@
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
 #   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
-#     [--with-cluster] [--with-python] [--with-web]
+#     [--with-cluster] [--with-python] [--with-robots] [--with-web]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
 # what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI, TANDEM_WITH_NATS and
 # their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
-# need, with --with-web what the package for browsers is built and tested with (docs/web.md); all is
+# need, with --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with --with-web what the package for browsers is built and tested with (docs/web.md); all is
 # built without it, too, and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
@@ -18,11 +18,10 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build
   libeigen3-dev libxsimd-dev libccd-dev libfcl-dev libtinyobjloader-dev libasio-dev
-  pkgconf libsodium-dev libtomlplusplus-dev libboost-dev libtinygltf-dev
+  pkgconf libsodium-dev libtomlplusplus-dev libboost-dev libtinygltf-dev nlohmann-json3-dev
   catch2
 )
 with_view() {
-  packages+=(nlohmann-json3-dev)
   # A newer Node.js than Debian's, where there is one, would not bear Debian's npm beside it.
   command -v node >/dev/null || packages+=(nodejs)
   command -v npm >/dev/null || packages+=(npm)
@@ -31,6 +30,8 @@ with_view() {
 for argument in "$@"; do
   case "$argument" in
     --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
+    --with-robots)
+      packages+=(liburdfdom-dev libtinyxml-dev libmujoco-dev libqhull-dev python3-jsonschema) ;;
     --with-view) with_view ;;
     --with-web)
       packages+=(emscripten node-acorn dpkg-dev clang)

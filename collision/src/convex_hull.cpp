@@ -228,6 +228,9 @@ void ConvexHull::build(std::span<const Vec3> points) {
       v = index[v];
     }
   }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (index[i] != kMaxVertices) points_.push_back(points[i]);
+  }
   merge_faces(triangles, kCoplanar * extent);
   weigh();
 }

@@ -147,6 +147,14 @@ double JointBlock::slider_position(JointId id) const {
   return at(id).position[0];
 }
 int JointBlock::size() const { return impl_->count; }
+
+std::vector<JointId> joint_ids(const JointBlock& block) {
+  std::vector<JointId> ids;
+  for (std::uint32_t i = 0; i < block.impl_->records.size(); ++i) {
+    if (block.impl_->records[i].alive) ids.push_back({i, block.impl_->generations[i]});
+  }
+  return ids;
+}
 bool JointBlock::empty() const { return impl_->count == 0; }
 
 void JointBlock::take_changed(std::vector<std::uint32_t>& bodies) {

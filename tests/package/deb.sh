@@ -13,7 +13,7 @@ command -v dpkg-deb >/dev/null || {
 
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh" deb shared "$@"
 # What is packed, and nothing else.
-targets=(tandem_scene tandem_session tandem_obj tandem_c)
+targets=(tandem_scene tandem_session tandem_obj tandem_scene_files tandem_c)
 known=$(cmake --build "$build" --target help)
 for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-replay; do
   if grep -qE "^$program:" <<<"$known"; then targets+=("$program"); fi

@@ -16,6 +16,7 @@ cmake --install "$build" --prefix "$prefix" >/dev/null
 # Names that a dependency leaves in an executable, defined or wanted.
 fcl='(^|[^A-Za-z_])(fcl::|octomap::|ccd[A-Z]|_ccd)'
 asio='(^|[^A-Za-z_])asio::'
+json='(^|[^A-Za-z_])nlohmann::'
 obj='(^|[^A-Za-z_])tinyobj::|NEEDED libtinyobj'
 
 joints='(^|[^A-Za-z_])tandem::Scene::joints'
@@ -66,6 +67,12 @@ with scene FCL "$fcl"
 with scene Scene "$whole"
 without scene joints "$joints"
 
+consumer scene_files "$prefix" tinyobjloader nlohmann_json Asio
+without scene_files Asio "$asio"
+without scene_files tinyobjloader "$obj"
+with scene_files nlohmann_json "$json"
+without scene nlohmann_json "$json"
+
 consumer obj "$prefix" Asio
 without obj Asio "$asio"
 with obj tinyobjloader "$obj"
@@ -85,7 +92,7 @@ without c Asio "$asio"
 
 # The same without CMake, and from a tree that was moved.
 mv "$prefix" "$scratch/moved"
-for component in pbd collision scene obj consensus virtual_network net session c; do
+for component in pbd collision scene scene_files obj consensus virtual_network net session c; do
   source=$here/$component.cpp
   language=(c++ -std=c++20 -Wno-missing-field-initializers)
   if [[ $component == c ]]; then

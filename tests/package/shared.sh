@@ -13,7 +13,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh" shared shared "$@"
 users=$root/build/release
 [[ -x $users/bin/pbd_test ]] || fail "preset release has not been built"
 
-cmake --build "$build" --target tandem_scene tandem_session tandem_virtual_network tandem_obj c_test
+cmake --build "$build" --target tandem_scene tandem_scene_files tandem_session tandem_virtual_network tandem_obj c_test
 ctest --test-dir "$build" -R '^c_test$' --no-tests=error --output-on-failure
 
 prefix=$scratch/prefix
@@ -22,7 +22,7 @@ for component in runtime dev; do
 done
 mapfile -t libraries < <(find "$prefix" -name 'libtandem_*.so' | sort)
 folder=$(dirname "${libraries[0]}")
-[[ ${#libraries[@]} -eq 9 ]] || fail "these are not nine libraries: ${libraries[*]}"
+[[ ${#libraries[@]} -eq 10 ]] || fail "these are not ten libraries: ${libraries[*]}"
 
 # By their names: the version, the binary interface's, the linker's.
 version=$(sed -n 's/^project(tandem VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
@@ -73,13 +73,13 @@ done
 cat "$scratch/log"
 
 # Who links a shared library needs nothing that is inside it.
-for component in c session obj scene; do
+for component in c session obj scene scene_files; do
   consumer "$component" "$prefix" fcl ccd tinyobjloader PkgConfig >/dev/null
 done
 # By pkg-config likewise: of other packages' files there is Eigen's alone.
 mkdir "$scratch/pc"
 cp "$folder"/pkgconfig/*.pc "$(pkg-config --variable=pcfiledir eigen3)/eigen3.pc" "$scratch/pc"
-for component in pbd collision scene obj consensus virtual_network net session c; do
+for component in pbd collision scene scene_files obj consensus virtual_network net session c; do
   PKG_CONFIG_LIBDIR=$scratch/pc pkg-config --cflags --libs "tandem-$component" >"$scratch/log" 2>&1 ||
     fail_with_log "tandem-$component wants more than Eigen"
 done

@@ -44,6 +44,10 @@ class TANDEM_API ConvexHull {
 
   /// m, centre of mass, in the shape's frame.
   const pbd::Vec3& centre() const { return centre_; }
+  /// Those of the given points that are corners, m, in the shape's frame and in their order: make()
+  /// of these gives the same bits, but where points were left out that lie outside by less than
+  /// 1e-7 of the extent.
+  std::span<const pbd::Vec3> points() const { return points_; }
   /// Corners, m, from centre() and along the axes of the shape's frame.
   std::span<const pbd::Vec3> arms() const { return arms_; }
   std::span<const Face> faces() const { return faces_; }
@@ -75,6 +79,7 @@ class TANDEM_API ConvexHull {
   void weigh();
 
   pbd::Vec3 centre_ = pbd::Vec3::Zero();
+  std::vector<pbd::Vec3> points_;
   std::vector<pbd::Vec3> arms_;
   std::vector<Face> faces_;
   std::vector<std::uint32_t> corners_;

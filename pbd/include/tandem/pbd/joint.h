@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/joint_def.h"
@@ -29,6 +30,11 @@ struct TANDEM_API JointState {
   double residual = 0.0;       ///< m (linear) or rad (angular), largest violation of a rigid row
   bool broken = false;         ///< by break_force or break_torque; enable it to use it again
 };
+
+class JointBlock;
+
+/// All joints of a block, by slot.
+TANDEM_API std::vector<JointId> joint_ids(const JointBlock& block);
 
 /// All rigid, limited, sprung and driven joints of a world as one kind: six coordinates, each with
 /// a force law (joint_def.h). Joints that share bodies are solved together by a sparse block LDL^T
@@ -87,6 +93,8 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   bool assign(const ConstraintBlock& source) override;
 
  private:
+  friend std::vector<JointId> joint_ids(const JointBlock& block);
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tandem/pbd/export.h"
+#include "tandem/scene.h"
+
+namespace tandem {
+
+/// What all readers and writers of scenes throw, and nothing else but std::bad_alloc: file, place
+/// in it (a JSON pointer, or the name of an element), rule and value.
+class TANDEM_API SceneFileError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// A scene that came from a file.
+struct TANDEM_API SceneFile {
+  struct TANDEM_API Body {
+    std::string name;  ///< may be empty
+    BodyId body;
+  };
+  struct TANDEM_API Joint {
+    std::string name;  ///< may be empty
+    pbd::JointId joint;
+  };
+
+  Scene scene;
+  std::vector<Body> bodies;           ///< in the file's order
+  std::vector<Joint> joints;          ///< likewise
+  std::vector<std::string> warnings;  ///< what the file has and the scene has not, with its place
+
+  /// Of the first one with that name; the invalid id where there is none.
+  BodyId find(std::string_view name) const;
+  pbd::JointId find_joint(std::string_view name) const;
+};
+
+/// Files are read up to this size, and JSON up to this depth.
+inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 28;
+inline constexpr int kMaxSceneDepth = 24;
+
+/// Tandem's own format (docs/scene_files.md, docs/scene.schema.json), which those of rooms are in.
+/// @param options  gravity is the file's where that says one
+/// @param name  stands for the file in messages
+TANDEM_API SceneFile parse_scene(std::string_view text, const SceneOptions& options = {},
+                                 std::string_view name = "scene");
+/// The same from a file; one that ends in .gltf is read as load_gltf() does.
+TANDEM_API SceneFile load_scene(const std::filesystem::path& path,
+                                const SceneOptions& options = {});
+
+/// One more body, as the format has it in "bodies". @return with its name
+TANDEM_API SceneFile::Body add_body(Scene& scene, std::string_view text,
+                                    std::string_view name = "body");
+
+/// What a scene is made of: bodies as they stand and go, colliders, joints, gravity. Read again by
+/// the same options it moves by the same bits as a scene that was made so. Not in it: options,
+/// what the solver carries from step to step (World::snapshot() has that), targets, kinds of rows
+/// other than joints; where there are rows of those, it is an error.
+/// @param bodies, joints  names; those of what is no longer there are passed over
+TANDEM_API std::string write_scene(const Scene& scene, std::span<const SceneFile::Body> bodies = {},
+                                   std::span<const SceneFile::Joint> joints = {});
+/// With the file's names.
+TANDEM_API std::string write_scene(const SceneFile& file);
+
+/// glTF 2.0 with KHR_physics_rigid_bodies and KHR_implicit_shapes, drafts of 2025. Its y is up: the
+/// scene is turned so that z is. Buffers are embedded or files in `folder` or below.
+TANDEM_API SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options = {});
+TANDEM_API SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
+                                const SceneOptions& options = {}, std::string_view name = "gltf");
+
+}  // namespace tandem

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What the format calls the fields of definitions, once for reading and writing: io(name, field)
+// for each.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "tandem/scene.h"
+
+namespace tandem::scene_files {
+
+/// The names of an enumeration's values, in their order.
+template <class Enum>
+struct EnumNames;
+template <>
+struct EnumNames<BodyType> {
+  static constexpr std::array<std::string_view, 3> kAll{"static", "kinematic", "dynamic"};
+};
+template <>
+struct EnumNames<collision::Combine> {
+  static constexpr std::array<std::string_view, 6> kAll{"default", "geometricMean", "average",
+                                                        "minimum", "multiply",      "maximum"};
+};
+template <>
+struct EnumNames<pbd::Freedom> {
+  static constexpr std::array<std::string_view, 3> kAll{"free", "locked", "limited"};
+};
+template <>
+struct EnumNames<pbd::MotorMode> {
+  static constexpr std::array<std::string_view, 3> kAll{"off", "velocity", "position"};
+};
+
+template <class Io>
+void fields(Io& io, Pose& pose) {
+  io("position", pose.position);
+  io("orientation", pose.orientation);
+}
+
+template <class Io>
+void fields(Io& io, pbd::JointFrame& frame) {
+  io("position", frame.anchor);
+  io("orientation", frame.basis);
+}
+
+template <class Io>
+void fields(Io& io, collision::Filter& filter) {
+  io("category", filter.category);
+  io("mask", filter.mask);
+  io("group", filter.group);
+}
+
+template <class Io>
+void fields(Io& io, collision::Material& material) {
+  io("friction", material.friction);
+  io("restitution", material.restitution);
+  io("frictionRule", material.friction_rule);
+  io("restitutionRule", material.restitution_rule);
+}
+
+template <class Io>
+void fields(Io& io, pbd::AxisLocks& locks) {
+  io("linear", locks.linear);
+  io("angular", locks.angular);
+}
+
+/// What pbd::BodyDef and SolidDef have alike.
+template <class Io, class Def>
+void body_fields(Io& io, Def& def) {
+  io("type", def.type);
+  fields(io, def.pose);
+  io("linearVelocity", def.twist.linear);
+  io("angularVelocity", def.twist.angular);
+  io("gravityScale", def.gravity_scale);
+  io("linearDamping", def.linear_damping);
+  io("angularDamping", def.angular_damping);
+  io("locks", def.locks);
+  io("bullet", def.bullet);
+  io("canSleep", def.can_sleep);
+  io("stableId", def.stable_id);
+  io("userData", def.user_data);
+}
+
+template <class Io>
+void fields(Io& io, pbd::BodyDef& def) {
+  body_fields(io, def);
+  io("mass", def.mass);
+  io("inertia", def.inertia);
+  io("origin", def.origin);
+}
+
+template <class Io>
+void fields(Io& io, SolidDef& def) {
+  body_fields(io, def);
+  io("density", def.density);
+  io("mass", def.mass);
+  fields(io, def.material);
+  io("filter", def.filter);
+  io("sensor", def.sensor);
+}
+
+template <class Io>
+void fields(Io& io, collision::ColliderDef& def) {
+  io("shape", def.shape);
+  fields(io, def.local);
+  fields(io, def.material);
+  io("filter", def.filter);
+  io("sensor", def.sensor);
+  io("passive", def.passive);
+  io("userData", def.user_data);
+}
+
+template <class Io>
+void fields(Io& io, collision::CompoundPart& part) {
+  io("shape", part.shape);
+  fields(io, part.local);
+  io("density", part.density);
+}
+
+template <class Io>
+void fields(Io& io, pbd::JointSpring& spring) {
+  io("stiffness", spring.stiffness);
+  io("rest", spring.rest);
+  io("damping", spring.damping);
+}
+
+template <class Io>
+void fields(Io& io, pbd::JointMotor& motor) {
+  io("mode", motor.mode);
+  io("target", motor.target);
+  io("maxForce", motor.max_force);
+  io("maxSpeed", motor.max_speed);
+}
+
+template <class Io>
+void fields(Io& io, pbd::JointAxis& axis) {
+  io("freedom", axis.freedom);
+  io("lower", axis.lower);
+  io("upper", axis.upper);
+  io("compliance", axis.compliance);
+  io("damping", axis.damping);
+  io("spring", axis.spring);
+  io("motor", axis.motor);
+}
+
+/// What all joints have; bodies are named, and so read and written by themselves.
+template <class Io, class Def>
+void joint_fields(Io& io, Def& def) {
+  io("frameA", def.frame_a);
+  io("frameB", def.frame_b);
+  io("breakForce", def.break_force);
+  io("breakTorque", def.break_torque);
+}
+
+template <class Io>
+void fields(Io& io, pbd::SixDofJointDef& def) {
+  joint_fields(io, def);
+  io("linear", def.linear);
+  io("angular", def.angular);
+  io("cone", def.cone);
+  io("coneCompliance", def.cone_compliance);
+  io("coneDamping", def.cone_damping);
+  io("enabled", def.enabled);
+}
+
+/// What all short forms of joints have.
+template <class Io, class Def>
+void short_fields(Io& io, Def& def) {
+  joint_fields(io, def);
+  io("compliance", def.compliance);
+  io("damping", def.damping);
+  io("angularCompliance", def.angular_compliance);
+  io("angularDamping", def.angular_damping);
+}
+
+template <class Io>
+void fields(Io& io, pbd::FixedJointDef& def) {
+  short_fields(io, def);
+}
+
+template <class Io>
+void fields(Io& io, pbd::BallJointDef& def) {
+  short_fields(io, def);
+  io("cone", def.cone);
+  io("limitTwist", def.limit_twist);
+  io("lowerTwist", def.lower_twist);
+  io("upperTwist", def.upper_twist);
+}
+
+template <class Io>
+void fields(Io& io, pbd::HingeJointDef& def) {
+  short_fields(io, def);
+  io("axis", def.axis);
+}
+
+template <class Io>
+void fields(Io& io, pbd::SliderJointDef& def) {
+  short_fields(io, def);
+  io("axis", def.axis);
+}
+
+template <class Io>
+void fields(Io& io, pbd::WheelJointDef& def) {
+  short_fields(io, def);
+  io("suspension", def.suspension);
+  io("steer", def.steer);
+  io("drive", def.drive);
+  io("brake", def.brake);
+}
+
+}  // namespace tandem::scene_files

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "gltf_buffers.h"
+
+#include <cstring>
+
+#include "read_bytes.h"
+
+namespace tandem::scene_files {
+namespace {
+
+std::string decode_base64(std::string_view text, const Place& at) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+  std::string out;
+  out.reserve(text.size() / 4 * 3 + 2);
+  std::uint32_t held = 0;
+  int bits = 0;
+  for (const char c : text) {
+    const std::size_t digit = kDigits.find(c);
+    if (digit == std::string_view::npos) at.refuse("base64 behind \"base64,\"");
+    held = (held << 6 | static_cast<std::uint32_t>(digit)) & 0xffffu;
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    out += static_cast<char>(held >> bits & 0xffu);
+  }
+  return out;
+}
+
+template <class Number>
+double load(const char* from) {
+  Number value;
+  std::memcpy(&value, from, sizeof value);
+  return static_cast<double>(value);
+}
+
+/// Bytes of a component, or 0 for a type that is none.
+std::size_t component_size(std::int64_t type) {
+  if (type == 5120 || type == 5121) return 1;
+  if (type == 5122 || type == 5123) return 2;
+  return type == 5125 || type == 5126 ? 4 : 0;
+}
+
+double component(const char* from, std::int64_t type) {
+  switch (type) {
+    case 5120:
+      return load<std::int8_t>(from);
+    case 5121:
+      return load<std::uint8_t>(from);
+    case 5122:
+      return load<std::int16_t>(from);
+    case 5123:
+      return load<std::uint16_t>(from);
+    case 5125:
+      return load<std::uint32_t>(from);
+    default:
+      return load<float>(from);
+  }
+}
+
+std::size_t whole(const Place& at, const char* key) {
+  if (!at.has(key)) return 0;
+  return static_cast<std::size_t>(at.at(key).integer(0, static_cast<std::int64_t>(kMaxSceneBytes)));
+}
+
+}  // namespace
+
+const std::string& GltfBuffers::bytes(const Place& index) {
+  const Place list = document_.at("buffers");
+  const Place buffer = list.pick(index);
+  const auto [found, fresh] = buffers_.try_emplace(index.value().get<std::int64_t>());
+  if (!fresh) return found->second;
+  const Place uri = buffer.at("uri");
+  const std::string text = uri.text();
+  if (text.rfind("data:", 0) == 0) {
+    const std::size_t start = text.find(";base64,");
+    if (start == std::string::npos) uri.refuse("a file's name, or data in base64");
+    found->second = decode_base64(std::string_view(text).substr(start + 8), uri);
+  } else {
+    const std::filesystem::path path(text);
+    bool inside = path.is_relative() && text.find(':') == std::string::npos;
+    for (const auto& part : path) inside = inside && part != "..";
+    if (!inside) uri.refuse("the name of a file in the document's folder or below");
+    found->second = read_bytes(folder_ / path);
+  }
+  return found->second;
+}
+
+std::vector<double> GltfBuffers::numbers(const Place& index, const char* type, std::size_t width) {
+  const Place accessors = document_.at("accessors");
+  const Place accessor = accessors.pick(index);
+  if (accessor.at("type").text() != type) accessor.at("type").refuse('"' + std::string(type) + '"');
+  if (accessor.has("sparse")) accessor.at("sparse").refuse("absent: sparse accessors are not read");
+  const std::int64_t kind = accessor.at("componentType").integer(5120, 5126);
+  const std::size_t size = component_size(kind);
+  if (size == 0) accessor.at("componentType").refuse("one of glTF's");
+  const Place views = document_.at("bufferViews");
+  const Place view_index = accessor.at("bufferView");
+  const Place view = views.pick(view_index);
+  const std::string& data = bytes(view.at("buffer"));
+  const std::size_t start = whole(view, "byteOffset");
+  const std::size_t length = whole(view, "byteLength");
+  const std::size_t offset = whole(accessor, "byteOffset");
+  const std::size_t count = whole(accessor, "count");
+  const std::size_t packed = size * width;
+  const std::size_t stride = view.has("byteStride") ? whole(view, "byteStride") : packed;
+  if (start + length > data.size()) view.refuse("within its buffer");
+  if (count == 0 || stride < packed || offset + (count - 1) * stride + packed > length) {
+    accessor.refuse("of at least one element, and within its view");
+  }
+  std::vector<double> out;
+  out.reserve(count * width);
+  for (std::size_t i = 0; i < count; ++i) {
+    const char* element = data.data() + start + offset + i * stride;
+    for (std::size_t k = 0; k < width; ++k) out.push_back(component(element + k * size, kind));
+  }
+  return out;
+}
+
+void GltfBuffers::add(const Place& primitive, Mesh& out) {
+  if (primitive.has("mode") && primitive.at("mode").value() != 4) {
+    return primitive.at("mode").warn("only triangles (4) are read");
+  }
+  const auto first = static_cast<std::uint32_t>(out.points.size());
+  const Place attributes = primitive.at("attributes");
+  const std::vector<double> points = numbers(attributes.at("POSITION"), "VEC3", 3);
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    out.points.emplace_back(points[i], points[i + 1], points[i + 2]);
+  }
+  const std::size_t count = points.size() / 3;
+  std::vector<double> corners;
+  if (primitive.has("indices")) {
+    corners = numbers(primitive.at("indices"), "SCALAR", 1);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) corners.push_back(static_cast<double>(i));
+  }
+  if (corners.size() % 3 != 0) primitive.refuse("of three corners for each triangle");
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    collision::TriangleMesh::Triangle triangle;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double corner = corners[i + k];
+      if (!(corner >= 0.0 && corner < static_cast<double>(count))) {
+        primitive.at("indices").refuse("below the number of positions");
+      }
+      triangle[k] = first + static_cast<std::uint32_t>(corner);
+    }
+    out.triangles.push_back(triangle);
+  }
+}
+
+GltfBuffers::Mesh GltfBuffers::mesh(const Place& index) {
+  const Place meshes = document_.at("meshes");
+  const Place mesh = meshes.pick(index);
+  const Place primitives = mesh.at("primitives");
+  Mesh out;
+  for (std::size_t i = 0; i < primitives.size(); ++i) add(primitives.at(i), out);
+  return out;
+}
+
+}  // namespace tandem::scene_files

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "place.h"
+
+namespace tandem::scene_files {
+
+/// Two nodes with a joint between them.
+struct Joined {
+  std::optional<std::size_t> a, b;  ///< bodies, by their number; none: the world
+  Pose frame_a, frame_b;            ///< world
+  std::size_t description = 0;      ///< in physicsJoints
+  bool meet = false;                ///< the bodies meet each other as well
+  std::string name;
+};
+
+/// Joints of a glTF document.
+class GltfJoints {
+ public:
+  GltfJoints(const Place& document, SceneFile& out) : document_(document), out_(out) {}
+
+  void add(Joined joined) { joined_.push_back(std::move(joined)); }
+  /// For each body: those that hang together do not meet each other; 0: it has no joint.
+  std::vector<std::int32_t> groups(std::size_t bodies);
+  /// Once out.bodies has all of them.
+  void build();
+
+ private:
+  pbd::SixDofJointDef describe(std::size_t description) const;
+
+  const Place& document_;
+  SceneFile& out_;
+  std::vector<Joined> joined_;
+};
+
+}  // namespace tandem::scene_files

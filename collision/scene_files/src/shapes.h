@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <vector>
+
+#include "place.h"
+
+namespace tandem::scene_files {
+
+json write_shape(const collision::Shape& shape);
+
+/// Points of an array of arrays of three numbers.
+std::vector<Vec3> read_points(const Place& at);
+
+}  // namespace tandem::scene_files

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/catch.h"
+#include "support/folder.h"
+#include "tandem/pbd/random.h"
+#include "tandem/scene_files.h"
+
+namespace gltf_test {
+
+using namespace tandem;
+using tandem::testing::names;
+using tandem::testing::refusal;
+
+/// Bytes of floats, then of indices.
+std::string bytes_of(const std::vector<float>& points, const std::vector<std::uint16_t>& corners) {
+  std::string out(points.size() * 4 + corners.size() * 2, '\0');
+  std::memcpy(out.data(), points.data(), points.size() * 4);
+  std::memcpy(out.data() + points.size() * 4, corners.data(), corners.size() * 2);
+  return out;
+}
+
+std::string base64(const std::string& bytes) {
+  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t held = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      held = held << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    }
+    for (int k = 0; k < 4; ++k) {
+      out +=
+          i + static_cast<std::size_t>(k) > bytes.size() ? '=' : digits[held >> (18 - 6 * k) & 63];
+    }
+  }
+  return out;
+}
+
+// A square of 20 m at y = 0, seen from above, and an octahedron of 0.3 m.
+const std::vector<float> kPoints{-10, 0,   -10,   -10, 0, 10,    10,   0, 10, 10,
+                                 0,   -10, 0.3f,  0,   0, -0.3f, 0,    0, 0,  0.3f,
+                                 0,   0,   -0.3f, 0,   0, 0,     0.3f, 0, 0,  -0.3f};
+const std::vector<std::uint16_t> kCorners{0, 1, 2, 0, 2, 3};
+
+std::string document(const std::string& uri) {
+  return R"({"asset": {"version": "2.0"}, "buffers": [{"uri": ")" + uri + R"(", "byteLength": 132}],
+ "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 72},
+   {"buffer": 0, "byteOffset": 120, "byteLength": 12}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+   {"bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC3"},
+   {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 2}]}, {"primitives": [{"attributes": {"POSITION": 1}}]}],
+ "extensions": {"KHR_implicit_shapes": {"shapes": [{"type": "box", "box": {"size": [0.4, 0.2, 0.6]}},
+     {"type": "capsule", "capsule": {"height": 1, "radiusTop": 0.1, "radiusBottom": 0.1}}]},
+   "KHR_physics_rigid_bodies": {"physicsMaterials": [{"staticFriction": 0.9, "dynamicFriction": 0.7, "restitution": 0}],
+     "collisionFilters": [{"collisionSystems": ["rods"], "collideWithSystems": []}],
+     "physicsJoints": [{"limits": [{"linearAxes": [0, 1, 2], "min": 0, "max": 0}, {"angularAxes": [1, 2], "min": 0, "max": 0}]}]}},
+ "nodes": [
+  {"name": "ground", "mesh": 0, "extensions": {"KHR_physics_rigid_bodies": {"collider": {"geometry": {"node": 0}, "physicsMaterial": 0}}}},
+  {"name": "box", "translation": [0, 0.4, 2], "scale": [0.5, 2, 1], "extensions": {"KHR_physics_rigid_bodies": {
+    "motion": {"mass": 5, "linearVelocity": [0, -1, 0]}, "collider": {"geometry": {"shape": 0}, "physicsMaterial": 0}}}},
+  {"name": "stone", "mesh": 1, "translation": [3, 0.6, 0], "rotation": [0.2, 0, 0.15, 0.9682458365518543], "extensions": {"KHR_physics_rigid_bodies": {
+    "motion": {}, "collider": {"geometry": {"node": 2, "convexHull": true}}}}},
+  {"name": "rod", "translation": [-3, 2, 0], "children": [4], "extensions": {"KHR_physics_rigid_bodies": {
+    "motion": {"mass": 2, "centerOfMass": [0, -0.5, 0], "inertiaDiagonal": [0.1, 0.02, 0.1], "angularVelocity": [0.2, 0, 0], "linearVelocity": [0, 0, 0.1]},
+    "joint": {"connectedNode": 5, "joint": 0}}}},
+  {"translation": [0, -0.5, 0], "extensions": {"KHR_physics_rigid_bodies": {"collider": {"geometry": {"shape": 1}, "collisionFilter": 0}}}},
+  {"name": "hook", "translation": [-3, 2, 0]}],
+ "animations": []})";
+}
+
+std::string embedded() {
+  return document("data:application/octet-stream;base64," + base64(bytes_of(kPoints, kCorners)));
+}
+
+TEST_CASE("gltf: boxes and hulls rest and a rod swings as the formulas say", "[gltf]") {
+  SceneFile file = parse_gltf(embedded(), {});
+  Scene& scene = file.scene;
+  REQUIRE(file.bodies.size() == 4);
+  REQUIRE(file.warnings.size() == 2);  // of static friction and animations
+  CHECK(file.warnings[0].find("/physicsMaterials/0: ") != std::string::npos);
+  CHECK(file.warnings[1].find("/animations: ") == 0);
+  // y is up there: z here.
+  CHECK(scene.pose(file.find("box")).position.isApprox(Vec3(0.0, -2.0, 0.4)));
+  CHECK(scene.world().twist(file.find("box")).linear.isApprox(Vec3(0.0, 0.0, -1.0)));
+  // An octahedron has 4/3 r^3, of 1000 kg/m^3.
+  CHECK(scene.world().props(file.find("stone")).mass ==
+        Approx(1000.0 * 4.0 / 3.0 * 0.027).epsilon(1e-6));
+  const BodyId rod = file.find("rod");
+  CHECK(scene.world().pose(rod).position.isApprox(Vec3(-3.0, 0.0, 1.5)));
+  const double period = 2.0 * std::numbers::pi * std::sqrt((0.1 + 2.0 * 0.25) / (2.0 * 9.81 * 0.5));
+  constexpr double kStep = 1.0 / 240.0;
+  int turns = 0;
+  double first = 0.0, last = 0.0, before = 0.0;
+  for (int i = 1; i <= 240 * 12; ++i) {
+    scene.step(kStep);
+    const double side = scene.world().pose(rod).position.y();
+    if (before < 0.0 && side >= 0.0) {
+      last = (i - 1 + before / (before - side)) * kStep;
+      if (turns++ == 0) first = last;
+    }
+    before = side;
+  }
+  REQUIRE(turns > 5);
+  CHECK((last - first) / (turns - 1) == Approx(period).epsilon(2e-3));
+  CHECK(scene.pose(rod).position.isApprox(Vec3(-3.0, 0.0, 2.0), 1e-4));
+  // Half of 0.2 m twice as high, and half of the way between two faces: r / sqrt(3).
+  CHECK(scene.pose(file.find("box")).position.z() == Approx(0.2).margin(1e-3));
+  CHECK(scene.pose(file.find("stone")).position.z() == Approx(0.3 / std::sqrt(3.0)).margin(2e-3));
+}
+
+TEST_CASE("gltf: buffers are files beside it, and nothing else", "[gltf][errors]") {
+  const tandem::testing::Folder folder;
+  const std::string bytes = bytes_of(kPoints, kCorners);
+  folder.write("mesh.bin", bytes);
+  folder.write("scene.gltf", document("mesh.bin"));
+  CHECK(load_scene(folder.file("scene.gltf")).bodies.size() == 4);
+  for (const char* uri : {"../mesh.bin", "/etc/hostname", "a/../../mesh.bin", "http://x/mesh.bin",
+                          "data:x;base64,!", "data:x,y", "nothing.bin"}) {
+    CAPTURE(uri);
+    CHECK_THROWS_AS(parse_gltf(document(uri), folder.file("")), SceneFileError);
+  }
+  // Less than the views say.
+  CHECK(names(refusal([&] { parse_gltf(document("data:x;base64,AAAA"), {}); }), "/bufferViews/",
+              "{...}", "within its buffer"));
+}
+
+TEST_CASE("gltf: whatever is changed in a text, it is read or refused", "[gltf][errors]") {
+  const std::string good = embedded();
+  pbd::SplitMix64 random(5);
+  const std::string with = "0123456789-.eE\"[]{},: xabc\n";
+  int refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::string text = good;
+    for (int k = 0; k < 1 + i % 4; ++k) {
+      const auto at =
+          static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(text.size())));
+      const auto which =
+          static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(with.size())));
+      text[std::min(at, text.size() - 1)] = with[std::min(which, with.size() - 1)];
+    }
+    try {
+      parse_gltf(text, {});
+    } catch (const SceneFileError&) {
+      ++refused;
+    }
+  }
+  CHECK(refused > 1000);
+  CHECK(refused < 4000);
+  CHECK(names(refusal([] {
+                parse_gltf(R"({"asset": {"version": "2.0"}, "nodes": [{"children": [0, 0]}]})", {});
+              }),
+              "/nodes/0/children/1", "0", "one parent"));
+  CHECK(names(refusal([] { parse_gltf(R"({"asset": {"version": "1.0"}})", {}); }), "/asset/version",
+              "1.0", "2.x"));
+}
+
+}  // namespace gltf_test

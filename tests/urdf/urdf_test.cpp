@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/urdf.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "support/bodies.h"
+#include "support/catch.h"
+
+namespace urdf_test {
+
+using namespace tandem;
+using tandem::testing::refusal;
+
+/// An arm on a stand, 1.5 m up, whose link is turned about z and whose mass lies 0.3 m down.
+const std::string kArm = R"(<?xml version="1.0"?>
+<robot name="arm">
+  <link name="stand"><collision><geometry><box size="1 1 0.2"/></geometry></collision></link>
+  <link name="arm">
+    <inertial><origin xyz="0 0 -0.3" rpy="0 0 0.4"/><mass value="2"/>
+      <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.02"/></inertial>
+    <collision><origin xyz="0 0 -0.3"/><geometry><cylinder radius="0.05" length="0.5"/></geometry></collision>
+  </link>
+  <link name="box"><inertial><mass value="3"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>
+    <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute"><parent link="stand"/><child link="arm"/>
+    <origin xyz="2 0 1.5" rpy="0 0 1.2"/><axis xyz="0 1 0"/>
+    <limit lower="-0.5" upper="1.5" effort="12" velocity="3"/><dynamics damping="0" friction="0.1"/></joint>
+  <joint name="lift" type="prismatic"><parent link="stand"/><child link="box"/>
+    <origin xyz="0 0 1"/><axis xyz="0 0 1"/><limit lower="-0.25" upper="2" effort="9" velocity="1"/></joint>
+  <gazebo><plugin/></gazebo>
+</robot>)";
+
+TEST_CASE("urdf: an arm swings in the time that the formula says, and a lift rests on its stop",
+          "[urdf]") {
+  SceneFile file = parse_urdf(kArm);
+  Scene& scene = file.scene;
+  const BodyId arm = file.find("arm");
+  CHECK(scene.pose(arm).position.isApprox(Vec3(2.0, 0.0, 1.5)));
+  CHECK(scene.world().pose(arm).position.isApprox(Vec3(2.0, 0.0, 1.2)));
+  CHECK(scene.world().props(arm).mass == 2.0);
+  const pbd::JointId shoulder = file.find_joint("shoulder");
+  CHECK(scene.joints().def(shoulder).angular[0].motor.max_force == 12.0);
+  CHECK(scene.joints().def(shoulder).angular[0].upper == 1.5);
+  // A push about the joint's axis, which the origin has turned.
+  const Vec3 axis(-std::sin(1.2), std::cos(1.2), 0.0);
+  const Vec3 spin = 0.25 * axis;
+  scene.world().set_twist(arm, {spin.cross(Vec3(0.0, 0.0, -0.3)), spin});
+  const double period =
+      2.0 * std::numbers::pi * std::sqrt((0.05 + 2.0 * 0.09) / (2.0 * 9.81 * 0.3));
+  constexpr double kStep = 1.0 / 240.0;
+  int turns = 0;
+  double first = 0.0, last = 0.0, before = 0.0;
+  for (int i = 1; i <= 240 * 10; ++i) {
+    scene.step(kStep);
+    const double angle = scene.joints().hinge_angle(shoulder);
+    if (before < 0.0 && angle >= 0.0) {
+      last = (i - 1 + before / (before - angle)) * kStep;
+      if (turns++ == 0) first = last;
+    }
+    before = angle;
+  }
+  REQUIRE(turns > 5);
+  CHECK((last - first) / (turns - 1) == Approx(period).epsilon(2e-3));
+  CHECK(scene.pose(file.find("box")).position.z() == Approx(0.75).margin(1e-3));
+}
+
+TEST_CASE("urdf: what Tandem has not is told", "[urdf]") {
+  const SceneFile file = parse_urdf(kArm);
+  const auto told = [&](const char* what) {
+    for (const std::string& warning : file.warnings) {
+      if (warning.find(what) != std::string::npos) return true;
+    }
+    return false;
+  };
+  CHECK(told("joint shoulder: friction"));
+  CHECK(told("<gazebo>"));
+  CHECK_FALSE(told("lift"));
+}
+
+TEST_CASE("urdf: a base may be free, and links that say no mass have a tip's", "[urdf]") {
+  const std::string text = R"(<robot name="x"><link name="base">
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>)";
+  SceneFile held = parse_urdf(text, {.base = {.position = {0.0, 0.0, 2.0}}});
+  CHECK(held.scene.world().props(held.find("base")).type == BodyType::Static);
+  CHECK(held.warnings.empty());
+  SceneFile file = parse_urdf(text, {.base = {.position = {0.0, 0.0, 2.0}},
+                                     .fixed_base = false,
+                                     .tip_mass = 0.5,
+                                     .tip_radius = 0.1});
+  const auto& props = file.scene.world().props(file.find("base"));
+  CHECK(props.mass == 0.5);
+  CHECK(props.inertia(0, 0) == Approx(0.4 * 0.5 * 0.01));
+  REQUIRE(file.warnings.size() == 1);
+  CHECK(file.warnings[0].find("link base") == 0);
+  file.scene.world().set_twist(file.find("base"), {.linear = {1.0, 0.0, 0.0}});
+  for (int i = 0; i < 60; ++i) file.scene.step(1.0 / 120.0);
+  CHECK(file.scene.pose(file.find("base")).position.x() == Approx(0.5).epsilon(1e-3));
+}
+
+TEST_CASE("urdf: what is none is refused", "[urdf][errors]") {
+  const auto refused = [](const std::string& text) {
+    return refusal([&] { parse_urdf(text, {}, "arm.urdf"); }).find("arm.urdf: ") == 0;
+  };
+  CHECK(refused(""));
+  CHECK(refused("<robot"));
+  CHECK(refused("<robot name='x'/>"));
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  CHECK(refused(deep));
+  std::string heavy = kArm;
+  heavy.replace(heavy.find("value=\"2\""), 9, "value=\"-2\"");
+  CHECK(refused(heavy));
+  for (std::size_t length = 0; length + 9 < kArm.size(); length += 7) {
+    CAPTURE(length);
+    CHECK(refused(kArm.substr(0, length)));
+  }
+  CHECK_THROWS_AS(load_urdf("/nowhere.urdf"), SceneFileError);
+}
+
+}  // namespace urdf_test
