@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
-#include "gltf_buffers.h"
+#include "gltf_colliders.h"
 #include "gltf_joints.h"
 #include "read_bytes.h"
 #include "reader.h"
@@ -13,17 +12,6 @@
 namespace tandem {
 namespace scene_files {
 namespace {
-
-constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
-constexpr const char* kShapes = "KHR_implicit_shapes";
-
-Quat about_x(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3::UnitX())); }
-
-/// Where a node is, as far as it is no shear.
-struct Frame {
-  Pose pose;
-  Vec3 scale = Vec3::Ones();
-};
 
 /// A body to be: nodes that move together.
 struct Solid {
@@ -37,7 +25,7 @@ struct Solid {
 class GltfReader {
  public:
   GltfReader(const Place& document, SceneFile& out, const std::filesystem::path& folder)
-      : document_(document), out_(out), buffers_(document, folder) {}
+      : document_(document), out_(out), colliders_(document, folder) {}
 
   void run() {
     if (document_.has("nodes")) {
@@ -61,7 +49,7 @@ class GltfReader {
   void walk(const Place& nodes) {
     struct Step {
       std::size_t node;
-      Frame parent;
+      GltfFrame parent;
       std::optional<std::size_t> owner;
     };
     std::vector<std::uint8_t> child(nodes.size(), 0);
@@ -78,7 +66,7 @@ class GltfReader {
       }
     }
     // Its y is up.
-    const Frame root{.pose = {.orientation = about_x(0.5 * std::numbers::pi)}};
+    const GltfFrame root{.pose = {.orientation = gltf_about_x(0.5 * std::numbers::pi)}};
     std::vector<Step> open;
     for (std::size_t i = nodes.size(); i-- > 0;) {
       if (child[i] == 0) open.push_back({i, root, {}});
@@ -99,9 +87,9 @@ class GltfReader {
     }
   }
 
-  static Frame frame(const Place& node, const Frame& parent) {
+  static GltfFrame frame(const Place& node, const GltfFrame& parent) {
     if (node.has("matrix")) node.at("matrix").refuse("translation, rotation and scale instead");
-    Frame local;
+    GltfFrame local;
     if (node.has("translation")) read(node.at("translation"), local.pose.position);
     if (node.has("rotation")) read(node.at("rotation"), local.pose.orientation);
     if (node.has("scale")) read(node.at("scale"), local.scale);
@@ -119,9 +107,9 @@ class GltfReader {
                                    std::optional<std::size_t> owner) {
     if (!node.has("extensions")) return owner;
     const Place extensions = node.at("extensions");
-    if (!extensions.has(kPhysics)) return owner;
-    const Place physics = extensions.at(kPhysics);
-    const Frame& at = frames_[index];
+    if (!extensions.has(kGltfPhysics)) return owner;
+    const Place physics = extensions.at(kGltfPhysics);
+    const GltfFrame& at = frames_[index];
     std::string name;
     if (node.has("name")) read(node.at("name"), name);
     const bool moves = physics.has("motion");
@@ -136,143 +124,9 @@ class GltfReader {
       if (!collider.has("geometry")) continue;  // a trigger of other nodes, which have theirs
       std::size_t to = owner.value_or(solids_.size());
       if (to == solids_.size()) solids_.push_back({name, at.pose, index, false, {}});
-      add_collider(collider, at, solids_[to], sensor);
+      colliders_.add(collider, at, sensor, solids_[to].pose, solids_[to].colliders);
     }
     return owner;
-  }
-
-  void add_collider(const Place& at, const Frame& frame, Solid& solid, bool sensor) {
-    if (frame.scale.isZero(0.0)) return;
-    collision::ColliderDef def{.sensor = sensor};
-    const Quat back = solid.pose.orientation.conjugate();
-    def.local = {solid.pose.to_local(frame.pose.position), back * frame.pose.orientation};
-    const Place geometry = at.at("geometry");
-    bool known = true;
-    geometry.guard([&] { known = shape(geometry, frame.scale, def); });
-    if (!known) return;
-    if (at.has("physicsMaterial")) material(at.at("physicsMaterial"), def.material);
-    if (at.has("collisionFilter")) filter(at.at("collisionFilter"), def.filter);
-    solid.colliders.push_back(std::move(def));
-  }
-
-  /// @return false where it has none like it, and has said so
-  bool shape(const Place& geometry, const Vec3& scale, collision::ColliderDef& def) {
-    if (geometry.has("shape")) return implicit(geometry.at("shape"), scale, def);
-    GltfBuffers::Mesh mesh;
-    if (geometry.has("mesh")) {
-      mesh = buffers_.mesh(geometry.at("mesh"));
-    } else {
-      const Place nodes = document_.at("nodes");
-      const Place node_index = geometry.at("node");
-      const Place node = nodes.pick(node_index);
-      if (node.has("children")) node_index.warn("what hangs on the node is not part of the shape");
-      mesh = buffers_.mesh(node.at("mesh"));
-    }
-    for (Vec3& point : mesh.points) point = point.cwiseProduct(scale);
-    if (scale.prod() < 0.0) {
-      for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-    }
-    bool hull = false;
-    if (geometry.has("convexHull")) read(geometry.at("convexHull"), hull);
-    if (hull) {
-      def.shape = collision::ConvexHull::make(mesh.points);
-    } else {
-      def.shape = collision::TriangleMesh::make(mesh.points, mesh.triangles);
-    }
-    return true;
-  }
-
-  bool implicit(const Place& index, const Vec3& signed_scale, collision::ColliderDef& def) {
-    const Place extensions = document_.at("extensions");
-    const Place family = extensions.at(kShapes);
-    const Place shapes = family.at("shapes");
-    const Place shape = shapes.pick(index);
-    const std::string type = shape.at("type").text();
-    const Vec3 scale = signed_scale.cwiseAbs();
-    const Place values = shape.has(type.c_str()) ? shape.at(type.c_str()) : shape;
-    const auto number = [&](const char* key, double other) {
-      return values.has(key) ? values.at(key).number() : other;
-    };
-    const bool round = std::abs(scale.x() - scale.z()) <= 1e-9 * scale.x();
-    const bool even = round && std::abs(scale.x() - scale.y()) <= 1e-9 * scale.x();
-    if (type == "box") {
-      Vec3 size = Vec3::Ones();
-      if (values.has("size")) read(values.at("size"), size);
-      def.shape = Box(0.5 * size.cwiseProduct(scale));
-      return true;
-    }
-    if (type == "sphere") {
-      if (!even) return shape.warn("spheres of uneven scale are not read"), false;
-      def.shape = Sphere{number("radius", 0.5) * scale.x()};
-      return true;
-    }
-    if (type != "capsule" && type != "cylinder") {
-      return shape.warn(type + " is not read"), false;
-    }
-    const double half = 0.5 * number("height", 0.5) * scale.y();
-    const double top = number("radiusTop", 0.25) * scale.x();
-    const double bottom = number("radiusBottom", 0.25) * scale.x();
-    if (!round || (type == "capsule" && !even)) {
-      return shape.warn("round shapes of uneven scale are not read"), false;
-    }
-    // Along y there, along z here.
-    def.local.orientation = def.local.orientation * about_x(-0.5 * std::numbers::pi);
-    if (top == bottom && type == "capsule") {
-      def.shape = Capsule{.radius = top, .half_height = half};
-    } else if (top == bottom) {
-      def.shape = Cylinder{.radius = top, .half_height = half};
-    } else if (type == "cylinder" && (top == 0.0 || bottom == 0.0)) {
-      def.shape = Cone{.radius = top + bottom, .half_height = half};
-      if (bottom == 0.0) def.local.orientation = def.local.orientation * about_x(std::numbers::pi);
-    } else {
-      return shape.warn("shapes with two radii are not read"), false;
-    }
-    return true;
-  }
-
-  void material(const Place& index, collision::Material& out) {
-    const Place extensions = document_.at("extensions");
-    const Place physics = extensions.at(kPhysics);
-    const Place materials = physics.at("physicsMaterials");
-    const Place material = materials.pick(index);
-    const auto [known, fresh] = materials_.try_emplace(index.value().get<std::int64_t>());
-    if (!fresh) {
-      out = known->second;
-      return;
-    }
-    Reader io(material);
-    std::optional<double> still;
-    io("staticFriction", still);
-    io("dynamicFriction", out.friction);
-    io("restitution", out.restitution);
-    io("frictionCombine", out.friction_rule);
-    io("restitutionCombine", out.restitution_rule);
-    if (still && *still != out.friction) material.warn("friction is dynamicFriction alone");
-    io.finish();
-    known->second = out;
-  }
-
-  void filter(const Place& index, collision::Filter& out) {
-    const Place extensions = document_.at("extensions");
-    const Place physics = extensions.at(kPhysics);
-    const Place filters = physics.at("collisionFilters");
-    const Place filter = filters.pick(index);
-    const auto bits = [&](const char* key) {
-      std::uint32_t sum = 0;
-      const Place names = filter.at(key);
-      for (std::size_t i = 0; i < names.size(); ++i) {
-        const Place name = names.at(i);
-        // The first one is that of colliders in no system.
-        const auto next = static_cast<std::uint32_t>(systems_.size()) + 1;
-        const auto bit = systems_.try_emplace(name.text(), next).first->second;
-        if (bit > 31) name.refuse("one of at most 31 systems");
-        sum |= 1u << bit;
-      }
-      return sum;
-    };
-    if (filter.has("collisionSystems")) out.category = bits("collisionSystems");
-    if (filter.has("collideWithSystems")) out.mask = bits("collideWithSystems");
-    if (filter.has("notCollideWithSystems")) out.mask &= ~bits("notCollideWithSystems");
   }
 
   /// What a body weighs, by its colliders unless its motion says so.
@@ -307,7 +161,7 @@ class GltfReader {
     pbd::BodyDef def{.type = BodyType::Static, .pose = solid.pose};
     if (solid.moves) {
       const Place extensions = node.at("extensions");
-      const Place physics = extensions.at(kPhysics);
+      const Place physics = extensions.at(kGltfPhysics);
       const Place motion = physics.at("motion");
       motion.guard([&] { set_motion(motion, solid, def); });
     }
@@ -357,8 +211,8 @@ class GltfReader {
       const Place node = nodes.at(i);
       if (!node.has("extensions")) continue;
       const Place extensions = node.at("extensions");
-      if (!extensions.has(kPhysics)) continue;
-      const Place physics = extensions.at(kPhysics);
+      if (!extensions.has(kGltfPhysics)) continue;
+      const Place physics = extensions.at(kGltfPhysics);
       if (!physics.has("joint")) continue;
       const Place joint = physics.at("joint");
       const Place other = joint.at("connectedNode");
@@ -366,7 +220,7 @@ class GltfReader {
       const auto to = other.value().get<std::size_t>();
       Joined one{owners_[i], owners_[to], frames_[i].pose, frames_[to].pose, 0, false, {}};
       const Place root = document_.at("extensions");
-      const Place family = root.at(kPhysics);
+      const Place family = root.at(kGltfPhysics);
       const Place all = family.at("physicsJoints");
       const Place which = joint.at("joint");
       all.pick(which);
@@ -381,12 +235,10 @@ class GltfReader {
 
   const Place& document_;
   SceneFile& out_;
-  GltfBuffers buffers_;
-  std::vector<Frame> frames_;                       ///< world, by node
+  GltfColliders colliders_;
+  std::vector<GltfFrame> frames_;                   ///< world, by node
   std::vector<std::optional<std::size_t>> owners_;  ///< the solid that it moves with, by node
   std::vector<Solid> solids_;
-  std::map<std::string, std::uint32_t> systems_;
-  std::map<std::int64_t, collision::Material> materials_;
   std::optional<GltfJoints> joints_;
 };
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gltf_buffers.h"
+
+namespace tandem::scene_files {
+
+inline constexpr const char* kGltfPhysics = "KHR_physics_rigid_bodies";
+
+/// Where a node is, as far as it is no shear.
+struct GltfFrame {
+  Pose pose;
+  Vec3 scale = Vec3::Ones();
+};
+
+/// A turn about x. @param angle  rad
+Quat gltf_about_x(double angle);
+
+/// Colliders and triggers of glTF nodes, with their materials and filters.
+class GltfColliders {
+ public:
+  GltfColliders(const Place& document, const std::filesystem::path& folder)
+      : document_(document), buffers_(document, folder) {}
+
+  /// Appends what it is, placed from the body's frame; nothing where that is not known, with a
+  /// warning.
+  void add(const Place& at, const GltfFrame& frame, bool sensor, const Pose& body,
+           std::vector<collision::ColliderDef>& out);
+
+ private:
+  /// @return false where there is none like it, which was said
+  bool shape(const Place& geometry, const Vec3& scale, collision::ColliderDef& def);
+  bool implicit(const Place& index, const Vec3& signed_scale, collision::ColliderDef& def);
+  void material(const Place& index, collision::Material& out);
+  void filter(const Place& index, collision::Filter& out);
+
+  const Place& document_;
+  GltfBuffers buffers_;
+  std::map<std::string, std::uint32_t> systems_;
+  std::map<std::int64_t, collision::Material> materials_;
+};
+
+}  // namespace tandem::scene_files
