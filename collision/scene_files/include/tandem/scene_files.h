@@ -43,7 +43,7 @@ struct TANDEM_API SceneFile {
 };
 
 /// Files are read up to this size, and JSON up to this depth.
-inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 28;
+inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 26;
 inline constexpr int kMaxSceneDepth = 24;
 
 /// Tandem's own format (docs/scene_files.md, docs/scene.schema.json), which those of rooms are in.
