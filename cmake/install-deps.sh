@@ -10,8 +10,9 @@
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
 # what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI, TANDEM_WITH_NATS and
 # their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
-# need, with --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with --with-web what the package for browsers is built and tested with (docs/web.md); all is
-# built without it, too, and shows or does less.
+# need, with --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with
+# --with-web what the package for browsers is built and tested with (docs/web.md); all is built without
+# it, too, and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
 
