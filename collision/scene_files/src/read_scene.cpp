@@ -16,7 +16,7 @@ namespace scene_files {
 namespace {
 
 /// What is for people and displays: passed over without a word.
-constexpr std::array kOfDisplays{"$schema", "title", "say", "camera", "make", "colour"};
+constexpr const char* kOfDisplays[] = {"$schema", "title", "say", "camera", "make", "colour"};
 
 /// Layers by their names, as collision::Layers has them.
 struct LayerTable {
