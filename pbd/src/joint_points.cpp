@@ -56,13 +56,14 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     add_pull(plan, node, h2 * record.state.force);
     for (int i = 0; i < 3; ++i) {
       const JointAxis& axis = record.def.linear[static_cast<std::size_t>(i)];
-      double& residual = record.displacement_residual[i];
+      ForceLaw law;
       if (channel == Channel::Real) {
+        double& residual = record.displacement_residual[i];
         residual = ForceLaw::begin_residual(axis, place.d[i], residual, held, shared, ctx.h);
+        law = ForceLaw::of(axis, place.d[i], residual, ctx.h);
+      } else {
+        law = ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
       }
-      const ForceLaw law = channel == Channel::Real
-                               ? ForceLaw::of(axis, place.d[i], residual, ctx.h)
-                               : ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
       node.target[i] = law.target;
       node.softness = law.at;
     }

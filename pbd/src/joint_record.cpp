@@ -61,6 +61,8 @@ void JointRecord::refresh() {
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
         a.spring.damping > 0.0) {
       used |= 1u << c;
+    } else {
+      displacement_residual[c] = 0.0;  // no row lets it decay
     }
   }
   point = true;

@@ -32,7 +32,8 @@ struct JointRecord {
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
-  /// Recompute `used`, `point` and `passive` from the definition.
+  /// Recompute `used`, `point` and `passive` from the definition; what is not used keeps no
+  /// residual.
   void refresh();
   /// The settings of coordinate c, 0 to 6.
   JointAxis axis(int c) const;
