@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "tandem/ragdoll.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/bodies.h"
+#include "support/catch.h"
+
+namespace ragdoll_test {
+
+using namespace tandem;
+using tandem::testing::names;
+using tandem::testing::refusal;
+
+constexpr double kStep = 1.0 / 60.0;
+
+TEST_CASE("ragdoll: weighs what it should and is as tall, and so is one of another size",
+          "[scene][analytic]") {
+  for (const double height : {1.75, 1.1}) {
+    Scene scene;
+    const Ragdoll doll(scene, {.height = height, .mass = 40.0 * height});
+    double mass = 0.0;
+    for (const BodyId body : doll.bodies()) mass += scene.world().props(body).mass;
+    CHECK(mass == Approx(40.0 * height));
+    const auto from = [&](const Vec3& at, const Vec3& way) {
+      const auto hit = scene.query().ray_cast({.origin = at, .direction = way});
+      return hit ? hit->point.z() : NAN;
+    };
+    CHECK(from(Vec3(0.0, 0.0, 9.0), -Vec3::UnitZ()) == Approx(height));
+    const double foot = scene.pose(doll.body(Ragdoll::LeftShin)).position.y();
+    CHECK(from(Vec3(0.0, foot, -9.0), Vec3::UnitZ()) == Approx(0.0).margin(1e-9));
+    // Left and right are alike.
+    CHECK(scene.pose(doll.body(Ragdoll::RightShin)).position.y() == Approx(-foot));
+  }
+}
+
+TEST_CASE("ragdoll: however it falls, joints keep their limits and energy never grows",
+          "[scene][invariant]") {
+  for (const double tilt : {0.3, -0.4, 1.4}) {
+    Scene scene;
+    scene.add(HalfSpace{}, {.type = BodyType::Static});
+    const Ragdoll doll(
+        scene, {.pose = {Vec3(0.0, 0.0, 1.2), Quat(Eigen::AngleAxisd(tilt, Vec3(0.6, 0.8, 0.0)))}});
+    double before = scene.world().mechanical_energy();
+    const double start = before;
+    double worst = 0.0, rise = 0.0, bent = 0.0;
+    for (int i = 0; i < 240; ++i) {
+      REQUIRE(scene.step(kStep).status == pbd::StepStatus::Ok);
+      for (std::size_t part = 1; part < Ragdoll::kParts; ++part) {
+        const auto id = doll.joint(static_cast<Ragdoll::Part>(part));
+        const pbd::SixDofJointDef& def = scene.joints().def(id);
+        const pbd::JointState& state = scene.joints().at(id);
+        const pbd::JointAxis& twist = def.angular[0];
+        worst = std::max({worst, twist.lower - state.position[3], state.position[3] - twist.upper});
+        bent = std::max(bent, std::abs(state.position[3]));
+        if (std::isfinite(def.cone)) worst = std::max(worst, state.swing - def.cone);
+      }
+      const double now = scene.world().mechanical_energy();
+      rise = std::max(rise, now - before);
+      before = now;
+    }
+    CAPTURE(tilt);
+    CHECK(bent > 0.3);      // it is limp
+    CHECK(worst < 0.02);    // rad
+    CHECK(rise < 1e-3 * start);
+    CHECK(before < 0.5 * start);
+  }
+}
+
+TEST_CASE("ragdoll: refuses what cannot be, by name", "[scene][input]") {
+  Scene scene;
+  const auto refused = [&](const RagdollDef& def) {
+    return refusal([&] { Ragdoll(scene, def); });
+  };
+  CHECK(names(refused({.height = 0.0}), "height", "0", "> 0"));
+  CHECK(names(refused({.mass = -1.0}), "mass", "-1", "> 0"));
+  CHECK(names(refused({.damping = -2.0}), "damping", "-2", ">= 0"));
+  CHECK(scene.world().body_count() == 0);
+}
+
+}  // namespace ragdoll_test
