@@ -34,6 +34,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.group = SolverBody::kNoGroup;
   body.shared = false;
   body.projected = false;
+  body.pushed = false;
   body.turns = false;
   const auto& locked = props.locks.angular;
   body.turns_freely = !locked[0] && !locked[1] && !locked[2];

@@ -202,7 +202,7 @@ void ClothBlock::begin_substep(const SubstepContext& ctx) {
                                 [&](std::uint32_t i) { return ctx.bodies[i].shared; });
   if (!shared) {
     sweep_->for_rigid(*rows_, ctx.group,
-                      [&](std::uint32_t k, bool) { carried_[k] *= kDisplacementResidualDecay; });
+                      [&](std::uint32_t k, bool) { carried_[k] *= residual_decay(ctx.h); });
   }
   sweep_->violations(*rows_, ctx.bodies, ctx.group, sweep_->bounds);
   sweep_->clear_lambdas(*rows_, ctx);

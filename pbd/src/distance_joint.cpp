@@ -79,10 +79,9 @@ void DistanceJoint::forgive(const SubstepContext& ctx) {
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  h_ = ctx.h;
   c_start_ = arm.length - def_.rest_length;
-  const bool held = ctx.substep > 0 && !n_.isZero(0.0);
-  displacement_residual_ = ForceLaw::begin_residual(axis(), c_start_, displacement_residual_, held,
+  const bool left = ctx.substep > 0 && !n_.isZero(0.0) && (arm.a->pushed || arm.b->pushed);
+  displacement_residual_ = ForceLaw::begin_residual(axis(), c_start_, displacement_residual_, left,
                                                     arm.a->shared || arm.b->shared, ctx.h);
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;
@@ -143,10 +142,8 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
   residual_ = ForceLaw::violation(axis(), c);
-  const bool awake = arm.a->group != SolverBody::kNoGroup || arm.b->group != SolverBody::kNoGroup;
-  if (awake && !n_.isZero(0.0)) {
-    displacement_residual_ = ForceLaw::residual_after_blow(axis(), c, displacement_residual_, h_);
-  }
+  const bool left = arm.a->pushed || arm.b->pushed;
+  if (left && !n_.isZero(0.0)) displacement_residual_ = ForceLaw::displacement_residual(axis(), c);
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;
     broke_ = false;

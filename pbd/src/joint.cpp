@@ -270,14 +270,11 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       state.load.fill(0.0);
     }
     if (!record.active()) continue;
-    const bool solved = Impl::is_awake(record, ctx.bodies);
+    const bool left = Impl::is_pushed(record, ctx.bodies);
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       state.residual = std::max(state.residual, ForceLaw::violation(axis, c[i]));
-      double& residual = record.displacement_residual[i];
-      if (solved && i < 3) {
-        residual = ForceLaw::residual_after_blow(axis, c[i], residual, record.h);
-      }
+      if (left) record.displacement_residual[i] = ForceLaw::displacement_residual(axis, c[i]);
     });
     // What a spoiled step leaves behind must not spoil the next one.
     if (!std::isfinite(record.energy_excess)) record.energy_excess = 0.0;

@@ -79,12 +79,10 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
                                 bodies[def.b.index].inv_mass > 0.0);
   }
 
-  /// Whether this step has moved one of its ends.
-  static bool is_awake(const JointRecord& record, std::span<const SolverBody> bodies) {
-    const auto moves = [&](BodyId id) {
-      return id.valid() && bodies[id.index].group != SolverBody::kNoGroup;
-    };
-    return moves(record.def.a) || moves(record.def.b);
+  /// Whether rows that are solved later have moved one of its ends in this step.
+  static bool is_pushed(const JointRecord& record, std::span<const SolverBody> bodies) {
+    const auto pushed = [&](BodyId id) { return id.valid() && bodies[id.index].pushed; };
+    return pushed(record.def.a) || pushed(record.def.b);
   }
 
   void note_change(const JointRecord& record) {

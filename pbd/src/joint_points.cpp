@@ -45,7 +45,7 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     if (node.off) continue;
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
-    const bool held = ctx.substep > 0;
+    const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
     const bool shared = a.shared || b.shared;
     const JointPlace place = JointPlace::of(record.def, a, b);
     for (int i = 0; i < 3; ++i) {
@@ -59,7 +59,7 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
       ForceLaw law;
       if (channel == Channel::Real) {
         double& residual = record.displacement_residual[i];
-        residual = ForceLaw::begin_residual(axis, place.d[i], residual, held, shared, ctx.h);
+        residual = ForceLaw::begin_residual(axis, place.d[i], residual, left, shared, ctx.h);
         law = ForceLaw::of(axis, place.d[i], residual, ctx.h);
       } else {
         law = ForceLaw::of_displacement(axis, record.bound[i], ctx.h);

@@ -15,7 +15,7 @@ namespace tandem::pbd {
 struct JointRecord {
   SixDofJointDef def;
   JointState state;
-  /// What agreement and blows left of each coordinate.
+  /// What agreement and later rows left of each coordinate.
   std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
   double twist = 0.0;                        ///< rad, counting turns

@@ -181,24 +181,16 @@ struct ForceLaw {
         axis, c, axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
   }
 
-  /// The residual of a displacement after a substep. Contacts are solved after joints: what they
-  /// parted a joint by, if it was a blow, is no violation. Taken back within one substep it would
-  /// come with a velocity: four limbs on hinges that fall on their end at 5 m/s gained up to 67 kJ
-  /// to their 0.9 (tests/scene/scene_test.cpp). Angles are taken back: a car that leaves those of
-  /// its axles drifts.
-  /// @param c  where the substep has left the coordinate, which its row had at `residual`
-  static double residual_after_blow(const JointAxis& axis, double c, double residual, double h) {
-    constexpr double kBlow = 0.3;  // m/s
-    const double left = displacement_residual(axis, c);
-    return std::abs(left - residual) > kBlow * h ? left : residual;
-  }
-  /// The same as the next one begins.
-  /// @param held  by its row, in the last substep of this step: between steps applications move
+  /// The residual as a substep begins. Contacts are solved after joints; what they open a joint by
+  /// is no violation that the next substep may take back, with the velocity of a whole closing in
+  /// a substep: joints and contacts would reflect where they should project, so that limbs that lie
+  /// on the ground tremble for ever, and those that fall on their end are thrown up.
+  /// @param left  by later rows, in the last substep of this step: between steps applications move
   /// @param shared  agreement repairs it without velocity
-  static double begin_residual(const JointAxis& axis, double c, double residual, bool held,
+  static double begin_residual(const JointAxis& axis, double c, double residual, bool left,
                                bool shared, double h) {
-    if (held) residual = residual_after_blow(axis, c, residual, h);
-    return shared ? residual : residual * kDisplacementResidualDecay;
+    if (left) residual = displacement_residual(axis, c);
+    return shared ? residual : residual * residual_decay(h);
   }
 
   /// The piece of the graph on which the row by itself would end: that of c with

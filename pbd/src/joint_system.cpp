@@ -137,7 +137,7 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
     const SixDofJointDef& def = record.def;
     const SolverBody& a = body_of(def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(def.b, ctx.bodies, ground);
-    const bool held = ctx.substep > 0;
+    const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
     const bool shared = a.shared || b.shared;
     NodeRows& rows = rows_[k];
     node.lambda.fill(0.0);
@@ -157,7 +157,7 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
         return;
       }
       double& residual = record.displacement_residual[i];
-      residual = ForceLaw::begin_residual(axis, c[i], residual, held && i < 3, shared, ctx.h);
+      residual = ForceLaw::begin_residual(axis, c[i], residual, left, shared, ctx.h);
       rows.law[i] = ForceLaw::of(axis, c[i], residual, ctx.h);
     });
   }

@@ -262,6 +262,16 @@ void Solver::Impl::arrange_groups() {
     if (edge.body_a != BodyId::kNone) bodies_[edge.body_a].projected = true;
     if (edge.body_b != BodyId::kNone) bodies_[edge.body_b].projected = true;
   }
+  if (!projects_) return;
+  const auto push = [&](std::uint32_t index) {
+    if (index == BodyId::kNone) return;
+    SolverBody& body = bodies_[index];
+    body.pushed = body.group != SolverBody::kNoGroup;
+  };
+  for (const ConstraintEdge& edge : edges_.all().subspan(edges_.projecting().size())) {
+    push(edge.body_a);
+    push(edge.body_b);
+  }
 }
 
 /// A collider or a filter may have changed between bodies that sleep.

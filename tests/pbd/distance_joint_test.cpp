@@ -187,8 +187,9 @@ TEST_CASE(
   const BodyState& after = copy.world().state(body);
   if (agreed) {
     // What is left decays once in each substep, and that way is all the speed there is.
-    const double before_last = 0.1 * std::pow(kDisplacementResidualDecay, kSubsteps - 1);
-    const double way = (1.0 - kDisplacementResidualDecay) * before_last;  // m, of the last substep
+    const double left = residual_decay(1.0 / 60.0 / kSubsteps);
+    const double before_last = 0.1 * std::pow(left, kSubsteps - 1);
+    const double way = (1.0 - left) * before_last;  // m, of the last substep
     CHECK(after.pose.position.x() == Approx(1.0 + before_last - way).epsilon(1e-9));
     CHECK(after.twist.linear.x() == Approx(-way * kSubsteps * 60.0).epsilon(1e-6));
   } else {

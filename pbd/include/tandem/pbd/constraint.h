@@ -46,6 +46,8 @@ struct alignas(64) TANDEM_API SolverBody {
   bool shared = false;  ///< its island has a target in this step
   /// Some row of a block before contacts names it: its predicted pose is made before they project.
   bool projected = false;
+  /// Some row of another block moves it afterwards.
+  bool pushed = false;
   /// Something may turn it in this step. Where nothing can (no spin, no row with a lever arm), its
   /// inverse inertia is 0 for the step and its orientation is left alone.
   bool turns = false;

@@ -79,9 +79,10 @@ inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
   return block.inverse() * (-c - softness.at * lambda - softness.gamma * slip);
 }
 
-/// What agreement or a blow left of a row's violation is let into the real channel at this rate for
-/// each substep once no target is about that could repair it without velocity: 1 mm fades at 12
-/// mm/s.
-inline constexpr double kDisplacementResidualDecay = 0.98;
+/// What agreement or later rows left of a row's violation closes at this rate (1/s), with this much
+/// velocity: 1 mm at 5 mm/s.
+inline constexpr double kResidualRate = 5.0;
+/// The part of it that is left after a substep of length h (s).
+inline double residual_decay(double h) { return 1.0 / (1.0 + kResidualRate * h); }
 
 }  // namespace tandem::pbd
