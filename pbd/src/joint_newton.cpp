@@ -40,7 +40,11 @@ double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> record
     prepare(part, state, records, ctx);
     return newton(part, state, records, ctx);
   }
-  if (!state.prepared) prepare(part, state, records, ctx);
+  if (!state.prepared) {
+    prepare(part, state, records, ctx);
+  } else if (state.position_iteration != ctx.iteration) {
+    begin_iteration(part, state, ctx);
+  }
   const double before = state.last_move;
   state.last_move = newton(part, state, records, ctx);
   const auto is_slow = [&] {
@@ -103,14 +107,8 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     slots_[s].inv_inertia = body.inv_inertia_w;
     slots_[s].dx.setZero();
     slots_[s].dtheta.setZero();
-    slots_[s].sum_dx.setZero();
-    slots_[s].sum_dtheta.setZero();
-    slots_[s].v = body.v;
-    slots_[s].w = state.channel == Channel::Real ? body.w : Vec3(Vec3::Zero());
-    slots_[s].q = body.q;
-    slots_[s].alone = body.dtheta.isZero(0.0);
-    slots_[s].carried = false;
   }
+  start_slots(part, state, ctx);
   if (state.channel == Channel::Real) {
     for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
       slots_[s].inertia = slots_[s].inv_inertia;
@@ -119,6 +117,31 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
     stiffen(part, ctx);
   }
   if (!part.points) weigh(part, records);
+}
+
+void JointSystem::start_slots(const JointGraph::Part& part, const PartState& state,
+                              const SubstepContext& ctx) {
+  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
+    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+    slots_[s].sum_dx.setZero();
+    slots_[s].sum_dtheta.setZero();
+    slots_[s].v = body.v;
+    slots_[s].w = state.channel == Channel::Real ? body.w : Vec3(Vec3::Zero());
+    slots_[s].q = body.q;
+    slots_[s].alone = body.dtheta.isZero(0.0);
+    slots_[s].carried = false;
+  }
+}
+
+void JointSystem::begin_iteration(const JointGraph::Part& part, PartState& state,
+                                  const SubstepContext& ctx) {
+  state.work += balance(part, ctx, Vec3::Zero()).work;
+  state.position_iteration = ctx.iteration;
+  state.iteration = 0;
+  start_slots(part, state, ctx);
+  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
+    nodes_[k].lambda_start = nodes_[k].lambda;
+  }
 }
 
 void JointSystem::take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,

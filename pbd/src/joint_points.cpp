@@ -41,6 +41,7 @@ void JointSystem::begin_points(const JointGraph::Part& part, std::span<JointReco
     JointRecord& record = records[plan.joint];
     node.n = 3;
     node.lambda.fill(0.0);
+    node.lambda_start.fill(0.0);
     node.off = !record.active();
     if (node.off) continue;
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);

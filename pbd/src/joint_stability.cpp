@@ -31,7 +31,7 @@ void JointSystem::add_pull(const JointGraph::Node& plan, NodeState& node, const 
   if (plan.slot_b != kNone) node.pull_b = std::max(node.pull_b, node.r_b.dot(lambda));
 }
 
-/// Start the substep anew.
+/// Start the position iteration anew.
 void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRecord> records,
                           const SubstepContext& ctx, bool learn) {
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
@@ -47,7 +47,7 @@ void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRec
     NodeState& node = nodes_[k];
     if (plan.joint == kNone || node.off) continue;
     if (learn) add_pull(plan, node, impulse(part, k, records[plan.joint].used));
-    node.lambda.fill(0.0);
+    node.lambda = node.lambda_start;
   }
 }
 
@@ -200,8 +200,8 @@ JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const Su
 /// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
 /// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
 /// contacts have left to lose. What floats freely keeps its angular momentum instead.
-void JointSystem::limit_energy_gain(const JointGraph::Part& part, std::span<JointRecord> records,
-                                    const SubstepContext& ctx) {
+void JointSystem::limit_energy_gain(const JointGraph::Part& part, double work,
+                                    std::span<JointRecord> records, const SubstepContext& ctx) {
   double mass = 0.0;
   Vec3 mean = Vec3::Zero();
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
@@ -212,7 +212,7 @@ void JointSystem::limit_energy_gain(const JointGraph::Part& part, std::span<Join
   }
   mean /= mass;
   const auto [done, energy, disturbed] = balance(part, ctx, mean);
-  double work = done;
+  work += done;
   const auto joint_after = [&](std::uint32_t k) {
     while (graph_.nodes()[k].joint == kNone) ++k;
     return k;

@@ -141,6 +141,7 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
     const bool shared = a.shared || b.shared;
     NodeRows& rows = rows_[k];
     node.lambda.fill(0.0);
+    node.lambda_start.fill(0.0);
     rows.last_kind.fill(Segment::Kind::None);
     rows.flips.fill(0);
     double c[kCoordinates];
@@ -194,7 +195,7 @@ Vec3 JointSystem::impulse(const JointGraph::Part& part, std::uint32_t k, std::ui
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointGraph::Part& part = graph_.parts()[p];
-  if (passive_[p] != 0) limit_energy_gain(part, records, ctx);
+  if (passive_[p] != 0) limit_energy_gain(part, state_[p].work, records, ctx);
   const double inverse_h2 = 1.0 / (ctx.h * ctx.h);
   for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
     const JointGraph::Node& plan = graph_.nodes()[k];

@@ -63,6 +63,7 @@ class JointSystem {
     double pull_a = 0.0,
            pull_b = 0.0;  ///< N m s^2, how much the ends are pulled away from the centres
     std::array<double, kCoordinates> lambda{}, at{};
+    std::array<double, kCoordinates> lambda_start{};  ///< of the position iteration
     Mat3 b_a = Mat3::Zero(), b_b = Mat3::Zero();  ///< parts of points: inverse inertia times arm
     Vec3 target = Vec3::Zero();                   ///< m, likewise
     double softness = 0.0;                        ///< likewise; compliance / h^2
@@ -87,7 +88,8 @@ class JointSystem {
     Mat3 stiffness = Mat3::Zero();    ///< see stiffen()
     Vec3 dx = Vec3::Zero();
     Vec3 dtheta = Vec3::Zero();
-    Vec3 sum_dx = Vec3::Zero();  ///< of this substep
+    // Of this position iteration:
+    Vec3 sum_dx = Vec3::Zero();
     Vec3 sum_dtheta = Vec3::Zero();
     Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
     Vec3 w = Vec3::Zero();
@@ -108,6 +110,8 @@ class JointSystem {
     double redundancy = kRedundancy;
     double last_move = 0.0;
     Channel channel = Channel::Real;
+    int position_iteration = 0;
+    double work = 0.0;  ///< J, of the position iterations before it
   };
   /// Of a part in a substep, J.
   struct Balance {
@@ -128,6 +132,9 @@ class JointSystem {
   static void turn(SolverBody& body, Slot& slot, double h);
   void prepare(const JointGraph::Part& part, PartState& state, std::span<const JointRecord> records,
                const SubstepContext& ctx);
+  /// Contacts have been solved since: what follows is counted, and started anew, from here.
+  void begin_iteration(const JointGraph::Part& part, PartState& state, const SubstepContext& ctx);
+  void start_slots(const JointGraph::Part& part, const PartState& state, const SubstepContext& ctx);
   void turn_gradients(const JointGraph::Part& part, std::span<const JointRecord> records,
                       const SubstepContext& ctx);
   double newton(const JointGraph::Part& part, PartState& state,
@@ -156,8 +163,10 @@ class JointSystem {
   void limit_turns(const JointGraph::Part& part);
   /// @return the largest move of a body, m or rad
   double move(const JointGraph::Part& part, const SubstepContext& ctx);
+  /// Of this position iteration.
   Balance balance(const JointGraph::Part& part, const SubstepContext& ctx, const Vec3& mean) const;
-  void limit_energy_gain(const JointGraph::Part& part, std::span<JointRecord> records,
+  /// @param work  J, of the position iterations before the last one
+  void limit_energy_gain(const JointGraph::Part& part, double work, std::span<JointRecord> records,
                          const SubstepContext& ctx);
   static void take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,
                              const SolverBody& a, const SolverBody& b);

@@ -73,6 +73,7 @@ void Solver::Impl::project() {
   if (!has_rows_) return;
   for_blocks([&](ConstraintBlock& block) { block.warm_start(context_); });
   for (int i = 0; i < options_.position_iterations; ++i) {
+    context_.iteration = i;
     if (projects_) project_joints();
     for_blocks([&](ConstraintBlock& block) {
       if (is_last(block)) block.project(context_);

@@ -68,6 +68,7 @@ struct TANDEM_API SubstepContext {
   double h = 0.0;               ///< s, length of the substep
   int substep = 0;              ///< index within the step
   int substeps = 1;             ///< of the group
+  int iteration = 0;            ///< of SolverOptions::position_iterations
   bool last = false;            ///< the last one of the step
   bool reverse = false;         ///< sweep the rows backwards (alternates between substeps)
   Vec3 gravity = Vec3::Zero();  ///< m/s^2
