@@ -90,6 +90,11 @@ int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edge
   return count;
 }
 
+void BodyBuffer::keep_inertias() {
+  inertias_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) inertias_[i] = bodies_[i].inv_inertia_w;
+}
+
 /// Rows give a torque, but for contacts without friction whose force goes through the centre.
 void BodyBuffer::mark_turned(const World& world, std::span<const ConstraintEdge> edges) {
   for (const ConstraintEdge& edge : edges) {

@@ -25,6 +25,11 @@ class BodyBuffer {
   /// @return how many those are
   int prepare(const World& world, std::span<const ConstraintEdge> edges,
               std::span<const Group> groups, Workers& workers);
+  /// Inertia turns with what joints turn, within a substep. Contacts are solved with that of the
+  /// step's start, which their rows expect: where they moved a forearm by another one, sweeps grew
+  /// without bound.
+  void keep_inertias();
+  void restore_inertia(std::uint32_t slot) { bodies_[slot].inv_inertia_w = inertias_[slot]; }
   std::span<SolverBody> all() { return bodies_; }
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
   std::size_t size() const { return bodies_.size(); }
@@ -44,6 +49,7 @@ class BodyBuffer {
   static void mark_contacts(World& world);
 
   std::vector<SolverBody> bodies_;
+  std::vector<Mat3> inertias_;  ///< inverse, by slot; where joints are
   std::vector<std::uint32_t> kinematic_;
 };
 

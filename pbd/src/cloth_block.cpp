@@ -260,8 +260,10 @@ void ClothBlock::end_step(const SubstepContext& ctx, std::span<double> /*wanted*
 }
 
 void ClothBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
-  rows_->for_neighbours(
-      [&](BodyId a, BodyId b) { edges.push_back({.body_a = a.index, .body_b = b.index}); });
+  // What rows gave back of their stretch in a substep, they would give back again.
+  rows_->for_neighbours([&](BodyId a, BodyId b) {
+    edges.push_back({.body_a = a.index, .body_b = b.index, .repeats = false});
+  });
 }
 
 void ClothBlock::take_changed(std::vector<std::uint32_t>& bodies) {

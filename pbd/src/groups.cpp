@@ -51,6 +51,7 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
                      std::span<const PoseTarget> targets, std::span<const BodyProps> props,
                      std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const bool pushed = sum_islands(rule, islands, activity, bodies);
+  find_joined(edges, bodies);
   if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
   if (rule.sleep_after > 0.0 && pushed) disturb(edges, bodies);
   if (rule.coupling != nullptr) rule.coupling->agree_awake(islands.of(), islands_);
@@ -79,6 +80,20 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
     ++island.bodies;
   }
   return pushed;
+}
+
+void Groups::find_joined(std::span<const ConstraintEdge> edges,
+                         std::span<const SolverBody> bodies) {
+  joined_.assign(bodies.size(), 0);
+  for (const SolverBody& body : bodies) {
+    if (body.projected && body.pushed) joined_[body.island] = 1;
+  }
+  for (const ConstraintEdge& edge : edges) {
+    if (edge.repeats) continue;
+    for (const std::uint32_t end : {edge.body_a, edge.body_b}) {
+      if (end != BodyId::kNone) joined_[bodies[end].island] = 0;
+    }
+  }
 }
 
 void Groups::wake_islands(std::span<const std::uint32_t> changed,
@@ -112,17 +127,22 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<con
   groups_.clear();
   group_of_.resize(count);
   for (std::uint8_t level = 0; level <= kMaxLevel; ++level) {
-    const std::size_t begin = groups_.size();
+    std::size_t open = count;  // the group that takes islands: none yet
     for (std::uint32_t i = 0; in_level[level] > 0 && i < count; ++i) {
       if (islands.of()[i] != i || levels_[i] != level || !is_awake(i)) continue;
       // An island that goes on in another world is solved there in the group of the same number.
-      const bool full = groups_.size() > begin && rule.coupling == nullptr &&
-                        groups_.back().size + islands_[i].bodies > kMaxBodies;
-      if (groups_.size() == begin || full) {
-        groups_.push_back({.level = level, .substeps = rule.substeps << level});
+      const bool whole = rule.coupling != nullptr;
+      const bool joined = !whole && joined_[i] != 0;
+      const bool full =
+          open == count || (!whole && groups_[open].size + islands_[i].bodies > kMaxBodies);
+      std::size_t group = open;
+      if (joined || full) {
+        group = groups_.size();
+        groups_.push_back({.level = level, .substeps = rule.substeps << level, .joined = joined});
+        if (!joined) open = group;
       }
-      groups_.back().size += islands_[i].bodies;
-      group_of_[i] = static_cast<std::uint32_t>(groups_.size() - 1);
+      groups_[group].size += islands_[i].bodies;
+      group_of_[i] = static_cast<std::uint32_t>(group);
     }
   }
   fill_groups(islands, props, activity, bodies);

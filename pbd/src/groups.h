@@ -21,6 +21,7 @@ struct Group {
   int substeps = 0;
   double share = 1.0;    ///< of all bodies of the level
   bool locked = false;   ///< some body has a locked axis
+  bool joined = false;   ///< one island, where joints and later rows share bodies
   std::size_t size = 0;  ///< while it is formed
   std::span<const std::uint32_t> bodies;
 };
@@ -60,6 +61,8 @@ class Groups {
   /// What the bodies of each island say of it. @return whether something immovable moves
   bool sum_islands(const Rule& rule, const Islands& islands, std::span<const BodyActivity> activity,
                    std::span<SolverBody> bodies);
+  /// Islands in which joints and contacts may take turns.
+  void find_joined(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
   /// Whose rows were changed, and who is told to be elsewhere.
   void wake_islands(std::span<const std::uint32_t> changed, std::span<const PoseTarget> targets,
                     std::span<const SolverBody> bodies);
@@ -77,6 +80,7 @@ class Groups {
   /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
   /// not refine the heap.
   std::vector<std::uint8_t> levels_;
+  std::vector<std::uint8_t> joined_;     ///< likewise, see Group
   std::vector<std::uint8_t> movable_;    ///< by body
   std::vector<std::uint8_t> sprung_;     ///< by body: springs or motors act on it
   std::vector<std::uint32_t> group_of_;  ///< by the index of the lowest body of an island

@@ -104,7 +104,7 @@ void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
     const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
     slots_[s].inv_mass = body.inv_mass;
-    slots_[s].inv_inertia = body.inv_inertia_w;
+    slots_[s].inv_inertia = slots_[s].inv_own = body.inv_inertia_w;
     slots_[s].dx.setZero();
     slots_[s].dtheta.setZero();
   }

@@ -180,7 +180,7 @@ JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const Su
     const double own = 1.0 / body.inv_mass;
     sum.work +=
         own * dv.dot(slot.v + 0.5 * dv) +
-        0.5 * (momentum_l.dot(block::times(body.inv_inertia_w, momentum_l)) - slot.w.dot(start));
+        0.5 * (momentum_l.dot(block::times(slot.inv_own, momentum_l)) - slot.w.dot(start));
     sum.energy +=
         0.5 * (own * (body.v - mean).squaredNorm() + body.w.dot(block::times(inertia, body.w)));
     if (part.regular) continue;

@@ -85,6 +85,7 @@ class JointSystem {
     double inv_mass = 0.0;
     Mat3 inv_inertia = Mat3::Zero();  ///< with what stiffen() adds
     Mat3 inertia = Mat3::Zero();      ///< kg m^2, the body's own; real channel only
+    Mat3 inv_own = Mat3::Zero();      ///< its inverse
     Mat3 stiffness = Mat3::Zero();    ///< see stiffen()
     Vec3 dx = Vec3::Zero();
     Vec3 dtheta = Vec3::Zero();

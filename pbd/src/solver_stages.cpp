@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact_row.h"
+#include "contact_rows.h"
 #include "integrate.h"
 #include "solver_impl.h"
 #include "tandem/pbd/contact.h"
@@ -24,6 +25,7 @@ void Solver::Impl::begin_step(World& world, double dt) {
   collect_targets();
   arrange_groups();
   report_.turning = bodies_.prepare(world, edges_.without_contacts(), groups_.all(), workers_);
+  if (projects_) bodies_.keep_inertias();
   list_parts();
   context_ = {.bodies = bodies_.all(),
               .h = dt / options_.substeps,
@@ -72,12 +74,14 @@ void Solver::Impl::integrate() {
 void Solver::Impl::project() {
   if (!has_rows_) return;
   for_blocks([&](ConstraintBlock& block) { block.warm_start(context_); });
-  for (int i = 0; i < options_.position_iterations; ++i) {
+  const Turns turns = joint_turns();
+  for (int i = 0; i < turns.most; ++i) {
     context_.iteration = i;
     if (projects_) project_joints();
     for_blocks([&](ConstraintBlock& block) {
       if (is_last(block)) block.project(context_);
     });
+    if (i + 1 < turns.most && i + 1 >= turns.least && !joints_are_hit()) break;
   }
   end_stage(Stage::Project);
 }
@@ -170,7 +174,29 @@ void Solver::Impl::project_joints() {
   });
   until_joints_hold([&](ConstraintBlock& block) { return block.project(context_); });
   for_group([&](SolverBody& body, std::uint32_t i) {
-    if (body.projected) absorb_corrections(body, world_->props_[i], h);
+    if (!body.projected) return;
+    absorb_corrections(body, world_->props_[i], h);
+    if (body.pushed) bodies_.restore_inertia(i);
+  });
+}
+
+Solver::Impl::Turns Solver::Impl::joint_turns() const {
+  constexpr int kMaxTurns = 8;
+  constexpr double kPart = 6.0;  // see ContactOptions::extra_rows
+  const int asked = options_.position_iterations;
+  if (!group_->joined || !options_.refine) return {asked, asked};
+  const double budget = group_->share * options_.contact.extra_rows / (kPart * context_.substeps);
+  const double bodies = static_cast<double>(group_->bodies.size());
+  const int most = std::min(kMaxTurns, 1 + static_cast<int>(budget / bodies));
+  const int least = std::min(most, normal_friction_iterations(context_.substep == 0));
+  return {std::max(asked, least), std::max(asked, most)};
+}
+
+bool Solver::Impl::joints_are_hit() {
+  constexpr double kBlow = 0.3;  // m/s
+  return std::any_of(group_->bodies.begin(), group_->bodies.end(), [&](std::uint32_t i) {
+    const SolverBody& body = bodies_[i];
+    return body.projected && (body.v - body.v_applied).squaredNorm() > kBlow * kBlow;
   });
 }
 
@@ -243,6 +269,7 @@ void Solver::Impl::collect_targets() {
 void Solver::Impl::arrange_groups() {
   edges_.list(*world_);
   islands_.build(edges_.all(), bodies_.all());
+  mark_joined_bodies();
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
   note_new_overlaps();
@@ -259,20 +286,19 @@ void Solver::Impl::arrange_groups() {
     has_rows_ = true;
     projects_ = projects_ || !is_last(block);
   });
-  for (const ConstraintEdge& edge : edges_.projecting()) {
-    if (edge.body_a != BodyId::kNone) bodies_[edge.body_a].projected = true;
-    if (edge.body_b != BodyId::kNone) bodies_[edge.body_b].projected = true;
-  }
-  if (!projects_) return;
-  const auto push = [&](std::uint32_t index) {
-    if (index == BodyId::kNone) return;
-    SolverBody& body = bodies_[index];
-    body.pushed = body.group != SolverBody::kNoGroup;
+}
+
+void Solver::Impl::mark_joined_bodies() {
+  if (edges_.projecting().empty()) return;
+  const auto for_bodies = [&](std::span<const ConstraintEdge> edges, auto&& mark) {
+    for (const ConstraintEdge& edge : edges) {
+      if (edge.body_a != BodyId::kNone) mark(bodies_[edge.body_a]);
+      if (edge.body_b != BodyId::kNone) mark(bodies_[edge.body_b]);
+    }
   };
-  for (const ConstraintEdge& edge : edges_.all().subspan(edges_.projecting().size())) {
-    push(edge.body_a);
-    push(edge.body_b);
-  }
+  for_bodies(edges_.projecting(), [](SolverBody& body) { body.projected = true; });
+  for_bodies(edges_.all().subspan(edges_.projecting().size()),
+             [](SolverBody& body) { body.pushed = body.inv_mass > 0.0; });
 }
 
 /// A collider or a filter may have changed between bodies that sleep.

@@ -38,14 +38,14 @@ TEST_CASE("ragdoll: weighs what it should and is as tall, and so is one of anoth
 
 TEST_CASE("ragdoll: however it falls, joints keep their limits and energy never grows",
           "[scene][invariant]") {
-  for (const double tilt : {0.3, -0.4, 1.4}) {
+  for (const double tilt : {0.0, 0.3, -0.4, 1.4}) {
     Scene scene;
     scene.add(HalfSpace{}, {.type = BodyType::Static});
     const Ragdoll doll(
         scene, {.pose = {Vec3(0.0, 0.0, 1.2), Quat(Eigen::AngleAxisd(tilt, Vec3(0.6, 0.8, 0.0)))}});
     double before = scene.world().mechanical_energy();
     const double start = before;
-    double worst = 0.0, rise = 0.0, bent = 0.0;
+    double worst = 0.0, rise = 0.0, bent = 0.0, opening = 0.0;
     for (int i = 0; i < 240; ++i) {
       REQUIRE(scene.step(kStep).status == pbd::StepStatus::Ok);
       for (std::size_t part = 1; part < Ragdoll::kParts; ++part) {
@@ -54,6 +54,7 @@ TEST_CASE("ragdoll: however it falls, joints keep their limits and energy never 
         const pbd::JointState& state = scene.joints().at(id);
         const pbd::JointAxis& twist = def.angular[0];
         worst = std::max({worst, twist.lower - state.position[3], state.position[3] - twist.upper});
+        opening = std::max(opening, Vec3(state.position.data()).norm());
         bent = std::max(bent, std::abs(state.position[3]));
         if (std::isfinite(def.cone)) worst = std::max(worst, state.swing - def.cone);
       }
@@ -62,9 +63,10 @@ TEST_CASE("ragdoll: however it falls, joints keep their limits and energy never 
       before = now;
     }
     CAPTURE(tilt);
-    CHECK(bent > 0.3);    // it is limp
-    CHECK(worst < 0.02);  // rad
-    CHECK(rise < 1e-3 * start);
+    CHECK((bent > 0.3 || tilt == 0.0));  // it is limp
+    CHECK(worst < 0.02);                 // rad
+    CHECK(opening < 0.015);              // m; in single turns of joints and contacts up to 0.09
+    CHECK(rise < 4e-3 * start);
     CHECK(before < 0.5 * start);
   }
 }
@@ -78,10 +80,35 @@ TEST_CASE("ragdoll: lies still and sleeps, however it fell", "[scene][invariant]
       scene.add(HalfSpace{}, {.type = BodyType::Static});
       const Quat turn(Eigen::AngleAxisd(tilt, Vec3(0.6, 0.8, 0.0)));
       const Ragdoll doll(scene, {.pose = {Vec3(0.0, 0.0, 1.2), turn}});
-      for (int i = 0; i < 240; ++i) scene.step(kStep);
+      for (int i = 0; i < 360; ++i) scene.step(kStep);
       CAPTURE(substeps, tilt);
       for (const BodyId body : doll.bodies()) CHECK_FALSE(scene.world().awake(body));
     }
+  }
+}
+
+// Contacts moved what joints turn by another inertia than their rows had: of this heap, which is
+// solved in turns, one step made 3e20 J of 29 kJ; in single turns others made up to 1.7 kJ of 32.
+TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant]") {
+  for (const double seed : {1.0, 2.3, 7.7}) {
+    Scene scene;
+    scene.add(HalfSpace{}, {.type = BodyType::Static});
+    for (int i = 0; i < 18; ++i) {
+      const double tilt = 0.2 * std::sin(seed * (i + 1));
+      Ragdoll(scene, {.pose = {Vec3(i % 3, i / 3 % 3, 1.2 + 2.3 * (i / 9)),
+                               Quat(Eigen::AngleAxisd(tilt, Vec3(0.6, 0.8, 0.0)))}});
+    }
+    const double start = scene.world().mechanical_energy();
+    double before = start, rise = 0.0;
+    for (int i = 0; i < 120; ++i) {
+      REQUIRE(scene.step(kStep).status == pbd::StepStatus::Ok);
+      const double now = scene.world().mechanical_energy();
+      rise = std::max(rise, now - before);
+      before = now;
+    }
+    CAPTURE(seed);
+    CHECK(rise < 2e-3 * start);
+    CHECK(before < 0.2 * start);
   }
 }
 

@@ -53,6 +53,7 @@ struct alignas(64) TANDEM_API SolverBody {
   bool turns = false;
   bool turns_freely = true;  ///< no axis of its rotation is locked
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
+  bool is_awake() const { return group != kNoGroup; }  ///< and movable
 };
 
 /// Rows are projected block by block, in this order: the last writer wins, so non-penetration comes
@@ -114,6 +115,8 @@ struct ConstraintEdge {
   /// The row acts with a force of its own (springs, motors): its bodies rest where their speed does
   /// not change either.
   bool force_driven = false;
+  /// Its island may be swept again within a substep where contacts have hit what joints hold.
+  bool repeats = true;
 };
 
 /// All constraints of one kind in a world: the only thing that the solver knows of them. Each of
