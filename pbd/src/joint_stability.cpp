@@ -178,9 +178,8 @@ JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const Su
     const Vec3 momentum = start + block::times(inertia, dw);
     const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
     const double own = 1.0 / body.inv_mass;
-    sum.work +=
-        own * dv.dot(slot.v + 0.5 * dv) +
-        0.5 * (momentum_l.dot(block::times(slot.inv_own, momentum_l)) - slot.w.dot(start));
+    sum.work += own * dv.dot(slot.v + 0.5 * dv) +
+                0.5 * (momentum_l.dot(block::times(slot.inv_own, momentum_l)) - slot.w.dot(start));
     sum.energy +=
         0.5 * (own * (body.v - mean).squaredNorm() + body.w.dot(block::times(inertia, body.w)));
     if (part.regular) continue;

@@ -113,5 +113,34 @@ TEST_CASE("replay: no more is replayed than the budget has, and all of it withou
   }
 }
 
+TEST_CASE("replay: nor is more where news is now older and now newer", "[consensus]") {
+  const double budget = GENERATE(1.5, 2.0, 4.0);
+  CAPTURE(budget);
+  constexpr int kMany = 40;
+  PeerOptions options{.authority_ramp = 0.0};
+  options.replay.budget = budget;
+  options.replay.tolerance = 0.0;
+  Session session({.latency = 8.0 * kFrame});
+  for (int i = 0; i < 2; ++i) {
+    // Who comes in bursts, as a machine does that is late, is heard six times a second.
+    if (i == 1) options.update_hz = 6.0;
+    Site& site = session.add(static_cast<PeerId>(i + 1), 0.0, options);
+    pbd::BodyDef def = ball(Vec3(0.02 * i, 0.0, kBallRadius + 1.0));
+    def.can_sleep = false;
+    site.share(def);
+    put_ball_on_plane(site, 0.8);
+    for (int k = 1; k <= kMany; ++k) {
+      pbd::BodyDef other = ball(Vec3(2.0 * k, 0.0, 100.0));
+      other.can_sleep = false;
+      site.world.add_body(other);
+    }
+  }
+  session.run(5.0);
+  const ReplayStats& stats = session[0].peer->stats().replay;
+  CHECK(stats.fresh > 20);
+  // What a second allows for may be saved up.
+  CHECK(static_cast<double>(stats.steps) < budget * (300.0 + 60.0) + 10.0);
+}
+
 }  // namespace
 }  // namespace tandem::consensus::replay_cost_test

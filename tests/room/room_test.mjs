@@ -201,7 +201,7 @@ describe('a room by a link', {timeout: 600000}, () => {
   test('a reload comes back to the same room', async () => {
     const places = await poses(a);
     await b.reload();
-    await b.waitForFunction(() => window.tandemRoom?.drawing.drawn > 0);
+    await b.waitForFunction(() => window.tandemRoom?.drawing?.drawn > 0);
     await ask(b, '(drawing.look.elevation = 55)');
     await until(async () => await others(b) === 2 && await others(a) === 2, 'two others');
     await atRest([a, b], native, 'after the reload');

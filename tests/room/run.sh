@@ -17,19 +17,10 @@ while [[ $# -ge 2 ]]; do
   shift 2
 done
 
-skip() {
-  echo "tests/room: skipped: $1" >&2
-  exit 77
-}
-command -v node > /dev/null || skip 'no Node.js (Debian: nodejs, at least 18)'
-[[ $(node -p 'process.versions.node.split(".")[0]') -ge 18 ]] || skip 'Node.js is older than 18'
-command -v npm > /dev/null || skip 'no npm (Debian: npm)'
-if [[ -z ${CHROMIUM:-} ]]; then
-  command -v chromium chromium-browser google-chrome > /dev/null || skip 'no Chromium (Debian: chromium)'
-fi
+name=tests/room
+source "$here/../view/needs.sh"
 [[ -x $TANDEM_BIN/tandem-room ]] || { echo "tests/room: $TANDEM_BIN/tandem-room is not there" >&2; exit 1; }
 [[ -f $TANDEM_ROOM_PAGE/index.html.gz ]] || skip "no page in $TANDEM_ROOM_PAGE (preset web, tandem_room_page)"
 # The browser's driver is that of the live view's tests.
-[[ -d $here/../view/node_modules ]] || npm --prefix "$here/../view" ci --no-audit --no-fund > /dev/null ||
-  skip 'npm ci failed in tests/view'
+npm_modules "$here/../view"
 exec node --test --test-concurrency=1 "$@" "$here/qr_test.mjs" "$here/room_test.mjs"

@@ -4,7 +4,8 @@
 // A room's server, native peers and pages in it, as processes and browser contexts of their own.
 import {spawn} from 'node:child_process';
 import {createRequire} from 'node:module';
-import {existsSync} from 'node:fs';
+import {existsSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
 import {createInterface} from 'node:readline';
 import {fileURLToPath} from 'node:url';
@@ -35,9 +36,18 @@ export async function until(check, what, seconds = 60) {
   throw new Error(`not within ${seconds} s: ${what}`);
 }
 
-export async function startBrowser() {
+/** @param {{core?: string}} where  the only core of all its processes, by number */
+export async function startBrowser({core} = {}) {
   const executablePath = PATHS.find((path) => path && existsSync(path));
-  return chromium.launch({executablePath, args: ARGUMENTS});
+  if (core === undefined) return chromium.launch({executablePath, args: ARGUMENTS});
+  const folder = mkdtempSync(join(tmpdir(), 'tandem-room-'));
+  const pinned = join(folder, 'chromium');
+  writeFileSync(pinned, `#!/bin/sh\nexec taskset -c ${core} '${executablePath}' "$@"\n`, {mode: 0o755});
+  try {
+    return await chromium.launch({executablePath: pinned, args: ARGUMENTS});
+  } finally {
+    rmSync(folder, {recursive: true});
+  }
 }
 
 /** A program that ends with its test. @returns {Promise<object>}  once its first line is there */
@@ -87,10 +97,11 @@ export async function startPeer(link, room = 'sandbox', options = []) {
   return peer;
 }
 
-/** A page in a context of its own; page.complaints is what its console and scripts complained of. */
-export async function openPage(browser, link, options = {}) {
+/** A page in a context of its own, with the options of one, and `before`, a function that runs first in it; page.complaints is what its console and scripts complained of. */
+export async function openPage(browser, link, {before, ...options} = {}) {
   const context = await browser.newContext({viewport: {width: 1000, height: 620}, ...options});
   const page = await context.newPage();
+  if (before) await page.addInitScript(before);
   page.complaints = [];
   page.on('console', (message) => {
     if (['error', 'warning'].includes(message.type()) && !/GPU stall due to|GL Driver Message/.test(message.text())) {
@@ -99,7 +110,7 @@ export async function openPage(browser, link, options = {}) {
   });
   page.on('pageerror', (error) => page.complaints.push(String(error)));
   await page.goto(link);
-  await page.waitForFunction(() => window.tandemRoom?.drawing.drawn > 0, null, {timeout: 60000});
+  await page.waitForFunction(() => window.tandemRoom?.drawing?.drawn > 0, null, {timeout: 60000});
   return page;
 }
 

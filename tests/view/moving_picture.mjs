@@ -18,7 +18,7 @@ const SPEED = 2;                          // times as fast as it happens
 const FIRST = 1.4;                        // s, of the session: hands have just taken hold
 const HOLD = 2;                           // s, the last picture stays
 const STEP = 1 / 60;                      // s, that the view does by hand
-const TITLE = 'Two people, 123.5 ms apart, carry one piano through a maze';
+const TITLE = 'Two people, 63.5 ms apart, carry one piano through a maze';
 const RUNS = [
   {coupling: 'one-pass', colour: '#16833f', text: 'Tandem: nobody owns it, both pull'},
   {coupling: 'single-owner', colour: '#b3261e', text: 'A single owner: only the owner’s hand counts'},
@@ -65,7 +65,7 @@ async function compose({title, width, titleHeight, captionHeight, runs}) {
 /** A run that stands still at each time. What has been drawn is taken, not a screenshot: that waits for
  *  a window which nobody sees. @returns {Promise<string[]>}  PNG as data URLs */
 async function film(browser, {coupling}, times) {
-  const demo = await startDemo('piano', ['--profile', '5', '--coupling', coupling, '--seconds', '3600']);
+  const demo = await startDemo('piano', ['--profile', '4', '--coupling', coupling, '--seconds', '3600']);
   try {
     const observer = await new Observer(demo.url).ready();
     observer.set('paused', true);
@@ -91,7 +91,7 @@ async function film(browser, {coupling}, times) {
   }
 }
 
-const [file, seconds = '16.6'] = process.argv.slice(2);
+const [file, seconds = '17.6'] = process.argv.slice(2);
 if (!file) throw new Error('usage: moving_picture.mjs FILE.webp [SECONDS]');
 const folder = mkdtempSync(join(tmpdir(), 'tandem-picture-'));
 const browser = await startBrowser();

@@ -273,9 +273,19 @@ describe('the page', {timeout: 600000}, () => {
 
   test('a program that does not answer is given up, until somebody asks for it', async () => {
     await open();
+    // The page waits for a tenth of what it asks for, and says what that was.
+    await page.evaluate(() => {
+      const wait = window.setTimeout;
+      window.waits = [];
+      window.setTimeout = (then, ms, ...more) => {
+        if (ms >= 500) window.waits.push(ms);
+        return wait(then, ms >= 500 ? ms / 10 : ms, ...more);
+      };
+    });
     const {port, token} = server;
     await server.close();
     await until(async () => /does not answer/.test(await page.textContent('#state')), 'the end', 90);
+    assert.deepEqual(await page.evaluate('window.waits'), [500, 1000, 2000, 4000, 8000, 8000]);
     server = await startMock({port, token});
     await press(page, 'ending-again');
     await until(() => view(page, 'connected'), 'the return');

@@ -13,20 +13,9 @@ if [[ ${1:-} == --bin ]]; then
 fi
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
-skip() {
-  echo "tests/view: skipped: $1" >&2
-  exit 77
-}
-command -v node > /dev/null || skip 'no Node.js (Debian: nodejs, at least 18)'
-[[ $(node -p 'process.versions.node.split(".")[0]') -ge 18 ]] || skip 'Node.js is older than 18'
-command -v npm > /dev/null || skip 'no npm (Debian: npm)'
-if [[ -z ${CHROMIUM:-} ]]; then
-  command -v chromium chromium-browser google-chrome > /dev/null || skip 'no Chromium (Debian: chromium)'
-fi
-for folder in "$here" "$here/../../demos/view/page"; do
-  [[ -d $folder/node_modules ]] || npm --prefix "$folder" ci --no-audit --no-fund > /dev/null ||
-    skip "npm ci failed in $folder"
-done
+name=tests/view
+source "$here/needs.sh"
+npm_modules "$here" "$here/../../demos/view/page"
 
 tests=("$here/protocol_test.mjs" "$here/timeline_test.mjs" "$here/page_test.mjs")
 if [[ -n $bin ]]; then

@@ -40,7 +40,7 @@ list(JOIN functions "," functions)
 target_link_options(tandem_room_cipher PRIVATE --no-entry -O3 -sSTANDALONE_WASM -sWASM_BIGINT
   -sERROR_ON_UNDEFINED_SYMBOLS=0 "-sEXPORTED_FUNCTIONS=${functions}")
 
-# three.js as the live view has it pinned.
+# three.js as the live view has it pinned, and a file of its page.
 set(view "${PROJECT_SOURCE_DIR}/demos/view/page")
 set(npm "${CMAKE_CURRENT_BINARY_DIR}/npm")
 set(three "${npm}/node_modules/three/build")
@@ -52,6 +52,7 @@ add_custom_command(OUTPUT "${three}/three.core.min.js"
 file(MAKE_DIRECTORY "${npm}")
 
 file(GLOB page CONFIGURE_DEPENDS page/*.html page/*.js page/*.css page/*.svg page/*.json)
+list(APPEND page "${view}/software.js")
 set(package "${PROJECT_BINARY_DIR}/package")
 add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/room/index.html.gz"
   COMMAND "${TANDEM_NODE}" "${CMAKE_CURRENT_SOURCE_DIR}/compress.mjs" "${PROJECT_BINARY_DIR}/room" ${page}

@@ -109,12 +109,11 @@ const system = {get: (_, name) => (name === 'proc_exit' ? () => { throw new Erro
 export async function init(source = new URL('./tandem.wasm', import.meta.url)) {
   if (c !== null) return;
   const given = source instanceof URL || typeof source === 'string' ? await fetch(source) : source;
-  const bytes = given instanceof Response ? await given.arrayBuffer() : given;
-  const {instance} = await WebAssembly.instantiate(bytes, {
-    tandem: imports,
-    env: new Proxy({}, system),
-    wasi_snapshot_preview1: new Proxy({}, system),
-  });
+  const needs = {tandem: imports, env: new Proxy({}, system), wasi_snapshot_preview1: new Proxy({}, system)};
+  // Compiled while it comes, where the server says what it is.
+  const streams = given instanceof Response && given.headers.get('content-type') === 'application/wasm';
+  const {instance} = streams ? await WebAssembly.instantiateStreaming(given, needs) :
+    await WebAssembly.instantiate(given instanceof Response ? await given.arrayBuffer() : given, needs);
   c = instance.exports;
   c._initialize?.();
   error = c.malloc(ERROR_SIZE);

@@ -19,6 +19,10 @@ constexpr double kMinSteps = 32.0;
 /// 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, and 87 without a limit.
 constexpr int kOldest = 3;
 
+/// Own steps whose budget may be saved up: where steps and stamps come evenly, one replay in each
+/// period never needs as much.
+constexpr double kSavedSteps = 60.0;
+
 /// Which period of `length` s a time is in: all peers count the same ones.
 SessionTime period_of(SessionTime time, double length) {
   constexpr SessionTime kSecond = 1'000'000'000;
@@ -67,15 +71,26 @@ bool ReplaySchedule::is_due(const WorldHistory& history, std::size_t start, std:
   const auto bodies = static_cast<double>(std::max<std::size_t>(awake, 1));
   budget = std::max(budget, kMinSteps / bodies);
   const auto age = static_cast<double>(now - start);
-  if (age <= budget) return true;
+  const auto steps = static_cast<double>(now - std::exchange(seen_, now));
+  saved_ = std::min(saved_ + steps * budget, std::max(kSavedSteps * budget, age));
+  if (age <= budget) {
+    saved_ -= age;
+    return true;
+  }
   // One in `every` steps, stepped along in between, costs age + every - 1.
   double every = std::ceil((age - 1.0) / std::max(budget - 1.0, 1e-9));
   if (every > kOldest + 1.0) every = std::ceil((age + kOldest) / budget);
   const double step = seconds(history.frame(now).time - history.frame(now - 1).time);
   const SessionTime period = period_of(history.frame(start).time, every * step);
-  return std::exchange(period_, period) != period;
+  if (std::exchange(period_, period) == period || saved_ < age) return false;
+  saved_ -= age;
+  return true;
 }
 
-bool ReplaySchedule::steps_along() { return ++old_ <= kOldest; }
+bool ReplaySchedule::steps_along() {
+  if (++old_ > kOldest) return false;
+  saved_ -= 1.0;
+  return true;
+}
 
 }  // namespace tandem::consensus

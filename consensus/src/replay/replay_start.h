@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "input/springs.h"
@@ -51,6 +52,10 @@ class ReplaySchedule {
  private:
   int old_ = 0;              ///< steps since the last replay was begun
   SessionTime period_ = -1;  ///< in which the last replay starts
+  /// Steps that the budget has allowed for and that were not made: where the age of news changes,
+  /// so does the length of a period, and a new one begins more often than the budget has it.
+  double saved_ = std::numeric_limits<double>::infinity();
+  std::size_t seen_ = 0;  ///< frame up to which that is known
 };
 
 }  // namespace tandem::consensus

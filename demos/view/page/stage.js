@@ -3,6 +3,7 @@
 //
 // Renderer, light, background: what is there before anything of a session is known.
 import * as THREE from './three.module.min.js';
+import {drawsInSoftware} from './software.js';
 
 /** Colours of what has none of its own; the page's own colours are in style.css. */
 export const THEMES = {
@@ -22,12 +23,13 @@ export class Stage {
    */
   constructor(canvas, {still}) {
     this.still = still;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true,
+    const plain = !still && drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !plain,
                                              preserveDrawingBuffer: still});
-    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.enabled = !plain;
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
-    this.ratio = Math.min(2, window.devicePixelRatio || 1);
+    this.ratio = Math.min(plain ? 0.75 : 2, window.devicePixelRatio || 1);
     this.scene = new THREE.Scene();
     this.scene.fog = new THREE.Fog('#fff', 1, 100);
     this.scene.background = new THREE.Color();

@@ -5,6 +5,8 @@
 import * as THREE from './three.module.min.js';
 import {STATE} from './tandem.js';
 import {rotated} from './hand.js';
+import {plainMaterial} from './plain.js';
+import {drawsInSoftware} from './software.js';
 
 const MOST = 1024;          // instances of one solid
 const SKY = 0xe9eef2;
@@ -12,7 +14,16 @@ const HAND_RADIUS = 0.025;  // m
 const SHADOWS = 1024;       // pixels
 const SLOW_MS = 30;         // from picture to picture
 const SETTLING = 15;        // pictures
-const SPARING_MS = 90;
+// Pictures give way to steps: where these are late by more than one on average, pictures come more seldom.
+const LATE_MS = 16;
+const SLOWEST_MS = 250;
+const SPARING_MS = 60;      // what computes the picture is the processor that steps the world
+const COARSER_MS = 120;     // from where on pictures are coarser
+// Of the picture's quality, from the least: pixels each CSS pixel at most. The best has shadows.
+const RATIOS = [0.5, 0.75, 2, 2];
+const BEST = 3;
+const PLAIN = 1;
+const FULL = new THREE.Vector3(1, 1, 1);
 
 const SOLIDS = {
   box: {make: () => new THREE.BoxGeometry(2, 2, 2), scale: ({halfExtents}) => halfExtents},
@@ -23,10 +34,11 @@ const SOLIDS = {
 
 /** One kind of solid. */
 class Solid {
-  constructor(type, scene) {
+  constructor(type, scene, plain) {
     this.type = SOLIDS[type];
     this.parts = [];  // {row, local: Matrix4}
-    this.mesh = new THREE.InstancedMesh(this.type.make(), new THREE.MeshLambertMaterial(), MOST);
+    const material = plain ? plainMaterial() : new THREE.MeshLambertMaterial();
+    this.mesh = new THREE.InstancedMesh(this.type.make(), material, MOST);
     this.mesh.count = 0;
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
@@ -84,31 +96,26 @@ class HandMark {
   }
 }
 
-/** Whether there is no graphics processor: then the processor is needed for other things than shadows. */
-function drawsInSoftware() {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const names = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
-}
-
 export class Drawing {
   #solids = new Map();
   #marks = new Map();
   #ray = new THREE.Raycaster();
   #matrix = new THREE.Matrix4();
   #body = new THREE.Matrix4();
-  #interval = 16;  // ms, from picture to picture, smoothed
+  #place = new THREE.Vector3();
+  #turn = new THREE.Quaternion();
+  #interval = 16;  // ms, from picture to picture beyond the pause, smoothed
+  #pause = 0;      // ms
   #last = 0;
   #settled = 0;
 
   /** @param {HTMLCanvasElement} canvas @param {object} camera  target, distance, azimuth, elevation (degrees) */
   constructor(canvas, camera) {
-    const slow = drawsInSoftware();
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !slow});
-    this.renderer.shadowMap.enabled = !slow;
-    this.quality = slow ? 0 : 2;
+    this.plain = drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !this.plain});
+    this.renderer.shadowMap.enabled = !this.plain;
+    this.quality = this.plain ? PLAIN : BEST;
+    this.#pause = this.plain ? SPARING_MS : 0;
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(SKY);
     this.scene.fog = new THREE.Fog(SKY, 12, 40);
@@ -121,7 +128,9 @@ export class Drawing {
     sun.shadow.bias = -0.002;
     this.scene.add(sun);
     this.sun = sun;
-    const ground = new THREE.Mesh(new THREE.PlaneGeometry(80, 80), new THREE.MeshLambertMaterial({color: 0xcfd3c9}));
+    const colour = 0xcfd3c9;
+    const ground = new THREE.Mesh(new THREE.PlaneGeometry(80, 80),
+                                  this.plain ? plainMaterial(colour) : new THREE.MeshLambertMaterial({color: colour}));
     ground.receiveShadow = true;
     this.scene.add(ground);
     const grid = new THREE.GridHelper(20, 40, 0xb3b8ae, 0xbfc4ba).rotateX(Math.PI / 2);
@@ -138,41 +147,42 @@ export class Drawing {
     for (const part of [{shape: def.shape}, ...def.parts ?? []]) {
       const {type} = part.shape;
       if (!SOLIDS[type]) continue;  // the ground is drawn anyway
-      if (!this.#solids.has(type)) this.#solids.set(type, new Solid(type, this.scene));
+      if (!this.#solids.has(type)) this.#solids.set(type, new Solid(type, this.scene, this.plain));
       this.#solids.get(type).add(row, part, colour);
     }
   }
 
   /** @param {Float64Array} states @param {Iterable<object>} hands  key, name, colour, anchor, attachment, held */
   draw(states, hands) {
-    const place = new THREE.Vector3();
-    const turn = new THREE.Quaternion();
-    const one = new THREE.Vector3(1, 1, 1);
     for (const {mesh, parts} of this.#solids.values()) {
-      parts.forEach(({row, local}, i) => {
-        const at = row * STATE;
-        this.#body.compose(place.fromArray(states, at), turn.fromArray(states, at + 3), one);
-        mesh.setMatrixAt(i, this.#matrix.multiplyMatrices(this.#body, local));
-      });
+      for (let i = 0; i < parts.length; ++i) {
+        const at = parts[i].row * STATE;
+        this.#body.compose(this.#place.fromArray(states, at), this.#turn.fromArray(states, at + 3), FULL);
+        mesh.setMatrixAt(i, this.#matrix.multiplyMatrices(this.#body, parts[i].local));
+      }
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;  // else rays are tried against where it once was
     }
     this.#drawHands(hands);
     this.#aim();
-    this.#spare();
     this.renderer.render(this.scene, this.camera);
     ++this.drawn;
   }
 
-  /** ms from picture to picture, at least: what computes the picture is then the processor that steps the world. */
-  get pause() { return this.quality > 0 ? 0 : SPARING_MS; }
-
-  /** Where pictures come slowly, they cast no shadows, and are then coarser. */
-  #spare() {
-    const now = performance.now();
-    if (now - this.#last < 1000) this.#interval += 0.05 * (now - this.#last - this.#interval);
+  /** Whether it is time for a picture. @param {number} now  ms @param {number} late  ms, of the world's steps */
+  due(now, late) {
+    const since = now - this.#last;
+    if (since < this.#pause) return false;
     this.#last = now;
-    if (this.drawn < this.#settled + SETTLING || this.#interval < SLOW_MS || this.quality === 0) return;
+    if (since < 1000) this.#interval += 0.05 * (since - this.#pause - this.#interval);
+    if (late > LATE_MS) this.#pause = Math.min(SLOWEST_MS, 1.5 * Math.max(this.#pause, LATE_MS));
+    else if (late < LATE_MS / 2) this.#pause = Math.max(this.plain ? SPARING_MS : 0, 0.9 * this.#pause - 1);
+    const slow = this.#interval > SLOW_MS || this.#pause > COARSER_MS;
+    if (slow && this.quality > 0 && this.drawn > this.#settled + SETTLING) this.#spare();
+    return true;
+  }
+  /** A picture that is quicker, for good. */
+  #spare() {
     --this.quality;
     this.#settled = this.drawn;
     this.renderer.shadowMap.autoUpdate = false;
@@ -202,7 +212,7 @@ export class Drawing {
   #aim() {
     const canvas = this.renderer.domElement;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    const ratio = this.quality > 0 ? Math.min(devicePixelRatio, 2) : 0.75;
+    const ratio = Math.min(devicePixelRatio, RATIOS[this.quality]);
     if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);

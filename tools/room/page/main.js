@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 import {init} from './tandem.js';
 import {initCipher} from './cipher.js';
-import {Drawing} from './drawing.js';
 import {readLink} from './link.js';
 import {Panel, fail} from './panel.js';
 import {listen} from './pointer.js';
@@ -13,6 +12,7 @@ const COLOURS = ['#c8553d', '#3f78b5', '#5a9367', '#8d6cab', '#b8862b', '#2f8f9d
 const NAMES = ['Ada', 'Ben', 'Cleo', 'Dev', 'Eli', 'Fay', 'Gus', 'Hana', 'Ivo', 'June', 'Kit', 'Lou', 'Max', 'Nia'];
 const SHOW_MS = 250;
 const STEP_EVERY_MS = 4;
+const GREET_MS = 300;
 const MADE = {
   box: () => ({type: 'box', halfExtents: [0.1, 0.1, 0.1]}),
   ball: () => ({type: 'sphere', radius: 0.1}),
@@ -27,6 +27,9 @@ function ownProfile() {
 }
 
 async function start() {
+  // With three.js, which is half of the page: the session does not wait for it.
+  const drawings = import('./drawing.js');
+  drawings.catch(() => {});  // told below
   const link = readLink();
   const [room] = await Promise.all([
     fetch(`room-${link.room}.json`).then((answer) => answer.json()),
@@ -36,6 +39,20 @@ async function start() {
   const profile = ownProfile();
   let panel = null;
   const session = new Session(room, link, profile, () => panel?.show());
+  // Not by pictures, which take long on some machines: others are to hear of each step at its time.
+  setInterval(() => session.advance(), STEP_EVERY_MS);
+  // For tests, and for who looks into it.
+  window.tandemRoom = {session, link};
+  document.addEventListener('visibilitychange', () => (document.hidden ? session.leave() : session.comeBack()));
+  if (document.hidden) session.leave();
+  window.addEventListener('pagehide', () => session.end());
+  window.addEventListener('pageshow', ({persisted}) => persisted && location.reload());
+  window.addEventListener('hashchange', () => location.reload());
+
+  const {Drawing} = await drawings;
+  // To begin a picture holds the page for long where the processor draws: the others are greeted before.
+  const end = performance.now() + GREET_MS;
+  while (performance.now() < end && !session.greeted) await new Promise((resolve) => setTimeout(resolve, STEP_EVERY_MS));
   const canvas = document.getElementById('picture');
   const drawing = new Drawing(canvas, room.camera);
   session.world.bodies.forEach(({body, def}) => drawing.add(body.row, def));
@@ -50,11 +67,6 @@ async function start() {
       session.make(MADE[button.dataset.make](), [x + aside(), y + aside(), 1.2]);
     };
   }
-  document.addEventListener('visibilitychange', () => (document.hidden ? session.leave() : session.comeBack()));
-  if (document.hidden) session.leave();
-  window.addEventListener('pagehide', () => session.end());
-  window.addEventListener('pageshow', ({persisted}) => persisted && location.reload());
-  window.addEventListener('hashchange', () => location.reload());
 
   const hands = function* hands() {
     const {hand} = session;
@@ -64,21 +76,17 @@ async function start() {
     }
   };
   let shown = 0;
-  let drawn = 0;
   const frame = () => {
     requestAnimationFrame(frame);
-    if (performance.now() - drawn < drawing.pause) return;
-    drawn = performance.now();
+    const now = performance.now();
+    if (!drawing.due(now, session.late)) return;
     drawing.draw(session.world.world.states, hands());
-    if (performance.now() - shown < SHOW_MS) return;
-    shown = performance.now();
+    if (now - shown < SHOW_MS) return;
+    shown = now;
     panel.show();
   };
   requestAnimationFrame(frame);
-  // Not by pictures, which take long on some machines: others are to hear of each step at its time.
-  setInterval(() => session.advance(), STEP_EVERY_MS);
-  // For tests, and for who looks into it.
-  window.tandemRoom = {session, drawing, link};
+  window.tandemRoom.drawing = drawing;
 }
 
 start().catch((problem) => {

@@ -13,6 +13,7 @@ import {RoomWorld, STEP_MS, WAIT} from './world.js';
 const STEP_NS = 16666667n;
 const MOST_STEPS = 8;        // at once
 const TOO_LATE_MS = 250;     // what was not stepped in time is left out
+const LATENESS_SHARE = 0.1;  // of what is new in the mean
 const ASLEEP_MS = 1000;      // the page did not run for so long
 const DIGEST_EVERY = 30;     // steps
 const HAND_EVERY = 3;        // steps
@@ -22,8 +23,8 @@ const ASK_SOON_MS = 200;
 const ASK_TIME_MS = 10000;
 const PACKET_BYTES = 1100;   // a data channel must not cut what may be lost
 const HANDS_FOR_MS = 1000;
-// Half of the default's budget, for pages that step 200 bodies on a processor of a phone.
-const PEER = {compact: true, replayBudget: 2};
+// Less than half of the default's budget, for pages that step 200 bodies on one core and draw them there (docs/room.md).
+const PEER = {compact: true, replayBudget: 1.5};
 const MADE_EACH = 64;
 const TELL_MS = 1000;        // nobody makes this page say all again more often
 const HAND_BYTES = 24;       // anchor (world) and attachment (body), f32; the body's name follows
@@ -49,6 +50,7 @@ export class Session {
     this.hands = new Map();   // by member: {id, anchor, attachment, at}
     this.onMade = () => {};
     this.steps = 0;
+    this.late = 0;            // ms, by how much steps come after their time, smoothed
     this.members = new Members({...link, self: this.self, profile: {...profile, meets: true}}, {
       welcome: () => changed(),
       came: (member) => this.#came(member),
@@ -70,6 +72,8 @@ export class Session {
   /** ms, session time of the world. */
   get time() { return this.#step * STEP_MS; }
   get running() { return this.#ran > 0 && !this.away; }
+  /** It takes part, and has heard of others' bodies. */
+  get greeted() { return this.running && this.#peer.stats().updatesReceived > 0n; }
 
   /** Makes the steps that are due. @returns {number}  how many */
   advance() {
@@ -83,6 +87,10 @@ export class Session {
     if (this.#ran > 0 && real - this.#ran > ASLEEP_MS) this.#join();
     this.#ran = real;
     const due = this.clock.now() / STEP_MS;
+    if (this.#step > 0 && this.#step + 1 <= due) {
+      const late = Math.min((due - this.#step - 1) * STEP_MS, TOO_LATE_MS);
+      this.late += LATENESS_SHARE * (late - this.late);
+    }
     if (due - this.#step > TOO_LATE_MS / STEP_MS) {
       this.#step = Math.floor(due);
       this.world.forget();

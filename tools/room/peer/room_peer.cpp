@@ -49,6 +49,7 @@ void append_float(Bytes& out, double value) {
 consensus::PeerOptions peer_options() {
   consensus::PeerOptions options;
   options.sending.format = consensus::StateFormat::Compact;
+  options.replay.budget = 1.5;  // as pages have it
   return options;
 }
 
