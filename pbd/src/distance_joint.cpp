@@ -143,7 +143,8 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const double c = arm.length - def_.rest_length;
   residual_ = ForceLaw::violation(axis(), c);
   const bool awake = arm.a->is_awake() || arm.b->is_awake();
-  const bool left = awake && (arm.a->pushed || arm.b->pushed);
+  const bool shared = arm.a->shared || arm.b->shared;
+  const bool left = awake && !shared && (arm.a->pushed || arm.b->pushed);
   if (left && !n_.isZero(0.0)) displacement_residual_ = ForceLaw::displacement_residual(axis(), c);
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;

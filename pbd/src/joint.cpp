@@ -270,7 +270,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       state.load.fill(0.0);
     }
     if (!record.active()) continue;
-    const bool left = Impl::is_pushed(record, ctx.bodies);
+    const bool left = Impl::is_pushed(record, ctx.bodies) && !impl_->is_shared(record, ctx.bodies);
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       state.residual = std::max(state.residual, ForceLaw::violation(axis, c[i]));

@@ -184,13 +184,14 @@ struct ForceLaw {
   /// The residual as a substep begins. Contacts are solved after joints; what they open a joint by
   /// is no violation that the next substep may take back, with the velocity of a whole closing in
   /// a substep: joints and contacts would reflect where they should project, so that limbs that lie
-  /// on the ground tremble for ever, and those that fall on their end are thrown up.
-  /// @param left  by later rows, in the last substep of this step: between steps applications move
-  /// @param shared  agreement repairs it without velocity
+  /// on the ground tremble for ever, and those that fall on their end are thrown up. Nor does it
+  /// close without velocity, which tyres would not feel: a car would go round too large a circle.
+  /// Where agreement is about, which does that with what it has left itself, it is taken back.
+  /// @param left  by contacts, in the last substep of this step: between steps applications move
   static double begin_residual(const JointAxis& axis, double c, double residual, bool left,
                                bool shared, double h) {
-    if (left) residual = displacement_residual(axis, c);
-    return shared ? residual : residual * residual_decay(h);
+    if (shared) return residual;
+    return (left ? displacement_residual(axis, c) : residual) * residual_decay(h);
   }
 
   /// The piece of the graph on which the row by itself would end: that of c with

@@ -108,11 +108,27 @@ TEST_CASE("car: it brakes in v^2 / (2 mu g)", "[car]") {
         Approx(v * v / (2.0 * kFriction * kG)).epsilon(0.05));
 }
 
-TEST_CASE("car: its front turns in a circle of wheelbase / sin(steer)", "[car]") {
-  const double steer = GENERATE(0.1, -0.3, 0.5);
+/// Asks a body to be where it is: its island goes the way of what agrees, and nothing is to move.
+struct AsItIs final : pbd::TargetSource {
+  void collect(const pbd::World& world, double, const pbd::SolverOptions&,
+               std::vector<pbd::PoseTarget>& out) override {
+    const pbd::BodyState& state = world.state(body);
+    out.push_back({.body = body, .pose = state.pose, .twist = state.twist, .share = 0.01});
+  }
+  BodyId body;
+};
+
+// Where what contacts leave of joints closed without velocity, which tyres do not feel, circles
+// were 9 to 61 % too large.
+TEST_CASE("car: its front turns in a circle of wheelbase / sin(steer), shared or not", "[car]") {
+  const double steer = GENERATE(0.1, 0.15, -0.3, 0.5);
+  const bool shared = GENERATE(false, true);
   CarDef def;
   def.top_speed = 3.0;
   Road road(def);
+  AsItIs target;
+  target.body = road.car.chassis();
+  if (shared) road.scene.world().set_target_source(&target);
   road.run(1.0);
   road.car.drive({.throttle = 0.5, .steer = steer});
   road.run(6.0);
