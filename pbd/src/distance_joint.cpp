@@ -79,6 +79,7 @@ void DistanceJoint::forgive(const SubstepContext& ctx) {
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
+  h_ = ctx.h;
   c_start_ = arm.length - def_.rest_length;
   const bool left = ctx.substep > 0 && !n_.isZero(0.0) && (arm.a->pushed || arm.b->pushed);
   displacement_residual_ = ForceLaw::begin_residual(axis(), c_start_, displacement_residual_, left,
@@ -144,8 +145,9 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   residual_ = ForceLaw::violation(axis(), c);
   const bool awake = arm.a->is_awake() || arm.b->is_awake();
   const bool shared = arm.a->shared || arm.b->shared;
-  const bool left = awake && !shared && (arm.a->pushed || arm.b->pushed);
-  if (left && !n_.isZero(0.0)) displacement_residual_ = ForceLaw::displacement_residual(axis(), c);
+  if (awake && (arm.a->pushed || arm.b->pushed) && !n_.isZero(0.0)) {
+    displacement_residual_ = ForceLaw::residual_left(axis(), c, displacement_residual_, shared, h_);
+  }
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;
     broke_ = false;

@@ -270,11 +270,14 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       state.load.fill(0.0);
     }
     if (!record.active()) continue;
-    const bool left = Impl::is_pushed(record, ctx.bodies) && !impl_->is_shared(record, ctx.bodies);
+    const bool left = Impl::is_pushed(record, ctx.bodies);
+    const bool shared = impl_->is_shared(record, ctx.bodies);
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       state.residual = std::max(state.residual, ForceLaw::violation(axis, c[i]));
-      if (left) record.displacement_residual[i] = ForceLaw::displacement_residual(axis, c[i]);
+      if (!left || (shared && i >= 3)) return;
+      double& residual = record.displacement_residual[i];
+      residual = ForceLaw::residual_left(axis, c[i], residual, shared, record.h);
     });
     // What a spoiled step leaves behind must not spoil the next one.
     if (!std::isfinite(record.energy_excess)) record.energy_excess = 0.0;

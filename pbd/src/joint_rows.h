@@ -181,17 +181,24 @@ struct ForceLaw {
         axis, c, axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
   }
 
-  /// The residual as a substep begins. Contacts are solved after joints; what they open a joint by
-  /// is no violation that the next substep may take back, with the velocity of a whole closing in
-  /// a substep: joints and contacts would reflect where they should project, so that limbs that lie
-  /// on the ground tremble for ever, and those that fall on their end are thrown up. Nor does it
-  /// close without velocity, which tyres would not feel: a car would go round too large a circle.
-  /// Where agreement is about, which does that with what it has left itself, it is taken back.
+  /// The residual of a row that contacts, which are solved after joints, may have opened. What they
+  /// left is no violation that the next substep may take back, with the velocity of a whole closing
+  /// in a substep: joints and contacts would reflect where they should project, so that limbs that
+  /// lie on the ground tremble for ever, and those that fall on their end are thrown up. Where
+  /// agreement is about, which closes all residuals without velocity, only blows are left: tyres
+  /// would not feel it, and a car go round too large a circle.
+  static double residual_left(const JointAxis& axis, double c, double residual, bool shared,
+                              double h) {
+    constexpr double kBlow = 0.3;  // m/s
+    const double left = displacement_residual(axis, c);
+    return shared && std::abs(left - residual) <= kBlow * h ? residual : left;
+  }
+  /// The same as a substep begins.
   /// @param left  by contacts, in the last substep of this step: between steps applications move
   static double begin_residual(const JointAxis& axis, double c, double residual, bool left,
                                bool shared, double h) {
-    if (shared) return residual;
-    return (left ? displacement_residual(axis, c) : residual) * residual_decay(h);
+    if (left) residual = residual_left(axis, c, residual, shared, h);
+    return shared ? residual : residual * residual_decay(h);
   }
 
   /// The piece of the graph on which the row by itself would end: that of c with

@@ -158,7 +158,8 @@ void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord
         return;
       }
       double& residual = record.displacement_residual[i];
-      residual = ForceLaw::begin_residual(axis, c[i], residual, left, shared, ctx.h);
+      residual =
+          ForceLaw::begin_residual(axis, c[i], residual, left && (i < 3 || !shared), shared, ctx.h);
       rows.law[i] = ForceLaw::of(axis, c[i], residual, ctx.h);
     });
   }

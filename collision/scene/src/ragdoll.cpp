@@ -5,7 +5,6 @@
 #include "tandem/ragdoll.h"
 
 #include <cmath>
-#include <optional>
 
 #include "tandem/pbd/validate.h"
 
