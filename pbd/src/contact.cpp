@@ -185,6 +185,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.pushed.assign(ctx.bodies.size(), 0);
   m.extra_rows = 0;
   m.refined_rows = 0;
+  m.refined = {};
   m.refused_rows = 0;
   m.open_rows = 0;
   m.least_substeps = ctx.substeps;
@@ -243,7 +244,11 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (ctx.substep == 0) {
     m.make_rows(ctx);
-    m.refined_rows += m.row_count() * (ctx.substeps - m.least_substeps);
+    const int rows = m.row_count() * (ctx.substeps - m.least_substeps);
+    if (ctx.substeps != m.refined.substeps) m.refined.below = m.refined_rows;
+    m.refined.substeps = ctx.substeps;
+    m.refined.group = m.refined.below + static_cast<int>(rows / ctx.share_of_budget);
+    m.refined_rows += rows;
   }
   m.for_rows(ctx, [&](ContactRows& rows) { m.kernels->begin(rows, rule, numbers); });
   if (!m.any_restitution) return;
@@ -270,7 +275,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   });
   const ContactConvergence::Rule rule{
       .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
-      .rows = m.rows_to_sweep(m.refined_rows, ctx),
+      .rows = m.rows_to_sweep(m.refined.group, ctx),
       .first_substep = first_substep};
   const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
                                                *m.kernels, ctx.bodies, *ctx.workers);

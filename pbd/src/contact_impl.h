@@ -50,9 +50,15 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body
   int extra_rows = 0;             ///< rows swept again in this step
   int refined_rows = 0;           ///< rows of substeps beyond those of the solver in this step
-  int refused_rows = 0;           ///< the same, wanted for the next one and not given
-  int least_substeps = 1;         ///< the solver's
-  int open_rows = 0;              ///< rows that were left unsolved, in the worst substep
+  /// Of the budget, by refinement: rows of groups with fewer substeps, and of this one as if all of
+  /// its level were like it, so that it does not matter which of them comes first.
+  struct {
+    int below = 0, group = 0;
+    int substeps = 0;  ///< of the level
+  } refined;
+  int refused_rows = 0;    ///< the same, wanted for the next one and not given
+  int least_substeps = 1;  ///< the solver's
+  int open_rows = 0;       ///< rows that were left unsolved, in the worst substep
   double residual = 0.0;
   bool any_friction = false;
   bool any_restitution = false;
