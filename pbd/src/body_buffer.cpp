@@ -65,6 +65,19 @@ void BodyBuffer::load(const World& world, Workers& workers) {
   }
 }
 
+void BodyBuffer::mark_joined(const ConstraintEdges& edges) {
+  if (edges.projecting().empty()) return;
+  const auto for_bodies = [&](std::span<const ConstraintEdge> list, auto&& mark) {
+    for (const ConstraintEdge& edge : list) {
+      if (edge.body_a != BodyId::kNone) mark(bodies_[edge.body_a]);
+      if (edge.body_b != BodyId::kNone) mark(bodies_[edge.body_b]);
+    }
+  };
+  for_bodies(edges.projecting(), [](SolverBody& body) { body.projected = true; });
+  for_bodies(edges.all().subspan(edges.projecting().size()),
+             [](SolverBody& body) { body.pushed = body.inv_mass > 0.0; });
+}
+
 int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edges,
                         std::span<const Group> groups, Workers& workers) {
   bool all_turn = true;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "constraint_edges.h"
 #include "groups.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/report.h"
@@ -20,6 +21,8 @@ class BodyBuffer {
   /// looks for contacts has to see it.
   static void aim_kinematic(World& world, double dt);
   void load(const World& world, Workers& workers);
+  /// Which bodies have joints, and which ones rows that are solved later may move.
+  void mark_joined(const ConstraintEdges& edges);
   /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
   /// @param edges  of all rows but contacts
   /// @return how many those are

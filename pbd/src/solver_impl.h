@@ -52,8 +52,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void collect_targets();
   /// Not-a-number never enters a world, whoever made the target.
   bool usable(const PoseTarget& target) const;
-  /// Which bodies have joints, and which of them later rows may move.
-  void mark_joined_bodies();
   /// Islands, and from them the groups that are solved together.
   void arrange_groups();
   Groups::Rule group_rule() const;
@@ -68,8 +66,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
     int least = 1, most = 1;
   };
   Turns joint_turns() const;
-  /// Whether contacts have changed the speed of something on joints by much.
-  bool joints_are_hit();
   /// Sweep blocks before contacts, there and back, until no row asks for more.
   /// @param project  of a block: the largest move that a row asked for, m
   template <class Project>

@@ -13,6 +13,19 @@
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
+namespace {
+
+/// Whether contacts have changed the speed of something on joints by much.
+bool joints_are_hit(std::span<const std::uint32_t> group, std::span<const SolverBody> bodies) {
+  constexpr double kBlow = 0.3;  // m/s
+  return std::any_of(group.begin(), group.end(), [&](std::uint32_t i) {
+    const SolverBody& body = bodies[i];
+    return body.projected && (body.v - body.v_applied).squaredNorm() > kBlow * kBlow;
+  });
+}
+
+}  // namespace
+
 void Solver::Impl::begin_step(World& world, double dt) {
   world_ = &world;
   dt_ = dt;
@@ -81,7 +94,9 @@ void Solver::Impl::project() {
     for_blocks([&](ConstraintBlock& block) {
       if (is_last(block)) block.project(context_);
     });
-    if (i + 1 < turns.most && i + 1 >= turns.least && !joints_are_hit()) break;
+    if (i + 1 < turns.most && i + 1 >= turns.least &&
+        !joints_are_hit(group_->bodies, bodies_.all()))
+      break;
   }
   end_stage(Stage::Project);
 }
@@ -192,14 +207,6 @@ Solver::Impl::Turns Solver::Impl::joint_turns() const {
   return {std::max(asked, least), std::max(asked, most)};
 }
 
-bool Solver::Impl::joints_are_hit() {
-  constexpr double kBlow = 0.3;  // m/s
-  return std::any_of(group_->bodies.begin(), group_->bodies.end(), [&](std::uint32_t i) {
-    const SolverBody& body = bodies_[i];
-    return body.projected && (body.v - body.v_applied).squaredNorm() > kBlow * kBlow;
-  });
-}
-
 void Solver::Impl::restore_locked_bodies(const Group& group) {
   if (!group.locked) return;
   for (const std::uint32_t i : group.bodies) {
@@ -269,7 +276,7 @@ void Solver::Impl::collect_targets() {
 void Solver::Impl::arrange_groups() {
   edges_.list(*world_);
   islands_.build(edges_.all(), bodies_.all());
-  mark_joined_bodies();
+  bodies_.mark_joined(edges_);
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
   note_new_overlaps();
@@ -286,19 +293,6 @@ void Solver::Impl::arrange_groups() {
     has_rows_ = true;
     projects_ = projects_ || !is_last(block);
   });
-}
-
-void Solver::Impl::mark_joined_bodies() {
-  if (edges_.projecting().empty()) return;
-  const auto for_bodies = [&](std::span<const ConstraintEdge> edges, auto&& mark) {
-    for (const ConstraintEdge& edge : edges) {
-      if (edge.body_a != BodyId::kNone) mark(bodies_[edge.body_a]);
-      if (edge.body_b != BodyId::kNone) mark(bodies_[edge.body_b]);
-    }
-  };
-  for_bodies(edges_.projecting(), [](SolverBody& body) { body.projected = true; });
-  for_bodies(edges_.all().subspan(edges_.projecting().size()),
-             [](SolverBody& body) { body.pushed = body.inv_mass > 0.0; });
 }
 
 /// A collider or a filter may have changed between bodies that sleep.
