@@ -143,9 +143,8 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
   residual_ = ForceLaw::violation(axis(), c);
-  const bool awake = arm.a->is_awake() || arm.b->is_awake();
   const bool shared = arm.a->shared || arm.b->shared;
-  if (awake && (arm.a->pushed || arm.b->pushed) && !n_.isZero(0.0)) {
+  if ((arm.a->is_pushed() || arm.b->is_pushed()) && !n_.isZero(0.0)) {
     displacement_residual_ = ForceLaw::residual_left(axis(), c, displacement_residual_, shared, h_);
   }
   if (!def_.enabled) {

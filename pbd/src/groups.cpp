@@ -51,7 +51,7 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
                      std::span<const PoseTarget> targets, std::span<const BodyProps> props,
                      std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const bool pushed = sum_islands(rule, islands, activity, bodies);
-  find_joined(edges, bodies);
+  leave_out_joined(edges, bodies);
   if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
   if (rule.sleep_after > 0.0 && pushed) disturb(edges, bodies);
   if (rule.coupling != nullptr) rule.coupling->agree_awake(islands.of(), islands_);
@@ -62,6 +62,7 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
                          std::span<const BodyActivity> activity, std::span<SolverBody> bodies) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   islands_.assign(count, {});
+  joined_.assign(count, 0);
   movable_.resize(count);
   const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   bool pushed = false;
@@ -73,6 +74,7 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
       continue;
     }
     if (is_copy(copies, i)) continue;
+    if (bodies[i].projected && bodies[i].pushed) joined_[bodies[i].island] = 1;
     IslandPart& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
@@ -82,12 +84,9 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
   return pushed;
 }
 
-void Groups::find_joined(std::span<const ConstraintEdge> edges,
-                         std::span<const SolverBody> bodies) {
-  joined_.assign(bodies.size(), 0);
-  for (const SolverBody& body : bodies) {
-    if (body.projected && body.pushed) joined_[body.island] = 1;
-  }
+void Groups::leave_out_joined(std::span<const ConstraintEdge> edges,
+                              std::span<const SolverBody> bodies) {
+  if (std::find(joined_.begin(), joined_.end(), 1) == joined_.end()) return;
   for (const ConstraintEdge& edge : edges) {
     if (edge.repeats) continue;
     for (const std::uint32_t end : {edge.body_a, edge.body_b}) {

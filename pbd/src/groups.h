@@ -61,8 +61,8 @@ class Groups {
   /// What the bodies of each island say of it. @return whether something immovable moves
   bool sum_islands(const Rule& rule, const Islands& islands, std::span<const BodyActivity> activity,
                    std::span<SolverBody> bodies);
-  /// Islands in which joints and contacts may take turns.
-  void find_joined(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
+  /// Of the islands where joints and contacts meet those with a row that is not swept again.
+  void leave_out_joined(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
   /// Whose rows were changed, and who is told to be elsewhere.
   void wake_islands(std::span<const std::uint32_t> changed, std::span<const PoseTarget> targets,
                     std::span<const SolverBody> bodies);

@@ -81,9 +81,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
 
   /// Whether rows that are solved later have moved one of its ends in this step.
   static bool is_pushed(const JointRecord& record, std::span<const SolverBody> bodies) {
-    const auto pushed = [&](BodyId id) {
-      return id.valid() && bodies[id.index].pushed && bodies[id.index].is_awake();
-    };
+    const auto pushed = [&](BodyId id) { return id.valid() && bodies[id.index].is_pushed(); };
     return pushed(record.def.a) || pushed(record.def.b);
   }
 

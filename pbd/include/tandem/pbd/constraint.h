@@ -53,7 +53,7 @@ struct alignas(64) TANDEM_API SolverBody {
   bool turns = false;
   bool turns_freely = true;  ///< no axis of its rotation is locked
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
-  bool is_awake() const { return group != kNoGroup; }  ///< and movable
+  bool is_pushed() const { return pushed && group != kNoGroup; }  ///< in this step
 };
 
 /// Rows are projected block by block, in this order: the last writer wins, so non-penetration comes
