@@ -194,10 +194,12 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
 void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
   const auto places = order.places(ctx.group);
   const std::size_t blocks = places.size() / kLanes;
-  if (blocks > room_for_rows.size()) {
+  if (blocks > room_for_rows.capacity()) {
     room_for_rows = {};  // made anew for each group: nothing has to be copied, or be there twice
-    room_for_rows.resize(blocks + blocks / 4);
+    room_for_rows.reserve(blocks + blocks / 4);
   }
+  // What is in reserve takes no memory before it is written to.
+  if (blocks > room_for_rows.size()) room_for_rows.resize(blocks);
   rows = std::span(room_for_rows).first(blocks);
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   const auto prepare = [&](ContactRows& made, std::span<const std::uint32_t> block) {
@@ -250,7 +252,11 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     m.refined.group = m.refined.below + static_cast<int>(rows / ctx.share_of_budget);
     m.refined_rows += rows;
   }
-  m.for_rows(ctx, [&](ContactRows& rows) { m.kernels->begin(rows, rule, numbers); });
+  const AnchorNumbers anchors = anchors_of(m.contacts);
+  m.for_rows(ctx, [&](ContactRows& rows) {
+    m.prefetch_anchors(rows);
+    m.kernels->begin(rows, rule, numbers, anchors);
+  });
   if (!m.any_restitution) return;
   m.impacts.begin(m.rows, ctx.bodies, rule.bounce_speed);
 }

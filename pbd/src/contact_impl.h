@@ -114,6 +114,14 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
       prefetch_all(bodies[contacts[i].manifold.body_b]);
     }
   }
+  /// The points of the contacts of the block after the next one.
+  void prefetch_anchors(const ContactRows& block) const {
+    const std::size_t soon = static_cast<std::size_t>(&block - rows.data()) + kAhead;
+    if (soon >= rows.size()) return;
+    for (const std::uint32_t contact : rows[soon].contact) {
+      prefetch_all(contacts[contact].manifold.points);
+    }
+  }
   /// What a block that is solved will write into its contacts.
   void prefetch_results(const ContactRows& block) const {
     for (std::size_t lane = 0; lane < block.count; ++lane) {

@@ -45,12 +45,13 @@ constexpr ContactKernels kernels() {
       rows.faces ? prepare<B, true>(rows, at, bodies) : prepare<B, false>(rows, at, bodies);
     });
   };
-  out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies) {
+  out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies,
+                 AnchorNumbers anchors) {
     rows.penetrating = 0;
     rows.bounces = false;
     for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
-      const Begun begun = rows.faces ? begin<B, true>(rows, at, rule, bodies)
-                                     : begin<B, false>(rows, at, rule, bodies);
+      const Begun begun = rows.faces ? begin<B, true>(rows, at, rule, bodies, anchors)
+                                     : begin<B, false>(rows, at, rule, bodies, anchors);
       rows.penetrating = static_cast<LaneMask>(rows.penetrating | begun.penetrating);
       rows.bounces = rows.bounces || begun.bounces;
     });

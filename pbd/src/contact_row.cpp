@@ -69,6 +69,17 @@ BodyNumbers numbers_of(std::span<SolverBody> bodies) {
           .applied = kApplied / sizeof(double)};
 }
 
+AnchorNumbers anchors_of(std::span<const Contact> contacts) {
+  constexpr std::size_t kNumber = sizeof(double);
+  static_assert(sizeof(ManifoldPoint) == AnchorNumbers::kPoint * kNumber &&
+                offsetof(ManifoldPoint, anchor_a_l) == 0 &&
+                offsetof(ManifoldPoint, anchor_b_l) == 3 * kNumber &&
+                sizeof(Contact) % kNumber == 0);
+  if (contacts.empty()) return {};
+  return {.first = contacts[0].manifold.points[0].anchor_a_l.data(),
+          .stride = sizeof(Contact) / kNumber};
+}
+
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
   const Vec3 arm_a = anchor_of(a, m.points[i].anchor_a_l);
   const Vec3 arm_b = anchor_of(b, m.points[i].anchor_b_l);
@@ -134,8 +145,6 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   rows.fall[lane] = std::max(0.0, (a.gravity_scale - b.gravity_scale) * m.normal.dot(gravity));
   for (std::size_t i = 0; i < rows.most_points(); ++i) {
     rows.impulse[i][lane] = contact.force[i];
-    set_vector(rows.anchor_a[i], lane, m.points[i].anchor_a_l);
-    set_vector(rows.anchor_b[i], lane, m.points[i].anchor_b_l);
   }
   rows.slide[0][lane] = rows.slide[1][lane] = rows.twist[lane] = 0.0;
   rows.points[lane] = m.count;
@@ -158,12 +167,10 @@ void repeat_first_row(ContactRows& rows) {
   for (std::size_t lane = rows.count; lane < kLanes; ++lane) {
     rows.a[lane] = rows.a[0];
     rows.b[lane] = rows.b[0];
+    rows.contact[lane] = rows.contact[0];
   }
   repeat_first(rows.count, rows.friction, rows.points, rows.normal, rows.t1, rows.arm_a, rows.arm_b,
                rows.slide, rows.impulse, rows.carried, rows.radii, rows.restitution, rows.fall);
-  for (std::size_t i = 0; i < 4; ++i) {
-    repeat_first(rows.count, rows.anchor_a[i], rows.anchor_b[i]);
-  }
   if (rows.faces)
     repeat_first(rows.count, rows.s, rows.r, rows.reach, rows.self_stress, rows.twist);
 }

@@ -28,6 +28,9 @@ Vec3 friction_of(const ContactRows& rows, std::size_t lane);
 /// Of bodies, for the kernels.
 BodyNumbers numbers_of(std::span<SolverBody> bodies);
 
+/// Of contacts, likewise.
+AnchorNumbers anchors_of(std::span<const Contact> contacts);
+
 /// Gap of point i as the bodies stand, m.
 double gap_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b, int i);
 

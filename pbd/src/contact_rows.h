@@ -61,10 +61,8 @@ struct alignas(64) ContactRows {
   /// m/s: > 0, the velocity at which the gap closes within the substep; < 0, minus the velocity at
   /// which the overlap is pushed open.
   LaneArray<4> bias{};
-  LaneArray<4> bounce{};       ///< m/s, >= 0: normal velocity after an impact
-  LaneArray<3> anchor_a[4]{};  ///< m, frames of the bodies
-  LaneArray<3> anchor_b[4]{};
-  Lanes radii{};  ///< m, of both bodies, along the normal
+  LaneArray<4> bounce{};  ///< m/s, >= 0: normal velocity after an impact
+  Lanes radii{};          ///< m, of both bodies, along the normal
   Lanes restitution{};
   Lanes fall{};  ///< m/s^2, >= 0: how gravity adds to the approach of the two
 
@@ -153,6 +151,17 @@ struct BodyNumbers {
   }
 };
 
+/// The anchors of contacts, where these have them: of a point a's (3 numbers), b's (3) and one that
+/// is none; then the next point. Rows have no copy: they are read once a substep.
+struct AnchorNumbers {
+  static constexpr std::size_t kPoint = 7;
+  const double* first = nullptr;
+  std::size_t stride = 0;  ///< numbers, from contact to contact
+  const double* of(std::uint32_t contact, std::size_t point) const {
+    return first + contact * stride + point * kPoint;
+  }
+};
+
 /// What is done with four rows at once. All widths give the same bits: lanes know nothing of each
 /// other, and nothing is contracted.
 struct ContactKernels {
@@ -162,7 +171,8 @@ struct ContactKernels {
   /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is
   /// carried from substep to substep, which heaps need, but starts anew in each step: carried on,
   /// it never comes to rest.
-  void (*begin)(ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies);
+  void (*begin)(ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies,
+                AnchorNumbers anchors);
   /// Change v and w of both bodies as the rows' impulses do.
   void (*warm_start)(const ContactRows& rows, BodyNumbers bodies);
   /// Solve each row's normals, then its friction. Sets `change`.

@@ -52,7 +52,7 @@ struct Begun {
 
 template <class A, bool faces>
 [[gnu::flatten]] Begun begin(ContactRows& rows, std::size_t at, const SubstepRule& rule,
-                             BodyNumbers bodies) {
+                             BodyNumbers bodies, AnchorNumbers anchors) {
   using V = xsimd::batch<double, A>;
   constexpr std::size_t points = faces ? 4 : 1;
   const V zero(0.0), one(1.0), h(rule.h);
@@ -105,8 +105,14 @@ template <class A, bool faces>
   Mask<V> penetrating = zero != zero, bounces = zero != zero;
   for (std::size_t i = 0; i < points; ++i) {
     const Mask<V> there = count > V(static_cast<double>(i));
-    const V gap =
-        apart + dot(n_b, load<V>(rows.anchor_b[i], at)) - dot(n_a, load<V>(rows.anchor_a[i], at));
+    std::array<const double*, kLanes> from;
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      from[lane] = anchors.of(rows.contact[lane], i);
+    const auto first = Columns<A>::read(from, at);  // of a, and x of b
+    for (const double*& numbers : from) numbers += 4;
+    const auto second = Columns<A>::read(from, at);
+    const V3<V> anchor_a{first.c0, first.c1, first.c2}, anchor_b{first.c3, second.c0, second.c1};
+    const V gap = apart + dot(n_b, anchor_b) - dot(n_a, anchor_a);
     const V opened = most(V(kPushGain) * gap / h, V(-rule.push_speed));
     store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
     penetrating = penetrating | (there & (gap < V(-rule.push_slop)));
