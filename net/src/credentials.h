@@ -82,6 +82,21 @@ struct Credentials {
   std::int64_t now() const;
 };
 
+/// What TcpOptions and UdpOptions say of it alike.
+template <class Options>
+Credentials credentials_of(const Options& options, const Key& session_key) {
+  Credentials out{.session_key = crypto::Secret(session_key),
+                  .identity = crypto::make_key_pair(crypto::system_random()),
+                  .organiser = options.organiser,
+                  .certificate = options.certificate};
+  if (options.identity) {
+    out.identity.secret = crypto::Secret(*options.identity);
+    out.identity.public_key = crypto::public_key_of(out.identity.secret);
+  }
+  for (const TrustedPeer& each : options.trusted) out.trusted[each.peer] = each.public_key;
+  return out;
+}
+
 /// The number with which hashing id and key gives kWorkBits zero bits.
 std::uint64_t work_for(consensus::PeerId peer, const crypto::PublicKey& key);
 bool has_worked(consensus::PeerId peer, const crypto::PublicKey& key, std::uint64_t stamp);

@@ -27,6 +27,8 @@ static_assert(crypto_sign_BYTES == kSignatureBytes && crypto_sign_SEEDBYTES == k
 
 }  // namespace
 
+bool is_available() { return true; }
+
 void wipe(std::span<std::uint8_t> bytes) { sodium_memzero(bytes.data(), bytes.size()); }
 
 Secret::Secret(std::span<const std::uint8_t, kKeyBytes> bytes) {

@@ -10,7 +10,8 @@
 
 namespace tandem::net::crypto {
 
-// What of libsodium is used. crypto.cpp is the only file that includes it.
+// What of libsodium is used. crypto.cpp is the only file that includes it, and no_crypto.cpp stands
+// in for that where there is none.
 
 constexpr std::size_t kKeyBytes = 32;
 constexpr std::size_t kTagBytes = 16;
@@ -20,6 +21,8 @@ constexpr std::size_t kSignatureBytes = 64;
 using PublicKey = std::array<std::uint8_t, kKeyBytes>;  // X25519
 using Hash = std::array<std::uint8_t, kHashBytes>;      // BLAKE2b-512
 
+/// Whether this build has the library. Without, initialise() throws, and nothing works.
+bool is_available();
 /// Chooses the fastest code that the processor has. Call it before the rest, as often as you like.
 /// Throws std::runtime_error where the library cannot be initialised.
 void initialise();

@@ -42,7 +42,6 @@ void append_signature(std::string_view label, const Key& organiser, std::vector<
 /// What has been signed, without the signature.
 std::optional<std::span<const std::byte>> signed_body(std::string_view label, const Key& organiser,
                                                       std::span<const std::byte> bytes) {
-  crypto::initialise();
   if (bytes.size() < crypto::kSignatureBytes) return {};
   const auto body = bytes.first(bytes.size() - crypto::kSignatureBytes);
   const auto signature = octets(bytes.last(crypto::kSignatureBytes));
@@ -100,6 +99,7 @@ std::vector<std::byte> sign(const Certificate& certificate, const Key& organiser
 
 std::optional<Certificate> read_certificate(std::span<const std::byte> bytes,
                                             const Key& organiser_public) {
+  crypto::initialise();
   if (bytes.size() != kCertificateBytes) return {};
   const auto body = signed_body(kCertificate, organiser_public, bytes);
   if (!body) return {};
@@ -132,6 +132,7 @@ std::vector<std::byte> sign(const GroupChange& change, const Key& organiser) {
 
 std::optional<GroupChange> read_group_change(std::span<const std::byte> bytes,
                                              const Key& organiser_public) {
+  crypto::initialise();
   // Before the arithmetic.
   constexpr std::size_t kLongest = kChangeHead + kMaxRevoked * 32 + crypto::kSignatureBytes;
   if (bytes.size() > kLongest) return {};

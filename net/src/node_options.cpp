@@ -28,15 +28,7 @@ UdpNodeOptions node_options(const UdpOptions& options) {
   }
   own.scene_hash = options.scene_hash;
   own.idle_timeout_ms = static_cast<std::uint32_t>(options.idle_timeout.count());
-  own.session_key = crypto::Secret(options.session_key);
-  own.identity = crypto::make_key_pair(crypto::system_random());
-  if (options.identity) {
-    own.identity.secret = crypto::Secret(*options.identity);
-    own.identity.public_key = crypto::public_key_of(own.identity.secret);
-  }
-  for (const UdpTrusted& trusted : options.trusted) own.trusted[trusted.peer] = trusted.public_key;
-  own.organiser = options.organiser;
-  own.certificate = options.certificate;
+  static_cast<Credentials&>(own) = credentials_of(options, options.session_key);
 
   UdpConnectionOptions& link = out.connection;
   link.channels.state_queue_bytes = options.state_queue_bytes;

@@ -68,13 +68,13 @@ std::uint64_t PeerTable::incarnation(PeerId peer) const {
 
 // ---- network thread ----
 
-std::optional<std::string> PeerTable::refusal(const Hello& hello, const LinkMember& member,
+std::optional<std::string> PeerTable::refusal(const Hello& hello, const Member& member,
                                               SteadyTime now) const {
   const std::lock_guard lock(mutex_);
   return refusal_locked(hello, member, now);
 }
 
-std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const LinkMember& member,
+std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const Member& member,
                                                      SteadyTime now) const {
   const Record* record = find(hello.peer);
   if (record != nullptr && now < record->hold_until) {
@@ -102,7 +102,7 @@ std::uint64_t PeerTable::received(PeerId peer, std::uint64_t incarnation, const 
 }
 
 PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello,
-                                          const LinkMember& member, const Welcome& theirs,
+                                          const Member& member, const Welcome& theirs,
                                           std::uint64_t ticket, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   if (auto reason = refusal_locked(hello, member, now)) return {.reason = std::move(*reason)};

@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "credentials.h"
 #include "frame_queue.h"
 #include "member_budget.h"
 #include "outgoing_frames.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/tcp.h"
-#include "tcp_security.h"
 #include "wire.h"
 
 namespace tandem::net {
@@ -52,7 +52,7 @@ class PeerTable {
   // ---- network thread ----
 
   /// Why this peer may not come in now; none where it may.
-  std::optional<std::string> refusal(const Hello& hello, const LinkMember& member,
+  std::optional<std::string> refusal(const Hello& hello, const Member& member,
                                      SteadyTime now) const;
   /// Sequence number of the last Reliable frame had from that process of that peer.
   std::uint64_t received(PeerId peer, std::uint64_t incarnation, const Key& key) const;
@@ -62,7 +62,7 @@ class PeerTable {
     std::uint64_t replaced_link = 0;  // close it
     std::string reason;               // why not attached
   };
-  AttachResult attach(std::uint64_t link, const Hello& hello, const LinkMember& member,
+  AttachResult attach(std::uint64_t link, const Hello& hello, const Member& member,
                       const Welcome& theirs, std::uint64_t ticket, SteadyTime now);
   /// The link is gone. Its peer is disconnected if the link is still the attached one.
   void detach(std::uint64_t link, PeerId peer, const std::string& reason);
@@ -114,7 +114,7 @@ class PeerTable {
   Record* find_attached(std::uint64_t link, PeerId peer);
   Record* find_or_add(PeerId peer);
   bool make_room();
-  std::optional<std::string> refusal_locked(const Hello& hello, const LinkMember& member,
+  std::optional<std::string> refusal_locked(const Hello& hello, const Member& member,
                                             SteadyTime now) const;
   void disconnect(Record& record, const std::string& reason);
   void ban(Record& record, const std::string& reason, SteadyTime now);

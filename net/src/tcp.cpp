@@ -28,7 +28,7 @@ void TcpOptions::validate() const {
   // A key is not for error messages.
   const std::string given = "given";
   if (session_key) {
-    check(has_protection(), "session_key", given, "none in a build without libsodium");
+    check(crypto::is_available(), "session_key", given, "none in a build without libsodium");
     check(*session_key != Key{}, "session_key", std::string("zero"), "secret");
     check(!insecure, "insecure", std::string("true"), "false with a session_key");
   } else {
@@ -36,7 +36,7 @@ void TcpOptions::validate() const {
     check(trusted.empty(), "trusted", given, "empty without a session_key");
     check(!organiser, "organiser", given, "none without a session_key");
   }
-  if (session_key && has_protection()) require_credentials(*this, "TcpOptions");
+  if (session_key && crypto::is_available()) require_credentials(*this, "TcpOptions");
   for (const TrustedPeer& each : trusted) {
     check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
   }
@@ -83,7 +83,8 @@ class __attribute__((visibility("hidden"))) TcpTransport::Impl {
   explicit Impl(const TcpOptions& given)
       : options(complete(given)),
         table(options),
-        mesh(options, table, report, make_tcp_security(given)) {}
+        mesh(options, table, report,
+             given.session_key ? std::make_unique<TcpSecurity>(given) : nullptr) {}
 
   const TcpOptions options;
   PeerTable table;

@@ -138,9 +138,12 @@ std::optional<std::string> TcpHandshake::mismatch(const Hello& hello) const {
 
 void TcpHandshake::on_hello(TcpLink& link, const Hello& hello) {
   // Before anything is noted under an id that may be another's.
-  if (security_) link.member = security_->judge(hello.peer, link.keying.remote, link.keying.badge);
-  if (!link.member.refusal.empty()) {
-    const std::string reason = link.member.refusal + " (" + std::to_string(hello.peer) + ')';
+  std::string refusal;
+  if (security_) {
+    refusal = security_->judge(hello.peer, link.keying.remote, link.keying.badge, link.member);
+  }
+  if (!refusal.empty()) {
+    const std::string reason = refusal + " (" + std::to_string(hello.peer) + ')';
     if (link.dial == 0) report_.count(&StrangerStatus::refused, reason);
     return link.leave(reason, SteadyClock::now() + kLinger);
   }

@@ -67,7 +67,7 @@ void TcpLink::take_frames() {
     }
     const auto whole = input_.next_whole(1 + kSealBytes);
     if (!whole) break;
-    const auto body = cipher_->open(*whole);
+    const auto body = cipher_->opener.open(*whole);
     if (!body) return owner_.on_forged(*this, "frame not sealed by the other end");
     if (body->empty()) continue;
     owner_.on_frame(*this, {static_cast<FrameType>(body->front()), body->subspan(1)});
@@ -103,8 +103,8 @@ void TcpLink::kick() {
   }
   if (cipher_) {
     output_.sealed.clear();
-    if (!cipher_->seal(output_.written, nanoseconds(std::chrono::steady_clock::now()),
-                       output_.sealed)) {
+    if (!cipher_->sealer.seal(output_.written, nanoseconds(std::chrono::steady_clock::now()),
+                              output_.sealed)) {
       return close("connection lost: no sequence numbers left");
     }
     output_.written.swap(output_.sealed);

@@ -70,11 +70,11 @@ class TcpMesh final : private TcpLinkOwner {
   /// @param replaced  the link that gives way; 0: none
   void on_attached(TcpLink& link, std::uint64_t replaced);
   void introduce(TcpLink& newcomer);
-  TcpSecurity::Changed take_group_change(std::span<const std::byte> change);
+  Credentials::Changed take_group_change(std::span<const std::byte> change);
   void send_group_change(TcpLink& link);
   void expel();
   void on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame);
-  void on_payload(TcpLink& link, Delivery delivery, std::uint64_t sequence,
+  void on_payload(TcpLink& link, consensus::Delivery delivery, std::uint64_t sequence,
                   std::span<const std::byte> bytes);
 
   const TcpOptions options_;

@@ -99,7 +99,7 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
     }
     case FrameType::GroupChange:
       // Everybody checks it, so that nobody passes on what the organiser has not signed.
-      if (security_ && take_group_change(frame.payload) != TcpSecurity::Changed::Forged) return;
+      if (security_ && take_group_change(frame.payload) != Credentials::Changed::Forged) return;
       return on_malformed(link, "group change that the organiser has not signed");
     case FrameType::Addresses:
       if (const auto addresses = decode_addresses(frame.payload)) {
@@ -182,10 +182,10 @@ void TcpMesh::change_group(std::vector<std::byte> signed_change) {
   });
 }
 
-TcpSecurity::Changed TcpMesh::take_group_change(std::span<const std::byte> change) {
+Credentials::Changed TcpMesh::take_group_change(std::span<const std::byte> change) {
   const auto changed = security_->change_group(change);
-  if (changed != TcpSecurity::Changed::Yes) return changed;
-  group_ = security_->group();
+  if (changed != Credentials::Changed::Yes) return changed;
+  group_ = security_->credentials().group;
   expel();
   for (const auto& link : snapshot()) {
     if (link->phase == TcpLink::Phase::Attached) send_group_change(*link);
@@ -194,9 +194,9 @@ TcpSecurity::Changed TcpMesh::take_group_change(std::span<const std::byte> chang
 }
 
 void TcpMesh::send_group_change(TcpLink& link) {
-  if (!security_ || security_->group_change().empty()) return;
+  if (!security_ || security_->credentials().group_change.empty()) return;
   link.send(FrameType::GroupChange,
-            [&](pbd::ByteWriter& writer) { writer.bytes(security_->group_change()); });
+            [&](pbd::ByteWriter& writer) { writer.bytes(security_->credentials().group_change); });
 }
 
 void TcpMesh::expel() {

@@ -11,19 +11,23 @@
 #include <string>
 #include <vector>
 
+#include "address_limiter.h"
+#include "credentials.h"
+#include "noise.h"
+#include "stream_protection.h"
 #include "tandem/net/tcp.h"
 
 namespace tandem::net {
 
-// What TCP needs of the cryptography, which not every build has. Times are ns of a steady clock.
+// Keys of TCP connections, and whom they are given to. Times are ns of a steady clock.
 
-/// Both directions of one connection; see StreamSealer and StreamOpener.
-class LinkCipher {
- public:
-  virtual ~LinkCipher() = default;
-  [[nodiscard]] virtual bool seal(std::span<const std::byte> frames, std::int64_t now,
-                                  std::vector<std::byte>& out) = 0;
-  virtual std::optional<std::span<const std::byte>> open(std::span<const std::byte> frame) = 0;
+/// Both directions of one connection.
+struct LinkCipher {
+  LinkCipher(const crypto::Secret& send, const crypto::Secret& receive, std::int64_t now)
+      : sealer(send, now), opener(receive) {}
+
+  StreamSealer sealer;
+  StreamOpener opener;
 };
 
 /// The end of a key exchange: the other end has the session key, or is a recording of one that had.
@@ -37,47 +41,44 @@ struct LinkKeys {
 /// The dialler's half of a key exchange.
 class KeyExchange {
  public:
-  virtual ~KeyExchange() = default;
-  virtual std::span<const std::byte> message() const = 0;
+  KeyExchange(const crypto::Secret& session_key, const Credentials& own,
+              const crypto::Random& random);
+  std::span<const std::byte> message() const { return std::as_bytes(std::span(message_)); }
   /// None where the answer is not of one that has the session key.
-  virtual std::optional<LinkKeys> finish(std::span<const std::byte> answer, std::int64_t now) = 0;
-};
+  std::optional<LinkKeys> finish(std::span<const std::byte> answer, std::int64_t now) const;
 
-/// How somebody stands to this process, see Credentials.
-struct LinkMember {
-  Key key{};
-  Role role = Role::Share;
-  bool bound = true;
-  std::int64_t expires = INT64_MAX;
-  std::string refusal;  // why he may not come in; empty where he may
+ private:
+  NoiseInitiator noise_;
+  std::vector<std::uint8_t> message_;
 };
 
 /// Who this process is, and whom it lets in.
 class TcpSecurity {
  public:
-  virtual ~TcpSecurity() = default;
+  /// @pre the options have a session key
+  explicit TcpSecurity(const TcpOptions& options);
+
   /// Whether to listen to somebody at that address (IPv6, or IPv4 mapped into it) once more.
-  virtual bool allow(const std::array<std::uint8_t, 16>& ip, std::int64_t now) = 0;
+  bool allow(const std::array<std::uint8_t, 16>& ip, std::int64_t now);
   /// @param attempt  how often that address has been dialled: keys take turns
-  virtual std::unique_ptr<KeyExchange> ask(std::uint64_t attempt) = 0;
+  std::unique_ptr<KeyExchange> ask(std::uint64_t attempt) const;
   /// The listener's half. None where the question is not of one that has the session key.
-  virtual std::optional<LinkKeys> answer(std::span<const std::byte> question, std::int64_t now) = 0;
+  std::optional<LinkKeys> answer(std::span<const std::byte> question, std::int64_t now) const;
   /// Whether whoever has that key may be that peer, and as what.
-  virtual LinkMember judge(PeerId peer, const Key& remote,
-                           std::span<const std::byte> badge) const = 0;
+  /// @return why not; empty where it may
+  std::string judge(PeerId peer, const Key& remote, std::span<const std::byte> badge,
+                    Member& member) const;
   /// Why what was a member is none any more; empty where it is.
-  virtual std::string expelled(const LinkMember& member) const = 0;
+  std::string expelled(const Member& member) const;
+  Credentials::Changed change_group(std::span<const std::byte> signed_change);
+  /// With what the organiser has said since.
+  const Credentials& credentials() const { return own_; }
 
-  enum class Changed { Yes, Known, Forged };
-  virtual Changed change_group(std::span<const std::byte> signed_change) = 0;
-  /// The one that holds; empty: none.
-  virtual std::span<const std::byte> group_change() const = 0;
-  virtual std::uint64_t group() const = 0;
+ private:
+  crypto::Random random_;
+  const std::uint64_t session_;
+  Credentials own_;
+  AddressLimiter limiter_;
 };
-
-/// Whether this build can protect anything.
-bool has_protection();
-/// Null where there is no session key.
-std::unique_ptr<TcpSecurity> make_tcp_security(const TcpOptions& options);
 
 }  // namespace tandem::net
