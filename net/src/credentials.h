@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,7 +12,6 @@
 
 #include "crypto.h"
 #include "handshake_wire.h"
-#include "tandem/net/membership.h"
 
 namespace tandem::net {
 

@@ -2,9 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdint>
 
 namespace tandem::net {

@@ -9,7 +9,6 @@
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
-#include <stdexcept>
 #include <system_error>
 #include <thread>
 

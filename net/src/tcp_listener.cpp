@@ -3,7 +3,6 @@
 #include "tcp_listener.h"
 
 #include <algorithm>
-#include <array>
 #include <asio/ip/v6_only.hpp>
 #include <chrono>
 #include <utility>

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <system_error>
 
 #include "tcp_link.h"
 #include "tcp_report.h"

@@ -3,7 +3,6 @@
 #include "tcp_security.h"
 
 #include <string_view>
-#include <utility>
 
 #include "octets.h"
 #include "wire.h"

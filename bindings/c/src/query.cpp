@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/consensus/aggregate.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -3,7 +3,6 @@
 #include "agree/agreement.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "agree/votes.h"

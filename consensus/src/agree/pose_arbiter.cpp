@@ -3,7 +3,6 @@
 #include "agree/pose_arbiter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace tandem::consensus {

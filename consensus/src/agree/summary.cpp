@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/consensus/summary.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "common/ranges.h"

@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "input/hard_input.h"
 
-#include <cmath>
-
 #include "common/body_state.h"
 #include "peer_data.h"
 #include "tandem/pbd/math.h"

@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "members/shared_bodies.h"
 
-#include <algorithm>
-
 #include "common/ranges.h"
 #include "tandem/pbd/validate.h"
 

@@ -3,8 +3,6 @@
 #include "tandem/consensus/inbox.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
 
 #include "common/ranges.h"
 #include "common/session_time.h"

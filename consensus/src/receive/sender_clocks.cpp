@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "common/ranges.h"
-#include "common/session_time.h"
 
 namespace tandem::consensus {
 namespace {

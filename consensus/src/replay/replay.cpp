@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "common/body_state.h"
 #include "common/session_time.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/cpu_timer.h"
-#include "tandem/pbd/math.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/consensus/compact.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

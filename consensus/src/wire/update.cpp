@@ -3,7 +3,6 @@
 #include "tandem/consensus/update.h"
 
 #include <algorithm>
-#include <array>
 
 #include "tandem/pbd/bytes.h"
 #include "wire/compact_wire.h"
