@@ -47,6 +47,14 @@ Random system_random() {
   return [](std::span<std::uint8_t> out) { randombytes_buf(out.data(), out.size()); };
 }
 
+std::uint64_t random_number(const Random& random) {
+  std::array<std::uint8_t, 8> bytes{};
+  random(bytes);
+  std::uint64_t out = 0;
+  for (const std::uint8_t byte : bytes) out = out << 8 | byte;
+  return out;
+}
+
 KeyPair make_key_pair(const Random& random) {
   KeyPair out;
   random(out.secret.bytes());

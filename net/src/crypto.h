@@ -52,6 +52,7 @@ class Secret {
 using Random = std::function<void(std::span<std::uint8_t>)>;
 /// The system's. Initialises.
 Random system_random();
+std::uint64_t random_number(const Random& random);
 
 struct KeyPair {
   Secret secret;

@@ -5,13 +5,9 @@
 namespace tandem::net {
 
 std::uint64_t random_token(const crypto::Random& random) {
-  for (;;) {
-    std::array<std::uint8_t, 8> bytes{};
-    random(bytes);
-    std::uint64_t out = 0;
-    for (const std::uint8_t byte : bytes) out = out << 8 | byte;
-    if (out != kNoToken) return out;
-  }
+  std::uint64_t out = kNoToken;
+  while (out == kNoToken) out = crypto::random_number(random);
+  return out;
 }
 
 void DirectWay::want(bool wanted, UdpConnection& link, std::int64_t now) {

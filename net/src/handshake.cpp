@@ -55,14 +55,6 @@ Credentials::Answer judge(const HandshakeConfig& config, const Introduction& oth
   return out;
 }
 
-std::uint64_t random_number(const crypto::Random& random) {
-  std::array<std::uint8_t, 8> bytes{};
-  random(bytes);
-  std::uint64_t out = 0;
-  for (const std::uint8_t byte : bytes) out = out << 8 | byte;
-  return out;
-}
-
 crypto::Secret random_secret(const crypto::Random& random) {
   crypto::Secret out;
   random(out.bytes());
@@ -77,7 +69,7 @@ HandshakeInitiator::HandshakeInitiator(const HandshakeConfig& config, const cryp
     : config_(config),
       random_(random),
       key_(config.key(key)),
-      nonce_(random_number(random)),
+      nonce_(crypto::random_number(random)),
       local_receiver_(local_receiver),
       deadline_(now + kTimeout),
       due_(now),
@@ -273,7 +265,7 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
     ++counters_.refused;
     return {.reply = reply_, .session = {}};
   }
-  ++counters_.accepted;
+  ++accepted_;
   if (half_open_.size() >= kMaxHalfOpen) half_open_.pop_front();
   half_open_.push_back({.from = from,
                         .nonce = packet.nonce,

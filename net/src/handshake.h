@@ -16,6 +16,7 @@
 #include "crypto.h"
 #include "handshake_wire.h"
 #include "noise.h"
+#include "tandem/net/udp.h"
 
 namespace tandem::net {
 
@@ -111,16 +112,9 @@ class HandshakeResponder {
   };
   Result on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
 
-  struct Counters {
-    std::uint64_t malformed = 0;
-    std::uint64_t limited = 0;     // proofs over the rate of an address that has shown it is there
-    std::uint64_t challenged = 0;  // questions answered
-    std::uint64_t bad_cookie = 0;  // of another address, too old, invented
-    std::uint64_t bad_proof = 0;   // not a member
-    std::uint64_t refused = 0;     // a member, but see Verdict
-    std::uint64_t accepted = 0;
-  };
-  const Counters& counters() const { return counters_; }
+  /// All but `unknown`: no datagram of a connection comes here.
+  const UdpStrangers& counters() const { return counters_; }
+  std::uint64_t accepted() const { return accepted_; }
   std::size_t half_open() const { return half_open_.size(); }
 
  private:
@@ -151,7 +145,8 @@ class HandshakeResponder {
   AddressLimiter proofs_;
   std::deque<HalfOpen> half_open_;  // oldest first
   std::vector<std::byte> reply_;
-  Counters counters_;
+  UdpStrangers counters_;
+  std::uint64_t accepted_ = 0;
 };
 
 }  // namespace tandem::net

@@ -30,35 +30,41 @@ std::optional<ProtectedHeader> decode_protected_header(std::span<const std::byte
   return header;
 }
 
-PacketSealer::PacketSealer(const crypto::Secret& key, std::uint32_t receiver, std::int64_t now,
-                           const RekeyPolicy& policy, std::uint64_t first_sequence)
-    : key_(key), policy_(policy), receiver_(receiver), next_(first_sequence), epoch_start_(now) {
+SealingKey::SealingKey(const crypto::Secret& key, std::int64_t now, const RekeyPolicy& policy,
+                       std::uint64_t first_sequence)
+    : key_(key), policy_(policy), next_(first_sequence), epoch_start_(now) {
   crypto::initialise();
   require(policy.packets > 0, "RekeyPolicy", "packets", policy.packets, "> 0");
   require(policy.period > 0, "RekeyPolicy", "period", policy.period, "> 0 ns");
-  require(first_sequence > 0, "PacketSealer", "first_sequence", first_sequence, "> 0");
+  require(first_sequence > 0, "SealingKey", "first_sequence", first_sequence, "> 0");
+}
+
+void SealingKey::renew(std::int64_t now) {
+  key_ = crypto::next_key(key_);
+  ++epoch_;
+  sealed_ = 0;
+  epoch_start_ = now;
+}
+
+void SealingKey::seal(std::span<const std::byte> header, std::span<const std::byte> plain,
+                      std::span<std::byte> out) {
+  crypto::seal(key_, next_, octets(header), octets(plain), octets(out));
+  ++next_;  // to 0 after the last one
+  ++sealed_;
 }
 
 bool PacketSealer::seal(std::span<const std::byte> plain, std::int64_t now,
                         std::vector<std::byte>& datagram, bool relay) {
-  if (next_ == 0 || plain.size() > longest(relay) - kProtectedOverhead) return false;
-  if (packets_ >= policy_.packets || now - epoch_start_ >= policy_.period) {
-    key_ = crypto::next_key(key_);
-    ++epoch_;
-    packets_ = 0;
-    epoch_start_ = now;
-  }
+  if (next_sequence() == 0 || plain.size() > longest(relay) - kProtectedOverhead) return false;
+  if (key_.is_worn(now)) key_.renew(now);
   datagram.clear();
   pbd::ByteWriter writer(datagram);
-  writer.u8(static_cast<std::uint8_t>((relay ? kRelayType : kProtectedType) | (epoch_ & 0x0f)));
+  writer.u8(static_cast<std::uint8_t>((relay ? kRelayType : kProtectedType) | (epoch() & 0x0f)));
   writer.u32(receiver_);
-  writer.u64(next_);
+  writer.u64(next_sequence());
   datagram.resize(kProtectedOverhead + plain.size());
   const std::span<std::byte> all(datagram);
-  crypto::seal(key_, next_, octets(std::span<const std::byte>(all.first(kProtectedHeader))),
-               octets(plain), octets(all.subspan(kProtectedHeader)));
-  ++next_;  // to 0 after the last one
-  ++packets_;
+  key_.seal(all.first(kProtectedHeader), plain, all.subspan(kProtectedHeader));
   return true;
 }
 

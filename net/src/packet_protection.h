@@ -42,31 +42,53 @@ struct RekeyPolicy {
   std::int64_t period = 120'000'000'000;           // ns, > 0
 };
 
-/// Seals what one side sends. Sequence numbers start at 1 and no number is ever used twice: the
-/// last one is refused, and a copy of the object cannot be had.
-class PacketSealer {
+/// What one side seals with. Sequence numbers start at 1 and no number is ever used twice: there is
+/// none after the last one, and a copy of the object cannot be had.
+class SealingKey {
  public:
-  PacketSealer(const crypto::Secret& key, std::uint32_t receiver, std::int64_t now,
-               const RekeyPolicy& policy = {}, std::uint64_t first_sequence = 1);
-  PacketSealer(const PacketSealer&) = delete;
-  PacketSealer& operator=(const PacketSealer&) = delete;
+  SealingKey(const crypto::Secret& key, std::int64_t now, const RekeyPolicy& policy,
+             std::uint64_t first_sequence);
+  SealingKey(const SealingKey&) = delete;
+  SealingKey& operator=(const SealingKey&) = delete;
 
   /// The number that the next seal() uses; 0 where there is none left.
   std::uint64_t next_sequence() const { return next_; }
-  /// Replaces `datagram`. False where `plain` does not fit into kMaxDatagram or the numbers have
-  /// run out: this connection is over.
-  [[nodiscard]] bool seal(std::span<const std::byte> plain, std::int64_t now,
-                          std::vector<std::byte>& datagram, bool relay = false);
   std::uint64_t epoch() const { return epoch_; }
+  /// It is time for the key that follows.
+  bool is_worn(std::int64_t now) const {
+    return sealed_ >= policy_.packets || now - epoch_start_ >= policy_.period;
+  }
+  void renew(std::int64_t now);
+  /// @pre next_sequence() > 0
+  void seal(std::span<const std::byte> header, std::span<const std::byte> plain,
+            std::span<std::byte> out);
 
  private:
   crypto::Secret key_;
   RekeyPolicy policy_;
-  std::uint32_t receiver_;
   std::uint64_t next_;
   std::uint64_t epoch_ = 0;
-  std::uint64_t packets_ = 0;  // in this epoch
+  std::uint64_t sealed_ = 0;  // in this epoch
   std::int64_t epoch_start_;
+};
+
+/// Seals the packets that one side sends.
+class PacketSealer {
+ public:
+  PacketSealer(const crypto::Secret& key, std::uint32_t receiver, std::int64_t now,
+               const RekeyPolicy& policy = {}, std::uint64_t first_sequence = 1)
+      : key_(key, now, policy, first_sequence), receiver_(receiver) {}
+
+  std::uint64_t next_sequence() const { return key_.next_sequence(); }
+  /// Replaces `datagram`. False where `plain` does not fit into kMaxDatagram or the numbers have
+  /// run out: this connection is over.
+  [[nodiscard]] bool seal(std::span<const std::byte> plain, std::int64_t now,
+                          std::vector<std::byte>& datagram, bool relay = false);
+  std::uint64_t epoch() const { return key_.epoch(); }
+
+ private:
+  SealingKey key_;
+  std::uint32_t receiver_;
 };
 
 /// Opens what the other side sealed. Tries the key of the epoch before, of this one and of the

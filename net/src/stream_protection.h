@@ -17,29 +17,23 @@ namespace tandem::net {
 // loses and reorders nothing, so sequence numbers are not sent: each frame is opened under the
 // number that it must have. A frame of type Rekey is the last one under its key.
 
-/// Seals what one end of a stream sends. No number is used twice, and a copy cannot be had.
+/// Seals what one end of a stream sends.
 class StreamSealer {
  public:
   StreamSealer(const crypto::Secret& key, std::int64_t now, const RekeyPolicy& policy = {},
-               std::uint64_t first_sequence = 1);
-  StreamSealer(const StreamSealer&) = delete;
-  StreamSealer& operator=(const StreamSealer&) = delete;
+               std::uint64_t first_sequence = 1)
+      : key_(key, now, policy, first_sequence) {}
 
   /// Appends `frames`, whole ones as append_frame() makes them, and those that change the key.
   /// False where the numbers have run out: this connection is over.
   [[nodiscard]] bool seal(std::span<const std::byte> frames, std::int64_t now,
                           std::vector<std::byte>& out);
-  std::uint64_t epoch() const { return epoch_; }
+  std::uint64_t epoch() const { return key_.epoch(); }
 
  private:
   bool seal_one(std::span<const std::byte> body, std::vector<std::byte>& out);
 
-  crypto::Secret key_;
-  RekeyPolicy policy_;
-  std::uint64_t next_;
-  std::uint64_t epoch_ = 0;
-  std::uint64_t frames_ = 0;  // in this epoch
-  std::int64_t epoch_start_;
+  SealingKey key_;
 };
 
 /// Opens what the other end has sealed.

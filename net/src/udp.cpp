@@ -41,16 +41,9 @@ void UdpOptions::validate() const {
   require_times(*this, "UdpOptions");
 }
 
-class __attribute__((visibility("hidden"))) UdpTransport::Impl {
+class __attribute__((visibility("hidden"))) UdpTransport::Impl final : public UdpSocket {
  public:
-  explicit Impl(const UdpOptions& options)
-      : self(options.self),
-        max_message_bytes(options.max_message_bytes),
-        socket(options, node_options(options)) {}
-
-  const consensus::PeerId self;
-  const std::size_t max_message_bytes;
-  UdpSocket socket;
+  explicit Impl(const UdpOptions& options) : UdpSocket(options, node_options(options)) {}
 };
 
 UdpTransport::UdpTransport(const UdpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -58,86 +51,72 @@ UdpTransport::~UdpTransport() = default;
 
 void UdpTransport::connect(std::shared_ptr<DatagramPath> path) {
   require(path != nullptr, "UdpTransport::connect", "path", 0, "a path");
-  impl_->socket.connect(std::move(path));
+  impl_->connect(std::move(path));
 }
 
-consensus::PeerId UdpTransport::self() const { return impl_->self; }
+consensus::PeerId UdpTransport::self() const { return impl_->options().self; }
 
 bool UdpTransport::post(consensus::PeerId to, std::span<const std::byte> bytes,
                         consensus::Delivery delivery) {
-  return impl_->socket.with(
+  return impl_->with(
       true, [&](UdpNode& node, std::int64_t now) { return node.post(to, bytes, delivery, now); });
 }
 
 std::size_t UdpTransport::max_packet_bytes(consensus::Delivery delivery) const {
-  if (delivery == consensus::Delivery::Reliable) return impl_->max_message_bytes;
-  return impl_->socket.with(
-      false, [](const UdpNode& node, std::int64_t) { return node.max_state_bytes(); });
+  if (delivery == consensus::Delivery::Reliable) return impl_->options().max_message_bytes;
+  return impl_->with(false,
+                     [](const UdpNode& node, std::int64_t) { return node.max_state_bytes(); });
 }
 
 void UdpTransport::drain(std::vector<consensus::Packet>& out) {
-  impl_->socket.with(false, [&](UdpNode& node, std::int64_t) { node.drain(out); });
+  impl_->with(false, [&](UdpNode& node, std::int64_t) { node.drain(out); });
 }
 
 void UdpTransport::drop(consensus::PeerId peer, const std::string& reason) {
-  impl_->socket.with(true, [&](UdpNode& node, std::int64_t now) { node.drop(peer, reason, now); });
+  impl_->with(true, [&](UdpNode& node, std::int64_t now) { node.drop(peer, reason, now); });
 }
 
 std::vector<consensus::PeerStatus> UdpTransport::peers() const {
-  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) { return node.peers(); });
+  return impl_->with(false, [](UdpNode& node, std::int64_t) { return node.peers(); });
 }
 
 void UdpTransport::list_peers(std::vector<consensus::PeerStatus>& out) const {
-  impl_->socket.with(false, [&out](UdpNode& node, std::int64_t) { node.table().list(out); });
+  impl_->with(false, [&out](UdpNode& node, std::int64_t) { node.table().list(out); });
 }
 
 bool UdpTransport::change_group(std::span<const std::byte> signed_change) {
-  return impl_->socket.with(true, [&](UdpNode& node, std::int64_t now) {
+  return impl_->with(true, [&](UdpNode& node, std::int64_t now) {
     return node.change_group(signed_change, now) == Credentials::Changed::Yes;
   });
 }
 
 std::uint64_t UdpTransport::group() const {
-  return impl_->socket.with(false,
-                            [](UdpNode& node, std::int64_t) { return node.credentials().group; });
+  return impl_->with(false, [](UdpNode& node, std::int64_t) { return node.credentials().group; });
 }
 
 SessionTime UdpTransport::session_now() const {
-  return impl_->socket.with(false,
-                            [](UdpNode& node, std::int64_t now) { return node.session_now(now); });
+  return impl_->with(false, [](UdpNode& node, std::int64_t now) { return node.session_now(now); });
 }
 
 ClockStatus UdpTransport::clock() const {
-  return impl_->socket.with(false, [](UdpNode& node, std::int64_t now) { return node.clock(now); });
+  return impl_->with(false, [](UdpNode& node, std::int64_t now) { return node.clock(now); });
 }
 
-std::uint16_t UdpTransport::local_port() const { return impl_->socket.local_port(); }
+std::uint16_t UdpTransport::local_port() const { return impl_->local_port(); }
 
 UdpRelayed UdpTransport::relayed() const {
-  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
-    const auto& counters = node.relay().counters();
-    return UdpRelayed{.forwarded = counters.forwarded, .refused = counters.refused};
-  });
+  return impl_->with(false, [](UdpNode& node, std::int64_t) { return node.relay().counters(); });
 }
 
 consensus::PeerId UdpTransport::relay_of(consensus::PeerId peer) const {
-  return impl_->socket.with(
-      false, [peer](UdpNode& node, std::int64_t) { return node.relay().relay_of(peer); });
+  return impl_->with(false,
+                     [peer](UdpNode& node, std::int64_t) { return node.relay().relay_of(peer); });
 }
 
-std::vector<UdpLookup> UdpTransport::lookups() const { return impl_->socket.lookups(); }
+std::vector<UdpLookup> UdpTransport::lookups() const { return impl_->lookups(); }
 
 UdpStrangers UdpTransport::strangers() const {
-  return impl_->socket.with(false, [](UdpNode& node, std::int64_t) {
-    const auto& counters = node.strangers();
-    return UdpStrangers{.malformed = counters.malformed,
-                        .limited = counters.limited,
-                        .challenged = counters.challenged,
-                        .bad_cookie = counters.bad_cookie,
-                        .bad_proof = counters.bad_proof,
-                        .refused = counters.refused,
-                        .unknown = node.unknown()};
-  });
+  return impl_->with(false, [](UdpNode& node, std::int64_t) { return node.strangers(); });
 }
 
 }  // namespace tandem::net

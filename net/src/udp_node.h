@@ -88,9 +88,13 @@ class UdpNode {
   void set_correction(std::int64_t correction, std::int64_t now) {
     clock_.set_correction(correction, now);
   }
-  const HandshakeResponder::Counters& strangers() const { return responder_.counters(); }
-  /// Datagrams with a receiver number that nobody has, or from another address than its peer's that
-  /// it has not sealed.
+  /// `unknown`: datagrams with a receiver number that nobody has, or from another address than its
+  /// peer's that it has not sealed.
+  UdpStrangers strangers() const {
+    UdpStrangers out = responder_.counters();
+    out.unknown = unknown_;
+    return out;
+  }
   std::uint64_t unknown() const { return unknown_; }
   /// How often a peer was followed to another address.
   std::uint64_t moves() const { return moves_; }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "acquaintances.h"
+#include "tandem/net/udp.h"
 #include "udp_peers.h"
 
 namespace tandem::net {
@@ -34,11 +35,7 @@ class UdpRelay {
   /// Who is connected to whom.
   Acquaintances& acquaintances() { return acquaintances_; }
 
-  struct Counters {
-    std::uint64_t forwarded = 0;  // datagrams for others
-    std::uint64_t refused = 0;    // no way there, over the rate, or not wanted
-  };
-  const Counters& counters() const { return counters_; }
+  const UdpRelayed& counters() const { return counters_; }
 
  private:
   PeerId relay_to(PeerId peer) const {
@@ -49,7 +46,7 @@ class UdpRelay {
   UdpPeers& peers_;
   SendDatagram send_;
   Acquaintances acquaintances_;
-  Counters counters_;
+  UdpRelayed counters_;
 };
 
 }  // namespace tandem::net

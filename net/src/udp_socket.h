@@ -31,6 +31,7 @@ class UdpSocket {
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
 
+  const UdpOptions& options() const { return options_; }
   std::uint16_t local_port() const { return socket_.port(); }
   /// Dial over this path from now on.
   void connect(std::shared_ptr<DatagramPath> path);

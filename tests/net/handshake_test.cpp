@@ -217,8 +217,8 @@ TEST_CASE("handshake: a recorded proof proves nothing from another port, later o
     CHECK(answered == 0);
     CHECK(sent > 0);
   }
-  CHECK(two.responder.counters().accepted == 1);
-  CHECK(other.responder.counters().accepted == 0);
+  CHECK(two.responder.accepted() == 1);
+  CHECK(other.responder.accepted() == 0);
   CHECK(two.responder.half_open() <= 1);
 }
 
@@ -246,7 +246,7 @@ TEST_CASE("handshake: a cookie is good for its address, its question and its tim
   }
   Listener restarted(config(2, 2), 51);  // another cookie key
   CHECK(restarted.responder.on_datagram(proof, address(1), 0).reply.empty());
-  CHECK(two.responder.counters().accepted == 0);
+  CHECK(two.responder.accepted() == 0);
   CHECK(two.responder.half_open() == 0);
   CHECK_FALSE(refused(proof, address(1), kSecond));
 }
