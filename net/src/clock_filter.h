@@ -17,15 +17,10 @@ struct ClockSample {
   std::int64_t received = 0;
 };
 
-/// How far another clock is ahead of the own one, from the exchanges with its owner. Of each tenth
-/// of a second the fastest way there and the fastest way back are kept, each by itself: where delay
-/// varies, both ways are rarely fast at once, and the best round trip knows less than the two best
-/// ways. Through the best of the last 64 of either go two lines of the slope that the caller knows
-/// (the drift); the offset lies between, taken to be in the middle.
-///
-/// Half of the difference between there and back stays in the offset and cannot be seen from
-/// inside. What is certain is an interval: nothing arrives before it was sent. It is kept over all
-/// exchanges, wider by kMaxDrift of what passes.
+/// How far another clock is ahead of the own one, from the exchanges with its owner. Of each period
+/// the fastest way there and the fastest way back are kept, each by itself; the offset lies between
+/// two lines through the best of either. What is certain is an interval, kept over all exchanges
+/// and wider by kMaxDrift of what passes. docs/network.md ("Session time").
 class ClockFilter {
  public:
   static constexpr double kMaxDrift = 250e-6;  // between two crystals, each good to 100 ppm

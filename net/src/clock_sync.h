@@ -20,16 +20,9 @@ struct ClockClaim {
 };
 
 /// The time of the session at one peer: the own clock, which nobody touches, plus a correction that
-/// follows one peer's session time, the reference. Times in ns; "own" is the steady clock.
-///
-/// - The reference is the connected peer of the lowest id, of those of the highest rank, and of
-///   those with whom most of the others agree: one peer of three or more that tells another time
-///   than the rest is not followed. It is left alone by this, and the rate at which the others
-///   follow is what a hand-over keeps.
-/// - A newcomer (Rank::Fresh, or Alone: nobody was there) takes over the time that it finds.
-///   Whoever has followed or been followed for kSettling (Rank::Settled) never jumps again: the
-///   correction changes by at most kMaxSlew, and the clock's own drift.
-/// @par Thread safety  One thread at a time.
+/// follows one peer's session time, the reference: the connected peer of the lowest id, of those of
+/// the highest rank, and of those with whom most of the others agree. docs/network.md ("Session
+/// time") says who takes over whose. Times in ns; "own" is the steady clock.
 class ClockSync {
  public:
   enum Rank : std::uint8_t { Fresh = 0, Alone = 1, Settled = 2 };

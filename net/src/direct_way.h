@@ -23,13 +23,9 @@ std::uint64_t random_token(const crypto::Random& random);
 
 /// A way from socket to socket, beside the path by which a connection was made (a server's). Both
 /// carry datagrams of the one connection, under the same keys and numbers: what comes by both is
-/// opened once. Times in ns.
-///
-/// - The other end says where it is, and is asked there, under the keys of the connection. After
-///   kProofs answers what is said goes this way alone.
-/// - What goes this way is acknowledged as all else. Where that stays out for patience() all goes
-///   by both, and it is asked again: an answer ends that, kDoubt without one ends the way.
-/// - After each failure it is left alone for longer, up to kMaxRest.
+/// opened once. The other end is asked where it says that it is; after kProofs answers all goes
+/// this way alone. Where acknowledgements stay out for patience() all goes by both until an answer
+/// comes, or for kDoubt. After each failure it is left alone for longer. Times in ns.
 class DirectWay {
  public:
   static constexpr std::size_t kMaxOffered = 4;           ///< addresses; the oldest goes

@@ -10,9 +10,9 @@
 
 namespace tandem::net {
 
-/// How long datagrams may be on one way: RFC 8899 (DPLPMTUD). Probes are padded packets under the
-/// connection's keys that are acknowledged like others; one is on its way at a time, and those that
-/// look for more take a tenth of the rate. Sizes are bytes of UDP payload, times ns.
+/// How long datagrams may be on one way: RFC 8899 (DPLPMTUD), docs/network.md. Probes are padded
+/// packets that are acknowledged like others, one at a time. Sizes are bytes of UDP payload, times
+/// ns.
 class MtuSearch {
  public:
   static constexpr std::size_t kMin = 548;    ///< goes everywhere: an IPv4 MTU of 576

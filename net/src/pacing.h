@@ -62,21 +62,10 @@ struct CongestionOptions {
 };
 
 /// Chooses the rate of a link between its limits, once a period, from loss and delay:
-///
-/// - The least of the last round trips is longer than the least of the last 10 s by more than
-///   50 ms: a queue has built up. x0.85, and not above 0.9 of what has arrived.
-/// - More than 10 % lost, twice and not by chance: 0.6 of what was sent, then x (1 - loss / 2).
-/// - Less than 2 % lost, and the rate was what held back: x1.08.
-///
-/// Loss that is not ours (radio, a bad line): where 0.6 of what was sent before is sent and what
-/// arrives has fallen with it, sending less did not help. The rate goes back to where it was, and
-/// that much loss is overlooked for two minutes. Where the loss was ours as much arrives as
-/// before. What was sent before is the most of the first two periods: in one of them the
-/// application may just have begun, and of what is allowed and not asked for nothing is to be
-/// learned. A probe is judged after 0.6 s at the latest: where little was sent before, twenty
-/// packets take 2 s, in which all that is asked for has to wait. A period in which by chance less
-/// is lost ends no series. The rules on loss are those of Google's congestion control
-/// (draft-ietf-rmcat-gcc-02, Sec. 6); the one on delay is simpler, the last one is our own.
+/// docs/network.md
+/// ("Rate") has the rules. Those on loss are of Google's congestion control
+/// (draft-ietf-rmcat-gcc-02, Sec. 6); the one on delay is simpler, the one on loss that is not ours
+/// is our own.
 class Congestion {
  public:
   Congestion(const CongestionOptions& options, std::int64_t now)

@@ -11,12 +11,8 @@
 namespace tandem::net {
 
 /// Whether a peer receives at the address from which a packet of its has come, and nowhere else: it
-/// is asked there, under the keys of its connection, and answers (RFC 9000, Sec. 8.2 and 9). Times
-/// in ns.
-///
-/// Anybody can send a copy of a packet from any address. So no more goes there than three times
-/// what came from there, and whoever hears all and forwards questions and answers faster than the
-/// network gains nothing: where the original comes after its copy, the peer is where it was.
+/// is asked there, under the keys of its connection, and answers. docs/network.md ("Moving") says
+/// what whoever copies packets gains. Times in ns.
 class PathValidation {
  public:
   static constexpr std::int64_t kLife = 3'000'000'000;  ///< without an answer, then it has failed
@@ -73,8 +69,7 @@ class PathValidation {
 };
 
 /// A third peer says that a peer is elsewhere. While nothing comes from where it was, it is asked
-/// there: where both ends have moved at the same time, neither hears the other before one knows.
-/// What it answers comes from a new address, and is asked about as any packet that does.
+/// there; what it answers comes from a new address, and is asked about as any packet that does.
 class PathRumour {
  public:
   static constexpr std::int64_t kQuiet =

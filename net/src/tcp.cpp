@@ -94,21 +94,6 @@ class __attribute__((visibility("hidden"))) TcpTransport::Impl {
 
 TcpTransport::TcpTransport(const TcpOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 
-TcpTransport::TcpTransport(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-
-std::unique_ptr<TcpTransport> TcpTransport::open(const TcpOptions& options,
-                                                 std::error_code& error) {
-  error.clear();
-  try {
-    return std::unique_ptr<TcpTransport>(new TcpTransport(std::make_unique<Impl>(options)));
-  } catch (const std::system_error& failure) {
-    error = failure.code();
-  } catch (const std::invalid_argument&) {
-    error = std::make_error_code(std::errc::invalid_argument);
-  }
-  return nullptr;
-}
-
 TcpTransport::~TcpTransport() = default;
 
 PeerId TcpTransport::self() const { return impl_->options.self; }

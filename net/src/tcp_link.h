@@ -95,7 +95,7 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   };
   Keying keying;
   Member member{.bound = true};  // once its Hello was good
-  Hello hello;        // the other's; peer 0 until it has come
+  Hello hello;                   // the other's; peer 0 until it has come
   std::uint64_t ticket = 0;
   std::string failure;  // why it is leaving, for whoever dialled it
   asio::ip::address remote;

@@ -17,21 +17,12 @@ namespace tandem::net {
 
 using consensus::PeerId;
 
-// The stream, little-endian:  u32 length | u8 type | payload,  length = 1 + payload bytes.
-//
-//   dialler                        listener
-//   Hello            ------>
-//                    <------       Hello            then Goodbye(reason) where it refuses
-//   each side checks the other's Hello; the peer with the lower id then sends Welcome, the other
-//   one answers with Welcome, and both are connected. Addresses of third peers follow.
-//
-// With a session key there is a key exchange before that, and all that follows is sealed:
-//   u32 length | sealed type and payload | 16 bytes of tag,  length = 1 + payload + 16 bytes,
-//
-//   KeyRequest       ------>
-//                    <------       KeyReply
-//
-// magic, version and peer id keep their place in every version, so that a refusal can be explained.
+// The stream, little-endian:  u32 length | u8 type | payload,  length = 1 + payload bytes; with a
+// session key type and payload are sealed after KeyRequest and KeyReply, docs/network.md ("TCP").
+// Dialler and listener say Hello and check the other's; the peer with the lower id then sends
+// Welcome, the other one answers with Welcome, and both are connected. Addresses of third peers
+// follow. Magic, version and peer id keep their place in every version, so that a refusal can be
+// explained.
 
 constexpr std::uint32_t kMagic = 0x4d444e54;  // "TNDM"
 constexpr std::uint16_t kProtocolVersion = 1;

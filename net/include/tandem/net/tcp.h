@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "tandem/consensus/transport.h"
@@ -121,9 +120,6 @@ class TANDEM_API TcpTransport final : public consensus::Transport {
   /// Throws std::invalid_argument (TcpOptions::validate) or std::system_error saying what cannot be
   /// listened on and why.
   explicit TcpTransport(const TcpOptions& options);
-  /// The same without throwing: null and `error` set where it cannot listen
-  /// (std::errc::invalid_argument where the options are not valid).
-  static std::unique_ptr<TcpTransport> open(const TcpOptions& options, std::error_code& error);
   ~TcpTransport() override;
   TcpTransport(const TcpTransport&) = delete;
   TcpTransport& operator=(const TcpTransport&) = delete;
@@ -152,7 +148,6 @@ class TANDEM_API TcpTransport final : public consensus::Transport {
 
  private:
   class Impl;
-  explicit TcpTransport(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
