@@ -121,7 +121,7 @@ Hash hash(std::span<const std::uint8_t> first, std::span<const std::uint8_t> sec
 Hash hmac(std::span<const std::uint8_t> key, std::span<const std::uint8_t> first,
           std::span<const std::uint8_t> second) {
   std::array<std::uint8_t, kHmacBlock> pad{};
-  if (key.size() > pad.size()) throw std::length_error("hmac: key longer than a block");
+  if (key.size() > pad.size()) throw std::length_error("hmac: key must have at most 128 bytes");
   std::copy(key.begin(), key.end(), pad.begin());
   for (std::uint8_t& byte : pad) byte ^= 0x36;
   Hash inner;
@@ -159,7 +159,8 @@ Secret next_key(const Secret& key) {
 
 void seal(const Secret& key, std::uint64_t counter, std::span<const std::uint8_t> header,
           std::span<const std::uint8_t> plain, std::span<std::uint8_t> out) {
-  if (out.size() != plain.size() + kTagBytes) throw std::length_error("seal: size of the output");
+  if (out.size() != plain.size() + kTagBytes)
+    throw std::length_error("seal: output must have the size of the input and 16 bytes");
   const auto number = nonce(counter);
   crypto_aead_chacha20poly1305_ietf_encrypt(out.data(), nullptr, plain.data(), plain.size(),
                                             header.data(), header.size(), nullptr, number.data(),

@@ -59,7 +59,8 @@ void mix_ephemeral(NoiseState& state, const PublicKey& key) {
 
 NoiseState::NoiseState(std::string_view protocol, std::span<const std::uint8_t> prologue) {
   crypto::initialise();
-  if (protocol.size() > hash_.size()) throw std::length_error("NoiseState: protocol name");
+  if (protocol.size() > hash_.size())
+    throw std::length_error("NoiseState: protocol must have at most 64 bytes");
   std::copy(protocol.begin(), protocol.end(), hash_.begin());
   chain_ = hash_;
   mix_hash(prologue);

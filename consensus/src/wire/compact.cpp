@@ -243,7 +243,7 @@ CodecResult read_record(BitReader& in, Before& before, CompactState& out) {
     const Int3 components = get3(in, kComponentBits);
     for (const std::int32_t component : components) {
       if (component < -kMaxComponent) {
-        return fault(PacketFault::BadCode, "orientation: component that is not sent");
+        return fault(PacketFault::BadCode, "orientation: components must be at least -16383");
       }
     }
     if (!orientation_of(largest, components, update.pose.orientation)) {
@@ -257,7 +257,7 @@ CodecResult read_record(BitReader& in, Before& before, CompactState& out) {
     update.twist.angular =
         fast ? get_floats(in) : scaled(get3(in, kAngularBits), kAngularSpeedQuantum);
   }
-  if (in.failed()) return fault(PacketFault::BadLength, "message: ends before its last record");
+  if (in.failed()) return fault(PacketFault::BadLength, "message: must hold all its records");
   return check_state(update);
 }
 
@@ -318,7 +318,7 @@ CodecResult decode_compact(ByteReader& in, std::size_t count, std::vector<Compac
   before.influence = in.u16();
   const std::size_t length = in.u16();
   BitReader bits(in.bytes(length));
-  if (in.failed()) return fault(PacketFault::BadLength, "message: ends before its last record");
+  if (in.failed()) return fault(PacketFault::BadLength, "message: must hold all its records");
   if (CodecResult result = check(Alive{stamp}); !result.ok()) return result;
   for (std::size_t i = 0; i < count; ++i) {
     CompactState& state = out.emplace_back();
@@ -328,7 +328,7 @@ CodecResult decode_compact(ByteReader& in, std::size_t count, std::vector<Compac
     if (!result.ok()) return result;
   }
   if (!bits.at_end())
-    return fault(PacketFault::BadLength, "message: goes on after its last record");
+    return fault(PacketFault::BadLength, "message: must end with its last record");
   return {};
 }
 

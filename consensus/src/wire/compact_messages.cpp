@@ -69,7 +69,7 @@ std::size_t encode_anchors(std::span<const SpringUpdate> springs, std::size_t ma
 CodecResult decode_anchors(ByteReader& in, std::size_t count, std::vector<AnchorUpdate>& out) {
   const SessionTime newest = in.i64();
   if (in.failed() || in.remaining() < count * kAnchorBytes) {
-    return fault(PacketFault::BadLength, "message: ends before its last record");
+    return fault(PacketFault::BadLength, "message: must hold all its records");
   }
   if (CodecResult result = check(Alive{newest}); !result.ok()) return result;
   for (std::size_t i = 0; i < count; ++i) {
@@ -111,7 +111,7 @@ CodecResult decode_indices(ByteReader& in, std::size_t count, std::vector<IndexA
   const std::uint32_t table = in.u32();
   const std::size_t first = in.u16();
   if (in.failed() || in.remaining() < count * kIdBytes) {
-    return fault(PacketFault::BadLength, "message: ends before its last record");
+    return fault(PacketFault::BadLength, "message: must hold all its records");
   }
   if (first + count > 0x10000) return fault(PacketFault::BadId, "index: must be below 65536");
   for (std::size_t i = 0; i < count; ++i) {

@@ -61,7 +61,7 @@ CodecResult read(ByteReader& in, StateUpdate& update) {
   update.influence = in.f32();
   update.stamp = in.i64();
   const std::uint8_t flags = in.u8();
-  if ((flags & ~kKnownFlags) != 0) return fault(PacketFault::BadCode, "flags: unknown bits");
+  if ((flags & ~kKnownFlags) != 0) return fault(PacketFault::BadCode, "flags: must be below 64");
   update.flags = unpack(flags);
   const CodecResult result = check(update);
   if (result.ok()) q.normalize();
@@ -155,7 +155,7 @@ template <class Record>
 CodecResult decode_records(ByteReader& in, std::size_t count, std::size_t record_bytes,
                            std::size_t packet_bytes, std::vector<Record>& out) {
   if (in.remaining() < count * record_bytes) {
-    return fault(PacketFault::BadLength, "message: ends before its last record");
+    return fault(PacketFault::BadLength, "message: must hold all its records");
   }
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t offset = packet_bytes - in.remaining();
@@ -170,11 +170,11 @@ CodecResult decode_records(ByteReader& in, std::size_t count, std::size_t record
 
 CodecResult decode_message(ByteReader& in, std::size_t packet_bytes, DecodedPacket& out) {
   if (in.remaining() < kHeaderBytes) {
-    return fault(PacketFault::BadLength, "message: ends within its header");
+    return fault(PacketFault::BadLength, "message: must have a whole header");
   }
-  if (in.u16() != kPacketMagic) return fault(PacketFault::BadMagic, "magic: not a Tandem message");
+  if (in.u16() != kPacketMagic) return fault(PacketFault::BadMagic, "magic: must be 0x4354");
   if (in.u8() != kPacketVersion) {
-    return fault(PacketFault::BadVersion, "version: not the one spoken here");
+    return fault(PacketFault::BadVersion, "version: must be 2");
   }
   const std::uint8_t kind = in.u8();
   const std::size_t count = in.u16();
@@ -201,7 +201,7 @@ CodecResult decode_message(ByteReader& in, std::size_t packet_bytes, DecodedPack
     case MessageKind::Alive:
       return decode_records(in, count, kAliveBytes, packet_bytes, out.alive);
   }
-  return fault(PacketFault::UnknownKind, "kind: unknown");
+  return fault(PacketFault::UnknownKind, "kind: must be 1 to 9");
 }
 
 }  // namespace
@@ -255,9 +255,9 @@ std::size_t encode(std::span<const OwnershipUpdate> updates, std::vector<std::by
 CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out) {
   out.clear();
   if (packet.size() > kMaxPacketBytes) {
-    return fault(PacketFault::TooLong, "packet: longer than 61440 bytes");
+    return fault(PacketFault::TooLong, "packet: must have at most 61440 bytes");
   }
-  if (packet.empty()) return fault(PacketFault::BadLength, "packet: empty");
+  if (packet.empty()) return fault(PacketFault::BadLength, "packet: must not be empty");
   ByteReader in(packet);
   while (in.remaining() > 0) {
     const std::size_t offset = packet.size() - in.remaining();

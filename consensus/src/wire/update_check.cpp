@@ -97,7 +97,7 @@ CodecResult check_state(const StateUpdate& update) {
 
 CodecResult check(const SpringUpdate& update) {
   if (update.event < SpringEvent::Create || update.event > SpringEvent::Remove)
-    return fault(PacketFault::BadCode, "event: unknown");
+    return fault(PacketFault::BadCode, "event: must be 1 to 3");
   CodecResult result = check_id(update.body);
   if (!result.ok()) return result;
   result = check_norm(update.attachment_l, kMaxPosition, "attachment: must be finite",
@@ -136,7 +136,7 @@ CodecResult check(const Alive& alive) { return check_stamp(alive.stamp); }
 
 CodecResult check(const OwnershipUpdate& update) {
   if (update.event != OwnershipEvent::Request && update.event != OwnershipEvent::Grant) {
-    return fault(PacketFault::BadCode, "ownership: unknown event");
+    return fault(PacketFault::BadCode, "ownership: event must be 1 or 2");
   }
   const CodecResult result = check_id(update.body);
   if (!result.ok()) return result;

@@ -200,7 +200,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
     }
     const std::unique_ptr<GSList, decltype(&free_candidates)> owner(candidates, free_candidates);
     if (candidates == nullptr) {
-      throw std::invalid_argument("ICE description: no candidate can be read");
+      throw std::invalid_argument("ICE description: must have a candidate that can be read");
     }
     {
       const std::scoped_lock lock(mutex_);
