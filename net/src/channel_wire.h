@@ -12,17 +12,8 @@
 
 namespace tandem::net {
 
-// What a protected packet holds, little-endian:
-//   u32 ack, u64 ack bits, u16 ack delay, then sections
-//   u8 1, u16 length, bytes                                a state
-//   u8 2, u32 number, u8 flags, u16 length, bytes          a piece of a reliable message
-//                     flags: bit 0 the last of its message, the others the stream
-//   u8 3, u16 length, text                                 goodbye
-//   u8 4, i64 own time, u32 delay, i64 correction, i32 rate, u32 bound, u8 rank    clock
-//   u8 5, u64 peer, 16 address, u16 port                   where a third peer is
-//   u8 6, u64 token                                        to be said again, on the same way
-//   u8 7, u64 token                                        said again
-//   u8 8, u16 length, so many bytes                        padding; to be acknowledged
+// What a protected packet holds, little-endian: a header and sections; docs/network.md ("Inside")
+// has the tables.
 
 constexpr std::size_t kChannelHeader = 4 + 8 + 2;
 constexpr std::size_t kStateHeader = 1 + 2;

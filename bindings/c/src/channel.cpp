@@ -17,9 +17,8 @@ struct tandem_channel {
 };
 
 tandem_channel* tandem_channel_create(tandem_transport* transport, tandem_error* error) {
-  tandem_channel* made = nullptr;
-  guarded(error, [&] { made = new tandem_channel(*required(transport, "transport").transport); });
-  return made;
+  return made_by(error,
+                 [&] { return new tandem_channel(*required(transport, "transport").transport); });
 }
 
 void tandem_channel_destroy(tandem_channel* channel) { delete channel; }

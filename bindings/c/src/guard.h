@@ -42,6 +42,14 @@ tandem_result guarded(tandem_error* error, Work&& work) noexcept {
   }
 }
 
+/// What `make` has made; null where it throws, with the reason in `error`.
+template <class Make>
+auto made_by(tandem_error* error, Make&& make) noexcept -> decltype(make()) {
+  decltype(make()) made = nullptr;
+  guarded(error, [&] { made = make(); });
+  return made;
+}
+
 /// Throws std::invalid_argument where an argument that must be there is not.
 template <class T>
 T& required(T* pointer, const char* name) {

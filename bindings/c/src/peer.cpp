@@ -38,8 +38,7 @@ void tandem_peer_def_init(tandem_peer_def* def) {
 
 tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport,
                                 const tandem_peer_def* def, tandem_error* error) {
-  tandem_peer* made = nullptr;
-  guarded(error, [&] {
+  return made_by(error, [&] {
     const tandem_peer_def& d = required(def, "def");
     tandem_world& w = required(world, "world");
     consensus::PeerOptions options;
@@ -54,9 +53,8 @@ tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport
     if (w.world.target_source() != nullptr) {
       pbd::detail::refuse("world", "one that has no peer yet");
     }
-    made = new tandem_peer{.peer = {w.world, *required(transport, "transport").transport, options}};
+    return new tandem_peer{.peer = {w.world, *required(transport, "transport").transport, options}};
   });
-  return made;
 }
 
 void tandem_peer_destroy(tandem_peer* peer) { delete peer; }

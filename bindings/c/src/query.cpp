@@ -75,9 +75,7 @@ std::vector<Found> list_of(const std::optional<Found>& found) {
 }  // namespace
 
 tandem_query* tandem_query_create(const tandem_world* world, tandem_error* error) {
-  tandem_query* made = nullptr;
-  guarded(error, [&] { made = new tandem_query(required(world, "world")); });
-  return made;
+  return made_by(error, [&] { return new tandem_query(required(world, "world")); });
 }
 
 void tandem_query_destroy(tandem_query* query) { delete query; }

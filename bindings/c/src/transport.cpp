@@ -79,8 +79,7 @@ struct tandem_network {
 };
 
 tandem_transport* tandem_transport_create(const tandem_transport_def* def, tandem_error* error) {
-  tandem_transport* made = nullptr;
-  guarded(error, [&] {
+  return made_by(error, [&] {
     const tandem_transport_def& d = required(def, "def");
     if (d.self == 0) pbd::detail::refuse("self", "not 0", "0");
     if (d.post == nullptr || d.drain == nullptr || d.peers == nullptr) {
@@ -96,9 +95,8 @@ tandem_transport* tandem_transport_create(const tandem_transport_def* def, tande
     auto result = std::make_unique<tandem_transport>();
     result->owned = std::make_unique<Callbacks>(d);
     result->transport = result->owned.get();
-    made = result.release();
+    return result.release();
   });
-  return made;
 }
 
 void tandem_transport_destroy(tandem_transport* transport) {
@@ -108,24 +106,21 @@ void tandem_transport_destroy(tandem_transport* transport) {
 
 tandem_network* tandem_network_create(const tandem_link* link, uint64_t seed, int64_t start_ns,
                                       tandem_error* error) {
-  tandem_network* made = nullptr;
-  guarded(error, [&] {
+  return made_by(error, [&] {
     const tandem_link& l = required(link, "link");
-    made = new tandem_network{
+    return new tandem_network{
         .network = consensus::VirtualNetwork(
             {.latency = l.latency, .jitter = l.jitter, .loss = l.loss, .bandwidth = l.bandwidth},
             seed, checked_time("start_ns", start_ns, -consensus::kMaxStamp)),
         .transports = {}};
   });
-  return made;
 }
 
 void tandem_network_destroy(tandem_network* network) { delete network; }
 
 tandem_transport* tandem_network_transport(tandem_network* network, uint64_t peer,
                                            tandem_error* error) {
-  tandem_transport* found = nullptr;
-  guarded(error, [&] {
+  return made_by(error, [&] {
     tandem_network& n = required(network, "network");
     consensus::Transport& transport = n.network.transport(peer);
     auto& entry = n.transports[peer];
@@ -133,9 +128,8 @@ tandem_transport* tandem_network_transport(tandem_network* network, uint64_t pee
       entry = std::make_unique<tandem_transport>();
       entry->transport = &transport;
     }
-    found = entry.get();
+    return entry.get();
   });
-  return found;
 }
 
 tandem_result tandem_network_advance(tandem_network* network, int64_t time_ns,

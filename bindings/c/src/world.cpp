@@ -39,9 +39,7 @@ void tandem_world_def_init(tandem_world_def* def) {
 }
 
 tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error) {
-  tandem_world* made = nullptr;
-  guarded(error, [&] { made = new tandem_world(required(def, "def")); });
-  return made;
+  return made_by(error, [&] { return new tandem_world(required(def, "def")); });
 }
 
 void tandem_world_destroy(tandem_world* world) { delete world; }

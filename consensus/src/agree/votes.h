@@ -45,16 +45,9 @@ constexpr Periphery periphery(std::size_t votes) {
 
 /// How much each vote counts beside the others, by how far it is to all of them from there; in
 /// between on a line. No vote is outside because the others are few or far apart: of two clusters
-/// of the same weight both count, of three votes far apart all.
-///
-/// What it is worth: say that votes in a ball of radius r have a part 1 - a of the weight, and one
-/// vote of weight a says whatever it likes. It counts nothing from the centre's distance
-///   r (1 - a + p (2 - a)) / (1 - a - p a),  p = periphery().none
-/// on: 6.2 r for one of four, 75 r for one of three; and with r = 0 nothing at all. With a larger p
-/// more votes count, but from 1.25 on one that says something else to each can drive three apart.
-///
-/// Votes that are moved or turned together count the same. Cost O(N^2), no allocation. Errors:
-/// none.
+/// of the same weight both count, of three votes far apart all. Votes that are moved or turned
+/// together count the same. docs/network.md ("Who is believed") says what it is worth. Cost O(N^2),
+/// no allocation.
 void weigh_centrality(std::span<Vote> votes);
 
 /// Where another peer has a body, as seen from where it is here: m, rad, or both in metres.

@@ -9,13 +9,10 @@
 
 namespace tandem::consensus {
 
-/// Whether this peer's user was the last to act on a body, and the only one. What the others say of
-/// it is then no other view of the same thing but old news: they have not heard yet what the hand
-/// did, and an average would take back a part of every throw and every stroke. So who has the
-/// initiative does not listen, and the others follow. It ends when somebody else acts on the body,
-/// when somebody took it later, or, once the body touches something again, after the news of that
-/// was there and back.
-/// One object for each shared body.
+/// Whether this peer's user was the last to act on a body, and the only one: docs/ARCHITECTURE.md
+/// ("Initiative"). It ends when somebody else acts on the body, when somebody took it later, or,
+/// once the body touches something again, after the news of that was there and back. One object for
+/// each shared body.
 class Initiative {
  public:
   /// What acts on the body in this step, as far as this peer knows.
