@@ -25,11 +25,16 @@ TANDEM_API Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> 
                               SessionTime now);
 
 /// What the clocks of others show, told from when their packets come: for sessions without a common
-/// time, docs/network.md ("Session time"). All stamps of a sender are shifted by one number, so
-/// that what is stamped when it is sent is dated half a round trip before it comes: the median of
-/// the last kWindow stamps, taken over in kSettling, by at most kSlew. In the first second of a
-/// sender it follows at once. A clock that is set, or a process that starts again under its id, is
-/// begun with anew. Stamps are untrusted: a sender moves nothing but its own.
+/// time. All stamps of a sender are shifted by one number, so that what is stamped when it is sent
+/// is dated half a round trip before it comes. The number is the median of the last kWindow stamps
+/// (jitter goes, and what is late for once), taken over in kSettling, by at most kSlew: differences
+/// between stamps of a sender stay what they are to 1 %. In the first second of a sender it follows
+/// at once.
+///
+/// The error is half of the difference between the ways there and back, which cannot be seen, and
+/// some tenths of a millisecond of jitter; what drifts is followed. A clock that is set, or a
+/// process that starts again under its id, is begun with anew after a moment in which its stamps
+/// mean nothing. Stamps are untrusted: a sender moves nothing but its own.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API SenderClocks {
  public:
