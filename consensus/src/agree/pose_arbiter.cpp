@@ -8,7 +8,9 @@
 namespace tandem::consensus {
 namespace {
 
-/// rad: leading grows from none to full between these angles.
+/// rad: leading grows from none to full between these angles. With either three times as large
+/// cubes on different faces do not come together (tests/consensus/jump_test.cpp,
+/// peer_agreement_test.cpp).
 constexpr double kFromAngle = 0.6;
 constexpr double kToAngle = 1.2;
 /// m: copies closer than this are left alone.
@@ -16,6 +18,7 @@ constexpr double kParted = 0.03;
 constexpr double kFree = std::numeric_limits<double>::infinity();
 /// What is missing has changed by this part of it: something happens. A share of 0.02 needs 0.3 s.
 constexpr double kChange = 0.3;
+/// How long nothing is done: tests/consensus/jump_test.cpp.
 constexpr SessionTime kPatience = 1'000'000'000;      // ns
 constexpr SessionTime kTurnPatience = 3'000'000'000;  // ns, as an edge gives way slowly
 

@@ -20,7 +20,8 @@ namespace {
 
 using pbd::Vec3;
 
-/// s: of the low-pass on measured accelerations and their frequency.
+/// s: of the low-pass on measured accelerations and their frequency. At three times as much a
+/// steady one is found too late (tests/consensus/extrapolation_test.cpp).
 constexpr double kAccelerationFilter = 0.05;
 constexpr double kUnknownFrequency = 100.0;  // Hz, where there was no acceleration before
 /// Hz: measured accelerations that change faster count nothing, those at half of it fully. Without
