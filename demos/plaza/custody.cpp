@@ -11,14 +11,16 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr double kSlow = 0.02;        // m/s and rad/s
-constexpr double kStill = 0.5;        // s
-constexpr double kMoved = 0.02;       // m, from where the record has it
-constexpr double kApart = 0.5;        // m: more than copies differ that agree
-constexpr double kNobodyKeeps = 1.0;  // s, before somebody does
-constexpr double kFresh = 0.5;        // s
-constexpr double kOnItsWay = 3.0;     // s: a keeper who says nothing for longer has gone
-constexpr double kFarAway = 2.0;      // in reach(): others see to what is further
+constexpr double kSlow = 0.02;            // m/s and rad/s
+constexpr double kStill = 0.5;            // s
+constexpr double kMoved = 0.02;           // m, from where the record has it
+constexpr double kApart = 0.5;            // m: more than copies differ that agree
+constexpr double kNobodyKeeps = 1.0;      // s, before somebody does
+constexpr double kFresh = 0.5;            // s
+constexpr double kLease = 1.0;            // s
+constexpr double kLapsed = 3.0 * kLease;  // s
+constexpr double kFast = 8.0;             // m/s: what is said to have gone further since has not
+constexpr double kFarAway = 2.0;          // in reach(): others see to what is further
 
 double flat(const pbd::Vec3& a, const pbd::Vec3& b) { return (a - b).head<2>().norm(); }
 
@@ -91,7 +93,8 @@ void Custody::settle(std::map<consensus::SharedId, Local>::iterator local,
   if (apart <= kMoved || (held_ && *held_ == id)) return;
   const bool heard = std::ranges::any_of(
       near_, [&, id = id](consensus::PeerId peer) { return peer_.heard(id, peer).has_value(); });
-  if (heard && apart < kApart) return;  // they agree by themselves
+  // They agree by themselves.
+  if ((heard && apart < kApart) || peer_.heard(id, record.keeper)) return;
   // Somebody has it who was not near: this copy is of before.
   if (record.keeper != 0 ? apart < kApart : heard && apart < options_.reach()) return;
   vanish(local);
@@ -104,8 +107,41 @@ void Custody::vanish(std::map<consensus::SharedId, Local>::iterator local) {
   local_.erase(local);
 }
 
-void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near,
+bool Custody::is_leased(const Lying& lying, consensus::SessionTime now) const {
+  return net::seconds(now - std::max(lying.heard, served_since_)) < kLapsed;
+}
+
+bool Custody::is_kept(const nats::LedgerRecord& record, consensus::SessionTime now) const {
+  if (record.keeper == 0 || peer_.heard(record.id, record.keeper)) return record.keeper != 0;
+  const auto at = lying_.find(record.id);
+  return at != lying_.end() && is_leased(at->second, now);
+}
+
+bool Custody::agrees(const consensus::UnknownState& state, consensus::SessionTime now) const {
+  const auto at = lying_.find(state.update.id);
+  if (at == lying_.end()) return true;
+  const auto& [record, heard] = at->second;
+  if (record.keeper == 0 || record.keeper == state.from) return true;
+  const double apart = (state.update.pose.position - record.pose.position).norm();
+  return apart < kApart + kFast * net::seconds(now - heard);
+}
+
+consensus::PeerId Custody::successor(const consensus::SharedId& id,
+                                     consensus::SessionTime now) const {
+  consensus::PeerId out = self_;
+  consensus::SessionTime latest = now - static_cast<consensus::SessionTime>(1e9 * kFresh);
+  for (const consensus::PeerId peer : near_) {
+    const auto heard = peer_.heard(id, peer);
+    if (!heard || *heard <= latest) continue;
+    latest = *heard;
+    out = peer;
+  }
+  return out;
+}
+
+void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near, bool served,
                     consensus::SessionTime now) {
+  if (!served) served_since_ = now;
   near_.assign(near.begin(), near.end());
   watch_cells(feet);
   news_.clear();
@@ -116,6 +152,7 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
     const auto number = PlazaBody::number(state.update.id, options_.bodies);
     if (!number || local_.contains(state.update.id)) continue;
     if (flat(state.update.pose.position, feet) > options_.reach()) continue;
+    if (!agrees(state, now)) continue;
     const double age = net::seconds(now - state.update.stamp);
     if (age < 0.0 || age > kFresh) continue;
     pbd::Pose pose = state.update.pose;
@@ -128,9 +165,7 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
     const nats::LedgerRecord& record = lying.record;
     // What somebody keeps is on its way: he tells of it, or of where it came to rest.
     const bool kept = record.keeper != 0 && record.keeper != self_;
-    if (kept && (is_connected(record.keeper) || net::seconds(now - lying.heard) < kOnItsWay)) {
-      continue;
-    }
+    if (kept && (is_connected(record.keeper) || is_leased(lying, now))) continue;
     if (flat(record.pose.position, feet) > options_.reach()) continue;
     appear(*number, record.pose, {});
     // Whose keeper has gone is nobody's.
@@ -138,7 +173,7 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
   }
 }
 
-void Custody::keep(const consensus::SharedId& id, Local& local, bool held,
+void Custody::keep(const consensus::SharedId& id, Local& local, bool held, const pbd::Vec3& feet,
                    consensus::SessionTime now) {
   const pbd::BodyState& state = scene_.world().state(local.body);
   const bool slow = state.twist.linear.norm() < kSlow && state.twist.angular.norm() < kSlow;
@@ -152,16 +187,21 @@ void Custody::keep(const consensus::SharedId& id, Local& local, bool held,
     local.astray_since = 0;
     const bool crosses =
         nats::distance_to(cells_, record->cell, state.pose.position) > cells_.slack;
-    if (still || crosses) ledger_.write(id, still ? 0 : self_, state.pose, state.twist);
+    const bool due = net::seconds(now - local.written_at) >= kLease;
+    if (!still && !crosses && !due) return;
+    // Who is near it can say where it goes; this one will not hear what it meets.
+    const bool leaves =
+        due && !held && flat(state.pose.position, feet) > options_.reach() + options_.slack();
+    const consensus::PeerId keeper = still ? 0 : leaves ? successor(id, now) : self_;
+    if (ledger_.write(id, keeper, state.pose, state.twist)) local.written_at = now;
     return;
   }
-  const bool kept = record->keeper != 0 && peer_.heard(id, record->keeper).has_value();
-  if (held && !kept) {
-    ledger_.write(id, self_, state.pose, state.twist);
+  if (held && !(record->keeper != 0 && peer_.heard(id, record->keeper))) {
+    if (ledger_.write(id, self_, state.pose, state.twist)) local.written_at = now;
     return;
   }
   // It is not where its record says, and whoever should write that does not.
-  if (kept || !moved) {
+  if (is_kept(*record, now) || !moved) {
     local.astray_since = 0;
   } else if (local.astray_since == 0) {
     local.astray_since = now + static_cast<consensus::SessionTime>(self_ % 16) * 100'000'000;
@@ -171,20 +211,8 @@ void Custody::keep(const consensus::SharedId& id, Local& local, bool held,
   }
 }
 
-bool Custody::is_stale(const consensus::SharedId& id, Local& local,
-                       consensus::SessionTime now) const {
-  const nats::LedgerRecord* const record = ledger_.known(id);
-  const bool kept = record != nullptr && record->keeper != 0 && record->keeper != self_;
-  if (!kept || peer_.heard(id, record->keeper).has_value()) {
-    local.unheard_since = 0;
-    return false;
-  }
-  if (local.unheard_since == 0) local.unheard_since = now;
-  return net::seconds(now - local.unheard_since) > kNobodyKeeps;
-}
-
-bool Custody::may_go(const consensus::SharedId& id, const Local& local,
-                     const pbd::Vec3& feet) const {
+bool Custody::may_go(const consensus::SharedId& id, const Local& local, const pbd::Vec3& feet,
+                     consensus::SessionTime now) const {
   const pbd::Vec3& position = scene_.world().pose(local.body).position;
   const double apart = flat(position, feet);
   if (apart <= options_.reach() + options_.slack()) return false;
@@ -192,8 +220,7 @@ bool Custody::may_go(const consensus::SharedId& id, const Local& local,
   if (record == nullptr || record->keeper == self_) return false;
   if (apart > kFarAway * options_.reach()) return true;
   // What moves stays until it is somebody's or rests where it is written.
-  const bool kept = record->keeper != 0 && peer_.heard(id, record->keeper).has_value();
-  return kept || (position - record->pose.position).norm() <= kMoved;
+  return is_kept(*record, now) || (position - record->pose.position).norm() <= kMoved;
 }
 
 void Custody::finish(const pbd::Vec3& feet, const consensus::SharedId* held,
@@ -202,8 +229,8 @@ void Custody::finish(const pbd::Vec3& feet, const consensus::SharedId* held,
   for (auto at = local_.begin(); at != local_.end();) {
     auto& [id, local] = *at;
     const bool mine = held != nullptr && *held == id;
-    keep(id, local, mine, now);
-    if (mine || !(is_stale(id, local, now) || may_go(id, local, feet))) {
+    keep(id, local, mine, feet, now);
+    if (mine || !may_go(id, local, feet, now)) {
       ++at;
       continue;
     }

@@ -22,6 +22,12 @@ namespace tandem::demos {
 ///
 /// A body that nobody simulates is where its record says. Who moves one becomes its keeper; when it
 /// has come to rest he writes that, and keeps it no longer.
+///
+/// A record with a keeper is a lease. He writes each second where the body is, whether he holds it
+/// or it rolls; who has read nothing of it for three may take it. That he is not heard says
+/// nothing, since he may be further away than those who are connected. While the lease holds a copy
+/// that is elsewhere is of before, and what a neighbour says of such a copy is not taken up. A body
+/// that leaves who keeps it goes on to a neighbour who has it.
 class Custody {
  public:
   struct Counters {
@@ -37,8 +43,8 @@ class Custody {
           consensus::Peer& peer, nats::BodyLedger& ledger);
 
   /// Before a step: what is told of bodies, and which come near. @param near  peers that are
-  /// connected
-  void begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near,
+  /// connected @param served  there is a server: without one nobody can renew a lease
+  void begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near, bool served,
              consensus::SessionTime now);
   /// After a step: what is to be written, and who has gone. @param held  by this person
   void finish(const pbd::Vec3& feet, const consensus::SharedId* held, consensus::SessionTime now);
@@ -50,8 +56,8 @@ class Custody {
     pbd::BodyId body;
     // ns; 0: it is not so.
     consensus::SessionTime still_since = 0;
-    consensus::SessionTime astray_since = 0;   ///< not where its record says, and nobody keeps it
-    consensus::SessionTime unheard_since = 0;  ///< its keeper says nothing of it
+    consensus::SessionTime astray_since = 0;  ///< not where its record says, and nobody keeps it
+    consensus::SessionTime written_at = 0;    ///< by this person, as its keeper
   };
   const std::map<consensus::SharedId, Local>& local() const { return local_; }
   const Counters& counters() const { return counters_; }
@@ -72,10 +78,17 @@ class Custody {
     return std::find(near_.begin(), near_.end(), peer) != near_.end();
   }
   void appear(std::size_t number, const pbd::Pose& pose, const pbd::Twist& twist);
-  void keep(const consensus::SharedId& id, Local& local, bool held, consensus::SessionTime now);
-  /// Its keeper has carried it off, and does not tell of it any more.
-  bool is_stale(const consensus::SharedId& id, Local& local, consensus::SessionTime now) const;
-  bool may_go(const consensus::SharedId& id, const Local& local, const pbd::Vec3& feet) const;
+  /// Whether its keeper's word still holds, although he may not be heard here.
+  bool is_leased(const Lying& lying, consensus::SessionTime now) const;
+  bool is_kept(const nats::LedgerRecord& record, consensus::SessionTime now) const;
+  /// Whether what a neighbour says of a body can be, by its record.
+  bool agrees(const consensus::UnknownState& state, consensus::SessionTime now) const;
+  /// Who of those near has said last where a body is; this peer where nobody has.
+  consensus::PeerId successor(const consensus::SharedId& id, consensus::SessionTime now) const;
+  void keep(const consensus::SharedId& id, Local& local, bool held, const pbd::Vec3& feet,
+            consensus::SessionTime now);
+  bool may_go(const consensus::SharedId& id, const Local& local, const pbd::Vec3& feet,
+              consensus::SessionTime now) const;
 
   PlazaOptions options_;
   nats::CellOptions cells_;
@@ -90,6 +103,7 @@ class Custody {
   std::vector<consensus::PeerId> near_;
   std::optional<consensus::SharedId> held_;  ///< by this person
   std::vector<nats::LedgerNews> news_;
+  consensus::SessionTime served_since_ = 0;  ///< ns
   Counters counters_;
 };
 

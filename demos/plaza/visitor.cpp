@@ -71,7 +71,7 @@ net::Key plaza_key() {
 }
 
 Visitor::Visitor(const PlazaOptions& options, std::size_t number, const VisitorLink& link)
-    : options_(options), id_(number + 1), walker_(options, number) {
+    : options_(options), id_(number + 1), hub_(link.hub), walker_(options, number) {
   scene_.add(HalfSpace{}, {.type = BodyType::Static});
   if (link.hub != nullptr) {
     nats_ = std::make_unique<nats::NatsTransport>(nats_options(options, id_, link));
@@ -129,6 +129,7 @@ void Visitor::look_about() {
   nats_->set_position(feet());
   // They say where they are twice a second.
   if (steps_ % kPlaceEvery == 0) {
+    served_ = hub_->status().connected;
     near_peers_.clear();
     nats_->near_peers(near_peers_);
     for (const nats::NearPeer& each : near_peers_) {
@@ -217,7 +218,7 @@ void Visitor::say_far() {
 void Visitor::step(consensus::SessionTime now, consensus::SessionTime end) {
   const double dt = net::seconds(end - now);
   look_about();
-  if (custody_) custody_->begin(feet(), near_, now);
+  if (custody_) custody_->begin(feet(), near_, served_, now);
   act(dt, now);
   peer_->before_step(now);
   scene_.step(dt);

@@ -68,6 +68,7 @@ class Visitor {
   PlazaOptions options_;
   consensus::PeerId id_;
   tandem::Scene scene_;
+  std::shared_ptr<nats::NatsHub> hub_;  ///< null: UDP
   std::unique_ptr<nats::NatsTransport> nats_;
   std::unique_ptr<net::UdpTransport> udp_;
   std::unique_ptr<consensus::Peer> peer_;
@@ -83,6 +84,7 @@ class Visitor {
   std::vector<nats::NearPeer> near_peers_;
   std::vector<nats::CellSummary> summaries_;
   Far far_;
+  bool served_ = true;  ///< the hub is connected
   std::uint64_t steps_ = 0;
 };
 
