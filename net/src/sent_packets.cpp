@@ -14,7 +14,21 @@ void SentPackets::Outcome::clear() {
   acked_packets = acked_bytes = lost_packets = late_packets = 0;
 }
 
-SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence) {
+void SentPackets::grow() {
+  std::vector<Entry> before(2 * entries_.size());
+  before.swap(entries_);
+  for (const Entry& entry : before) {
+    if (entry.sequence != 0) slot(entry.sequence) = entry;
+  }
+}
+
+bool SentPackets::may_come(const Entry& entry, std::int64_t now) {
+  return entry.state == State::Flying ||
+         (entry.state == State::Lost && now - entry.at < RttEstimate::kMaxTimeout);
+}
+
+SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence, std::int64_t now) {
+  while (entries_.size() < kRing && may_come(slot(sequence), now)) grow();
   Entry& entry = slot(sequence);
   if (entry.state == State::Flying) lost(entry, overrun_);
   entry.sequence = sequence;
@@ -22,12 +36,13 @@ SentPackets::Entry& SentPackets::next_slot(std::uint64_t sequence) {
   entry.is_probe = false;
   entry.piece_count = 0;
   latest_sent_ = sequence;
-  if (sequence >= kRing) oldest_ = std::max(oldest_, sequence - kRing + 1);
+  const std::size_t ring = entries_.size();
+  if (sequence >= ring) oldest_ = std::max(oldest_, sequence - ring + 1);
   return entry;
 }
 
 void SentPackets::sent_empty(std::uint64_t sequence, std::int64_t now) {
-  next_slot(sequence).at = now;
+  next_slot(sequence, now).at = now;
 }
 
 void SentPackets::sent_probe(std::uint64_t sequence, std::size_t bytes, std::int64_t now) {
@@ -44,13 +59,13 @@ std::uint64_t SentPackets::widen(std::uint32_t ack) const {
 
 std::optional<std::int64_t> SentPackets::sent_at(const ChannelHeader& header) const {
   const std::uint64_t ack = header.ack == 0 && header.ack_bits == 0 ? 0 : widen(header.ack);
-  const Entry& entry = entries_[ack % kRing];
+  const Entry& entry = slot(ack);
   return ack != 0 && entry.sequence == ack ? std::optional(entry.at) : std::nullopt;
 }
 
 void SentPackets::sent(std::uint64_t sequence, std::size_t bytes,
                        std::span<const std::uint64_t> pieces, std::int64_t now) {
-  Entry& entry = next_slot(sequence);
+  Entry& entry = next_slot(sequence, now);
   entry.at = now;
   entry.bytes = bytes;
   entry.state = State::Flying;

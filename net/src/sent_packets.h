@@ -16,11 +16,13 @@ namespace tandem::net {
 
 /// What was sent and has not been heard of: which packets have come, which are lost, how long it
 /// took. A packet is lost when three later ones have come, or after a timeout; it may still turn
-/// out to have come. Fixed memory.
+/// out to have come. Memory is bounded: a ring of as many as were ever awaited at once, so that
+/// the few of a quiet connection stay in the cache.
 class SentPackets {
  public:
-  static constexpr std::size_t kRing = 1024;
-  static constexpr std::size_t kMaxPieces = 8;  // of one packet
+  static constexpr std::size_t kRing = 1024;     // at most
+  static constexpr std::size_t kFirstRing = 64;  // at first: an acknowledgement tells of as many
+  static constexpr std::size_t kMaxPieces = 8;   // of one packet
   static constexpr std::uint64_t kReorder = 3;
 
   /// A packet that the other end acknowledges. @param bytes  on the wire
@@ -79,13 +81,20 @@ class SentPackets {
     std::array<std::uint64_t, kMaxPieces> pieces{};
   };
 
-  Entry& slot(std::uint64_t sequence) { return entries_[sequence % kRing]; }
+  // The ring's length is a power of two.
+  Entry& slot(std::uint64_t sequence) { return entries_[sequence & (entries_.size() - 1)]; }
+  const Entry& slot(std::uint64_t sequence) const {
+    return entries_[sequence & (entries_.size() - 1)];
+  }
+  void grow();
   std::uint64_t widen(std::uint32_t ack) const;
-  Entry& next_slot(std::uint64_t sequence);
+  /// Whether it may still be told of: what counts as lost is so late where a round trip is long.
+  static bool may_come(const Entry& entry, std::int64_t now);
+  Entry& next_slot(std::uint64_t sequence, std::int64_t now);
   void acked(std::uint64_t sequence, Outcome& outcome);
   void lost(Entry& entry, Outcome& outcome);
 
-  std::array<Entry, kRing> entries_{};
+  std::vector<Entry> entries_ = std::vector<Entry>(kFirstRing);
   std::uint64_t latest_sent_ = 0;
   std::uint64_t highest_acked_ = 0;
   std::uint64_t known_acked_ = 0;  // bit i: the packet 1 + i before that one as well
