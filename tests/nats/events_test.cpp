@@ -44,6 +44,32 @@ std::size_t hear(CellEvents& events, Heard& heard) {
   return all.size();
 }
 
+TEST_CASE("events in cells: what nobody takes waits at the server, and is lost to nobody",
+          "[nats]") {
+  if (!has_server()) return;
+  Server server;
+  CellEvents first(event_options(server.port(), 1));
+  CellEvents second(event_options(server.port(), 2));
+  CellEvents listener(event_options(server.port(), 3));
+  listener.set_position(Vec3(1.0, 1.0, 0.0));
+  constexpr std::uint64_t kEach = 700;
+  Heard expected;
+  for (std::uint64_t i = 0; i < kEach; ++i) {
+    const Vec3 at(i % 2 == 0 ? 1.0 : 6.0, 1.0, 0.0);
+    for (CellEvents* sender : {&first, &second}) {
+      REQUIRE(sender->send(at, "door", numbered(i), 7));
+    }
+    for (const PeerId from : {1, 2}) expected[{from, Cell{0, i % 2 == 0 ? 0 : 1, 0}}].push_back(i);
+  }
+  REQUIRE(eventually([&] { return first.waiting() + second.waiting() + listener.waiting() == 0; },
+                     std::chrono::seconds(30)));
+  Heard heard;
+  std::size_t count = hear(listener, heard);
+  CHECK(count == CellEvents::kMaxUntaken);
+  REQUIRE(eventually([&] { return (count += hear(listener, heard)) >= 2 * kEach; }));
+  CHECK(heard == expected);
+}
+
 TEST_CASE("events in cells: those within reach hear each once and in order, who comes later too",
           "[nats]") {
   if (!has_server()) return;

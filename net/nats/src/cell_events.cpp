@@ -52,6 +52,7 @@ struct __attribute__((visibility("hidden"))) EventDesk {
   std::mutex mutex;
   std::set<Cell> asked;  ///< to be read
   std::vector<CellEvent> news;
+  std::set<Cell> left;  ///< not read to the end, for want of room in `news`
   std::deque<std::shared_ptr<const SaidEvent>> kept;  ///< own, by ascending number
   std::uint64_t written = 0;                          ///< the last that the server has
   std::uint64_t life = 0;                             ///< which server
@@ -85,11 +86,22 @@ struct __attribute__((visibility("hidden"))) EventDesk {
       const std::scoped_lock lock(mutex);
       asked.erase(cell);  // what is said from here on is asked for again
     }
+    if (!has_room(cell)) return true;
     if (logs.size() >= kMaxLogs && !logs.contains(cell)) logs.erase(logs.begin());
-    return store.read(cell, logs[cell], [this](const CellEvent& event) {
-      const std::scoped_lock lock(mutex);
-      news.push_back(event);
+    return store.read(cell, logs[cell], [this, &cell](const CellEvent& event) {
+      {
+        const std::scoped_lock lock(mutex);
+        news.push_back(event);
+      }
+      return has_room(cell);
     });
+  }
+  /// Where there is none the cell is read when some has been made.
+  bool has_room(const Cell& cell) {
+    const std::scoped_lock lock(mutex);
+    if (news.size() < CellEvents::kMaxUntaken) return true;
+    left.insert(cell);
+    return false;
   }
 };
 
@@ -240,9 +252,14 @@ void CellEvents::take(std::vector<CellEvent>& out) {
     impl_->looked = next->first;
     Impl::look(hub, impl_->desk, next->first);
   }
-  const std::scoped_lock lock(impl_->desk->mutex);
-  std::ranges::move(impl_->desk->news, std::back_inserter(out));
-  impl_->desk->news.clear();
+  std::set<Cell> left;
+  {
+    const std::scoped_lock lock(impl_->desk->mutex);
+    std::ranges::move(impl_->desk->news, std::back_inserter(out));
+    impl_->desk->news.clear();
+    left.swap(impl_->desk->left);
+  }
+  for (const Cell& cell : left) Impl::look(hub, impl_->desk, cell);
 }
 
 std::size_t CellEvents::waiting() const { return impl_->desk->waiting; }

@@ -124,7 +124,7 @@ bool EventStore::write(const Cell& cell, const std::string& name,
 }
 
 bool EventStore::read(const Cell& cell, EventLog& log,
-                      const std::function<void(const CellEvent&)>& found) {
+                      const std::function<bool(const CellEvent&)>& found) {
   if (!open()) return false;
   // One that has lost events gives their sequences to others.
   if (log.life != open_) log.next = 1;
@@ -157,7 +157,7 @@ bool EventStore::read(const Cell& cell, EventLog& log,
     }
     if (!log.is_new(*event)) continue;
     event->event.from = opened->sender;
-    found(event->event);
+    if (!found(event->event)) return true;
   }
   return true;
 }

@@ -66,8 +66,9 @@ class __attribute__((visibility("hidden"))) EventStore {
   /// Once, however often it is asked for. @param name  of this event alone  @return false where the
   /// server has not said that it has it
   bool write(const Cell& cell, const std::string& name, std::span<const std::byte> sealed);
-  /// Calls `found` with what is new in a cell, in order. @return false where there is no server
-  bool read(const Cell& cell, EventLog& log, const std::function<void(const CellEvent&)>& found);
+  /// Calls `found` with what is new in a cell, in order, until it says that there is no room for
+  /// more. @return false where there is no server
+  bool read(const Cell& cell, EventLog& log, const std::function<bool(const CellEvent&)>& found);
   /// What did not open, or was no event of its cell.
   std::uint64_t refused() const { return refused_; }
 

@@ -62,6 +62,8 @@ class TANDEM_API CellEvents {
   static constexpr std::size_t kMaxTopicBytes = 64;
   static constexpr std::size_t kMaxPayloadBytes = 8 * 1024;
   static constexpr std::size_t kMaxKept = 1024;  ///< own events that are remembered
+  /// Events that wait for take(). What comes after them waits at the server, while it is kept.
+  static constexpr std::size_t kMaxUntaken = 1024;
 
   /// @throws std::invalid_argument (CellEventOptions::validate)
   explicit CellEvents(const CellEventOptions& options);
@@ -77,7 +79,7 @@ class TANDEM_API CellEvents {
   /// within CellEventOptions::kept
   bool send(const pbd::Vec3& position, std::string_view topic, std::span<const std::byte> payload,
             consensus::SessionTime stamp);
-  /// Append what has come since the last call.
+  /// Append what has come since the last call, at most kMaxUntaken.
   void take(std::vector<CellEvent>& out);
   /// Asked of the server and not done.
   std::size_t waiting() const;
