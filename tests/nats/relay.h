@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <arpa/inet.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -15,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "support/catch.h"
+#include "nats/loopback_socket.h"
 
 namespace tandem::nats::testing {
 
@@ -24,39 +23,22 @@ namespace tandem::nats::testing {
 class Relay {
  public:
   explicit Relay(std::uint16_t server) : server_(server) {
-    listener_ = socket(AF_INET, SOCK_STREAM, 0);
-    REQUIRE(listener_ >= 0);
-    sockaddr_in address = loopback(0);
-    REQUIRE(bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-    REQUIRE(listen(listener_, 4) == 0);
-    socklen_t length = sizeof address;
-    REQUIRE(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &length) == 0);
-    port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { run(); });
   }
   ~Relay() {
     stop_ = true;
     thread_.join();
-    close(listener_);
   }
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  std::uint16_t port() const { return port_; }
+  std::uint16_t port() const { return listener_.port(); }
   /// 0: as fast as it comes.
   void limit(double bytes_per_s) { rate_ = bytes_per_s; }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kSmall = 16 * 1024;
-
-  static sockaddr_in loopback(std::uint16_t port) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(port);
-    return address;
-  }
 
   static bool pass(int from, int to, std::size_t most, std::size_t& passed) {
     std::array<char, 8192> bytes{};
@@ -73,9 +55,9 @@ class Relay {
 
   void run() {
     while (!stop_) {
-      pollfd waiting{listener_, POLLIN, 0};
+      pollfd waiting{listener_.fd(), POLLIN, 0};
       if (poll(&waiting, 1, 20) <= 0) continue;
-      const int client = accept(listener_, nullptr, nullptr);
+      const int client = accept(listener_.fd(), nullptr, nullptr);
       const int server = socket(AF_INET, SOCK_STREAM, 0);
       setsockopt(server, SOL_SOCKET, SO_RCVBUF, &kSmall, sizeof kSmall);
       sockaddr_in address = loopback(server_);
@@ -109,8 +91,7 @@ class Relay {
   }
 
   std::uint16_t server_;
-  std::uint16_t port_ = 0;
-  int listener_ = -1;
+  LoopbackSocket listener_{SOCK_STREAM};
   std::atomic<double> rate_ = 0.0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <arpa/inet.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -15,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "support/catch.h"
+#include "nats/loopback_socket.h"
 #include "tandem/pbd/random.h"
 
 namespace tandem::nats::testing {
@@ -25,24 +24,16 @@ namespace tandem::nats::testing {
 class UdpLine {
  public:
   explicit UdpLine(std::uint64_t seed) : dice_(seed) {
-    socket_ = socket(AF_INET, SOCK_DGRAM, 0);
-    REQUIRE(socket_ >= 0);
-    sockaddr_in address = loopback(0);
-    REQUIRE(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-    socklen_t length = sizeof address;
-    REQUIRE(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &length) == 0);
-    port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { run(); });
   }
   ~UdpLine() {
     stop_ = true;
     thread_.join();
-    close(socket_);
   }
   UdpLine(const UdpLine&) = delete;
   UdpLine& operator=(const UdpLine&) = delete;
 
-  std::uint16_t port() const { return port_; }
+  std::uint16_t port() const { return socket_.port(); }
   void join(std::uint16_t first, std::uint16_t second) {
     first_ = first;
     second_ = second;
@@ -63,21 +54,14 @@ class UdpLine {
   }
 
  private:
-  static sockaddr_in loopback(std::uint16_t port) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(port);
-    return address;
-  }
   void run() {
     std::array<char, 2048> bytes{};
     while (!stop_) {
-      pollfd waits{socket_, POLLIN, 0};
+      pollfd waits{socket_.fd(), POLLIN, 0};
       if (poll(&waits, 1, 20) <= 0) continue;
       sockaddr_in from{};
       socklen_t length = sizeof from;
-      const ssize_t got = recvfrom(socket_, bytes.data(), bytes.size(), 0,
+      const ssize_t got = recvfrom(socket_.fd(), bytes.data(), bytes.size(), 0,
                                    reinterpret_cast<sockaddr*>(&from), &length);
       if (got < 0) continue;
       const bool onward = ntohs(from.sin_port) == first_;
@@ -88,14 +72,13 @@ class UdpLine {
       }
       if (dice_.uniform(0.0, 1.0) < loss_) continue;
       const sockaddr_in to = loopback(onward ? second_ : first_);
-      (void)sendto(socket_, bytes.data(), static_cast<std::size_t>(got), 0,
+      (void)sendto(socket_.fd(), bytes.data(), static_cast<std::size_t>(got), 0,
                    reinterpret_cast<const sockaddr*>(&to), sizeof to);
     }
   }
 
   pbd::SplitMix64 dice_;
-  int socket_ = -1;
-  std::uint16_t port_ = 0;
+  LoopbackSocket socket_{SOCK_DGRAM};
   std::atomic<std::uint16_t> first_ = 0;
   std::atomic<std::uint16_t> second_ = 0;
   std::atomic<double> loss_ = 0.0;
