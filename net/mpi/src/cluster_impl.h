@@ -37,7 +37,10 @@ class __attribute__((visibility("hidden"))) Cluster::Impl {
   const Part& part() const { return part_; }
   const Ranks& ranks() const { return ranks_; }
   const StepCost& cost() const { return cost_; }
-  const ClusterState& state() const { return state_; }
+  const ClusterState& state() {
+    state_.exchanged = part_.exchanged();
+    return state_;
+  }
   std::uint64_t steps() const { return steps_; }
 
  private:

@@ -15,19 +15,22 @@ void ClusterPeer::share(std::uint64_t stable_id, const consensus::SharedId& id) 
   if (!id.valid()) {
     pbd::detail::refuse("ClusterPeer::share: id", "one that names something", id.to_string());
   }
-  for (const Entry& entry : entries_) {
-    if (entry.stable_id == stable_id) {
-      pbd::detail::refuse("ClusterPeer::share: stable_id", "one that is not shared yet",
-                          std::to_string(stable_id));
-    }
-    if (entry.id == id) {
-      pbd::detail::refuse("ClusterPeer::share: id", "one that is not used yet", id.to_string());
-    }
+  if (stable_ids_.contains(stable_id)) {
+    pbd::detail::refuse("ClusterPeer::share: stable_id", "one that is not shared yet",
+                        std::to_string(stable_id));
   }
+  if (!ids_.insert(id).second) {
+    pbd::detail::refuse("ClusterPeer::share: id", "one that is not used yet", id.to_string());
+  }
+  stable_ids_.insert(stable_id);
   entries_.push_back({.stable_id = stable_id, .id = id, .here = {}});
+  seen_.reset();
 }
 
 void ClusterPeer::follow() {
+  const std::uint64_t exchanged = cluster_.state().exchanged;
+  if (seen_ == exchanged) return;
+  seen_ = exchanged;
   for (Entry& entry : entries_) {
     const pbd::BodyId here = cluster_.own_body(entry.stable_id);
     if (here == entry.here) continue;

@@ -119,6 +119,7 @@ pbd::BodyId Part::insert(const pbd::BodyDef& def, std::span<const collision::Col
   surfaces_[slot] = 0;
   colliders_[slot].clear();
   own_is_old_ = true;
+  if (is_own(slot)) ++exchanged_;
   try {
     for (collision::ColliderDef collider : colliders) {
       collider.body = body;
@@ -156,6 +157,7 @@ void Part::remove(std::uint32_t slot) {
   // By their ids: World::remove_body() would look for them among all.
   for (const collision::ColliderId id : colliders_[slot]) shapes_.remove(id);
   colliders_[slot].clear();
+  if (is_own(slot)) ++exchanged_;
   names_[slot] = kFixed;
   copies_[slot] = 0;
   own_is_old_ = true;

@@ -57,6 +57,8 @@ class Part {
   bool has_surface(std::uint32_t slot) const { return surfaces_[slot] != 0; }
   /// Slots of own bodies, by name.
   const std::vector<std::uint32_t>& own() const;
+  /// Grows where a body becomes own, or is so no longer.
+  std::uint64_t exchanged() const { return exchanged_; }
 
   /// Everything about a body, for another rank or a file.
   void write(std::uint32_t slot, Bytes& out) const;
@@ -83,6 +85,7 @@ class Part {
   std::vector<std::uint32_t> fixed_;  ///< slots, in the order of names
   mutable std::vector<std::uint32_t> own_;
   mutable bool own_is_old_ = true;
+  std::uint64_t exchanged_ = 0;
 };
 
 void write_state(const pbd::BodyState& state, MessageWriter& out);

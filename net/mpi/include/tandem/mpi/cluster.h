@@ -84,6 +84,7 @@ struct TANDEM_API ClusterState {
   double imbalance = 1.0;       ///< load of the busiest rank over the mean, as work is counted
   std::uint64_t migrated = 0;   ///< bodies that this rank has sent away so far
   std::uint64_t balanced = 0;   ///< times that the load was shared out
+  std::uint64_t exchanged = 0;  ///< grows where a body becomes this rank's, or is so no longer
 };
 
 /// Sums over all bodies of all ranks.

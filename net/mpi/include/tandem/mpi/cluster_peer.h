@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include "tandem/consensus/peer.h"
@@ -51,6 +53,9 @@ class TANDEM_API ClusterPeer {
   Cluster& cluster_;
   consensus::Peer& peer_;
   std::vector<Entry> entries_;
+  std::set<std::uint64_t> stable_ids_;
+  std::set<consensus::SharedId> ids_;
+  std::optional<std::uint64_t> seen_;  ///< ClusterState::exchanged when all were looked at
 };
 
 }  // namespace tandem::mpi
