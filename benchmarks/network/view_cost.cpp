@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "page_server/web_client.h"
 #include "view/server.h"
-#include "view/web_client.h"
 
 namespace {
 

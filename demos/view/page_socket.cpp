@@ -90,7 +90,7 @@ void PageSocket::read() {
 }
 
 void PageSocket::hear() {
-  if (!allowance_.take(Allowance::Clock::now())) return close();
+  if (!allowance_.take(page_server::Allowance::Clock::now())) return close();
   const beast::flat_buffer::const_buffers_type data = incoming_.data();
   auto said = commands_.read({static_cast<const char*>(data.data()), data.size()});
   incoming_.consume(incoming_.size());

@@ -11,7 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "view/access.h"
+#include "page_server/access.h"
+#include "page_server/page_server.h"
 #include "view/frame_encoder.h"
 #include "view/protocol.h"
 
@@ -39,7 +40,7 @@ class PageHost {
 /// @par Thread safety  One object: the thread of its socket.
 class PageSocket : public std::enable_shared_from_this<PageSocket> {
  public:
-  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  using Request = page_server::UpgradeRequest;
 
   /// Host and layout must outlive it.
   PageSocket(PageHost& host, PageId id, const Layout& layout, boost::beast::tcp_stream&& stream);
@@ -68,7 +69,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   Request request_;
   CommandReader commands_;
-  Allowance allowance_{kCommandsPerSecond};
+  page_server::Allowance allowance_{kCommandsPerSecond};
   boost::beast::flat_buffer incoming_{kMaxBytes};
   std::deque<std::shared_ptr<const std::string>> words_;
   std::shared_ptr<const std::string> text_;  ///< being written

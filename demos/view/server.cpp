@@ -4,101 +4,72 @@
 
 #include <algorithm>
 #include <atomic>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <stdexcept>
-#include <thread>
 #include <utility>
 
-#include "tandem/pbd/validate.h"
-#include "view/access.h"
+#include "page_server/page_server.h"
 #include "view/frame_encoder.h"
-#include "view/page_request.h"
 #include "view/page_socket.h"
 
 namespace tandem::demos::view {
 
 namespace {
 
-namespace asio = boost::asio;
-using Tcp = asio::ip::tcp;
-using Error = boost::system::error_code;
+using page_server::File;
+using page_server::Place;
+using page_server::UpgradeRequest;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSameAgain{500};  // between two frames in which nothing moves
-constexpr std::chrono::milliseconds kAcceptAgain{100};
 
-std::string host_of(const asio::ip::address& address, std::uint16_t port) {
-  const std::string text = address.to_string();
-  return (address.is_v6() ? '[' + text + ']' : text) + ':' + std::to_string(port);
+/// For people who have lost part of the address.
+constexpr std::string_view kHelp =
+    "<p>A Tandem program is running here, but its page has a secret in its address, which is drawn "
+    "anew at each start.</p>"
+    "<p>Open the whole address that the program printed after <code>view:</code>, with the 32 "
+    "letters and digits and the slash at its end.</p>";
+
+page_server::Options web_options(const ServerOptions& options) {
+  page_server::Options web;
+  web.address = options.address;
+  web.port = options.port;
+  web.max_connections = web.max_per_address = options.max_connections;
+  web.images = "'self' data: blob:";
+  web.help = kHelp;
+  return web;
 }
 
 }  // namespace
 
 /// Everything below runs on the server's thread unless it says otherwise.
-class Server::Impl final : public PageHost, public RequestHost {
+class Server::Impl final : public PageHost, public page_server::Site {
  public:
   Impl(const ServerOptions& options, Layout layout, std::span<const Asset> assets)
       : options_(options),
         layout_(std::move(layout)),
         assets_(assets),
         encoder_(layout_),
-        token_(random_token()),
-        acceptor_(io_),
-        again_(io_) {
-    Error error;
-    const asio::ip::address address = asio::ip::make_address(options.address, error);
-    if (error) {
-      pbd::detail::refuse("view address", "numeric", options.address);
-    }
-    const Tcp::endpoint endpoint(address, options.port);
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (error) {
-      throw std::runtime_error("view: cannot listen on " + host_of(address, options.port) + ": " +
-                               error.message());
-    }
-    address_ = address;
-    port_ = acceptor_.local_endpoint().port();
-    accept();
-    thread_ = std::thread([this] { io_.run(); });
-    pthread_getcpuclockid(thread_.native_handle(), &cpu_clock_);
+        web_(web_options(options), *this) {
+    web_.start();
   }
-
-  ~Impl() override {
-    asio::post(io_, [this] { stop(); });
-    thread_.join();
-  }
+  ~Impl() override { web_.stop(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
   // From any thread.
 
-  std::uint16_t port() const { return port_; }
-  const std::string& token() const override { return token_; }
-  std::string url() const {
-    const bool any = address_.is_unspecified();
-    const asio::ip::address shown = any ? (address_.is_v6() ? asio::ip::make_address("::1")
-                                                            : asio::ip::make_address("127.0.0.1"))
-                                        : address_;
-    return "http://" + host_of(shown, port_) + '/' + token_ + '/';
-  }
+  const page_server::PageServer& web() const { return web_; }
   void set_hello(std::string text) {
-    asio::post(io_, [this, text = std::move(text)]() mutable { take_hello(std::move(text)); });
+    web_.post([this, text = std::move(text)]() mutable { take_hello(std::move(text)); });
   }
   void tell(std::string text) {
-    asio::post(io_, [this, text = std::move(text)] { tell_all(text); });
+    web_.post([this, text = std::move(text)] { tell_all(text); });
   }
   void tell(PageId page, std::string text) {
-    asio::post(io_, [this, page, text = std::move(text)] { tell_one(page, text); });
+    web_.post([this, page, text = std::move(text)] { tell_one(page, text); });
   }
   void show(Frame& frame) {
     bool waiting = false;
@@ -107,7 +78,7 @@ class Server::Impl final : public PageHost, public RequestHost {
       std::swap(pending_, frame);
       waiting = std::exchange(has_pending_, true);
     }
-    if (!waiting) asio::post(io_, [this] { take_frame(); });
+    if (!waiting) web_.post([this] { take_frame(); });
   }
   void take(std::vector<PageEvent>& events) {
     const std::lock_guard lock(mutex_);
@@ -117,11 +88,10 @@ class Server::Impl final : public PageHost, public RequestHost {
   bool wants_overlays() const { return wants_overlays_; }
   std::size_t pages() const { return page_count_; }
   Counters counters() const {
-    timespec cpu{};
-    clock_gettime(cpu_clock_, &cpu);
     const std::lock_guard lock(mutex_);
     Counters result = counters_;
-    result.cpu_s = static_cast<double>(cpu.tv_sec) + 1e-9 * static_cast<double>(cpu.tv_nsec);
+    result.refused = web_.refused();
+    result.cpu_s = web_.cpu_s();
     return result;
   }
 
@@ -146,19 +116,17 @@ class Server::Impl final : public PageHost, public RequestHost {
     note_pages();
   }
 
-  bool is_named(std::string_view host) const override { return is_name_of(host, address_, port_); }
-  const Asset* asset_of(std::string_view path) const override;
-  bool is_full() const override { return pages_.size() >= options_.max_pages; }
-  bool ends() const override { return stopping_; }
-  void refused() override {
-    const std::lock_guard lock(mutex_);
-    ++counters_.refused;
+  // Site
+  std::optional<File> file(std::string_view path) const override;
+  bool has_room(std::string_view path) const override {
+    return path.empty() && pages_.size() < options_.max_pages;
   }
-  void open(boost::beast::tcp_stream&& stream, PageSocket::Request request) override;
-  void ended(PageRequest* request) override { requests_.erase(request); }
+  void upgrade(std::string_view path, UpgradeRequest request, boost::beast::tcp_stream&& stream,
+               Place place) override;
+  void end() override {
+    for (const auto& [id, page] : std::map(pages_)) page.socket->say_goodbye();
+  }
 
-  void stop();
-  void accept();
   void take_hello(std::string text);
   void tell_all(const std::string& text);
   void tell_one(PageId page, const std::string& text);
@@ -169,22 +137,20 @@ class Server::Impl final : public PageHost, public RequestHost {
     events_.push_back({page, std::move(what)});
   }
 
+  struct Page {
+    std::shared_ptr<PageSocket> socket;
+    Place place;
+  };
+
   ServerOptions options_;
   Layout layout_;
   std::span<const Asset> assets_;
   FrameEncoder encoder_;
-  std::string token_;
-  std::map<PageRequest*, std::weak_ptr<PageRequest>> requests_;
-  asio::io_context io_{1};  // after what connections use when they end
-  Tcp::acceptor acceptor_;
-  asio::steady_timer again_;
-  asio::ip::address address_;
-  std::uint16_t port_ = 0;
+  page_server::PageServer web_;
   std::string hello_;
-  bool stopping_ = false;
   Clock::time_point last_taken_;
   PageId next_page_ = 1;
-  std::map<PageId, std::shared_ptr<PageSocket>> pages_;
+  std::map<PageId, Page> pages_;  // after the server, whose thread is theirs
   Frame current_;
 
   mutable std::mutex mutex_;
@@ -194,67 +160,32 @@ class Server::Impl final : public PageHost, public RequestHost {
   Counters counters_;
   std::atomic<bool> wants_overlays_ = false;
   std::atomic<std::size_t> page_count_ = 0;
-  std::thread thread_;
-  clockid_t cpu_clock_{};  ///< of thread_
 };
 
-void Server::Impl::stop() {
-  stopping_ = true;
-  Error ignored;
-  acceptor_.close(ignored);
-  again_.cancel();
-  for (const auto& [id, page] : std::map(pages_)) page->say_goodbye();
-  for (const auto& [request, alive] : requests_) {
-    if (const std::shared_ptr<PageRequest> one = alive.lock()) one->close();
-  }
-}
-
-void Server::Impl::accept() {
-  acceptor_.async_accept([this](Error error, Tcp::socket socket) {
-    if (stopping_ || error == asio::error::operation_aborted) return;
-    if (error) {
-      // Out of descriptors, as a rule: not again at once.
-      again_.expires_after(kAcceptAgain);
-      return again_.async_wait([this](Error) {
-        if (!stopping_) accept();
-      });
-    }
-    if (requests_.size() + pages_.size() < options_.max_connections) {
-      Error ignored;
-      socket.set_option(Tcp::no_delay(true), ignored);
-      const auto request = std::make_shared<PageRequest>(*this, std::move(socket));
-      requests_[request.get()] = request;
-      request->start();
-    } else {
-      refused();
-    }
-    accept();
-  });
-}
-
-void Server::Impl::open(boost::beast::tcp_stream&& stream, PageSocket::Request request) {
+void Server::Impl::upgrade(std::string_view /*path*/, UpgradeRequest request,
+                           boost::beast::tcp_stream&& stream, Place place) {
   const PageId id = next_page_++;
   auto page = std::make_shared<PageSocket>(*this, id, layout_, std::move(stream));
-  pages_[id] = page;
+  pages_[id] = {page, std::move(place)};
   note_pages();
   page->start(std::move(request));
 }
 
 void Server::Impl::take_hello(std::string text) {
   hello_ = std::move(text);
-  for (const auto& [id, page] : pages_) page->greet();
+  for (const auto& [id, page] : pages_) page.socket->greet();
 }
 
 void Server::Impl::tell_all(const std::string& text) {
   const auto shared = std::make_shared<const std::string>(text);
   // Of a copy: who has too many words waiting is closed, and no page any more.
-  for (const auto& [id, page] : std::map(pages_)) page->say(shared);
+  for (const auto& [id, page] : std::map(pages_)) page.socket->say(shared);
 }
 
 void Server::Impl::tell_one(PageId page, const std::string& text) {
   const auto found = pages_.find(page);
   if (found == pages_.end()) return;
-  const std::shared_ptr<PageSocket> alive = found->second;
+  const std::shared_ptr<PageSocket> alive = found->second.socket;
   alive->say(std::make_shared<const std::string>(text));
 }
 
@@ -273,29 +204,30 @@ void Server::Impl::take_frame() {
     const std::lock_guard lock(mutex_);
     ++counters_.frames;
   }
-  for (const auto& [id, page] : pages_) page->show();
+  for (const auto& [id, page] : pages_) page.socket->show();
 }
 
 void Server::Impl::note_pages() {
   bool wanted = false;
-  for (const auto& [id, page] : pages_) wanted = wanted || page->wants_overlays();
+  for (const auto& [id, page] : pages_) wanted = wanted || page.socket->wants_overlays();
   wants_overlays_ = wanted;
   page_count_ = pages_.size();
   if (pages_.empty()) encoder_.forget();
 }
 
-const Asset* Server::Impl::asset_of(std::string_view path) const {
+std::optional<File> Server::Impl::file(std::string_view path) const {
   const auto found = std::find_if(assets_.begin(), assets_.end(),
                                   [path](const Asset& asset) { return asset.path == path; });
-  return found == assets_.end() ? nullptr : &*found;
+  if (found == assets_.end()) return std::nullopt;
+  return File{found->mime, found->bytes};
 }
 
 Server::Server(const ServerOptions& options, Layout layout, std::span<const Asset> assets)
     : impl_(std::make_unique<Impl>(options, std::move(layout), assets)) {}
 Server::~Server() = default;
-std::uint16_t Server::port() const { return impl_->port(); }
-const std::string& Server::token() const { return impl_->token(); }
-std::string Server::url() const { return impl_->url(); }
+std::uint16_t Server::port() const { return impl_->web().port(); }
+const std::string& Server::token() const { return impl_->web().token(); }
+std::string Server::url() const { return impl_->web().url(); }
 void Server::set_hello(std::string text) { impl_->set_hello(std::move(text)); }
 void Server::tell(std::string text) { impl_->tell(std::move(text)); }
 void Server::tell(PageId page, std::string text) { impl_->tell(page, std::move(text)); }

@@ -8,9 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "page_server/web_client.h"
 #include "support/catch.h"
+#include "support/hostile_requests.h"
 #include "view/server.h"
-#include "view/web_client.h"
 #include "view_frames.h"
 
 namespace tandem::demos::view::view_server_test {
@@ -47,11 +48,6 @@ struct Fixture {
     CHECK(hello->bytes == R"({"type":"hello"})");
     return client;
   }
-  int status(const std::string& path, const std::string& name, const std::string& extra = "",
-             const std::string& method = "GET") {
-    WebClient client("127.0.0.1", server.port());
-    return client.get(path, name, extra, method);
-  }
   void show(std::size_t bodies, double where) {
     Frame frame;
     frame.time = where;
@@ -71,63 +67,23 @@ struct Fixture {
   }
 };
 
-TEST_CASE("view server: who knows the token gets the page, nobody else gets anything",
-          "[demos][view][socket]") {
-  Fixture f;
+TEST_CASE("view server: hostile requests", "[demos][view][socket]") {
+  Fixture f(1, {.max_connections = 6});
   CHECK(f.server.token().size() == 32);
   CHECK(f.server.token().find_first_not_of("0123456789abcdef") == std::string::npos);
   CHECK(f.server.url() == "http://" + f.host + f.root);
   CHECK(Fixture().server.token() != f.server.token());
-  WebClient client("127.0.0.1", f.server.port());
-  REQUIRE(client.get(f.root, f.host) == 200);
-  CHECK(client.last_head().find("Content-Type: text/html") != std::string::npos);
-  CHECK(client.last_head().find("Content-Security-Policy: default-src 'none'") !=
-        std::string::npos);
-  CHECK(client.bytes(11) == "<p>here</p>");
-  // On the same connection.
-  REQUIRE(client.get(f.root + "main.js?pane=0", f.host) == 200);
-  CHECK(client.bytes(10) == "let x = 1;");
-
-  std::string wrong = f.root;
-  wrong[5] = wrong[5] == '0' ? '1' : '0';
-  for (const std::string& path :
-       {wrong, wrong + "main.js", wrong + "socket", std::string("/"), std::string("*"),
-        f.root + "other.js", f.root + "../" + f.root.substr(1), f.root.substr(0, 32),
-        f.root + '/'}) {
-    INFO(path);
-    CHECK(f.status(path, f.host) == 404);
+  const testing::Served served{.port = f.server.port(),
+                               .root = f.root,
+                               .socket = "socket",
+                               .help = "whole address that the program printed"};
+  SECTION("tokens") {
+    testing::check_tokens(served);
+    CHECK(f.server.counters().refused >= 10);
   }
-  for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "DELETE"}) {
-    CHECK(f.status(f.root, f.host, "", method) == 404);
-  }
-  // What people are told says nothing of the token.
-  const auto said = [&f](const std::string& path) {
-    WebClient other("127.0.0.1", f.server.port());
-    REQUIRE(other.get(path, f.host) == 404);
-    const std::string head = other.last_head();
-    const std::size_t length = std::stoul(head.substr(head.find("Content-Length: ") + 16));
-    return other.bytes(length).value_or("");
-  };
-  const std::string help = said("/");
-  CHECK(help.find("whole address that the program printed") != std::string::npos);
-  CHECK(help.find(f.server.token()) == std::string::npos);
-  for (const std::string& path : {wrong, wrong.substr(0, 33), f.root + "other.js"}) {
-    CHECK(said(path) == help);
-  }
-  CHECK(f.server.counters().refused >= 10);
-}
-
-TEST_CASE("view server: who has left out the last slash is sent to the page",
-          "[demos][view][socket]") {
-  Fixture f;
-  const std::string bare = f.root.substr(0, 33);
-  for (const std::string query : {"", "?pane=0"}) {
-    WebClient client("127.0.0.1", f.server.port());
-    REQUIRE(client.get(bare + query, f.host) == 308);
-    CHECK(client.last_head().find("Location: " + f.root + query + "\r\n") != std::string::npos);
-  }
-  CHECK(f.status(bare, "evil.example") == 404);
-  CHECK(f.status(bare, f.host, "", "POST") == 404);
+  SECTION("names") { testing::check_names(served); }
+  SECTION("malformed") { testing::check_malformed(served); }
+  SECTION("flood") { testing::check_flood(served, 6); }
 }
 
 TEST_CASE("view server: a program that ends says so to its pages", "[demos][view][socket]") {
@@ -140,31 +96,6 @@ TEST_CASE("view server: a program that ends says so to its pages", "[demos][view
   ending.join();
   REQUIRE(start);
   CHECK(*start == std::string("\x88\x02\x03\xe9", 4));
-}
-
-TEST_CASE("view server: another site's page and another name of the machine are refused",
-          "[demos][view][socket]") {
-  Fixture f;
-  const std::string port = ':' + std::to_string(f.server.port());
-  CHECK(f.status(f.root, "localhost" + port) == 200);
-  CHECK(f.status(f.root, f.host, "Origin: http://" + f.host + "\r\n") == 200);
-  for (const std::string& name : {"evil.example" + port, std::string("127.0.0.1"),
-                                  "127.0.0.2" + port, std::string("127.0.0.1:1"), port,
-                                  std::string(), "127.0.0.1.evil.example" + port, "[::1]" + port}) {
-    INFO(name);
-    CHECK(f.status(f.root, name) == 404);
-  }
-  CHECK(f.status(f.root, f.host, "Host: " + f.host + "\r\n") != 200);
-  for (const std::string& origin :
-       {std::string("http://evil.example"), std::string("null"), "https://" + f.host,
-        "http://localhost" + port, std::string("http://127.0.0.1")}) {
-    INFO(origin);
-    CHECK(f.status(f.root, f.host, "Origin: " + origin + "\r\n") == 404);
-    WebClient client("127.0.0.1", f.server.port());
-    CHECK(client.open(f.root + "socket", f.host, "Origin: " + origin + "\r\n") == 404);
-  }
-  WebClient client("127.0.0.1", f.server.port());
-  CHECK(client.open(f.root + "socket", f.host, "Origin: http://" + f.host + "\r\n") == 101);
 }
 
 TEST_CASE("view server: it is at its address alone", "[demos][view][socket]") {

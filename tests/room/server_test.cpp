@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "page_server/web_client.h"
 #include "server/room_server.h"
 #include "support/catch.h"
-#include "view/web_client.h"
+#include "support/hostile_requests.h"
 
 namespace tandem::room::room_server_test {
 namespace {
@@ -46,44 +47,38 @@ struct Fixture {
     REQUIRE(static_cast<Wire>(welcome->bytes[0]) == Wire::Welcome);
     return client;
   }
-  int status(const std::string& path, const std::string& name, const std::string& extra = "",
-             const std::string& method = "GET") {
-    WebClient client("127.0.0.1", server.port());
-    return client.get(path, name, extra, method);
-  }
 };
 
-TEST_CASE("room server: files lie below the token, and what is not a page's is not there") {
-  Fixture room;
-  CHECK(room.status(room.root, room.host) == 200);
-  CHECK(room.status(room.root + "?room=piano", room.host) == 200);
-  CHECK(room.status(room.root + "main.js", room.host) == 200);
-  CHECK(room.status(room.root + "secret", room.host) == 404);
-  CHECK(room.status(room.root + "../main.js", room.host) == 404);
-  CHECK(room.status(room.root + "socket/sandbox", room.host) == 404);
-  CHECK(room.status("/", room.host) == 404);
-  std::string wrong = room.root;
-  wrong[5] = wrong[5] == '0' ? '1' : '0';
-  CHECK(room.status(wrong, room.host) == 404);
-  CHECK(room.status(room.root, room.host, "", "POST") == 404);
-  WebClient client("127.0.0.1", room.server.port());
-  client.get(room.root, room.host);
-  CHECK(client.last_head().find("Content-Security-Policy: default-src 'none'") !=
-        std::string::npos);
-  CHECK(client.last_head().find("Referrer-Policy: no-referrer") != std::string::npos);
+TEST_CASE("room server: hostile requests") {
+  ServerOptions options;
+  options.max_connections = 6;
+  Fixture room(options);
+  const testing::Served served{.port = room.server.port(),
+                               .root = room.root,
+                               .socket = "socket/sandbox",
+                               .help = "whole link as it was sent",
+                               .has_https = true};
+  SECTION("tokens") {
+    testing::check_tokens(served);
+    CHECK(testing::status_of(served, room.root + "?room=piano", room.host) == 200);
+    CHECK(testing::status_of(served, room.root + "secret", room.host) == 404);
+  }
+  SECTION("names") { testing::check_names(served); }
+  SECTION("malformed") { testing::check_malformed(served); }
+  SECTION("flood") { testing::check_flood(served, 6); }
 }
 
-TEST_CASE("room server: neither another name nor another site's page gets in") {
+TEST_CASE("room server: it answers to the name that it has, and has the rooms that it has") {
   ServerOptions options;
   options.name = "play.example.org";
   Fixture room(options);
   room.root = room.server.url().substr(room.server.url().find(options.name) + options.name.size());
-  CHECK(room.status(room.root, "play.example.org") == 200);
-  CHECK(room.status(room.root, "evil.example.org") == 404);
-  CHECK(room.status(room.root, room.host, "Host: play.example.org\r\n") == 404);
-  room.socket("sandbox", 404, "Origin: http://evil.example.org\r\n");
-  room.socket("sandbox", 404, "Origin: null\r\n");
-  room.socket("sandbox", 101, "Origin: http://" + room.host + "\r\n");
+  const auto status = [&room](const std::string& host, const std::string& extra = "") {
+    return WebClient("127.0.0.1", room.server.port()).get(room.root, host, extra);
+  };
+  CHECK(status("play.example.org") == 200);
+  CHECK(status("evil.example.org") == 404);
+  CHECK(status(room.host, "Host: play.example.org\r\n") == 404);
   room.socket("cellar", 503);
 }
 

@@ -60,7 +60,7 @@ void MemberSocket::start(Request request) {
 void MemberSocket::read() {
   socket_.async_read(incoming_, [self = shared_from_this()](Error error, std::size_t size) {
     if (error || self->closed_) return self->close();
-    const auto now = demos::view::Allowance::Clock::now();
+    const auto now = page_server::Allowance::Clock::now();
     if (!self->messages_.take(now) || !self->bytes_.take(now, static_cast<double>(size))) {
       return self->end(websocket::close_code::try_again_later);
     }

@@ -4,7 +4,6 @@
 
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "page_server/access.h"
+#include "page_server/page_server.h"
 #include "server/wire.h"
-#include "view/access.h"
 
 namespace tandem::room {
 
@@ -46,7 +46,7 @@ class MemberHost {
 /// @par Thread safety  One object: the thread of its socket.
 class MemberSocket : public std::enable_shared_from_this<MemberSocket> {
  public:
-  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  using Request = page_server::UpgradeRequest;
 
   MemberSocket(MemberHost& host, std::string room, const MemberLimits& limits,
                boost::beast::tcp_stream&& stream);
@@ -77,8 +77,8 @@ class MemberSocket : public std::enable_shared_from_this<MemberSocket> {
   boost::asio::steady_timer patience_;
   Request request_;
   boost::beast::flat_buffer incoming_{kMaxWireBytes};
-  demos::view::Allowance messages_;
-  demos::view::Allowance bytes_;
+  page_server::Allowance messages_;
+  page_server::Allowance bytes_;
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
   Message writing_;

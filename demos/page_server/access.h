@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace tandem::demos::view {
+namespace tandem::page_server {
 
 /// 32 hex digits of the system's generator. @throws std::runtime_error where it has none
 std::string random_token();
@@ -41,4 +41,4 @@ class Allowance {
   double left_;
 };
 
-}  // namespace tandem::demos::view
+}  // namespace tandem::page_server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "view/access.h"
+#include "page_server/access.h"
 
 #include <sys/random.h>
 
@@ -8,7 +8,7 @@
 #include <array>
 #include <stdexcept>
 
-namespace tandem::demos::view {
+namespace tandem::page_server {
 
 namespace {
 
@@ -26,7 +26,7 @@ std::string random_token() {
   std::size_t filled = 0;
   while (filled < bytes.size()) {
     const ssize_t got = getrandom(bytes.data() + filled, bytes.size() - filled, 0);
-    if (got <= 0) throw std::runtime_error("view: the system has no random numbers");
+    if (got <= 0) throw std::runtime_error("the system has no random numbers");
     filled += static_cast<std::size_t>(got);
   }
   constexpr std::string_view kDigits = "0123456789abcdef";
@@ -78,4 +78,4 @@ bool Allowance::take(Clock::time_point now, double amount) {
   return true;
 }
 
-}  // namespace tandem::demos::view
+}  // namespace tandem::page_server

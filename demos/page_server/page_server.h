@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <time.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+namespace tandem::page_server {
+
+struct Options {
+  std::string address = "127.0.0.1";  ///< numeric
+  std::uint16_t port = 0;             ///< 0 takes a free one
+  std::string token;                  ///< 32 hex digits; "" draws them
+  /// Host and port by which pages reach it where something stands in front, "play.example.org",
+  /// by TLS perhaps. "": none
+  std::string name;
+  bool may_have_tls = false;            ///< who comes by https comes from here as well
+  std::size_t max_connections = 64;     ///< of any kind
+  std::size_t max_per_address = 64;     ///< likewise, of one address that is not this machine's own
+  std::string scripts = "'self'";       ///< Content-Security-Policy: where scripts may come from
+  std::string images = "'self' data:";  ///< likewise, images
+  /// HTML for people who have lost part of the address; the same wherever they are.
+  std::string help;
+};
+
+struct File {
+  std::string_view mime;
+  std::string_view bytes;  ///< outlive the server
+  bool gzip = false;
+};
+
+using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
+/// One connection's place among those that a server has room for; free once it is gone.
+using Place = std::shared_ptr<void>;
+
+/// What is served. It is asked on the server's thread.
+class Site {
+ public:
+  virtual ~Site() = default;
+  /// @param path  below the token; "" is the page
+  virtual std::optional<File> file(std::string_view path) const = 0;
+  /// Whether a socket may open there. @param path  what follows "socket" in the target
+  virtual bool has_room(std::string_view path) const = 0;
+  /// A connection becomes a socket. @pre has_room(path)
+  virtual void upgrade(std::string_view path, UpgradeRequest request,
+                       boost::beast::tcp_stream&& stream, Place place) = 0;
+  /// The server ends: all sockets are to close.
+  virtual void end() = 0;
+};
+
+class Request;
+
+/// Serves a page below a token, to who asks for it by the server's own name and from no other
+/// site's page, and hands on connections that become sockets. Runs on a thread of its own.
+/// @par Thread safety  Public methods: safe but for start() and stop(). Private ones: its thread.
+class PageServer {
+ public:
+  /// It listens, and asks the site nothing before start().
+  /// @param site  outlives stop()
+  /// @throws std::invalid_argument naming field, value and rule; std::runtime_error where it cannot
+  /// listen
+  PageServer(Options options, Site& site);
+  /// @pre stopped, where it was started
+  ~PageServer() = default;
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+
+  void start();
+  void stop();
+  /// Does it on the server's thread.
+  template <class Work>
+  void post(Work&& work) {
+    boost::asio::post(io_, std::forward<Work>(work));
+  }
+
+  std::uint16_t port() const { return port_; }
+  const std::string& token() const { return options_.token; }
+  std::string url() const;
+  /// Requests and connections that were turned away.
+  std::uint64_t refused() const { return refused_; }
+  /// Processor time of its thread, s. @pre started
+  double cpu_s() const;
+
+ private:
+  friend class Request;
+
+  bool is_own_name(std::string_view host) const;
+  void accept();
+  /// Null where there is no room for one more.
+  Place place_of(const boost::asio::ip::address& from);
+
+  Options options_;
+  Site& site_;
+  std::map<Request*, std::weak_ptr<Request>> requests_;
+  std::map<boost::asio::ip::address, std::size_t> taken_;
+  std::size_t all_taken_ = 0;
+  boost::asio::io_context io_{1};  // after what connections use when they end
+  boost::asio::ip::tcp::acceptor acceptor_{io_};
+  boost::asio::steady_timer again_{io_};
+  boost::asio::ip::address address_;
+  std::uint16_t port_ = 0;
+  bool stopping_ = false;
+  std::atomic<std::uint64_t> refused_ = 0;
+  std::thread thread_;
+  clockid_t cpu_clock_{};  ///< of thread_
+};
+
+}  // namespace tandem::page_server
