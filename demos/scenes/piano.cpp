@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -62,6 +63,7 @@ class PianoReferee final : public Referee {
     const PianoPose goal = PianoPath().goal();
     const Vec3& p = scene.pose(piano_).position;
     distance_ = (p - Vec3(goal.x, goal.y, p.z())).norm();
+    way_left_ = PianoPath().left_from(p);
     const Vec3 up = scene.pose(piano_).orientation * Vec3::UnitZ();
     steepest_ = std::max(steepest_, std::acos(std::clamp(up.z(), -1.0, 1.0)));
     if (distance_ < 0.04 && delivered_at_ < 0.0) delivered_at_ = time;
@@ -70,12 +72,14 @@ class PianoReferee final : public Referee {
     return {{"delivered", delivered_at_ >= 0.0 && distance_ < 0.04 ? 1.0 : 0.0},
             {"delivered_at_s", delivered_at_},
             {"from_goal_m", distance_},
+            {"way_left_m", way_left_},
             {"steepest_deg", steepest_ * 180.0 / std::numbers::pi}};
   }
 
  private:
   std::size_t piano_;
-  double distance_ = 0.0;       ///< m, from the goal
+  double distance_ = 0.0;       ///< m, from the goal, through walls
+  double way_left_ = 0.0;       ///< m, round them
   double delivered_at_ = -1.0;  ///< s
   double steepest_ = 0.0;       ///< rad
 };
@@ -134,6 +138,26 @@ Vec3 PianoPath::handle(std::size_t user, double time, double z) const {
   return {pose.x + arm * std::cos(pose.angle), pose.y + arm * std::sin(pose.angle), z};
 }
 
+double PianoPath::left_from(const Vec3& position) const {
+  double left = 0.0;
+  double nearest = std::numeric_limits<double>::infinity();
+  double result = 0.0;
+  for (std::size_t i = poses_.size() - 1; i > 0; --i) {
+    const Vec3 from(poses_[i - 1].x, poses_[i - 1].y, position.z());
+    const Vec3 way = Vec3(poses_[i].x, poses_[i].y, position.z()) - from;
+    const double square = way.squaredNorm();
+    if (square == 0.0) continue;  // it turns there
+    const double s = std::clamp((position - from).dot(way) / square, 0.0, 1.0);
+    const double distance = (position - from - s * way).norm();
+    if (distance < nearest) {
+      nearest = distance;
+      result = left + (1.0 - s) * way.norm();
+    }
+    left += way.norm();
+  }
+  return result;
+}
+
 Scene PianoScenario::build(const SceneOptions& options) const {
   SceneBuilder builder;
   builder.add(piano());
@@ -170,10 +194,11 @@ std::unique_ptr<Referee> PianoScenario::make_referee(const Scene& scene) const {
 
 Achievement PianoScenario::achievement(const Outcome& outcome) const {
   const bool delivered = value_of(outcome, "delivered") > 0.5;
-  const std::string short_by = length_words(value_of(outcome, "from_goal_m"));
   if (!delivered) {
-    return {"left one piano " + short_by + " from its goal in a maze", "piano arrived",
-            "no, " + short_by + " short", false};
+    const std::string left = length_words(value_of(outcome, "way_left_m")) + " of " +
+                             length_words(PianoPath().length());
+    return {"left one piano in a maze with " + left + " to go", "piano arrived",
+            "no, " + left + " to go", false};
   }
   const std::string when = two_digits(value_of(outcome, "delivered_at_s")) + " s";
   return {"carried one piano through a maze in " + when, "piano arrived", "after " + when};

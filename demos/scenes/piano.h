@@ -70,6 +70,9 @@ class PianoPath {
   /// m, where the handle of a user is to be, on the height `z`.
   pbd::Vec3 handle(std::size_t user, double time, double z) const;
   PianoPose goal() const { return poses_.back(); }
+  /// m along it, from its point nearest to that one to the goal; x and y count.
+  double left_from(const pbd::Vec3& position) const;
+  double length() const { return left_from({poses_[0].x, poses_[0].y, 0.0}); }  ///< m
 
  private:
   std::vector<PianoPose> poses_;

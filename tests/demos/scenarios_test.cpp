@@ -178,6 +178,16 @@ TEST_CASE("piano: the way through the maze keeps clear of the walls", "[demos][a
   }
 }
 
+TEST_CASE("piano: what is left of the way goes round the walls", "[demos][analytic]") {
+  // The edges of the S: 0.27, 0.285, 0.28, 0.285 and 0.27 m.
+  const PianoPath path;
+  CHECK(path.length() == Approx(1.39));
+  CHECK(path.left_from({-0.28, 0.14, 0.0}) == Approx(1.12));
+  CHECK(path.left_from({-0.29, 0.005, 0.3}) == Approx(1.12 + 0.135));
+  CHECK(path.left_from({0.005, 0.0, 0.0}) == Approx(0.14 + 0.285 + 0.27));
+  CHECK(path.left_from({0.29, 0.2, 0.0}) == Approx(0.0).margin(1e-12));
+}
+
 TEST_CASE("piano: delivered on a good network, with bounded forces", "[demos][soak]") {
   const PianoScenario scenario({.soft = true});
   const RunResult result = run_virtual(scenario, quiet(1, 20.0));

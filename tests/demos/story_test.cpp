@@ -24,7 +24,8 @@ namespace {
 Outcome piano_outcome(bool delivered) {
   return {{"delivered", delivered ? 1.0 : 0.0},
           {"delivered_at_s", delivered ? 12.0 : -1.0},
-          {"from_goal_m", delivered ? 0.001 : 0.58}};
+          {"from_goal_m", delivered ? 0.001 : 0.58},
+          {"way_left_m", delivered ? 0.001 : 1.12}};
 }
 
 /// Of so many peers who all saw the same.
@@ -119,7 +120,7 @@ TEST_CASE("story: over a network news have an age, unless there are none", "[dem
 TEST_CASE("story: a fault is told", "[demos][unit]") {
   Report r = report(2, piano_outcome(false));
   r.fault = "peer 1, 5.18 s: ball/0 fell through the ground";
-  CHECK_THAT(told(r), Catch::Contains("left one piano 58 cm from its goal in a maze"));
+  CHECK_THAT(told(r), Catch::Contains("left one piano in a maze with 1.1 m of 1.4 m to go"));
   CHECK_THAT(told(r), Catch::Contains("It went wrong: peer 1, 5.18 s: ball/0 fell"));
 }
 
@@ -130,14 +131,14 @@ TEST_CASE("story: beside another run both are shown, and why that one lost", "[d
   other.fault = "it fell";
   const std::string text = squeezed(told(r, &other));
   CHECK_THAT(text, Catch::Contains("with agreement with a single owner\n"));
-  CHECK_THAT(text, Catch::Contains("piano arrived after 12 s no, 58 cm short\n"));
+  CHECK_THAT(text, Catch::Contains("piano arrived after 12 s no, 1.1 m of 1.4 m to go\n"));
   CHECK_THAT(text, Catch::Contains("copies typically apart 0.7 mm 0.7 mm\n"));
   CHECK_THAT(text, Catch::Contains("at most 56 mm, 2.9 degrees 56 mm, 2.9 degrees\n"));
   CHECK_THAT(text, Catch::Contains("went wrong nothing it fell\n"));
   CHECK_THAT(text, Catch::Contains("A single owner loses by its nature"));
   // What two peers saw differently.
   other.run.peers[1].outcome = piano_outcome(true);
-  CHECK_THAT(told(r, &other), Catch::Contains("no, 58 cm short or after 12 s"));
+  CHECK_THAT(told(r, &other), Catch::Contains("no, 1.1 m of 1.4 m to go or after 12 s"));
   other.options.scheme = Scheme::None;
   CHECK_THAT(told(r, &other), Catch::Contains("every computer simulates alone"));
   other.options.scheme = Scheme::TwoStepPaper;
@@ -154,7 +155,7 @@ TEST_CASE("story: colours where they are wanted alone", "[demos][unit]") {
   CHECK(told(r, &other).find('\033') == std::string::npos);
   const std::string coloured = story(PianoScenario(), r, &other, true);
   CHECK_THAT(coloured, Catch::Contains("\033[32mafter 12 s"));
-  CHECK_THAT(coloured, Catch::Contains("\033[31mno, 58 cm short"));
+  CHECK_THAT(coloured, Catch::Contains("\033[31mno, 1.1 m of 1.4 m to go"));
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
   REQUIRE(file != nullptr);
   CHECK_FALSE(may_colour(file.get()));
