@@ -92,6 +92,12 @@ draw() {
 }
 
 case ${1:-} in
+  -h | --help)
+    # The words above.
+    sed -n '5,/^set /{s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
+    echo "What a demo takes: demos/run.sh cubes --help"
+    exit
+    ;;
   --pictures)
     build cliff cubes piano pile room tennis
     draw pictures.mjs "$(realpath -m "${2:-pictures}")" "${@:3}"

@@ -28,7 +28,7 @@ for example:
   )" + name +
          R"( --profile 5                 across an ocean
   )" + name +
-         R"( --coupling none           what happens where nothing is agreed upon
+         R"( --coupling none             what happens where nothing is agreed upon
   )" + name +
          R"( --view --profile 4          touch it while it runs
   )" + name +

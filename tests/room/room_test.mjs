@@ -115,6 +115,16 @@ describe('a room by a link', {timeout: 600000}, () => {
     await atRest([a, b], native, 'to begin with');
   });
 
+  test('who comes with another key is told so, and the others do not notice', async () => {
+    const lost = await openPage(browser, `${server.url}?room=sandbox`);
+    await until(() => lost.locator('#state').textContent().then((text) => text.includes('Ask for the whole link')),
+                'words');
+    assert.equal(await others(lost), 0);
+    assert.deepEqual(lost.complaints, []);
+    assert.equal(await a.locator('#state').textContent(), '');
+    await lost.context().close();
+  });
+
   test('the key never leaves the page', async () => {
     const key = server.link.split('#')[1];
     const seen = [];

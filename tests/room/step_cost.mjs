@@ -4,7 +4,7 @@
 // Where the processor time of a page's step goes: three sessions of the room's page in one process and in virtual
 // time, without pictures, with 200 bodies that each of the three stirs, as heap.mjs does it. What it counts does not
 // depend on what else the machine does, but for its caches.
-//   node tests/room/step_cost.mjs [--page build/web/room] [--seconds 10] [--way 8] [--late 0] [--bodies 200]
+//   node tests/room/step_cost.mjs [--page build/web/room] [--seconds 10] [--way 8] [--late 0] [--bodies 200] [--seed 1]
 // --way: ms one way; --late: ms, from time to time nobody steps for so long.
 import {mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -16,6 +16,7 @@ import {PAGE} from './support.mjs';
 const {values: options} = parseArgs({options: {
   page: {type: 'string', default: PAGE}, seconds: {type: 'string', default: '10'}, way: {type: 'string', default: '8'},
   late: {type: 'string', default: '0'}, bodies: {type: 'string', default: '200'},
+  seed: {type: 'string', default: '1'},
 }});
 const PEOPLE = 3;
 const EVERY_MS = 4;      // as the page asks for steps
@@ -26,6 +27,16 @@ let now = 1000;          // ms, virtual
 const due = [];          // {at, work}
 const later = (ms, work) => due.push({at: now + ms, work});
 performance.now = () => now;
+const seed = Number(options.seed);
+let drawn = BigInt(seed);
+crypto.getRandomValues = (into) => {
+  const bytes = new Uint8Array(into.buffer, into.byteOffset, into.byteLength);
+  for (let i = 0; i < bytes.length; ++i) {
+    drawn = BigInt.asUintN(64, drawn * 6364136223846793005n + 1442695040888963407n);
+    bytes[i] = Number(drawn >> 56n);
+  }
+  return into;
+};
 globalThis.setTimeout = (work, ms) => later(ms, work);
 
 /** A room's server in this process: who is there, and what they say to each other. */
@@ -138,7 +149,8 @@ try {
   const [first] = sessions;
   for (let k = first.world.bodies.length - 1; k < Number(options.bodies); ++k) {
     first.make({type: 'box', halfExtents: [0.08, 0.08, 0.08]},
-               [0.22 * (k % 6) - 0.6 + 0.06 * Math.sin(k), 0.22 * (Math.floor(k / 6) % 6) - 1.6 + 0.06 * Math.cos(k), 0.6]);
+               [0.22 * (k % 6) - 0.6 + 0.06 * Math.sin(k + seed),
+                0.22 * (Math.floor(k / 6) % 6) - 1.6 + 0.06 * Math.cos(k), 0.6]);
     if (k % 12 === 0) run(300);
   }
   const stir = () => sessions.forEach((session, i) => {
@@ -172,7 +184,8 @@ try {
     `and at most ${mean(most)} mm apart in the mean; ms of the processor each step:`);
   for (const [what, ms] of Object.entries(spent)) console.log(`  ${(ms / made).toFixed(2).padStart(6)}  ${what}`);
   console.log(`  ${(all / made).toFixed(2).padStart(6)}  all of it`);
-  console.log(Object.entries(sessions[1].peerStats()).map(([k, v]) => `${k} ${v}`).join(', '));
+  const placed = sessions.map((session) => session.peerStats().bodiesPlaced);
+  console.log(`bodies put where others have them: ${placed.join(', ')}`);
 } finally {
   rmSync(folder, {recursive: true});
 }

@@ -67,6 +67,23 @@ test('the playhead comes to the last frame within the time that one takes, and s
   near(timeline.time, 1);
 });
 
+test('where nothing moves a frame is shown at once, and there is nothing to draw until the next', () => {
+  const resting = (time) => ({time, peers: frameAt(0).peers.map((peer) => ({...peer, springs: [], overlays: null}))});
+  const timeline = new Timeline(1);
+  timeline.push(resting(0), 0, false);
+  for (let i = 1; i <= 9; ++i) {
+    timeline.push(resting(0.5 * i), 500 * i, false);
+    assert.ok(timeline.advance(500 * i));
+    near(timeline.time, 0.5 * i);
+  }
+  // What moves then is shown as quickly as ever, and so are marks on what rests.
+  timeline.push(frameAt(4.6), 4516, false);
+  assert.ok(!timeline.advance(4516));
+  timeline.push({...frameAt(4.6), time: 4.62}, 4533, false);
+  assert.ok(!timeline.advance(4534));
+  assert.ok(timeline.advance(4580));
+});
+
 test('a restart, another run beside and a jump are shown at once', () => {
   const timeline = new Timeline(1);
   timeline.push(frameAt(3), 0, false);

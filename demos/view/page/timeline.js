@@ -26,6 +26,8 @@ function turned([vx, vy, vz], [x, y, z, w]) {
           vz + w * tz + x * ty - y * tx];
 }
 
+const same = (a, b) => a.length === b.length && a.every((value, i) => value === b[i]);
+
 const mix = (a, b, u) => a.map((v, k) => v + u * (b[k] - v));
 
 /** Marks of the earlier frame by what they are of, so that the later ones find theirs. */
@@ -68,6 +70,7 @@ export class Timeline {
     this.arrival = 0;     // ms, of the last frame
     this.interval = 17;   // ms, mean between frames
     this.from = NaN;      // s, where the playhead was when the last frame came
+    this.rests = false;   // nothing is elsewhere in the last frame
   }
 
   /**
@@ -91,18 +94,22 @@ export class Timeline {
         return copy;
       })};
       this.time = frame.time;
-    } else if (gap < LONGEST) {
-      this.interval += 0.1 * (gap - this.interval);
     }
+    this.rests = joined && frame.peers.every((peer, p) => {
+      const {positions, orientations} = this.before.peers[p];
+      return !peer.overlays && peer.springs.length === 0 && same(positions, peer.positions) &&
+        same(orientations, peer.orientations);
+    });
+    if (joined && !this.rests && gap < LONGEST) this.interval += 0.1 * (gap - this.interval);
     this.arrival = now;
-    this.from = this.time = Math.max(this.time, this.before.time);
+    this.from = this.time = this.rests ? frame.time : Math.max(this.time, this.before.time);
   }
 
   /** @param {number} now  ms @returns {boolean}  whether the last frame is reached */
   advance(now) {
     const share = Math.min(1, Math.max(0, (now - this.arrival) / Math.max(1, this.interval)));
     this.time = this.from + share * (this.after.time - this.from);
-    return share === 1;
+    return share === 1 || this.rests;
   }
 
   /** 0..1, from the earlier frame to the later one. */

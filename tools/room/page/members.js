@@ -3,7 +3,7 @@
 //
 // Who is in the room, and what they say to each other: sealed, by a direct way where there is one, else through the
 // server.
-import {Cipher, HELLO, KNOWN, PACKET} from './cipher.js';
+import {Cipher, HELLO, KNOWN, PACKET, REFUSED} from './cipher.js';
 import {Direct} from './direct.js';
 import {CAME, GONE, NEWEST, RELIABLE, Server} from './server.js';
 
@@ -24,7 +24,8 @@ const AWAY_MS = 90000;    // of a page that is not seen, whose timers hardly run
 class Member {
   constructor(id) {
     Object.assign(this, {id, name: '', colour: '#888888', listed: false, here: false, away: false, dropped: false,
-                         direct: null, tried: -Infinity, heard: 0, told: -Infinity, canMeet: false});
+                         direct: null, tried: -Infinity, heard: 0, told: -Infinity, canMeet: false,
+                         strange: false});
   }
 }
 
@@ -60,6 +61,9 @@ export class Members {
 
   /** Those who are there. */
   get here() { return [...this.all.values()].filter((member) => member.here); }
+
+  /** Somebody is in the room with another key. */
+  get strangers() { return [...this.all.values()].some((member) => member.listed && member.strange); }
 
   /** False where there is no way. */
   send(to, channel, bytes) {
@@ -153,6 +157,11 @@ export class Members {
     }
     if (kind !== PACKET || bytes.length === 0) {
       ++this.refused;
+      // Who says what this page's key does not open has another one, as long as nobody has heard better of him.
+      if (kind === REFUSED && !member.name && !member.strange) {
+        member.strange = true;
+        this.listener.changed();
+      }
       return;
     }
     if (member.dropped) return;
@@ -173,6 +182,7 @@ export class Members {
       member.name = String(name ?? '').slice(0, 24);
       member.colour = /^#[0-9a-f]{6}$/i.test(colour) ? colour : '#888888';
       member.canMeet = meets === true;
+      member.strange = false;
       this.listener.changed();
     } catch {
       ++this.refused;

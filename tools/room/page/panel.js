@@ -55,6 +55,9 @@ export class Panel {
     const most = Math.max(-1, ...members.here.filter(({away: gone}) => !gone).map(({id}) => apart.get(id)?.most ?? -1));
     $('apart').textContent = most < 0 ? 'Nobody else is here yet: invite somebody.' : `Furthest apart: ${millimetres(most)}`;
     const state = away ? 'This page takes no part while it is not seen.' :
+      members.strangers && members.here.length === 0 ?
+        'Somebody is here whom this page cannot understand: the key after the # of its link is another one. ' +
+        'Ask for the whole link.' :
       members.server.open ? '' : members.here.length > 0 ? 'The server is gone; you go on with each other.' :
         clock.known ? 'The server does not answer; trying again.' : 'Connecting …';
     $('state').textContent = state;
