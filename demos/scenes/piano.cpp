@@ -195,8 +195,8 @@ std::unique_ptr<Referee> PianoScenario::make_referee(const Scene& scene) const {
 Achievement PianoScenario::achievement(const Outcome& outcome) const {
   const bool delivered = value_of(outcome, "delivered") > 0.5;
   if (!delivered) {
-    const std::string left = length_words(value_of(outcome, "way_left_m")) + " of " +
-                             length_words(PianoPath().length());
+    const std::string left =
+        length_words(value_of(outcome, "way_left_m")) + " of " + length_words(PianoPath().length());
     return {"left one piano in a maze with " + left + " to go", "piano arrived",
             "no, " + left + " to go", false};
   }
