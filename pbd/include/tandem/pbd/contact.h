@@ -17,8 +17,10 @@ namespace tandem::pbd {
 struct TANDEM_API ContactOptions {
   /// m/s: bodies that overlap are pushed apart by 0.6 of the overlap in each substep, but no faster
   /// than this; where they hardly do, in every other substep and in the last. It moves poses and
-  /// never enters velocity.
-  double push_speed = 1.0;
+  /// never enters velocity. Overlaps beyond what is opened at this speed push no harder than that:
+  /// with 1 m/s, which 7 mm reach, cubes at the bottom of a heap of 8000 sink into each other by
+  /// 135 mm under the many smaller overlaps above; with 4 by 42.
+  double push_speed = 4.0;
   /// m: carried multipliers are applied before the sweep where the gap is below this.
   double warm_start_gap = 1e-3;
   /// What a step may cost beyond the solver's substeps: rows that are solved once more. Islands
