@@ -42,8 +42,9 @@ class Custody {
   Custody(const PlazaOptions& options, consensus::PeerId self, tandem::Scene& scene,
           consensus::Peer& peer, nats::BodyLedger& ledger);
 
-  /// Before a step: what is told of bodies, and which come near. @param near  peers that are
-  /// connected @param served  there is a server: without one nobody can renew a lease
+  /// Before a step: what is told of bodies, and which come near.
+  /// @param near    peers that are connected
+  /// @param served  there is a server: without one nobody can renew a lease
   void begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near, bool served,
              consensus::SessionTime now);
   /// After a step: what is to be written, and who has gone. @param held  by this person

@@ -61,11 +61,10 @@ struct CongestionOptions {
   double max_kbit = 256.0;  ///< the budget; also where it starts
 };
 
-/// Chooses the rate of a link between its limits, once a period, from loss and delay:
-/// docs/network.md
-/// ("Rate") has the rules. Those on loss are of Google's congestion control
-/// (draft-ietf-rmcat-gcc-02, Sec. 6); the one on delay is simpler, the one on loss that is not ours
-/// is our own.
+/// Chooses the rate of a link between its limits, once a period, from loss and delay. The rules are
+/// in docs/network.md ("Rate"): those on loss are of Google's congestion control
+/// (draft-ietf-rmcat-gcc-02, Sec. 6), the one on delay is simpler, and the one on loss that is not
+/// ours is our own.
 class Congestion {
  public:
   Congestion(const CongestionOptions& options, std::int64_t now)
