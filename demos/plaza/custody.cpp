@@ -112,7 +112,8 @@ bool Custody::is_leased(const Lying& lying, consensus::SessionTime now) const {
 }
 
 bool Custody::is_kept(const nats::LedgerRecord& record, consensus::SessionTime now) const {
-  if (record.keeper == 0 || peer_.heard(record.id, record.keeper)) return record.keeper != 0;
+  if (record.keeper == 0) return false;
+  if (peer_.heard(record.id, record.keeper)) return true;
   const auto at = lying_.find(record.id);
   return at != lying_.end() && is_leased(at->second, now);
 }
