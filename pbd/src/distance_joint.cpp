@@ -72,8 +72,7 @@ DistanceJoint::Arms DistanceJoint::arms(const SubstepContext& ctx, SolverBody& g
 
 void DistanceJoint::forgive(const SubstepContext& ctx) {
   SolverBody ground;
-  displacement_residual_ =
-      ForceLaw::displacement_residual(axis(), arms(ctx, ground).length - def_.rest_length);
+  displacement_residual_ = residual_of(axis(), arms(ctx, ground).length - def_.rest_length);
 }
 
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
@@ -82,8 +81,8 @@ void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   h_ = ctx.h;
   c_start_ = arm.length - def_.rest_length;
   const bool left = ctx.substep > 0 && !n_.isZero(0.0) && (arm.a->pushed || arm.b->pushed);
-  displacement_residual_ = ForceLaw::begin_residual(axis(), c_start_, displacement_residual_, left,
-                                                    arm.a->shared || arm.b->shared, ctx.h);
+  displacement_residual_ = residual_at_start(axis(), c_start_, displacement_residual_, left,
+                                             arm.a->shared || arm.b->shared, ctx.h);
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;
   n_ = arm.n;
@@ -101,7 +100,7 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   if (n_.isZero(0.0)) return 0.0;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
   const double dlambda =
-      ForceLaw::of(axis(), c_start_, displacement_residual_, ctx.h).multiplier(c, lambda_, w);
+      force_law(axis(), c_start_, displacement_residual_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   force_ = lambda_ / (ctx.h * ctx.h);
   apply_pair(*arm.a, *arm.b, dlambda * n_, r_a_, r_b_);
@@ -126,7 +125,7 @@ double DistanceJoint::project_displacement(const SubstepContext& ctx) {
   if (arm.n.isZero(0.0)) return 0.0;
   const double c = arm.length - def_.rest_length;
   const double w = inverse_mass(*arm.a, arm.r_a, arm.n) + inverse_mass(*arm.b, arm.r_b, arm.n);
-  const double dlambda = ForceLaw::of_displacement(axis(), bound_, ctx.h).multiplier(c, lambda_, w);
+  const double dlambda = displacement_law(axis(), bound_, ctx.h).multiplier(c, lambda_, w);
   lambda_ += dlambda;
   apply_pair(*arm.a, *arm.b, dlambda * arm.n, arm.r_a, arm.r_b);
   return std::abs(dlambda) * w;
@@ -134,18 +133,17 @@ double DistanceJoint::project_displacement(const SubstepContext& ctx) {
 
 void DistanceJoint::end_displacement(const SubstepContext& ctx) {
   SolverBody ground;
-  displacement_residual_ =
-      ForceLaw::displacement_residual(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
+  displacement_residual_ = residual_of(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
 }
 
 void DistanceJoint::end_step(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
-  residual_ = ForceLaw::violation(axis(), c);
+  residual_ = violation(axis(), c);
   const bool shared = arm.a->shared || arm.b->shared;
   if ((arm.a->is_pushed() || arm.b->is_pushed()) && !n_.isZero(0.0)) {
-    displacement_residual_ = ForceLaw::residual_left(axis(), c, displacement_residual_, shared, h_);
+    displacement_residual_ = residual_left(axis(), c, displacement_residual_, shared, h_);
   }
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;

@@ -180,7 +180,7 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
 
 void JointBlock::begin_substep(const SubstepContext& ctx) {
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
-    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Real);
+    impl_->system.begin(part, impl_->records, ctx, JointChannel::Real);
   });
 }
 
@@ -207,7 +207,7 @@ void JointBlock::begin_displacement(const SubstepContext& ctx) {
   });
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
     if (!impl_->system.is_shared(part, ctx.bodies)) return;
-    impl_->system.begin(part, impl_->records, ctx, Impl::Channel::Displacement);
+    impl_->system.begin(part, impl_->records, ctx, JointChannel::Displacement);
   });
 }
 
@@ -226,8 +226,7 @@ void JointBlock::end_displacement(const SubstepContext& ctx) {
     double c[kCoordinates] = {};
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
-      record.displacement_residual[i] =
-          ForceLaw::displacement_residual(record.axis(i), c[i], record.bound[i]);
+      record.displacement_residual[i] = residual_of(record.axis(i), c[i], record.bound[i]);
     }
   });
 }
@@ -274,10 +273,10 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     const bool shared = impl_->is_shared(record, ctx.bodies);
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
-      state.residual = std::max(state.residual, ForceLaw::violation(axis, c[i]));
+      state.residual = std::max(state.residual, violation(axis, c[i]));
       if (!left || (shared && i >= 3)) return;
       double& residual = record.displacement_residual[i];
-      residual = ForceLaw::residual_left(axis, c[i], residual, shared, record.h);
+      residual = residual_left(axis, c[i], residual, shared, record.h);
     });
     // What a spoiled step leaves behind must not spoil the next one.
     if (!std::isfinite(record.energy_excess)) record.energy_excess = 0.0;

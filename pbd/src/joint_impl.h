@@ -16,8 +16,6 @@ namespace tandem::pbd {
 /// The joints of a block by slot, and the system that solves them.
 class __attribute__((visibility("hidden"))) JointBlock::Impl {
  public:
-  using Channel = JointSystem::Channel;
-
   std::uint32_t checked(JointId id) const {
     if (!contains(id)) {
       throw std::invalid_argument("joint: id " + std::to_string(id.index) + " (generation " +
@@ -57,7 +55,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
       double c[kCoordinates] = {};
       place(record, ctx.bodies, c);
       for (int i = 0; i < kCoordinates; ++i)
-        record.displacement_residual[i] = ForceLaw::displacement_residual(record.axis(i), c[i]);
+        record.displacement_residual[i] = residual_of(record.axis(i), c[i]);
     }
   }
   /// Those of the group.

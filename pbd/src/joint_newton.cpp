@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "integrate.h"
-#include "joint_system.h"
+#include "joint_newton.h"
 
-/// The Newton iteration of JointSystem: rows from poses, poses from multipliers.
+#include "integrate.h"
+#include "joint_factor.h"
+#include "joint_points.h"
+#include "joint_six_dof.h"
+#include "joint_stability.h"
+
 namespace tandem::pbd {
 namespace {
 
@@ -16,8 +20,6 @@ constexpr double kSlow = 0.3;
 constexpr double kFine = 1e-7;
 /// rad; bodies turn no further in one iteration.
 constexpr double kTrust = 0.5;
-/// How often a limit may come and go within a substep.
-constexpr int kFlips = 6;
 /// rad: smaller turns do not matter.
 constexpr double kNoTurn = 1e-13;
 
@@ -27,245 +29,61 @@ double rest_of(double move, double before) {
   return rate < kSlow ? move * rate / (1.0 - rate) : move;
 }
 
-}  // namespace
-
-double JointSystem::iterate(std::uint32_t p, std::span<const JointRecord> records,
-                            const SubstepContext& ctx) {
-  const JointGraph::Part& part = graph_.parts()[p];
-  PartState& state = state_[p];
-  if (state.channel == Channel::Displacement) {
-    // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
-    // the clean-up, which comes last, has the bodies' own masses again.
-    turn_gradients(part, records, ctx);
-    prepare(part, state, records, ctx);
-    return newton(part, state, records, ctx);
-  }
-  if (!state.prepared) {
-    prepare(part, state, records, ctx);
-  } else if (state.position_iteration != ctx.iteration) {
-    begin_iteration(part, state, ctx);
-  }
-  const double before = state.last_move;
-  state.last_move = newton(part, state, records, ctx);
-  const auto is_slow = [&] {
-    return state.iteration > 1 && state.last_move > kSlow * before && state.last_move > kFine;
-  };
-  const auto start_anew = [&](bool learn) {
-    restart(part, records, ctx, learn);
-    state.iteration = 0;
-    prepare(part, state, records, ctx);
-    state.last_move = newton(part, state, records, ctx);
-  };
-  const bool may_soften = !part.regular && passive_[p] != 0 && state.softened < kSoften;
-  if (may_soften && adds_energy(part, ctx)) {
-    ++state.softened;
-    state.redundancy *= kSofter;
-    start_anew(false);
-  } else if (is_slow() && !state.restarted) {
-    state.restarted = true;
-    start_anew(true);
-  } else if (is_slow()) {
-    turn_gradients(part, records, ctx);
-    if (!part.points) weigh(part, records);
-    state.factored = false;
-  }
-  return state.iteration > 1 && !state.changed ? rest_of(state.last_move, before) : state.last_move;
-}
-
-double JointSystem::newton(const JointGraph::Part& part, PartState& state,
-                           std::span<const JointRecord> records, const SubstepContext& ctx) {
-  if (part.points) {
-    if (!state.factored) {
-      assemble_points(part, state);
-      factor(part);
-    }
-    evaluate_points(part, records, ctx);
-    solve(part);
-    gather_points(part);
+void take_gradients(const JointPart& part) {
+  if (part.plan.points) {
+    joint_points::take_gradients(part);
   } else {
-    state.changed = evaluate(part, state, records, ctx);
-    if (state.changed || !state.factored) {
-      assemble(part);
-      factor(part);
-    }
-    solve(part);
-    gather(part);
-  }
-  state.factored = true;
-  ++state.iteration;
-  limit_turns(part);
-  return move(part, ctx);
-}
-
-void JointSystem::prepare(const JointGraph::Part& part, PartState& state,
-                          std::span<const JointRecord> records, const SubstepContext& ctx) {
-  state.prepared = true;
-  state.factored = false;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    slots_[s].inv_mass = body.inv_mass;
-    slots_[s].inv_inertia = slots_[s].inv_own = body.inv_inertia_w;
-    slots_[s].dx.setZero();
-    slots_[s].dtheta.setZero();
-  }
-  start_slots(part, state, ctx);
-  if (state.channel == Channel::Real) {
-    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-      slots_[s].inertia = slots_[s].inv_inertia;
-      block::invert(slots_[s].inertia);
-    }
-    stiffen(part, ctx);
-  }
-  if (!part.points) weigh(part, records);
-}
-
-void JointSystem::start_slots(const JointGraph::Part& part, const PartState& state,
-                              const SubstepContext& ctx) {
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    slots_[s].sum_dx.setZero();
-    slots_[s].sum_dtheta.setZero();
-    slots_[s].v = body.v;
-    slots_[s].w = state.channel == Channel::Real ? body.w : Vec3(Vec3::Zero());
-    slots_[s].q = body.q;
-    slots_[s].alone = body.dtheta.isZero(0.0);
-    slots_[s].carried = false;
+    joint_six_dof::take_gradients(part);
   }
 }
 
-void JointSystem::begin_iteration(const JointGraph::Part& part, PartState& state,
-                                  const SubstepContext& ctx) {
-  state.work += balance(part, ctx, Vec3::Zero()).work;
-  state.position_iteration = ctx.iteration;
-  state.iteration = 0;
-  start_slots(part, state, ctx);
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    nodes_[k].lambda_start = nodes_[k].lambda;
-  }
+void start_bodies(const JointPart& part) {
+  part.for_bodies([&](JointSlot& slot, const SolverBody& body) {
+    slot.sum_dx.setZero();
+    slot.sum_dtheta.setZero();
+    slot.v = body.v;
+    slot.w = part.progress.channel == JointChannel::Real ? body.w : Vec3(Vec3::Zero());
+    slot.q = body.q;
+    slot.alone = body.dtheta.isZero(0.0);
+    slot.carried = false;
+  });
 }
 
-void JointSystem::take_gradients(NodeState& node, NodeRows& rows, const JointRecord& record,
-                                 const SolverBody& a, const SolverBody& b) {
-  const SixDofJointDef& def = record.def;
-  const JointPlace place = JointPlace::of(def, a, b);
-  node.r_a = place.r_a;
-  node.r_b = place.r_b;
-  if (record.point) {
-    rows.dir.leftCols<3>().setIdentity();
-    rows.arm_a.leftCols<3>() = skew(place.r_a);
-    rows.arm_b.leftCols<3>() = skew(place.r_b);
-    if (record.is_point()) return;
-  }
-  const Quat basis_a = a.q * def.frame_a.basis;
-  const Mat3 axes = basis_a.toRotationMatrix();
-  if (!record.point) {
-    for (int i = 0; i < 3; ++i) {
-      rows.dir.col(i) = axes.col(i);
-      rows.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
-      rows.arm_b.col(i) = place.r_b.cross(axes.col(i));
-    }
-  }
-  if ((record.used >> 3) != 0) {
-    const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
-    rows.dir.rightCols<4>().setZero();
-    rows.arm_b.col(kTwist) = axes * turn.twist_gradient();
-    rows.arm_b.col(4) = axes * turn.swing_gradient(1);
-    rows.arm_b.col(5) = axes * turn.swing_gradient(2);
-    rows.arm_b.col(kCone) = axes * turn.u;
-    rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
-  }
-}
-
-/// Take the gradients anew, from the poses as they are.
-void JointSystem::turn_gradients(const JointGraph::Part& part, std::span<const JointRecord> records,
-                                 const SubstepContext& ctx) {
-  const SolverBody ground;
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const std::uint32_t joint = graph_.nodes()[k].joint;
-    if (joint == kNone || nodes_[k].off) continue;
-    const SixDofJointDef& def = records[joint].def;
-    const SolverBody& a = body_of(def.a, ctx.bodies, ground);
-    const SolverBody& b = body_of(def.b, ctx.bodies, ground);
-    if (part.points) {
-      nodes_[k].r_a = rotate(a.q, def.frame_a.anchor);
-      nodes_[k].r_b = rotate(b.q, def.frame_b.anchor);
-    } else {
-      take_gradients(nodes_[k], rows_[k], records[joint], a, b);
-    }
-  }
-}
-
-void JointSystem::weigh(const JointGraph::Part& part, std::span<const JointRecord> records) {
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    if (plan.joint == kNone || nodes_[k].off) continue;
-    NodeRows& rows = rows_[k];
-    double inv_mass = 0.0;
-    if (plan.slot_a != kNone) inv_mass += slots_[plan.slot_a].inv_mass;
-    if (plan.slot_b != kNone) inv_mass += slots_[plan.slot_b].inv_mass;
-    for_bits(records[plan.joint].used, [&](int i) {
-      double w = inv_mass * rows.dir.col(i).squaredNorm();
-      if (plan.slot_a != kNone) {
-        rows.b_a.col(i) = slots_[plan.slot_a].inv_inertia * rows.arm_a.col(i);
-        w += rows.arm_a.col(i).dot(rows.b_a.col(i));
-      }
-      if (plan.slot_b != kNone) {
-        rows.b_b.col(i) = slots_[plan.slot_b].inv_inertia * rows.arm_b.col(i);
-        w += rows.arm_b.col(i).dot(rows.b_b.col(i));
-      }
-      rows.w[i] = w;
+void prepare(const JointPart& part) {
+  part.progress.prepared = true;
+  part.progress.factored = false;
+  part.for_bodies([](JointSlot& slot, const SolverBody& body) {
+    slot.inv_mass = body.inv_mass;
+    slot.inv_inertia = slot.inv_own = body.inv_inertia_w;
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  });
+  start_bodies(part);
+  if (part.progress.channel == JointChannel::Real) {
+    part.for_bodies([](JointSlot& slot, const SolverBody&) {
+      slot.inertia = slot.inv_inertia;
+      block::invert(slot.inertia);
     });
+    stiffen(part);
   }
+  if (!part.plan.points) joint_six_dof::weigh(part);
 }
 
-bool JointSystem::evaluate(const JointGraph::Part& part, const PartState& state,
-                           std::span<const JointRecord> records, const SubstepContext& ctx) {
-  bool changed = false;
-  const SolverBody ground;
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    NodeState& node = nodes_[k];
-    double* right = &right_[plan.right];
-    if (plan.joint == kNone) {
-      std::fill_n(right, plan.rows, 0.0);
-      continue;
-    }
-    if (node.off) continue;
-    NodeRows& rows = rows_[k];
-    const JointRecord& record = records[plan.joint];
-    const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
-    const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
-    double c[kCoordinates];
-    coordinates(record, a, b, record.twist, c);
-    int n = 0;
-    for_bits(record.used, [&](int i) {
-      Segment segment = rows.law[i].segment(c[i], node.lambda[i], rows.w[i]);
-      if (segment.kind != rows.last_kind[i]) ++rows.flips[i];
-      const bool stop =
-          segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
-      if (stop && rows.flips[i] > kFlips) {
-        // It cannot settle with its neighbours: let go, the next substep sees where it stands.
-        segment = {Segment::Kind::Force, c[i], 1e9 * rows.w[i], 0.0};
-      }
-      rows.last_kind[i] = segment.kind;
-      if (segment.kind == Segment::Kind::None) return;
-      changed = changed || n >= node.n || rows.coordinate[n] != i || rows.kind[n] != segment.kind;
-      rows.coordinate[n] = static_cast<std::uint8_t>(i);
-      rows.kind[n] = segment.kind;
-      node.at[n] = part.regular ? segment.at : std::max(segment.at, state.redundancy * rows.w[i]);
-      right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
-      ++n;
-    });
-    changed = changed || n != node.n;
-    node.n = n;
-  }
-  return changed;
+/// Contacts have been solved since: what follows is counted, and started anew, from here.
+void begin_iteration(const JointPart& part) {
+  part.progress.work += work_of(part);
+  part.progress.position_iteration = part.ctx.iteration;
+  part.progress.iteration = 0;
+  start_bodies(part);
+  part.for_nodes([](std::uint32_t, const JointGraph::Node&, JointNode& node) {
+    node.lambda_start = node.lambda;
+  });
 }
 
 /// Turn the body by slot.dtheta. Where it spins about another axis the correction is an impulse at
 /// the start of the substep, from where it turns freely with its new angular momentum: turning it
 /// afterwards is right to first order in w h only, and costs a fast top its spin.
-void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
+void turn(SolverBody& body, JointSlot& slot, double h) {
   if (slot.alone && !slot.carried &&
       h * h * slot.w.cross(slot.dtheta).squaredNorm() > kNoTurn * kNoTurn) {
     slot.carried = body.inv_inertia_w.determinant() > 0.0;  // no axis is locked
@@ -282,74 +100,114 @@ void JointSystem::turn(SolverBody& body, Slot& slot, double h) {
   body.q = free_rotation(slot.q_start, inertia_l, w_l, h);
 }
 
-void JointSystem::gather(const JointGraph::Part& part) {
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    NodeState& node = nodes_[k];
-    if (plan.joint == kNone || node.n == 0) continue;
-    const NodeRows& rows = rows_[k];
-    const double* dlambda = &right_[plan.right];
-    Vec3 p = Vec3::Zero();
-    Vec3 turn_a = Vec3::Zero();
-    Vec3 turn_b = Vec3::Zero();
-    for (int r = 0; r < node.n; ++r) {
-      const int i = rows.coordinate[r];
-      node.lambda[i] += dlambda[r];
-      p += dlambda[r] * rows.dir.col(i);
-      if (plan.slot_a != kNone) turn_a += dlambda[r] * rows.b_a.col(i);
-      if (plan.slot_b != kNone) turn_b += dlambda[r] * rows.b_b.col(i);
-    }
-    if (plan.slot_a != kNone) {
-      Slot& slot = slots_[plan.slot_a];
-      slot.dx -= slot.inv_mass * p;
-      slot.dtheta -= turn_a;
-    }
-    if (plan.slot_b != kNone) {
-      Slot& slot = slots_[plan.slot_b];
-      slot.dx += slot.inv_mass * p;
-      slot.dtheta += turn_b;
-    }
-  }
-}
-
-/// A turn that no gradient reaches is taken in parts.
-void JointSystem::limit_turns(const JointGraph::Part& part) {
+/// A turn that no gradient reaches is taken in parts: scale the moves to what one iteration may
+/// turn a body by.
+void limit_turns(const JointPart& part) {
   double turn2 = 0.0;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    turn2 = std::max(turn2, slots_[s].dtheta.squaredNorm());
-  }
+  part.for_bodies([&](const JointSlot& slot, const SolverBody&) {
+    turn2 = std::max(turn2, slot.dtheta.squaredNorm());
+  });
   if (!(turn2 > kTrust * kTrust)) return;
   const double share = kTrust / std::sqrt(turn2);
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    slots_[s].dx *= share;
-    slots_[s].dtheta *= share;
-  }
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    NodeState& node = nodes_[k];
-    if (graph_.nodes()[k].joint == kNone) continue;
-    const double* dlambda = &right_[graph_.nodes()[k].right];
+  part.for_bodies([&](JointSlot& slot, const SolverBody&) {
+    slot.dx *= share;
+    slot.dtheta *= share;
+  });
+  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    if (plan.joint == JointGraph::kNone) return;
+    const double* dlambda = &part.all.right[plan.right];
     for (int r = 0; r < node.n; ++r) {
-      node.lambda[part.points ? r : rows_[k].coordinate[r]] -= (1.0 - share) * dlambda[r];
+      node.lambda[part.plan.points ? r : part.all.rows[k].coordinate[r]] -=
+          (1.0 - share) * dlambda[r];
     }
-  }
+  });
 }
 
-double JointSystem::move(const JointGraph::Part& part, const SubstepContext& ctx) {
+/// @return the largest move of a body, m or rad
+double move_bodies(const JointPart& part) {
   double largest = 0.0;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    Slot& slot = slots_[s];
-    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+  part.for_bodies([&](JointSlot& slot, SolverBody& body) {
     body.x += slot.dx;
     body.dx += slot.dx;
     slot.sum_dx += slot.dx;
     slot.sum_dtheta += slot.dtheta;
     body.dtheta += slot.dtheta;
-    turn(body, slot, ctx.h);
+    turn(body, slot, part.ctx.h);
     largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});
     slot.dx.setZero();
     slot.dtheta.setZero();
-  }
+  });
   return std::sqrt(largest);
+}
+
+double newton(const JointPart& part) {
+  JointProgress& progress = part.progress;
+  if (part.plan.points) {
+    if (!progress.factored) {
+      joint_points::assemble(part);
+      factor(part);
+    }
+    joint_points::evaluate(part);
+    solve(part);
+    joint_points::gather(part);
+  } else {
+    progress.changed = joint_six_dof::evaluate(part);
+    if (progress.changed || !progress.factored) {
+      joint_six_dof::assemble(part);
+      factor(part);
+    }
+    solve(part);
+    joint_six_dof::gather(part);
+  }
+  progress.factored = true;
+  ++progress.iteration;
+  limit_turns(part);
+  return move_bodies(part);
+}
+
+}  // namespace
+
+double newton_iteration(const JointPart& part) {
+  JointProgress& progress = part.progress;
+  if (progress.channel == JointChannel::Displacement) {
+    // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
+    // the clean-up, which comes last, has the bodies' own masses again.
+    take_gradients(part);
+    prepare(part);
+    return newton(part);
+  }
+  if (!progress.prepared) {
+    prepare(part);
+  } else if (progress.position_iteration != part.ctx.iteration) {
+    begin_iteration(part);
+  }
+  const double before = progress.last_move;
+  progress.last_move = newton(part);
+  const auto is_slow = [&] {
+    return progress.iteration > 1 && progress.last_move > kSlow * before &&
+           progress.last_move > kFine;
+  };
+  const auto start_anew = [&](bool learn) {
+    restart(part, learn);
+    progress.iteration = 0;
+    prepare(part);
+    progress.last_move = newton(part);
+  };
+  const bool may_soften = !part.plan.regular && part.passive && progress.softened < kSoften;
+  if (may_soften && adds_energy(part)) {
+    ++progress.softened;
+    progress.redundancy *= kSofter;
+    start_anew(false);
+  } else if (is_slow() && !progress.restarted) {
+    progress.restarted = true;
+    start_anew(true);
+  } else if (is_slow()) {
+    take_gradients(part);
+    if (!part.plan.points) joint_six_dof::weigh(part);
+    progress.factored = false;
+  }
+  return progress.iteration > 1 && !progress.changed ? rest_of(progress.last_move, before)
+                                                     : progress.last_move;
 }
 
 }  // namespace tandem::pbd

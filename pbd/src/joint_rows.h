@@ -99,108 +99,6 @@ struct ForceLaw {
   double motor_max = 0.0;  ///< h^2 max_force; 0 = none
   double motor_target = 0.0;
 
-  /// @param c_start  coordinate at the start of the substep     @param residual  what agreement
-  /// left
-  static ForceLaw of(const JointAxis& axis, double c_start, double residual, double h) {
-    ForceLaw law;
-    const double h2 = h * h;
-    const bool rigid = axis.compliance == 0.0;
-    const double k = rigid ? 0.0 : h2 / axis.compliance + h * axis.damping;
-    // Where a spring to `rest` with that damping pulls to: the damper holds on to the start.
-    const auto soft = [&](double rest) {
-      return (h2 / axis.compliance * rest + h * axis.damping * c_start) / k;
-    };
-    if (axis.freedom == Freedom::Locked) {
-      law.locked = true;
-      law.target = (rigid ? 0.0 : soft(0.0)) + residual;
-      law.at = rigid ? 0.0 : 1.0 / k;
-      return law;
-    }
-    if (axis.freedom == Freedom::Limited) {
-      law.limited = true;
-      law.lower = axis.lower + std::min(residual, 0.0);
-      law.upper = axis.upper + std::max(residual, 0.0);
-      law.stop_k = k;
-      law.lower_target = rigid ? law.lower : soft(law.lower);
-      law.upper_target = rigid ? law.upper : soft(law.upper);
-    }
-    law.spring_k = h2 * axis.spring.stiffness + h * axis.spring.damping;
-    if (law.spring_k > 0.0) {
-      law.spring_target =
-          (h2 * axis.spring.stiffness * axis.spring.rest + h * axis.spring.damping * c_start) /
-          law.spring_k;
-    }
-    if (axis.motor.mode != MotorMode::Off) {
-      law.motor_max = h2 * axis.motor.max_force;
-      double move = h * axis.motor.target;
-      if (axis.motor.mode == MotorMode::Position) {
-        const double reach = h * axis.motor.max_speed;
-        move = std::clamp(axis.motor.target - c_start, -reach, reach);
-      }
-      // A limit is stronger than any motor: it never aims beyond.
-      law.motor_target = std::clamp(c_start + move, law.lower, law.upper);
-    }
-    return law;
-  }
-
-  /// The same for the displacement channel: keep `bound`, what Real has, no more and no less.
-  /// Springs resist; motors do where they could hold against anything.
-  static ForceLaw of_displacement(const JointAxis& axis, double bound, double h) {
-    ForceLaw law;
-    if (axis.freedom == Freedom::Locked) {
-      law.locked = true;
-      law.target = bound;
-      law.at = axis.compliance / (h * h);
-      return law;
-    }
-    if (axis.freedom == Freedom::Limited && axis.compliance == 0.0) {
-      law.limited = true;
-      law.lower = law.lower_target = std::min(axis.lower, bound);
-      law.upper = law.upper_target = std::max(axis.upper, bound);
-    }
-    law.spring_k = h * h * axis.spring.stiffness;
-    law.spring_target = bound;
-    if (axis.motor.mode != MotorMode::Off && axis.motor.max_force == kUnlimited) {
-      law.motor_max = kUnlimited;
-      law.motor_target = bound;
-    }
-    return law;
-  }
-
-  /// What the displacement channel left of a rigid row that should have kept `bound`. A soft row
-  /// has none: its stretch is a force.
-  static double displacement_residual(const JointAxis& axis, double c, double bound) {
-    if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
-    if (axis.freedom == Freedom::Locked) return c - bound;
-    return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
-  }
-
-  /// The same where nothing was kept: all that the row violates.
-  static double displacement_residual(const JointAxis& axis, double c) {
-    return displacement_residual(
-        axis, c, axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
-  }
-
-  /// The residual of a row that contacts, which are solved after joints, may have opened. What they
-  /// left is no violation that the next substep may take back, with the velocity of a whole closing
-  /// in a substep: joints and contacts would reflect where they should project, so that limbs that
-  /// lie on the ground tremble for ever, and those that fall on their end are thrown up. Where
-  /// agreement is about, which closes all residuals without velocity, only blows are left: tyres
-  /// would not feel it, and a car go round too large a circle.
-  static double residual_left(const JointAxis& axis, double c, double residual, bool shared,
-                              double h) {
-    constexpr double kBlow = 0.3;  // m/s
-    const double left = displacement_residual(axis, c);
-    return shared && std::abs(left - residual) <= kBlow * h ? residual : left;
-  }
-  /// The same as a substep begins.
-  /// @param left  by contacts, in the last substep of this step: between steps applications move
-  static double begin_residual(const JointAxis& axis, double c, double residual, bool left,
-                               bool shared, double h) {
-    if (left) residual = residual_left(axis, c, residual, shared, h);
-    return shared ? residual : residual * residual_decay(h);
-  }
-
   /// The piece of the graph on which the row by itself would end: that of c with
   /// c - w lambda(c) = c_now - w lambda_now. Alone it is the exact projection; in a system of rows
   /// it is the guess of a semismooth Newton step.
@@ -238,13 +136,116 @@ struct ForceLaw {
     if (s.kind == Segment::Kind::None || w + s.at <= 0.0) return 0.0;
     return (-(c - s.target) - s.at * (lambda - s.offset)) / (w + s.at);
   }
-
-  /// How far c is beyond a rigid lock or limit, m or rad.
-  static double violation(const JointAxis& axis, double c) {
-    if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
-    if (axis.freedom == Freedom::Locked) return std::abs(c);
-    return std::max({0.0, axis.lower - c, c - axis.upper});
-  }
 };
+
+/// The law of an axis in the real channel.
+/// @param c_start   coordinate at the start of the substep
+/// @param residual  what agreement left
+inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual, double h) {
+  ForceLaw law;
+  const double h2 = h * h;
+  const bool rigid = axis.compliance == 0.0;
+  const double k = rigid ? 0.0 : h2 / axis.compliance + h * axis.damping;
+  // Where a spring to `rest` with that damping pulls to: the damper holds on to the start.
+  const auto soft = [&](double rest) {
+    return (h2 / axis.compliance * rest + h * axis.damping * c_start) / k;
+  };
+  if (axis.freedom == Freedom::Locked) {
+    law.locked = true;
+    law.target = (rigid ? 0.0 : soft(0.0)) + residual;
+    law.at = rigid ? 0.0 : 1.0 / k;
+    return law;
+  }
+  if (axis.freedom == Freedom::Limited) {
+    law.limited = true;
+    law.lower = axis.lower + std::min(residual, 0.0);
+    law.upper = axis.upper + std::max(residual, 0.0);
+    law.stop_k = k;
+    law.lower_target = rigid ? law.lower : soft(law.lower);
+    law.upper_target = rigid ? law.upper : soft(law.upper);
+  }
+  law.spring_k = h2 * axis.spring.stiffness + h * axis.spring.damping;
+  if (law.spring_k > 0.0) {
+    law.spring_target =
+        (h2 * axis.spring.stiffness * axis.spring.rest + h * axis.spring.damping * c_start) /
+        law.spring_k;
+  }
+  if (axis.motor.mode != MotorMode::Off) {
+    law.motor_max = h2 * axis.motor.max_force;
+    double move = h * axis.motor.target;
+    if (axis.motor.mode == MotorMode::Position) {
+      const double reach = h * axis.motor.max_speed;
+      move = std::clamp(axis.motor.target - c_start, -reach, reach);
+    }
+    // A limit is stronger than any motor: it never aims beyond.
+    law.motor_target = std::clamp(c_start + move, law.lower, law.upper);
+  }
+  return law;
+}
+
+/// The same for the displacement channel: keep `bound`, what Real has, no more and no less.
+/// Springs resist; motors do where they could hold against anything.
+inline ForceLaw displacement_law(const JointAxis& axis, double bound, double h) {
+  ForceLaw law;
+  if (axis.freedom == Freedom::Locked) {
+    law.locked = true;
+    law.target = bound;
+    law.at = axis.compliance / (h * h);
+    return law;
+  }
+  if (axis.freedom == Freedom::Limited && axis.compliance == 0.0) {
+    law.limited = true;
+    law.lower = law.lower_target = std::min(axis.lower, bound);
+    law.upper = law.upper_target = std::max(axis.upper, bound);
+  }
+  law.spring_k = h * h * axis.spring.stiffness;
+  law.spring_target = bound;
+  if (axis.motor.mode != MotorMode::Off && axis.motor.max_force == kUnlimited) {
+    law.motor_max = kUnlimited;
+    law.motor_target = bound;
+  }
+  return law;
+}
+
+/// What the displacement channel left of a rigid row that should have kept `bound`. A soft row
+/// has none: its stretch is a force.
+inline double residual_of(const JointAxis& axis, double c, double bound) {
+  if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
+  if (axis.freedom == Freedom::Locked) return c - bound;
+  return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
+}
+
+/// The same where nothing was kept: all that the row violates.
+inline double residual_of(const JointAxis& axis, double c) {
+  return residual_of(axis, c,
+                     axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
+}
+
+/// The residual of a row that contacts, which are solved after joints, may have opened. What they
+/// left is no violation that the next substep may take back, with the velocity of a whole closing
+/// in a substep: joints and contacts would reflect where they should project, so that limbs that
+/// lie on the ground tremble for ever, and those that fall on their end are thrown up. Where
+/// agreement is about, which closes all residuals without velocity, only blows are left: tyres
+/// would not feel it, and a car go round too large a circle.
+inline double residual_left(const JointAxis& axis, double c, double residual, bool shared,
+                            double h) {
+  constexpr double kBlow = 0.3;  // m/s
+  const double left = residual_of(axis, c);
+  return shared && std::abs(left - residual) <= kBlow * h ? residual : left;
+}
+/// The same as a substep begins.
+/// @param left  by contacts, in the last substep of this step: between steps applications move
+inline double residual_at_start(const JointAxis& axis, double c, double residual, bool left,
+                                bool shared, double h) {
+  if (left) residual = residual_left(axis, c, residual, shared, h);
+  return shared ? residual : residual * residual_decay(h);
+}
+
+/// How far c is beyond a rigid lock or limit, m or rad.
+inline double violation(const JointAxis& axis, double c) {
+  if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
+  if (axis.freedom == Freedom::Locked) return std::abs(c);
+  return std::max({0.0, axis.lower - c, c - axis.upper});
+}
 
 }  // namespace tandem::pbd

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "integrate.h"
-#include "joint_system.h"
+#include "joint_stability.h"
 
-/// What keeps joints stable where the substep does not resolve them.
+#include "integrate.h"
+
 namespace tandem::pbd {
 namespace {
 
@@ -24,116 +24,7 @@ constexpr double kUndisturbed = 1e-9;
 /// Part of it that is given back in one substep, at most.
 constexpr double kMaxGiven = 1.0;
 
-}  // namespace
-
-void JointSystem::add_pull(const JointGraph::Node& plan, NodeState& node, const Vec3& lambda) {
-  if (plan.slot_a != kNone) node.pull_a = std::max(node.pull_a, -node.r_a.dot(lambda));
-  if (plan.slot_b != kNone) node.pull_b = std::max(node.pull_b, node.r_b.dot(lambda));
-}
-
-/// Start the position iteration anew.
-void JointSystem::restart(const JointGraph::Part& part, std::span<const JointRecord> records,
-                          const SubstepContext& ctx, bool learn) {
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    Slot& slot = slots_[s];
-    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    body.x -= slot.sum_dx;
-    body.dx -= slot.sum_dx;
-    body.q = slot.q;
-    body.dtheta -= slot.sum_dtheta;
-  }
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    NodeState& node = nodes_[k];
-    if (plan.joint == kNone || node.off) continue;
-    if (learn) add_pull(plan, node, impulse(part, k, records[plan.joint].used));
-    node.lambda = node.lambda_start;
-  }
-}
-
-/// A projection never adds kinetic energy. Where the corrections of a loop do, its rows are close
-/// to repeating each other and ask for moves far larger than what they violate.
-bool JointSystem::adds_energy(const JointGraph::Part& part, const SubstepContext& ctx) const {
-  double before = 0.0;  // J, twice
-  double after = 0.0;
-  const double rate = 1.0 / ctx.h;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    const Slot& slot = slots_[s];
-    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    const Mat3& inertia = slot.inertia;
-    const Vec3 v = slot.v + rate * slot.sum_dx;
-    const Vec3 w = slot.w + rate * slot.sum_dtheta;
-    before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(inertia * slot.w);
-    after += v.squaredNorm() / body.inv_mass + w.dot(inertia * w);
-  }
-  return after > (1.0 + kMaxAdded) * before;
-}
-
-/// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
-/// back at a rate that its step may not resolve. With the stiffness of the end of the substep
-/// weighted by a share of at least 1/4, any rate is stable and slow turning is not braked
-/// (Newmark's average acceleration). As the change of a lever arm against uniform turning is the
-/// correction's own, the share adds to inertia: (I + share K) dtheta = r x lambda.
-void JointSystem::stiffen(const JointGraph::Part& part, const SubstepContext& ctx) {
-  // Until the first iteration dx and dtheta are free: dx.x holds the body's (rate h)^2.
-  const auto for_pulls = [&](auto&& visit) {
-    for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-      const JointGraph::Node& plan = graph_.nodes()[k];
-      const NodeState& node = nodes_[k];
-      if (plan.joint != kNone && !node.off) visit(plan, node, node.pull_a, node.pull_b);
-    }
-  };
-  const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
-    if (pull <= 0.0) return;
-    const Mat3& inv = slots_[s].inv_inertia;
-    slots_[s].dx.x() += pull * (inv.trace() - r.dot(block::times(inv, r)) / r.squaredNorm());
-  };
-  for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
-    rate(plan.slot_a, node.r_a, a);
-    rate(plan.slot_b, node.r_b, b);
-  });
-  double largest = 0.0;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    largest = std::max(largest, slots_[s].dx.x());
-  }
-  if (largest > kStiffFrom) {
-    const auto share = [&](std::uint32_t s) {
-      constexpr double kPerRate = 1.0 / (kStiffTo - kStiffFrom);
-      return std::clamp(kPerRate * (slots_[s].dx.x() - kStiffFrom), 0.0, 1.0);
-    };
-    const auto add = [&](std::uint32_t s, const Vec3& r, double pull, const Vec3& turn) {
-      const double k = pull > 0.0 ? share(s) * pull : 0.0;
-      if (k == 0.0) return;
-      const Vec3 kr = (k / r.squaredNorm()) * r;
-      Slot& slot = slots_[s];
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-          const double before = slot.stiffness(j, i);
-          slot.stiffness(j, i) = (i == j ? before + k : before) - r[i] * kr[j];
-        }
-      }
-      // About the link itself nothing is stiff.
-      slot.dtheta += kStiffDamping * (k * turn - r.dot(turn) * kr);
-    };
-    for_pulls([&](const JointGraph::Node& plan, const NodeState& node, double a, double b) {
-      // Neighbours that turn against each other at a rate that is not resolved are braked.
-      Vec3 turn = Vec3::Zero();
-      if (plan.slot_a != kNone && plan.slot_b != kNone) {
-        turn = ctx.h * (slots_[plan.slot_b].w - slots_[plan.slot_a].w);
-      }
-      add(plan.slot_a, node.r_a, a, turn);
-      add(plan.slot_b, node.r_b, b, -turn);
-    });
-  }
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    Slot& slot = slots_[s];
-    if (slot.dx.x() > kStiffFrom) apply_stiffness(slot, ctx.bodies[graph_.bodies()[s]]);
-    slot.dx.setZero();
-    slot.dtheta.setZero();
-  }
-}
-
-void JointSystem::apply_stiffness(Slot& slot, SolverBody& body) {
+void apply_stiffness(JointSlot& slot, SolverBody& body) {
   for (int i = 0; i < 3; ++i) {
     if (slot.inv_inertia(i, i) > 0.0) continue;  // a locked axis
     slot.stiffness.row(i).setZero();
@@ -148,28 +39,31 @@ void JointSystem::apply_stiffness(Slot& slot, SolverBody& body) {
   slot.stiffness.setZero();
 }
 
-bool JointSystem::is_ideal(const JointGraph::Part& part) const {
+/// Whether what a part loses may be given back: nothing stops inelastically in it.
+bool is_ideal(const JointPart& part) {
   bool held = false;
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    const NodeState& node = nodes_[k];
-    if (plan.joint == kNone || node.off) continue;
-    held = held || plan.slot_a == kNone || plan.slot_b == kNone;
-    if (part.points) continue;
-    for (const Segment::Kind kind : rows_[k].last_kind) {
-      if (kind == Segment::Kind::Lower || kind == Segment::Kind::Upper) return false;
+  bool stops = false;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
+    held = held || plan.slot_a == JointGraph::kNone || plan.slot_b == JointGraph::kNone;
+    if (part.plan.points) return;
+    for (const Segment::Kind kind : part.all.rows[k].last_kind) {
+      stops = stops || kind == Segment::Kind::Lower || kind == Segment::Kind::Upper;
     }
-  }
-  return held;
+  });
+  return held && !stops;
 }
 
-JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const SubstepContext& ctx,
-                                          const Vec3& mean) const {
+/// Of a part in a substep, J.
+struct Balance {
+  double work = 0.0;       ///< of joints, in this position iteration
+  double energy = 0.0;     ///< before, against the mean motion
+  double disturbed = 0.0;  ///< of what others changed since joints were solved
+};
+
+Balance balance(const JointPart& part, const Vec3& mean) {
   Balance sum;
-  const double rate = 1.0 / ctx.h;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    const Slot& slot = slots_[s];
-    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+  const double rate = 1.0 / part.ctx.h;
+  part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
     const Vec3 dv = rate * slot.sum_dx;
     const Vec3 dw = rate * slot.sum_dtheta;
     const Mat3& inertia = slot.inertia;
@@ -182,14 +76,102 @@ JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const Su
                 0.5 * (momentum_l.dot(block::times(slot.inv_own, momentum_l)) - slot.w.dot(start));
     sum.energy +=
         0.5 * (own * (body.v - mean).squaredNorm() + body.w.dot(block::times(inertia, body.w)));
-    if (part.regular) continue;
+    if (part.plan.regular) return;
     // Joints meet half of what other forces have added: poses are those between two velocities.
     sum.work -=
         0.5 * own * dv.dot(slot.v - slot.v_start) + 0.5 * dw.dot(start - slot.momentum_start);
     sum.disturbed += 0.5 * own * (body.v - slot.v - dv).squaredNorm();
-  }
+  });
   return sum;
 }
+
+}  // namespace
+
+void restart(const JointPart& part, bool learn) {
+  part.for_bodies([](const JointSlot& slot, SolverBody& body) {
+    body.x -= slot.sum_dx;
+    body.dx -= slot.sum_dx;
+    body.q = slot.q;
+    body.dtheta -= slot.sum_dtheta;
+  });
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    if (learn) node.add_pull(plan, part.impulse(k, part.records[plan.joint].used));
+    node.lambda = node.lambda_start;
+  });
+}
+
+/// A projection never adds kinetic energy. Where the corrections of a loop do, its rows are close
+/// to repeating each other and ask for moves far larger than what they violate.
+bool adds_energy(const JointPart& part) {
+  double before = 0.0;  // J, twice
+  double after = 0.0;
+  const double rate = 1.0 / part.ctx.h;
+  part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
+    const Vec3 v = slot.v + rate * slot.sum_dx;
+    const Vec3 w = slot.w + rate * slot.sum_dtheta;
+    before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(slot.inertia * slot.w);
+    after += v.squaredNorm() / body.inv_mass + w.dot(slot.inertia * w);
+  });
+  return after > (1.0 + kMaxAdded) * before;
+}
+
+/// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
+/// back at a rate that its step may not resolve. With the stiffness of the end of the substep
+/// weighted by a share of at least 1/4, any rate is stable and slow turning is not braked
+/// (Newmark's average acceleration). As the change of a lever arm against uniform turning is the
+/// correction's own, the share adds to inertia: (I + share K) dtheta = r x lambda.
+void stiffen(const JointPart& part) {
+  std::vector<JointSlot>& slots = part.all.slots;
+  // Until the first iteration dx and dtheta are free: dx.x holds the body's (rate h)^2.
+  const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
+    if (pull <= 0.0) return;
+    const Mat3& inv = slots[s].inv_inertia;
+    slots[s].dx.x() += pull * (inv.trace() - r.dot(block::times(inv, r)) / r.squaredNorm());
+  };
+  part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, const JointNode& node) {
+    rate(plan.slot_a, node.r_a, node.pull_a);
+    rate(plan.slot_b, node.r_b, node.pull_b);
+  });
+  double largest = 0.0;
+  part.for_bodies(
+      [&](const JointSlot& slot, const SolverBody&) { largest = std::max(largest, slot.dx.x()); });
+  if (largest > kStiffFrom) {
+    const auto share = [&](std::uint32_t s) {
+      constexpr double kPerRate = 1.0 / (kStiffTo - kStiffFrom);
+      return std::clamp(kPerRate * (slots[s].dx.x() - kStiffFrom), 0.0, 1.0);
+    };
+    const auto add = [&](std::uint32_t s, const Vec3& r, double pull, const Vec3& turn) {
+      const double k = pull > 0.0 ? share(s) * pull : 0.0;
+      if (k == 0.0) return;
+      const Vec3 kr = (k / r.squaredNorm()) * r;
+      JointSlot& slot = slots[s];
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          const double before = slot.stiffness(j, i);
+          slot.stiffness(j, i) = (i == j ? before + k : before) - r[i] * kr[j];
+        }
+      }
+      // About the link itself nothing is stiff.
+      slot.dtheta += kStiffDamping * (k * turn - r.dot(turn) * kr);
+    };
+    part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, const JointNode& node) {
+      // Neighbours that turn against each other at a rate that is not resolved are braked.
+      Vec3 turn = Vec3::Zero();
+      if (plan.slot_a != JointGraph::kNone && plan.slot_b != JointGraph::kNone) {
+        turn = part.ctx.h * (slots[plan.slot_b].w - slots[plan.slot_a].w);
+      }
+      add(plan.slot_a, node.r_a, node.pull_a, turn);
+      add(plan.slot_b, node.r_b, node.pull_b, -turn);
+    });
+  }
+  part.for_bodies([](JointSlot& slot, SolverBody& body) {
+    if (slot.dx.x() > kStiffFrom) apply_stiffness(slot, body);
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  });
+}
+
+double work_of(const JointPart& part) { return balance(part, Vec3::Zero()).work; }
 
 /// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
 /// a substep than its gradients can follow, the excess is taken back from the motion of the
@@ -199,30 +181,29 @@ JointSystem::Balance JointSystem::balance(const JointGraph::Part& part, const Su
 /// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
 /// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
 /// contacts have left to lose. What floats freely keeps its angular momentum instead.
-void JointSystem::limit_energy_gain(const JointGraph::Part& part, double work,
-                                    std::span<JointRecord> records, const SubstepContext& ctx) {
+void limit_energy_gain(const JointPart& part) {
   double mass = 0.0;
   Vec3 mean = Vec3::Zero();
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+  part.for_bodies([&](const JointSlot&, const SolverBody& body) {
     const double own = 1.0 / body.inv_mass;
     mass += own;
     mean += own * body.v;
-  }
+  });
   mean /= mass;
-  const auto [done, energy, disturbed] = balance(part, ctx, mean);
-  work += done;
+  const auto [done, energy, disturbed] = balance(part, mean);
+  double work = part.progress.work + done;
+  const JointGraph& graph = part.all.graph;
   const auto joint_after = [&](std::uint32_t k) {
-    while (graph_.nodes()[k].joint == kNone) ++k;
+    while (graph.nodes()[k].joint == JointGraph::kNone) ++k;
     return k;
   };
-  const std::uint32_t first = joint_after(part.node);
-  double& owed = records[graph_.nodes()[first].joint].energy_excess;
+  const std::uint32_t first = joint_after(part.plan.node);
+  double& owed = part.records[graph.nodes()[first].joint].energy_excess;
   const double room = kSurplus * energy;
   double least = -room;
-  if (!part.regular) {
+  if (!part.plan.regular) {
     // What contacts do to one body the joints share out next, and lose that much at most.
-    double& shared = records[graph_.nodes()[joint_after(first + 1)].joint].energy_excess;
+    double& shared = part.records[graph.nodes()[joint_after(first + 1)].joint].energy_excess;
     const double lost = std::clamp(-work, 0.0, shared);
     work += lost;
     shared = 0.5 * (shared - lost);
@@ -238,11 +219,10 @@ void JointSystem::limit_energy_gain(const JointGraph::Part& part, double work,
   owed = kept;
   if (!(std::abs(excess) > 0.0)) return;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
+  part.for_bodies([&](const JointSlot&, SolverBody& body) {
     body.v = mean + scale * (body.v - mean);
     body.w *= scale;
-  }
+  });
 }
 
 }  // namespace tandem::pbd

@@ -3,12 +3,35 @@
 #include "joint_system.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "joint_newton.h"
+#include "joint_points.h"
+#include "joint_six_dof.h"
+#include "joint_stability.h"
 
 namespace tandem::pbd {
 namespace {
 
 std::uint32_t movable(BodyId id, std::span<const SolverBody> bodies) {
   return id.valid() && bodies[id.index].inv_mass > 0.0 ? id.index : JointGraph::kNone;
+}
+
+/// Velocities stand half a substep behind poses (leapfrog), so that between substeps of different
+/// length gravity acts for half of either. Joints find their own forces; without this a chain that
+/// is given more substeps while it falls loses energy each time.
+void resync_leapfrog(const JointPart& part) {
+  const SubstepContext& ctx = part.ctx;
+  double before = 0.0;
+  part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {
+    if (plan.joint == JointGraph::kNone) return;
+    if (before == 0.0) before = part.records[plan.joint].h;
+    part.records[plan.joint].h = ctx.h;
+  });
+  if (before == 0.0 || before == ctx.h) return;
+  part.for_bodies([&](const JointSlot& slot, SolverBody& body) {
+    if (slot.primary) body.v += 0.5 * (before - ctx.h) * body.gravity_scale * ctx.gravity;
+  });
 }
 
 }  // namespace
@@ -34,56 +57,53 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
                               records[r.joint].def.a, records[r.joint].def.b, r.joint);
     });
   }
-  graph_.build(edges);
-  graph_.rename_bodies([&](std::uint32_t rank) { return order.slot(rank); });
-  nodes_.assign(graph_.nodes().size(), {});
-  const bool only_points = std::all_of(graph_.parts().begin(), graph_.parts().end(),
+  data_.graph.build(edges);
+  data_.graph.rename_bodies([&](std::uint32_t rank) { return order.slot(rank); });
+  data_.nodes.assign(data_.graph.nodes().size(), {});
+  const bool only_points = std::all_of(data_.graph.parts().begin(), data_.graph.parts().end(),
                                        [](const JointGraph::Part& part) { return part.points; });
-  rows_.assign(only_points ? 0 : nodes_.size(), {});
-  slots_.assign(graph_.bodies().size(), {});
-  state_.assign(graph_.parts().size(), {});
-  order_.assign(graph_.parts().size(), {});
-  turns_freely_.clear();
-  for (const std::uint32_t body : graph_.bodies()) {
-    turns_freely_.push_back(bodies[body].turns_freely ? 1 : 0);
-  }
-  primary_.assign(graph_.bodies().size(), 0);
+  data_.rows.assign(only_points ? 0 : data_.nodes.size(), {});
+  data_.slots.assign(data_.graph.bodies().size(), {});
+  progress_.assign(data_.graph.parts().size(), {});
+  order_.assign(data_.graph.parts().size(), {});
   std::vector<std::uint8_t> seen(bodies.size(), 0);
-  for (std::size_t s = 0; s < primary_.size(); ++s) {
-    std::uint8_t& before = seen[graph_.bodies()[s]];
-    primary_[s] = before == 0 ? 1 : 0;
-    before = 1;
+  for (std::size_t s = 0; s < data_.slots.size(); ++s) {
+    const std::uint32_t body = data_.graph.bodies()[s];
+    data_.slots[s].turns_freely = bodies[body].turns_freely;
+    data_.slots[s].primary = std::exchange(seen[body], 1) == 0;
   }
-  passive_.assign(graph_.parts().size(), 1);
+  passive_.assign(data_.graph.parts().size(), 1);
   for (std::size_t p = 0; p < passive_.size(); ++p) {
-    const JointGraph::Part& part = graph_.parts()[p];
+    const JointGraph::Part& part = data_.graph.parts()[p];
     for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-      const std::uint32_t joint = graph_.nodes()[k].joint;
-      if (joint != kNone && !records[joint].passive) passive_[p] = 0;
+      const std::uint32_t joint = data_.graph.nodes()[k].joint;
+      if (joint != JointGraph::kNone && !records[joint].passive) passive_[p] = 0;
     }
   }
-  values_.assign(graph_.value_count(), 0.0);
-  right_.assign(graph_.right_count(), 0.0);
+  data_.values.assign(data_.graph.value_count(), 0.0);
+  data_.right.assign(data_.graph.right_count(), 0.0);
 }
 
 bool JointSystem::fits(std::span<const JointRecord> records,
                        std::span<const SolverBody> bodies) const {
-  for (const JointGraph::Node& node : graph_.nodes()) {
-    if (node.joint == kNone) continue;
+  for (const JointGraph::Node& node : data_.graph.nodes()) {
+    if (node.joint == JointGraph::kNone) continue;
     if (!records[node.joint].active()) return false;  // it broke
     const SixDofJointDef& def = records[node.joint].def;
-    if ((movable(def.a, bodies) == kNone) != (node.slot_a == kNone)) return false;
-    if ((movable(def.b, bodies) == kNone) != (node.slot_b == kNone)) return false;
+    if ((movable(def.a, bodies) == JointGraph::kNone) != (node.slot_a == JointGraph::kNone))
+      return false;
+    if ((movable(def.b, bodies) == JointGraph::kNone) != (node.slot_b == JointGraph::kNone))
+      return false;
   }
-  for (std::size_t s = 0; s < turns_freely_.size(); ++s) {
-    if (bodies[graph_.bodies()[s]].turns_freely != (turns_freely_[s] != 0)) return false;
+  for (std::size_t s = 0; s < data_.slots.size(); ++s) {
+    if (bodies[data_.graph.bodies()[s]].turns_freely != data_.slots[s].turns_freely) return false;
   }
   return true;
 }
 
 void JointSystem::sort_groups(std::span<const SolverBody> bodies) {
   for (std::uint32_t p = 0; p < part_count(); ++p) {
-    order_[p] = {bodies[graph_.bodies()[graph_.parts()[p].body]].group, p};
+    order_[p] = {bodies[data_.graph.bodies()[data_.graph.parts()[p].body]].group, p};
   }
   std::sort(order_.begin(), order_.end(), [](const GroupPart& x, const GroupPart& y) {
     return x.group != y.group ? x.group < y.group : x.part < y.part;
@@ -91,132 +111,63 @@ void JointSystem::sort_groups(std::span<const SolverBody> bodies) {
 }
 
 bool JointSystem::is_shared(std::uint32_t p, std::span<const SolverBody> bodies) const {
-  const JointGraph::Part& part = graph_.parts()[p];
+  const JointGraph::Part& part = data_.graph.parts()[p];
   for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    if (bodies[graph_.bodies()[s]].shared) return true;
+    if (bodies[data_.graph.bodies()[s]].shared) return true;
   }
   return false;
 }
 
-void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const SubstepContext& ctx,
-                        Channel channel) {
-  const JointGraph::Part& part = graph_.parts()[p];
-  state_[p] = {.channel = channel};
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    slots_[s].q_start = ctx.bodies[graph_.bodies()[s]].q;
-  }
-  if (channel == Channel::Real) resync_leapfrog(part, records, ctx);
-  if (!part.regular) {
-    for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-      const SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-      slots_[s].v_start = body.v;
-      slots_[s].momentum_start = inverse_where_free(body.inv_inertia_w) * body.w;
-    }
-  }
-  if (part.points) {
-    begin_points(part, records, ctx, channel);
-  } else {
-    begin_rows(part, records, ctx, channel);
-  }
+JointPart JointSystem::part_of(std::uint32_t p, std::span<JointRecord> records,
+                               const SubstepContext& ctx) {
+  return {data_, data_.graph.parts()[p], progress_[p], passive_[p] != 0, records, ctx};
 }
 
-void JointSystem::begin_rows(const JointGraph::Part& part, std::span<JointRecord> records,
-                             const SubstepContext& ctx, Channel channel) {
-  const SolverBody ground;
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    NodeState& node = nodes_[k];
-    node.n = 0;
-    if (plan.joint == kNone) {
-      node.n = plan.rows;
-      continue;
-    }
-    JointRecord& record = records[plan.joint];
-    node.off = !record.active();
-    if (node.off) continue;
-    const SixDofJointDef& def = record.def;
-    const SolverBody& a = body_of(def.a, ctx.bodies, ground);
-    const SolverBody& b = body_of(def.b, ctx.bodies, ground);
-    const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
-    const bool shared = a.shared || b.shared;
-    NodeRows& rows = rows_[k];
-    node.lambda.fill(0.0);
-    node.lambda_start.fill(0.0);
-    rows.last_kind.fill(Segment::Kind::None);
-    rows.flips.fill(0);
-    double c[kCoordinates];
-    coordinates(record, a, b, record.twist, c);
-    if ((record.used >> kTwist & 1u) != 0 && channel == Channel::Real) record.twist = c[kTwist];
-    take_gradients(node, rows, record, a, b);
-    node.pull_a = node.pull_b = 0.0;
-    add_pull(plan, node, ctx.h * ctx.h * record.state.force);
-    // Force laws.
-    for_bits(record.used, [&](int i) {
-      const JointAxis axis = record.axis(i);
-      if (channel == Channel::Displacement) {
-        rows.law[i] = ForceLaw::of_displacement(axis, record.bound[i], ctx.h);
-        return;
-      }
-      double& residual = record.displacement_residual[i];
-      residual =
-          ForceLaw::begin_residual(axis, c[i], residual, left && (i < 3 || !shared), shared, ctx.h);
-      rows.law[i] = ForceLaw::of(axis, c[i], residual, ctx.h);
+void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const SubstepContext& ctx,
+                        JointChannel channel) {
+  progress_[p] = {.channel = channel};
+  const JointPart part = part_of(p, records, ctx);
+  part.for_bodies([](JointSlot& slot, const SolverBody& body) { slot.q_start = body.q; });
+  if (channel == JointChannel::Real) resync_leapfrog(part);
+  if (!part.plan.regular) {
+    part.for_bodies([](JointSlot& slot, const SolverBody& body) {
+      slot.v_start = body.v;
+      slot.momentum_start = inverse_where_free(body.inv_inertia_w) * body.w;
     });
   }
-}
-
-/// Velocities stand half a substep behind poses (leapfrog), so that between substeps of different
-/// length gravity acts for half of either. Joints find their own forces; without this a chain that
-/// is given more substeps while it falls loses energy each time.
-void JointSystem::resync_leapfrog(const JointGraph::Part& part, std::span<JointRecord> records,
-                                  const SubstepContext& ctx) {
-  double before = 0.0;
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const std::uint32_t joint = graph_.nodes()[k].joint;
-    if (joint == kNone) continue;
-    if (before == 0.0) before = records[joint].h;
-    records[joint].h = ctx.h;
-  }
-  if (before == 0.0 || before == ctx.h) return;
-  for (std::uint32_t s = part.body; s < part.body + part.body_count; ++s) {
-    if (primary_[s] == 0) continue;
-    SolverBody& body = ctx.bodies[graph_.bodies()[s]];
-    body.v += 0.5 * (before - ctx.h) * body.gravity_scale * ctx.gravity;
+  if (part.plan.points) {
+    joint_points::begin(part);
+  } else {
+    joint_six_dof::begin(part);
   }
 }
 
-Vec3 JointSystem::impulse(const JointGraph::Part& part, std::uint32_t k, std::uint32_t used) const {
-  const NodeState& node = nodes_[k];
-  if (part.points) return Vec3(node.lambda[0], node.lambda[1], node.lambda[2]);
-  Vec3 sum = Vec3::Zero();
-  for_bits(used & 7u, [&](int i) { sum += node.lambda[i] * rows_[k].dir.col(i); });
-  return sum;
+double JointSystem::iterate(std::uint32_t p, std::span<JointRecord> records,
+                            const SubstepContext& ctx) {
+  return newton_iteration(part_of(p, records, ctx));
 }
 
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
-  const JointGraph::Part& part = graph_.parts()[p];
-  if (passive_[p] != 0) limit_energy_gain(part, state_[p].work, records, ctx);
+  const JointPart part = part_of(p, records, ctx);
+  if (part.passive) limit_energy_gain(part);
   const double inverse_h2 = 1.0 / (ctx.h * ctx.h);
-  for (std::uint32_t k = part.node; k < part.node + part.node_count; ++k) {
-    const JointGraph::Node& plan = graph_.nodes()[k];
-    const NodeState& node = nodes_[k];
-    if (plan.joint == kNone || node.off) continue;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode& node) {
     JointRecord& record = records[plan.joint];
     JointState& state = record.state;
     state.torque.setZero();
     state.load.fill(0.0);
-    state.force = inverse_h2 * impulse(part, k, record.used);
+    state.force = inverse_h2 * part.impulse(k, record.used);
     for_bits(record.used, [&](int i) {
       const double load = inverse_h2 * node.lambda[i];
       if (i < 6) state.load[i] = load;
-      if (i >= 3) state.torque += load * rows_[k].arm_b.col(i);
+      if (i >= 3) state.torque += load * data_.rows[k].arm_b.col(i);
     });
     const SixDofJointDef& def = record.def;
     state.broken = (def.break_force > 0.0 && state.force.norm() > def.break_force) ||
                    (def.break_torque > 0.0 && state.torque.norm() > def.break_torque);
     record.broke = state.broken;
-  }
+  });
 }
 
 }  // namespace tandem::pbd

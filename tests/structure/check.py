@@ -37,7 +37,6 @@ ALLOWED = {
     "HubOptions::tls": "needs a server whose certificate this system trusts",
     "pbd::World": "a method for each thing that is asked of a body",
     "pbd::TypedBlock": "the verbs of ConstraintBlock, and rows by their type",
-    "pbd::JointSystem": "one sparse system, its Newton iteration and its stability",
     "pbd::ContactRows": "columns of one structure of arrays",
     "pbd::ContactBlock::Impl": "what contacts keep from step to step",
 }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "joint_part.h"
+
+namespace tandem::pbd {
+
+/// One Newton iteration of a part: rows from poses, poses from multipliers.
+/// @return how far the bodies may still be from where they belong, m
+double newton_iteration(const JointPart& part);
+
+}  // namespace tandem::pbd

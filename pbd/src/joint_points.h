@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "joint_part.h"
+
+/// Parts of the joint graph that are made of ball joints alone: the same rows as any, in three by
+/// three blocks that are always there. A joint that breaks within a step keeps a block of its own.
+/// The functions are those of joint_six_dof.h.
+namespace tandem::pbd::joint_points {
+
+void begin(const JointPart& part);
+void take_gradients(const JointPart& part);
+void evaluate(const JointPart& part);
+void assemble(const JointPart& part);
+void gather(const JointPart& part);
+
+}  // namespace tandem::pbd::joint_points

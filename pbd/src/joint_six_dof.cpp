@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "joint_six_dof.h"
+
+namespace tandem::pbd::joint_six_dof {
+namespace {
+
+constexpr std::uint32_t kNone = JointGraph::kNone;
+/// How often a limit may come and go within a substep.
+constexpr int kFlips = 6;
+
+void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
+                    const SolverBody& a, const SolverBody& b) {
+  const SixDofJointDef& def = record.def;
+  const JointPlace place = JointPlace::of(def, a, b);
+  node.r_a = place.r_a;
+  node.r_b = place.r_b;
+  if (record.point) {
+    rows.dir.leftCols<3>().setIdentity();
+    rows.arm_a.leftCols<3>() = skew(place.r_a);
+    rows.arm_b.leftCols<3>() = skew(place.r_b);
+    if (record.is_point()) return;
+  }
+  const Quat basis_a = a.q * def.frame_a.basis;
+  const Mat3 axes = basis_a.toRotationMatrix();
+  if (!record.point) {
+    for (int i = 0; i < 3; ++i) {
+      rows.dir.col(i) = axes.col(i);
+      rows.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
+      rows.arm_b.col(i) = place.r_b.cross(axes.col(i));
+    }
+  }
+  if ((record.used >> 3) != 0) {
+    const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+    rows.dir.rightCols<4>().setZero();
+    rows.arm_b.col(kTwist) = axes * turn.twist_gradient();
+    rows.arm_b.col(4) = axes * turn.swing_gradient(1);
+    rows.arm_b.col(5) = axes * turn.swing_gradient(2);
+    rows.arm_b.col(kCone) = axes * turn.u;
+    rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
+  }
+}
+
+/// A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which it
+/// does not turn, counts as a unit mass that no joint can reach.
+void put_hub(const JointSlot& slot, double* diagonal) {
+  Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
+  mass.setIdentity();
+  if (slot.inv_mass == 0.0) return;
+  mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
+  mass.bottomRightCorner<3, 3>() = inverse_where_free(slot.inv_inertia);
+  for (int i = 0; i < 3; ++i) {
+    if (slot.inv_inertia(i, i) == 0.0) mass(3 + i, 3 + i) = 1.0;
+  }
+}
+
+/// A joint's own rows.
+void put_diagonal(JointData& all, std::uint32_t k) {
+  const JointGraph::Node& plan = all.graph.nodes()[k];
+  const JointNode& node = all.nodes[k];
+  const JointRows& rows = all.rows[k];
+  double* diagonal = &all.values[plan.diagonal];
+  const auto is_hub = [&](std::uint32_t s) { return s == kNone || all.graph.hubs()[s] != 0; };
+  const bool with_a = !is_hub(plan.slot_a);
+  const bool with_b = !is_hub(plan.slot_b);
+  double inv_mass = 0.0;
+  if (with_a) inv_mass += all.slots[plan.slot_a].inv_mass;
+  if (with_b) inv_mass += all.slots[plan.slot_b].inv_mass;
+  for (int r = 0; r < node.n; ++r) {
+    const int i = rows.coordinate[r];
+    for (int s = 0; s <= r; ++s) {
+      const int j = rows.coordinate[s];
+      double sum = inv_mass * rows.dir.col(i).dot(rows.dir.col(j));
+      if (with_a) sum += rows.arm_a.col(i).dot(rows.b_a.col(j));
+      if (with_b) sum += rows.arm_b.col(i).dot(rows.b_b.col(j));
+      if (r == s) sum += node.at[r];
+      diagonal[r * node.n + s] = sum;
+      diagonal[s * node.n + r] = sum;
+    }
+  }
+}
+
+void couple_to_hub(JointData& all, const JointGraph::Link& link, bool hub_later) {
+  const JointSlot& slot = all.slots[link.slot];
+  if (slot.inv_mass == 0.0) return;
+  const std::uint32_t k = hub_later ? link.earlier : link.later;
+  const JointRows& joint = all.rows[k];
+  const int n = all.nodes[k].n;
+  const bool is_b = all.graph.nodes()[k].slot_b == link.slot;
+  const double sign = is_b ? 1.0 : -1.0;
+  const JointRows::Columns& arm = is_b ? joint.arm_b : joint.arm_a;
+  double* out = &all.values[link.block];
+  for (int r = 0; r < n; ++r) {
+    for (int i = 0; i < 3; ++i) {
+      const double linear = sign * joint.dir(i, joint.coordinate[r]);
+      const bool turns = slot.inv_inertia(i, i) > 0.0;
+      const double angular = turns ? sign * arm(i, joint.coordinate[r]) : 0.0;
+      out[hub_later ? i * n + r : r * 6 + i] += linear;
+      out[hub_later ? (i + 3) * n + r : r * 6 + i + 3] += angular;
+    }
+  }
+}
+
+void couple_joints(JointData& all, const JointGraph::Link& link) {
+  const JointSlot& slot = all.slots[link.slot];
+  const JointRows& rows_x = all.rows[link.later];
+  const JointRows& rows_y = all.rows[link.earlier];
+  const bool x_is_b = all.graph.nodes()[link.later].slot_b == link.slot;
+  const bool y_is_b = all.graph.nodes()[link.earlier].slot_b == link.slot;
+  const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
+  const JointRows::Columns& arm = x_is_b ? rows_x.arm_b : rows_x.arm_a;
+  const JointRows::Columns& b = y_is_b ? rows_y.b_b : rows_y.b_a;
+  const int n = all.nodes[link.earlier].n;
+  double* out = &all.values[link.block];
+  for (int r = 0; r < all.nodes[link.later].n; ++r) {
+    const int i = rows_x.coordinate[r];
+    for (int s = 0; s < n; ++s) {
+      const int j = rows_y.coordinate[s];
+      out[r * n + s] += sign * (slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j)) +
+                                arm.col(i).dot(b.col(j)));
+    }
+  }
+}
+
+}  // namespace
+
+void begin(const JointPart& part) {
+  const SolverBody ground;
+  const SubstepContext& ctx = part.ctx;
+  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    node.n = 0;
+    if (plan.joint == kNone) {
+      node.n = plan.rows;
+      return;
+    }
+    JointRecord& record = part.records[plan.joint];
+    node.off = !record.active();
+    if (node.off) return;
+    const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
+    const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
+    const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
+    const bool shared = a.shared || b.shared;
+    JointRows& rows = part.all.rows[k];
+    node.lambda.fill(0.0);
+    node.lambda_start.fill(0.0);
+    rows.last_kind.fill(Segment::Kind::None);
+    rows.flips.fill(0);
+    double c[kCoordinates];
+    coordinates(record, a, b, record.twist, c);
+    if ((record.used >> kTwist & 1u) != 0 && part.progress.channel == JointChannel::Real)
+      record.twist = c[kTwist];
+    take_gradients(node, rows, record, a, b);
+    node.pull_a = node.pull_b = 0.0;
+    node.add_pull(plan, ctx.h * ctx.h * record.state.force);
+    // Force laws.
+    for_bits(record.used, [&](int i) {
+      const JointAxis axis = record.axis(i);
+      if (part.progress.channel == JointChannel::Displacement) {
+        rows.law[i] = displacement_law(axis, record.bound[i], ctx.h);
+        return;
+      }
+      double& residual = record.displacement_residual[i];
+      residual = residual_at_start(axis, c[i], residual, left && (i < 3 || !shared), shared, ctx.h);
+      rows.law[i] = force_law(axis, c[i], residual, ctx.h);
+    });
+  });
+}
+
+void take_gradients(const JointPart& part) {
+  const SolverBody ground;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    const JointRecord& record = part.records[plan.joint];
+    take_gradients(node, part.all.rows[k], record, body_of(record.def.a, part.ctx.bodies, ground),
+                   body_of(record.def.b, part.ctx.bodies, ground));
+  });
+}
+
+void weigh(const JointPart& part) {
+  const std::vector<JointSlot>& slots = part.all.slots;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
+    JointRows& rows = part.all.rows[k];
+    double inv_mass = 0.0;
+    if (plan.slot_a != kNone) inv_mass += slots[plan.slot_a].inv_mass;
+    if (plan.slot_b != kNone) inv_mass += slots[plan.slot_b].inv_mass;
+    for_bits(part.records[plan.joint].used, [&](int i) {
+      double w = inv_mass * rows.dir.col(i).squaredNorm();
+      if (plan.slot_a != kNone) {
+        rows.b_a.col(i) = slots[plan.slot_a].inv_inertia * rows.arm_a.col(i);
+        w += rows.arm_a.col(i).dot(rows.b_a.col(i));
+      }
+      if (plan.slot_b != kNone) {
+        rows.b_b.col(i) = slots[plan.slot_b].inv_inertia * rows.arm_b.col(i);
+        w += rows.arm_b.col(i).dot(rows.b_b.col(i));
+      }
+      rows.w[i] = w;
+    });
+  });
+}
+
+bool evaluate(const JointPart& part) {
+  bool changed = false;
+  const SolverBody ground;
+  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    double* right = &part.all.right[plan.right];
+    if (plan.joint == kNone) {
+      std::fill_n(right, plan.rows, 0.0);
+      return;
+    }
+    if (node.off) return;
+    JointRows& rows = part.all.rows[k];
+    const JointRecord& record = part.records[plan.joint];
+    const SolverBody& a = body_of(record.def.a, part.ctx.bodies, ground);
+    const SolverBody& b = body_of(record.def.b, part.ctx.bodies, ground);
+    double c[kCoordinates];
+    coordinates(record, a, b, record.twist, c);
+    int n = 0;
+    for_bits(record.used, [&](int i) {
+      Segment segment = rows.law[i].segment(c[i], node.lambda[i], rows.w[i]);
+      if (segment.kind != rows.last_kind[i]) ++rows.flips[i];
+      const bool stop =
+          segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
+      if (stop && rows.flips[i] > kFlips) {
+        // It cannot settle with its neighbours: let go, the next substep sees where it stands.
+        segment = {Segment::Kind::Force, c[i], 1e9 * rows.w[i], 0.0};
+      }
+      rows.last_kind[i] = segment.kind;
+      if (segment.kind == Segment::Kind::None) return;
+      changed = changed || n >= node.n || rows.coordinate[n] != i || rows.kind[n] != segment.kind;
+      rows.coordinate[n] = static_cast<std::uint8_t>(i);
+      rows.kind[n] = segment.kind;
+      node.at[n] = part.plan.regular ? segment.at
+                                     : std::max(segment.at, part.progress.redundancy * rows.w[i]);
+      right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
+      ++n;
+    });
+    changed = changed || n != node.n;
+    node.n = n;
+  });
+  return changed;
+}
+
+void assemble(const JointPart& part) {
+  JointData& all = part.all;
+  std::fill_n(all.values.begin() + part.plan.value, part.plan.value_count, 0.0);
+  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
+    if (plan.joint == kNone) {
+      put_hub(all.slots[plan.slot_b], &all.values[plan.diagonal]);
+    } else {
+      put_diagonal(all, k);
+    }
+  });
+  for (std::uint32_t l = part.plan.link; l < part.plan.link + part.plan.link_count; ++l) {
+    const JointGraph::Link& link = all.graph.links()[l];
+    const bool hub_later = all.graph.nodes()[link.later].joint == kNone;
+    if (hub_later || all.graph.nodes()[link.earlier].joint == kNone) {
+      couple_to_hub(all, link, hub_later);
+    } else {
+      couple_joints(all, link);
+    }
+  }
+}
+
+void gather(const JointPart& part) {
+  std::vector<JointSlot>& slots = part.all.slots;
+  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    if (plan.joint == kNone || node.n == 0) return;
+    const JointRows& rows = part.all.rows[k];
+    const double* dlambda = &part.all.right[plan.right];
+    Vec3 p = Vec3::Zero();
+    Vec3 turn_a = Vec3::Zero();
+    Vec3 turn_b = Vec3::Zero();
+    for (int r = 0; r < node.n; ++r) {
+      const int i = rows.coordinate[r];
+      node.lambda[i] += dlambda[r];
+      p += dlambda[r] * rows.dir.col(i);
+      if (plan.slot_a != kNone) turn_a += dlambda[r] * rows.b_a.col(i);
+      if (plan.slot_b != kNone) turn_b += dlambda[r] * rows.b_b.col(i);
+    }
+    if (plan.slot_a != kNone) {
+      JointSlot& slot = slots[plan.slot_a];
+      slot.dx -= slot.inv_mass * p;
+      slot.dtheta -= turn_a;
+    }
+    if (plan.slot_b != kNone) {
+      JointSlot& slot = slots[plan.slot_b];
+      slot.dx += slot.inv_mass * p;
+      slot.dtheta += turn_b;
+    }
+  });
+}
+
+}  // namespace tandem::pbd::joint_six_dof
