@@ -278,4 +278,16 @@ void BroadPhase::merge_found() {
   }
 }
 
+void BroadPhase::assign(const BroadPhase& source) {
+  tree_ = source.tree_;
+  fixed_tree_ = source.fixed_tree_;
+  leaves_ = source.leaves_;
+  half_spaces_ = source.half_spaces_;
+  planes_ = source.planes_;
+  pairs_ = source.pairs_;
+  found_.clear();
+  free_slots_ = source.free_slots_;
+  cache_slots_ = source.cache_slots_;
+}
+
 }  // namespace tandem::collision

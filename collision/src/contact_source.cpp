@@ -4,306 +4,326 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <typeinfo>
 #include <utility>
 
-#include "contact_source_impl.h"
-#include "sphere_contact.h"
+#include "broad_phase.h"
+#include "collider.h"
+#include "material_io.h"
+#include "motion_limit.h"
+#include "pair_contacts.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
 namespace {
 
-/// Pairs that one worker takes at a time.
-constexpr std::size_t kPairGrain = 64;
-/// Pairs ahead whose memory is asked for: to see whether they are near, and of those that were.
-constexpr std::size_t kPrefetch = 6;
-constexpr std::size_t kPrefetchAll = 3;
+/// Colliders that one worker takes at a time.
+constexpr std::size_t kColliderGrain = 128;
+constexpr std::uint32_t kCacheMagic = 0x33434354;  // "TCC3"
 
-template <class T>
-void prefetch(const T& object) {
-  const auto* bytes = reinterpret_cast<const char*>(&object);
-  for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
+/// @throws std::invalid_argument naming field, value and rule
+void check_def(const pbd::World& world, const ColliderDef& def) {
+  pbd::detail::require_body(world, def.body, "ColliderDef", "body");
+  std::string error;
+  if (!validate(def.shape, &error)) throw std::invalid_argument("ColliderDef: shape: " + error);
+  pbd::detail::require_finite(def.local.position, "ColliderDef", "local.position");
+  pbd::detail::require_unit(def.local.orientation, "ColliderDef", "local.orientation");
+  if (!def.material.validate(&error)) throw std::invalid_argument("ColliderDef: " + error);
 }
 
 }  // namespace
 
-ColliderId CollisionScene::Impl::add(const pbd::World& world, const ColliderDef& def) {
-  check_def(world, def);
-  std::uint32_t index = 0;
-  if (free_.empty()) {
-    index = static_cast<std::uint32_t>(colliders_.size());
-    if (index >= (1u << kIndexBits)) {
-      pbd::detail::refuse("ColliderDef: count", "below 2^26", index);
-    }
-    colliders_.emplace_back();
-    free_.reserve(colliders_.capacity());
-  } else {
-    index = free_.back();
-    free_.pop_back();
-  }
-  const std::uint32_t generation = colliders_[index].generation;
-  colliders_[index] = make_collider(def, options_);
-  colliders_[index].generation = generation;
-  colliders_[index].added = added_++;
-  colliders_[index].dynamic = world.all_props()[def.body.index].type == pbd::BodyType::Dynamic;
-  order_is_old_ = true;
-  broad_.add(index, colliders_[index]);
-  if (def.sensor) ++sensor_count_;
-  return {index, generation};
+bool CollisionOptions::validate(std::string* error) const {
+  const auto in = [&](const char* field, double value, double low, double high) {
+    return pbd::detail::in_range(value, low, high, std::string("CollisionOptions.") + field, error);
+  };
+  return in("speculative_margin", speculative_margin, 0.0, 10.0) &&
+         in("recycle_distance", recycle_distance, 0.0, 1.0) &&
+         in("recycle_angle", recycle_angle, 0.0, 0.2);
 }
 
-const Collider& CollisionScene::Impl::checked(ColliderId id, const char* what) const {
-  if (contains(id)) return colliders_[id.index];
+/// What a copy takes over as it is.
+struct __attribute__((visibility("hidden"))) SceneState {
+  CollisionOptions options;
+  CollisionStats stats;
+  std::vector<Collider> colliders;
+  std::vector<std::uint32_t> free;
+  std::size_t sensor_count = 0;
+  std::uint64_t added = 0;
+  bool order_is_old = true;
+  bool natural_order = true;
+  /// What is known was loaded, in the order of the world that comes with it.
+  bool restored = false;
+  std::uint64_t sleepers_moved = 0;  ///< see World::sleepers_moved()
+};
+
+/// The colliders of a scene, and what finds pairs, contacts and tunnelling among them.
+class __attribute__((visibility("hidden"))) CollisionScene::Impl : public SceneState {
+ public:
+  bool contains(ColliderId id) const {
+    return id.index < colliders.size() && colliders[id.index].alive &&
+           colliders[id.index].generation == id.generation;
+  }
+  /// @return the collider's slot
+  std::uint32_t checked(ColliderId id, const char* what) const;
+  void update_order(const pbd::World& world);
+  void sum_stats(std::span<const pbd::Manifold> found);
+  bool load(pbd::ByteReader& in);
+  void forget();
+
+  BroadPhase broad;
+  PairContacts contacts;
+  MotionLimiter limiter;
+};
+
+std::uint32_t CollisionScene::Impl::checked(ColliderId id, const char* what) const {
+  if (contains(id)) return id.index;
   pbd::detail::refuse(std::string("CollisionScene::") + what + ": id", "a collider of this scene",
                       "collider " + std::to_string(id.index) + " (generation " +
                           std::to_string(id.generation) + ")");
 }
 
-void CollisionScene::Impl::remove(ColliderId id) {
-  checked(id, "remove");
-  Collider& collider = colliders_[id.index];
-  if (collider.def.sensor) --sensor_count_;
-  broad_.remove(id.index, collider);
-  const std::uint32_t generation = collider.generation + 1;
-  order_is_old_ = true;
-  collider = {};
-  collider.generation = generation;
-  free_.push_back(id.index);
-}
-
-void CollisionScene::Impl::set_material(ColliderId id, const Material& material) {
-  checked(id, "set_material");
-  std::string error;
-  if (!material.validate(&error)) {
-    throw std::invalid_argument("CollisionScene::set_material: " + error);
-  }
-  colliders_[id.index].def.material = material;
-}
-
-void CollisionScene::Impl::set_filter(ColliderId id, const Filter& filter) {
-  checked(id, "set_filter");
-  colliders_[id.index].def.filter = filter;
-  broad_.look_again(id.index);
-}
-
-void CollisionScene::Impl::set_user_data(ColliderId id, std::uint64_t value) {
-  checked(id, "set_user_data");
-  colliders_[id.index].def.user_data = value;
-}
-
-void CollisionScene::Impl::remove_body(pbd::BodyId body) {
-  for (std::uint32_t i = 0; i < colliders_.size(); ++i) {
-    if (colliders_[i].alive && colliders_[i].def.body == body) {
-      remove({i, colliders_[i].generation});
-    }
-  }
-}
-
-void CollisionScene::Impl::collect_pair(ColliderPair& entry, double dt, Worker& worker,
-                                        std::vector<pbd::Manifold>& out) {
-  const Collider& low = colliders_[entry.low];
-  const Collider& high = colliders_[entry.high];
-  const bool fresh = std::exchange(entry.fresh, false);
-  const bool planar = low.is_half_space() || high.is_half_space();
-  const bool apart = !planar && !low.needed.overlaps(high.needed);
-  if (!fresh && low.kind == Kind::Sphere && high.kind == Kind::Sphere &&
-      (apart || spheres_apart(low, high))) {
-    ++worker.stats.recycled;
-    return;
-  }
-  PairCache& cache = caches_[entry.cache];
-  if (fresh || apart) {
-    if (cache.patches != nullptr) pool_.give(std::exchange(cache.patches, nullptr));
-    if (fresh && cache.triangles != nullptr) cache.triangles->filled = false;
-    cache.valid = false;
-    if (fresh) cache.axis = PairCache::kNoAxis;
-  }
-  if (apart) {
-    ++worker.stats.recycled;
-    return;
-  }
-  const QueryPair pair = order_pair(low, high);
-  const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
-                            (static_cast<std::uint64_t>(entry.high) << kClusterBits);
-  if (cache.valid && low.still && high.still &&
-      std::min(low.margins.recycle, high.margins.recycle) > 0.0) {
-    ++worker.stats.recycled;
-    if (cache.patches != nullptr) emit(pair, reach_at_rest(pair), cache, key, out);
-    return;
-  }
-  const PairReach reach = reach_of(pair, dt);
-  if (is_direct(pair)) {
-    ++worker.stats.recycled;
-    emit_direct(pair, reach, key, out);
-    return;
-  }
-  if (still_apart(pair, reach, cache) || can_recycle(pair, reach, cache, options_.recycle_angle)) {
-    ++worker.stats.recycled;
-  } else {
-    worker.stats.queries += query_pair(pair, reach, cache, pool_, worker.scratch);
-  }
-  if (cache.patches != nullptr) emit(pair, reach, cache, key, out);
-}
-
-void CollisionScene::Impl::collect_pairs(std::size_t begin, std::size_t end, double dt,
-                                         Worker& worker, std::vector<pbd::Manifold>& out) {
-  std::vector<ColliderPair>& pairs = broad_.pairs();
-  for (std::size_t i = begin; i < end; ++i) {
-    // What lies all over the memory is on its way when its turn comes.
-    const ColliderPair& soon = pairs[std::min(i + kPrefetch, end - 1)];
-    __builtin_prefetch(&colliders_[soon.high].needed);
-    __builtin_prefetch(&caches_[soon.cache]);
-    const ColliderPair& next = pairs[std::min(i + kPrefetchAll, end - 1)];
-    if (const PairCache& cache = caches_[next.cache]; cache.valid) {
-      prefetch(colliders_[next.high]);
-      if (cache.patches != nullptr) prefetch(*cache.patches);
-      if (cache.triangles != nullptr) prefetch(*cache.triangles);
-    }
-    collect_pair(pairs[i], dt, worker, out);
-  }
-}
-
-void CollisionScene::Impl::collect(const pbd::World& world, double dt, pbd::Workers& workers,
-                                   std::vector<pbd::Manifold>& out) {
-  const std::size_t first = out.size();
-  update_order(world);
-  if (std::exchange(sleepers_moved_, world.sleepers_moved()) != world.sleepers_moved()) {
-    for (Collider& collider : colliders_) collider.asleep = false;
-  }
-  workers_.resize(static_cast<std::size_t>(workers.count()));
-  for (Worker& worker : workers_) {
-    worker.stats = {};
-    worker.found.clear();
-  }
-  workers.for_chunks(colliders_.size(), kColliderGrain,
-                     [&](std::size_t begin, std::size_t end, int w) {
-                       std::size_t& count = workers_[static_cast<std::size_t>(w)].stats.colliders;
-                       for (std::size_t i = begin; i < end; ++i) {
-                         if (!colliders_[i].alive) continue;
-                         update_collider(colliders_[i], world, dt);
-                         ++count;
-                       }
-                     });
-  broad_.update(colliders_, dt, workers);
-  for (const ColliderPair& pair : broad_.found()) {
-    guard(pair.low, pair.high);
-    guard(pair.high, pair.low);
-  }
-  const std::size_t slots = broad_.cache_slots();
-  if (slots > caches_.size()) caches_.resize(slots);
-  // Before there is anything to be copied, or to be there twice.
-  const std::size_t expected = first + stats_.manifolds + stats_.manifolds / 16;
-  if (expected > out.capacity() && first == 0) out = {};
-  if (expected > out.capacity()) out.reserve(2 * expected);
-
-  collect_all_pairs(dt, workers, out);
-  sum_stats(std::span(out).subspan(first));
-}
-
-void CollisionScene::Impl::collect_all_pairs(double dt, pbd::Workers& workers,
-                                             std::vector<pbd::Manifold>& out) {
-  const std::vector<ColliderPair>& pairs = broad_.pairs();
-  if (workers.count() == 1 || pairs.size() <= kPairGrain) {
-    collect_pairs(0, pairs.size(), dt, workers_[0], out);
-    return;
-  }
-  // Each worker writes to a list of its own; the chunks are then put together in order.
-  chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
-  workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
-    Worker& worker = workers_[static_cast<std::size_t>(w)];
-    Chunk& chunk = chunks_[begin / kPairGrain];
-    chunk = {w, worker.found.size(), 0};
-    collect_pairs(begin, end, dt, worker, worker.found);
-    chunk.end = worker.found.size();
-  });
-  for (const Chunk& chunk : chunks_) {
-    const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
-    out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
-               from + static_cast<std::ptrdiff_t>(chunk.end));
-  }
+void CollisionScene::Impl::update_order(const pbd::World& world) {
+  const pbd::BodyOrder order = world.order();
+  if (!order_is_old && natural_order == order.natural()) return;
+  order_is_old = false;
+  // Two colliders change places only here, and then no cache says which of them was the first.
+  if (natural_order != order.natural() && !restored) broad.reset();
+  restored = false;
+  natural_order = order.natural();
+  put_in_order(colliders, order);
 }
 
 void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
-  stats_ = {};
-  for (const Worker& worker : workers_) {
-    stats_.colliders += worker.stats.colliders;
-    stats_.queries += worker.stats.queries;
-    stats_.recycled += worker.stats.recycled;
-  }
-  stats_.pairs = broad_.pairs().size();
-  stats_.manifolds = found.size();
+  stats = {.colliders = colliders.size() - free.size(),
+           .pairs = broad.pairs().size(),
+           .queries = contacts.queries(),
+           .recycled = contacts.recycled(),
+           .manifolds = found.size()};
   for (const pbd::Manifold& manifold : found) {
-    stats_.points += static_cast<std::size_t>(manifold.count);
+    stats.points += static_cast<std::size_t>(manifold.count);
   }
-}
-
-void CollisionScene::Impl::update_order(const pbd::World& world) {
-  const pbd::BodyOrder order = world.order();
-  if (!order_is_old_ && natural_order_ == order.natural()) return;
-  order_is_old_ = false;
-  // Two colliders change places only here, and then no cache says which of them was the first.
-  if (natural_order_ != order.natural() && !restored_) broad_.reset();
-  restored_ = false;
-  natural_order_ = order.natural();
-  put_in_order(colliders_, order);
 }
 
 CollisionScene::CollisionScene(const CollisionOptions& options) {
   std::string error;
   if (!options.validate(&error)) throw std::invalid_argument(error);
-  impl_ = std::make_unique<Impl>(options);
+  impl_ = std::make_unique<Impl>();
+  impl_->options = options;
 }
 CollisionScene::~CollisionScene() = default;
 CollisionScene::CollisionScene(CollisionScene&&) noexcept = default;
 CollisionScene& CollisionScene::operator=(CollisionScene&&) noexcept = default;
 
 ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) {
-  return impl_->add(world, def);
+  Impl& m = *impl_;
+  check_def(world, def);
+  std::uint32_t index = 0;
+  if (m.free.empty()) {
+    index = static_cast<std::uint32_t>(m.colliders.size());
+    if (index >= (1u << kIndexBits)) {
+      pbd::detail::refuse("ColliderDef: count", "below 2^26", index);
+    }
+    m.colliders.emplace_back();
+    m.free.reserve(m.colliders.capacity());
+  } else {
+    index = m.free.back();
+    m.free.pop_back();
+  }
+  const std::uint32_t generation = m.colliders[index].generation;
+  m.colliders[index] = make_collider(def, m.options);
+  m.colliders[index].generation = generation;
+  m.colliders[index].added = m.added++;
+  m.colliders[index].dynamic = world.all_props()[def.body.index].type == pbd::BodyType::Dynamic;
+  m.order_is_old = true;
+  m.broad.add(index, m.colliders[index]);
+  if (def.sensor) ++m.sensor_count;
+  return {index, generation};
 }
-void CollisionScene::remove(ColliderId id) { impl_->remove(id); }
+
+void CollisionScene::remove(ColliderId id) {
+  Impl& m = *impl_;
+  Collider& collider = m.colliders[m.checked(id, "remove")];
+  if (collider.def.sensor) --m.sensor_count;
+  m.broad.remove(id.index, collider);
+  const std::uint32_t generation = collider.generation + 1;
+  m.order_is_old = true;
+  collider = {};
+  collider.generation = generation;
+  m.free.push_back(id.index);
+}
+
 void CollisionScene::set_material(ColliderId id, const Material& material) {
-  impl_->set_material(id, material);
+  Collider& collider = impl_->colliders[impl_->checked(id, "set_material")];
+  std::string error;
+  if (!material.validate(&error)) {
+    throw std::invalid_argument("CollisionScene::set_material: " + error);
+  }
+  collider.def.material = material;
 }
+
 void CollisionScene::set_filter(ColliderId id, const Filter& filter) {
-  impl_->set_filter(id, filter);
+  impl_->colliders[impl_->checked(id, "set_filter")].def.filter = filter;
+  impl_->broad.look_again(id.index);
 }
+
 void CollisionScene::set_user_data(ColliderId id, std::uint64_t value) {
-  impl_->set_user_data(id, value);
+  impl_->colliders[impl_->checked(id, "set_user_data")].def.user_data = value;
 }
+
 bool CollisionScene::contains(ColliderId id) const { return impl_->contains(id); }
 const ColliderDef& CollisionScene::collider(ColliderId id) const {
-  return impl_->checked(id, "collider").def;
+  return impl_->colliders[impl_->checked(id, "collider")].def;
 }
 ColliderId CollisionScene::collider_at(std::uint32_t index) const {
-  if (index >= impl_->colliders().size() || !impl_->colliders()[index].alive) return {};
-  return {index, impl_->colliders()[index].generation};
+  if (index >= impl_->colliders.size() || !impl_->colliders[index].alive) return {};
+  return {index, impl_->colliders[index].generation};
 }
 std::uint32_t CollisionScene::slot_count() const {
-  return static_cast<std::uint32_t>(impl_->colliders().size());
+  return static_cast<std::uint32_t>(impl_->colliders.size());
 }
-std::size_t CollisionScene::sensor_count() const { return impl_->sensor_count(); }
-const CollisionOptions& CollisionScene::options() const { return impl_->options(); }
-const CollisionStats& CollisionScene::stats() const { return impl_->stats(); }
+std::size_t CollisionScene::sensor_count() const { return impl_->sensor_count; }
+const CollisionOptions& CollisionScene::options() const { return impl_->options; }
+const CollisionStats& CollisionScene::stats() const { return impl_->stats; }
+
 void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& workers,
                              std::vector<pbd::Manifold>& out) {
-  impl_->collect(world, dt, workers, out);
+  Impl& m = *impl_;
+  const std::size_t first = out.size();
+  m.update_order(world);
+  if (std::exchange(m.sleepers_moved, world.sleepers_moved()) != world.sleepers_moved()) {
+    for (Collider& collider : m.colliders) collider.asleep = false;
+  }
+  workers.for_chunks(m.colliders.size(), kColliderGrain,
+                     [&](std::size_t begin, std::size_t end, int) {
+                       for (std::size_t i = begin; i < end; ++i) {
+                         if (m.colliders[i].alive) update_collider(m.colliders[i], world, dt);
+                       }
+                     });
+  m.broad.update(m.colliders, dt, workers);
+  MotionLimiter::guard(m.colliders, m.broad.found());
+  m.contacts.grow(m.broad.cache_slots());
+  // Before there is anything to be copied, or to be there twice.
+  const std::size_t expected = first + m.stats.manifolds + m.stats.manifolds / 16;
+  if (expected > out.capacity() && first == 0) out = {};
+  if (expected > out.capacity()) out.reserve(2 * expected);
+
+  m.contacts.collect(m.colliders, m.broad.pairs(), m.options.recycle_angle, dt, workers, out);
+  m.sum_stats(std::span(out).subspan(first));
 }
+
 void CollisionScene::limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
                                   pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) {
-  impl_->limit_motion(world, after, workers, limits);
+  impl_->limiter.find(impl_->colliders, impl_->broad, world, after, workers, limits);
 }
-void CollisionScene::remove_body(pbd::BodyId body) { impl_->remove_body(body); }
-void CollisionScene::save(pbd::ByteWriter& out) const { impl_->save(out); }
+
+void CollisionScene::remove_body(pbd::BodyId body) {
+  Impl& m = *impl_;
+  for (std::uint32_t i = 0; i < m.colliders.size(); ++i) {
+    if (m.colliders[i].alive && m.colliders[i].def.body == body) {
+      remove({i, m.colliders[i].generation});
+    }
+  }
+}
+
+void CollisionScene::save(pbd::ByteWriter& out) const {
+  const Impl& m = *impl_;
+  out.u32(kCacheMagic);
+  out.u32(static_cast<std::uint32_t>(m.colliders.size()));
+  for (std::uint32_t i = 0; i < m.colliders.size(); ++i) {
+    const Collider& collider = m.colliders[i];
+    out.u8(collider.alive ? 1 : 0);
+    if (!collider.alive) continue;
+    out.u32(collider.def.body.index);
+    out.u8(static_cast<std::uint8_t>(collider.kind));
+    save_surface(out, collider.def.material, collider.def.filter);
+    out.u8(collider.guarded);
+    out.u8(m.broad.placed_fixed(i) ? 2 : m.broad.placed(i) ? 1 : 0);
+    out.vec3(m.broad.fat_box(i).min);
+    out.vec3(m.broad.fat_box(i).max);
+  }
+  out.u32(static_cast<std::uint32_t>(m.broad.pairs().size()));
+  for (const ColliderPair& pair : m.broad.pairs()) {
+    out.u32(pair.low);
+    out.u32(pair.high);
+    m.contacts.save(out, pair.cache);
+  }
+}
+
+bool CollisionScene::Impl::load(pbd::ByteReader& in) {
+  order_is_old = true;
+  restored = true;
+  if (in.u32() != kCacheMagic || in.u32() != colliders.size()) return false;
+  for (std::uint32_t i = 0; i < colliders.size(); ++i) {
+    Collider& collider = colliders[i];
+    if ((in.u8() != 0) != collider.alive) return false;
+    if (!collider.alive) continue;
+    if (in.u32() != collider.def.body.index || in.u8() != static_cast<std::uint8_t>(collider.kind))
+      return false;
+    if (!load_surface(in, collider.def.material, collider.def.filter)) return false;
+    collider.guarded = in.u8();
+    const std::uint8_t place = in.u8();
+    const Aabb fat{in.vec3(), in.vec3()};
+    const bool sound = fat.min.allFinite() && fat.max.allFinite();
+    if (in.failed() || !sound || place > 2 || (place != 0 && collider.is_half_space()))
+      return false;
+    if (place != 0) {
+      broad.place(i, fat, place == 2);
+    } else {
+      broad.remember_plane(i, fat);
+    }
+  }
+  const std::uint32_t count = in.u32();
+  for (std::uint32_t k = 0; k < count && !in.failed(); ++k) {
+    const std::uint32_t low = in.u32();
+    const std::uint32_t high = in.u32();
+    if (low >= high || high >= colliders.size() || !may_touch(colliders[low], colliders[high])) {
+      return false;
+    }
+    if (!broad.pairs().empty() && !(broad.pairs().back() < ColliderPair{low, high, 0, false})) {
+      return false;
+    }
+    const ColliderPair& pair = broad.append_pair(low, high);
+    const bool boxes = colliders[low].kind == Kind::Box && colliders[high].kind == Kind::Box;
+    contacts.grow(pair.cache + 1);
+    if (!contacts.load(in, pair.cache, boxes)) return false;
+  }
+  return !in.failed();
+}
+
+void CollisionScene::Impl::forget() {
+  broad.reset();
+  for (Collider& collider : colliders) collider.asleep = false;
+}
+
 void CollisionScene::load(pbd::ByteReader& in) {
   impl_->forget();
   if (impl_->load(in)) return;
   impl_->forget();
   in.fail();
 }
+
 bool CollisionScene::fits(const pbd::World& world) const {
-  return std::all_of(impl_->colliders().begin(), impl_->colliders().end(), [&](const Collider& c) {
+  return std::all_of(impl_->colliders.begin(), impl_->colliders.end(), [&](const Collider& c) {
     return !c.alive || world.body_at(c.def.body.index).valid();
   });
+}
+
+std::unique_ptr<pbd::ContactSource> CollisionScene::make_empty() const {
+  if (typeid(*this) != typeid(CollisionScene)) return nullptr;
+  return std::make_unique<CollisionScene>(options());
+}
+
+bool CollisionScene::assign(const pbd::ContactSource& source) {
+  const auto* other = dynamic_cast<const CollisionScene*>(&source);
+  if (other == nullptr) return false;
+  if (other == this) return true;
+  Impl& m = *impl_;
+  static_cast<SceneState&>(m) = *other->impl_;
+  m.free.reserve(m.colliders.size());  // as add() does: removal needs no memory
+  m.broad.assign(other->impl_->broad);
+  m.contacts.assign(other->impl_->contacts);
+  return true;
 }
 
 }  // namespace tandem::collision

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "pair_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sphere_contact.h"
+
+namespace tandem::collision {
+namespace {
+
+/// Pairs that one worker takes at a time.
+constexpr std::size_t kPairGrain = 64;
+/// Pairs ahead whose memory is asked for: to see whether they are near, and of those that were.
+constexpr std::size_t kPrefetch = 6;
+constexpr std::size_t kPrefetchAll = 3;
+/// More patches than any pair has (keys keep 12 bits for them).
+constexpr std::uint32_t kMaxPatches = 4096;
+/// Three faces of either box and nine pairs of edges.
+constexpr std::uint8_t kBoxAxes = 15;
+
+template <class T>
+void prefetch(const T& object) {
+  const auto* bytes = reinterpret_cast<const char*>(&object);
+  for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
+}
+
+/// Triangles of a search: where `to` has no list yet, the next search would make it as well.
+void copy_triangles(const PairCache& from, PairCache& to) {
+  if (from.triangles == nullptr || !from.triangles->filled) {
+    if (to.triangles != nullptr) to.triangles->filled = false;
+    return;
+  }
+  if (to.triangles == nullptr) to.triangles = std::make_unique<TriangleList>();
+  *to.triangles = *from.triangles;
+}
+
+/// @param may_take  patches from the pool; without, those that `to` has no memory for are left out
+/// @return whether none was left out
+bool copy_cache(const PairCache& from, PairCache& to, PatchPool& pool, bool may_take) {
+  to.position = from.position;
+  to.orientation = from.orientation;
+  to.margin = from.margin;
+  to.valid = from.valid;
+  to.axis = from.axis;
+  copy_triangles(from, to);
+  ContactPatch** link = &to.patches;
+  const ContactPatch* patch = from.patches;
+  for (; patch != nullptr; patch = patch->next) {
+    if (*link == nullptr && !may_take) break;
+    if (*link == nullptr) *link = pool.take();
+    ContactPatch* const next = (*link)->next;
+    **link = *patch;
+    (*link)->next = next;
+    link = &(*link)->next;
+  }
+  pool.give(std::exchange(*link, nullptr));
+  return patch == nullptr;
+}
+
+}  // namespace
+
+void PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& worker,
+                                std::vector<pbd::Manifold>& out) {
+  const Collider& low = step.colliders[entry.low];
+  const Collider& high = step.colliders[entry.high];
+  const bool fresh = std::exchange(entry.fresh, false);
+  const bool planar = low.is_half_space() || high.is_half_space();
+  const bool apart = !planar && !low.needed.overlaps(high.needed);
+  if (!fresh && low.kind == Kind::Sphere && high.kind == Kind::Sphere &&
+      (apart || spheres_apart(low, high))) {
+    ++worker.recycled;
+    return;
+  }
+  PairCache& cache = caches_[entry.cache];
+  if (fresh || apart) {
+    if (cache.patches != nullptr) pool_.give(std::exchange(cache.patches, nullptr));
+    if (fresh && cache.triangles != nullptr) cache.triangles->filled = false;
+    cache.valid = false;
+    if (fresh) cache.axis = PairCache::kNoAxis;
+  }
+  if (apart) {
+    ++worker.recycled;
+    return;
+  }
+  const QueryPair pair = order_pair(low, high);
+  const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
+                            (static_cast<std::uint64_t>(entry.high) << kClusterBits);
+  if (cache.valid && low.still && high.still &&
+      std::min(low.margins.recycle, high.margins.recycle) > 0.0) {
+    ++worker.recycled;
+    if (cache.patches != nullptr) emit(pair, reach_at_rest(pair), cache, key, out);
+    return;
+  }
+  const PairReach reach = reach_of(pair, step.dt);
+  if (is_direct(pair)) {
+    ++worker.recycled;
+    emit_direct(pair, reach, key, out);
+    return;
+  }
+  if (still_apart(pair, reach, cache) || can_recycle(pair, reach, cache, step.recycle_angle)) {
+    ++worker.recycled;
+  } else {
+    worker.queries += query_pair(pair, reach, cache, pool_, worker.scratch);
+  }
+  if (cache.patches != nullptr) emit(pair, reach, cache, key, out);
+}
+
+void PairContacts::collect_pairs(const Step& step, std::size_t begin, std::size_t end,
+                                 Worker& worker, std::vector<pbd::Manifold>& out) {
+  for (std::size_t i = begin; i < end; ++i) {
+    // What lies all over the memory is on its way when its turn comes.
+    const ColliderPair& soon = step.pairs[std::min(i + kPrefetch, end - 1)];
+    __builtin_prefetch(&step.colliders[soon.high].needed);
+    __builtin_prefetch(&caches_[soon.cache]);
+    const ColliderPair& next = step.pairs[std::min(i + kPrefetchAll, end - 1)];
+    if (const PairCache& cache = caches_[next.cache]; cache.valid) {
+      prefetch(step.colliders[next.high]);
+      if (cache.patches != nullptr) prefetch(*cache.patches);
+      if (cache.triangles != nullptr) prefetch(*cache.triangles);
+    }
+    collect_pair(step, step.pairs[i], worker, out);
+  }
+}
+
+void PairContacts::collect(std::span<const Collider> colliders, std::span<ColliderPair> pairs,
+                           double recycle_angle, double dt, pbd::Workers& workers,
+                           std::vector<pbd::Manifold>& out) {
+  workers_.resize(static_cast<std::size_t>(workers.count()));
+  for (Worker& worker : workers_) {
+    worker.queries = worker.recycled = 0;
+    worker.found.clear();
+  }
+  const Step step{colliders, pairs, recycle_angle, dt};
+  if (workers.count() == 1 || pairs.size() <= kPairGrain) {
+    collect_pairs(step, 0, pairs.size(), workers_[0], out);
+    return;
+  }
+  // Each worker writes to a list of its own; the chunks are then put together in order.
+  chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
+  workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
+    Worker& worker = workers_[static_cast<std::size_t>(w)];
+    Chunk& chunk = chunks_[begin / kPairGrain];
+    chunk = {w, worker.found.size(), 0};
+    collect_pairs(step, begin, end, worker, worker.found);
+    chunk.end = worker.found.size();
+  });
+  for (const Chunk& chunk : chunks_) {
+    const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
+    out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
+               from + static_cast<std::ptrdiff_t>(chunk.end));
+  }
+}
+
+std::size_t PairContacts::queries() const {
+  std::size_t sum = 0;
+  for (const Worker& worker : workers_) sum += worker.queries;
+  return sum;
+}
+
+std::size_t PairContacts::recycled() const {
+  std::size_t sum = 0;
+  for (const Worker& worker : workers_) sum += worker.recycled;
+  return sum;
+}
+
+void PairContacts::save(pbd::ByteWriter& out, std::uint32_t slot) const {
+  const PairCache& cache = caches_[slot];
+  out.u8(cache.valid ? 1 : 0);
+  out.u8(cache.axis);
+  out.f32(cache.margin);
+  out.vec3(cache.position);
+  for (const float q : cache.orientation) out.f32(q);
+  std::uint32_t count = 0;
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) ++count;
+  out.u32(count);
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
+    out.vec3(p->normal_l);
+    out.u8(p->in_a ? 1 : 0);
+    out.f64(p->radius_a);
+    out.f64(p->radius_b);
+    out.u32(p->cluster);
+    out.u8(p->count);
+    for (int i = 0; i < p->count; ++i) {
+      out.vec3(p->anchor_a_l[i]);
+      out.vec3(p->anchor_b_l[i]);
+      out.u32(p->features[i]);
+    }
+  }
+}
+
+bool PairContacts::load(pbd::ByteReader& in, std::uint32_t slot, bool boxes) {
+  PairCache& cache = caches_[slot];
+  pool_.give(std::exchange(cache.patches, nullptr));
+  // The slot may have been another pair's.
+  if (cache.triangles != nullptr) cache.triangles->filled = false;
+  cache.valid = in.u8() != 0;
+  cache.axis = in.u8();
+  cache.margin = in.f32();
+  cache.position = in.vec3();
+  bool finite = std::isfinite(cache.margin) && cache.position.allFinite();
+  for (float& q : cache.orientation) {
+    q = in.f32();
+    finite = finite && std::isfinite(q);
+  }
+  const std::uint32_t count = in.u32();
+  if (in.failed() || count > kMaxPatches || !finite) return false;
+  ContactPatch** link = &cache.patches;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    ContactPatch* patch = pool_.take();
+    *link = patch;
+    link = &patch->next;
+    patch->normal_l = in.vec3();
+    patch->in_a = in.u8() != 0;
+    patch->radius_a = in.f64();
+    patch->radius_b = in.f64();
+    const std::uint32_t cluster = in.u32();
+    patch->cluster = static_cast<std::uint16_t>(cluster);
+    patch->count = in.u8();
+    if (in.failed() || patch->count > ContactPatch::kMaxPoints || cluster >= kMaxPatches ||
+        !patch->normal_l.allFinite()) {
+      patch->count = 0;
+      return false;
+    }
+    for (int i = 0; i < patch->count; ++i) {
+      patch->anchor_a_l[i] = in.vec3();
+      patch->anchor_b_l[i] = in.vec3();
+      patch->features[i] = in.u32();
+      finite = finite && patch->anchor_a_l[i].allFinite() && patch->anchor_b_l[i].allFinite();
+    }
+    finite = finite && std::isfinite(patch->radius_a) && std::isfinite(patch->radius_b);
+  }
+  const bool axis_fits = cache.axis == PairCache::kNoAxis || (boxes && cache.axis < kBoxAxes);
+  return finite && axis_fits && !in.failed();
+}
+
+void PairContacts::assign(const PairContacts& source) {
+  // Slots beyond the source's stay, for their lists' memory, with what new ones begin with: nothing
+  // reads it, but snapshots contain it.
+  for (std::size_t i = source.caches_.size(); i < caches_.size(); ++i) {
+    copy_cache(PairCache{}, caches_[i], pool_, false);
+  }
+  if (caches_.size() < source.caches_.size()) caches_.resize(source.caches_.size());
+  // Patches that are not needed go back before others are taken, so that the pool does not grow
+  // where only their pairs have changed.
+  bool complete = true;
+  for (std::size_t i = 0; i < source.caches_.size(); ++i) {
+    complete = copy_cache(source.caches_[i], caches_[i], pool_, false) && complete;
+  }
+  for (std::size_t i = 0; i < source.caches_.size() && !complete; ++i) {
+    copy_cache(source.caches_[i], caches_[i], pool_, true);
+  }
+}
+
+}  // namespace tandem::collision
