@@ -7,21 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "byte_fields.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
 namespace {
-
-void save_id(ByteWriter& out, BodyId id) {
-  out.u32(id.index);
-  out.u32(id.generation);
-}
-BodyId load_id(ByteReader& in) {
-  BodyId id;
-  id.index = in.u32();
-  id.generation = in.u32();
-  return id;
-}
 
 /// A count of things of so many bytes each; 0 where there cannot be as many.
 std::uint32_t load_count(ByteReader& in, std::size_t bytes) {
@@ -74,88 +64,63 @@ bool ClothRows::is_point(BodyId body) const {
 }
 
 void ClothRows::save(ByteWriter& out) const {
+  FieldWriter io(out);
   out.u64(next_id);
   out.u32(static_cast<std::uint32_t>(strands.size()));
   for (const Strand& strand : strands) {
-    out.u64(strand.id);
-    out.f64(strand.compliance);
-    out.u32(strand.count);
+    io(strand.id, strand.compliance, strand.count);
     for (std::uint32_t i = strand.first; i < strand.first + strand.count; ++i) {
-      save_id(out, points[i]);
-      out.f64(lengths[i]);
+      io(points[i], lengths[i]);
     }
   }
   out.u32(static_cast<std::uint32_t>(tethers.size()));
-  for (const Tether& tether : tethers) {
-    out.u64(tether.id);
-    save_id(out, tether.a);
-    save_id(out, tether.b);
-    out.f64(tether.length);
-  }
+  for (const Tether& tether : tethers) io(tether.id, tether.a, tether.b, tether.length);
   out.u32(static_cast<std::uint32_t>(means.size()));
   for (const Mean& mean : means) {
-    out.u64(mean.id);
-    out.f64(mean.compliance);
-    out.u8(mean.leads ? 1 : 0);
-    out.u32(mean.count);
+    io(mean.id, mean.compliance, mean.leads, mean.count);
     for (std::uint32_t i = mean.first; i < mean.first + mean.count; ++i) {
-      save_id(out, mean_points[i]);
-      out.f64(weights[i]);
+      io(mean_points[i], weights[i]);
     }
   }
   out.u32(static_cast<std::uint32_t>(attachments.size()));
-  for (const Attachment& attachment : attachments) {
-    out.u64(attachment.id);
-    save_id(out, attachment.particle);
-    save_id(out, attachment.host);
-    out.vec3(attachment.anchor_l);
-  }
+  for (const Attachment& a : attachments) io(a.id, a.particle, a.host, a.anchor_l);
 }
 
 void ClothRows::load(ByteReader& in) {
+  FieldReader io(in);
   *this = {};
   next_id = in.u64();
   const std::uint32_t strand_count = load_count(in, 8 + 8 + 4);
   for (std::uint32_t n = 0; n < strand_count && !in.failed(); ++n) {
-    Strand strand{.id = in.u64(), .compliance = in.f64()};
-    strand.first = static_cast<std::uint32_t>(points.size());
+    Strand strand{.first = static_cast<std::uint32_t>(points.size())};
+    io(strand.id, strand.compliance);
     strand.count = load_count(in, 8 + 8);
     if (strand.count < 2) return in.fail();
     for (std::uint32_t i = 0; i < strand.count; ++i) {
-      points.push_back(load_id(in));
-      lengths.push_back(in.f64());
+      io(points.emplace_back(), lengths.emplace_back());
     }
     strands.push_back(strand);
   }
   const std::uint32_t tether_count = load_count(in, 8 + 16 + 8);
   for (std::uint32_t n = 0; n < tether_count && !in.failed(); ++n) {
-    Tether tether{.id = in.u64()};
-    tether.a = load_id(in);
-    tether.b = load_id(in);
-    tether.length = in.f64();
-    tethers.push_back(tether);
+    Tether& tether = tethers.emplace_back();
+    io(tether.id, tether.a, tether.b, tether.length);
   }
   const std::uint32_t mean_count = load_count(in, 8 + 8 + 1 + 4);
   for (std::uint32_t n = 0; n < mean_count && !in.failed(); ++n) {
-    Mean mean{.id = in.u64()};
-    mean.compliance = in.f64();
-    mean.leads = in.u8() != 0;
-    mean.first = static_cast<std::uint32_t>(mean_points.size());
+    Mean mean{.first = static_cast<std::uint32_t>(mean_points.size())};
+    io(mean.id, mean.compliance, mean.leads);
     mean.count = load_count(in, 8 + 8);
     if (mean.count < 2) return in.fail();
     for (std::uint32_t i = 0; i < mean.count; ++i) {
-      mean_points.push_back(load_id(in));
-      weights.push_back(in.f64());
+      io(mean_points.emplace_back(), weights.emplace_back());
     }
     means.push_back(mean);
   }
   const std::uint32_t attachment_count = load_count(in, 8 + 16 + 24);
   for (std::uint32_t n = 0; n < attachment_count && !in.failed(); ++n) {
-    Attachment attachment{.id = in.u64()};
-    attachment.particle = load_id(in);
-    attachment.host = load_id(in);
-    attachment.anchor_l = in.vec3();
-    attachments.push_back(attachment);
+    Attachment& a = attachments.emplace_back();
+    io(a.id, a.particle, a.host, a.anchor_l);
   }
   number();
 }

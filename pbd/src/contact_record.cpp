@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "byte_fields.h"
 #include "contact_impl.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/contact.h"
@@ -28,45 +29,35 @@ bool contact_is_sound(const Contact& contact) {
   return sound;
 }
 
+// To save or to load.
+void contact_fields(auto& io, auto& contact, auto& m) {
+  io(m.normal, m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
+     contact.impulse, contact.warm_start_scale, contact.overlap, contact.friction_force);
+}
+void point_fields(auto& io, auto& point, auto& force) {
+  io(point.anchor_a_l, point.anchor_b_l, point.feature, force);
+}
+void name_fields(auto& io, auto& m) { io(m.key, m.body_a, m.body_b, m.order); }
+
 }  // namespace
 
 void Contact::save(ByteWriter& out) const {
-  const Manifold& m = manifold;
-  out.vec3(m.normal);
-  for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution, approach_speed,
-                             impulse, warm_start_scale, overlap}) {
-    out.f64(value);
-  }
-  out.vec3(friction_force);
-  out.u8(static_cast<std::uint8_t>(m.count));
-  for (int i = 0; i < m.count; ++i) {
-    out.vec3(m.points[i].anchor_a_l);
-    out.vec3(m.points[i].anchor_b_l);
-    out.u32(m.points[i].feature);
-    out.f64(force[i]);
-  }
+  FieldWriter io(out);
+  contact_fields(io, *this, manifold);
+  io(static_cast<std::uint8_t>(manifold.count));
+  for (int i = 0; i < manifold.count; ++i) point_fields(io, manifold.points[i], force[i]);
 }
 
 void Contact::load(ByteReader& in) {
-  Manifold& m = manifold;
-  m.normal = in.vec3();
-  for (double* value : {&m.radius_a, &m.radius_b, &m.friction, &m.restitution, &approach_speed,
-                        &impulse, &warm_start_scale, &overlap}) {
-    *value = in.f64();
-  }
-  friction_force = in.vec3();
-  m.count = in.u8();
-  if (m.count < 1 || m.count > Manifold::kMaxPoints) {
-    m.count = 0;
+  FieldReader io(in);
+  contact_fields(io, *this, manifold);
+  manifold.count = in.u8();
+  if (manifold.count < 1 || manifold.count > Manifold::kMaxPoints) {
+    manifold.count = 0;
     in.fail();
     return;
   }
-  for (int i = 0; i < m.count; ++i) {
-    m.points[i].anchor_a_l = in.vec3();
-    m.points[i].anchor_b_l = in.vec3();
-    m.points[i].feature = in.u32();
-    force[i] = in.f64();
-  }
+  for (int i = 0; i < manifold.count; ++i) point_fields(io, manifold.points[i], force[i]);
   if (!contact_is_sound(*this)) in.fail();
 }
 
@@ -77,11 +68,9 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->open_rows));
   out.f64(impl_->residual);
   out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
+  FieldWriter io(out);
   for (const Contact& contact : impl_->contacts) {
-    out.u64(contact.manifold.key);
-    out.u32(contact.manifold.body_a);
-    out.u32(contact.manifold.body_b);
-    out.u64(contact.manifold.order);
+    name_fields(io, contact.manifold);
     contact.save(out);
   }
 }
@@ -97,13 +86,11 @@ void ContactBlock::load(ByteReader& in) {
   impl_->any_friction = false;
   impl_->any_restitution = false;
   const std::uint32_t size = in.u32();
+  FieldReader io(in);
   for (std::uint32_t k = 0; k < size && !in.failed(); ++k) {
     Contact& contact = impl_->contacts.emplace_back();
     Manifold& m = contact.manifold;
-    m.key = in.u64();
-    m.body_a = in.u32();
-    m.body_b = in.u32();
-    m.order = in.u64();
+    name_fields(io, m);
     contact.load(in);
     impl_->any_friction = impl_->any_friction || m.friction > 0.0;
     impl_->any_restitution = impl_->any_restitution || m.restitution > 0.0;

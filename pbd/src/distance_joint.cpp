@@ -2,9 +2,20 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/distance_joint.h"
 
+#include "byte_fields.h"
 #include "joint_rows.h"
 
 namespace tandem::pbd {
+namespace {
+
+/// To save or to load.
+void distance_fields(auto& io, auto& def) {
+  io(def.a, def.b, def.anchor_a_l, def.anchor_b_l, def.rest_length, def.compliance, def.damping,
+     def.elastic, def.min_length, def.max_length, def.range_compliance, def.range_damping,
+     def.break_force, def.enabled);
+}
+
+}  // namespace
 
 void DistanceJoint::check(const World& world, const Def& def) {
   if (def.a.valid()) detail::require_body(world, def.a, kName, "a");
@@ -158,51 +169,15 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
 }
 
 void DistanceJoint::save(ByteWriter& out) const {
-  for (const BodyId id : {def_.a, def_.b}) {
-    out.u32(id.index);
-    out.u32(id.generation);
-  }
-  out.vec3(def_.anchor_a_l);
-  out.vec3(def_.anchor_b_l);
-  out.f64(def_.rest_length);
-  out.f64(def_.compliance);
-  out.f64(def_.damping);
-  out.u8(def_.elastic ? 1 : 0);
-  out.f64(def_.min_length);
-  out.f64(def_.max_length);
-  out.f64(def_.range_compliance);
-  out.f64(def_.range_damping);
-  out.f64(def_.break_force);
-  out.u8(def_.enabled ? 1 : 0);
-  out.u8(broken_ ? 1 : 0);
-  out.vec3(n_);
-  out.f64(displacement_residual_);
-  out.f64(force_);
-  out.f64(residual_);
+  FieldWriter io(out);
+  distance_fields(io, def_);
+  io(broken_, n_, displacement_residual_, force_, residual_);
 }
 
 void DistanceJoint::load(ByteReader& in) {
-  for (BodyId* id : {&def_.a, &def_.b}) {
-    id->index = in.u32();
-    id->generation = in.u32();
-  }
-  def_.anchor_a_l = in.vec3();
-  def_.anchor_b_l = in.vec3();
-  def_.rest_length = in.f64();
-  def_.compliance = in.f64();
-  def_.damping = in.f64();
-  def_.elastic = in.u8() != 0;
-  def_.min_length = in.f64();
-  def_.max_length = in.f64();
-  def_.range_compliance = in.f64();
-  def_.range_damping = in.f64();
-  def_.break_force = in.f64();
-  def_.enabled = in.u8() != 0;
-  broken_ = in.u8() != 0;
-  n_ = in.vec3();
-  displacement_residual_ = in.f64();
-  force_ = in.f64();
-  residual_ = in.f64();
+  FieldReader io(in);
+  distance_fields(io, def_);
+  io(broken_, n_, displacement_residual_, force_, residual_);
   if (!n_.allFinite() || !std::isfinite(displacement_residual_) || !std::isfinite(force_) ||
       !std::isfinite(residual_)) {
     in.fail();

@@ -2,38 +2,27 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_record.h"
 
+#include "byte_fields.h"
+
 namespace tandem::pbd {
 namespace {
 
-void save_frame(ByteWriter& out, const JointFrame& frame) {
-  out.vec3(frame.anchor);
-  out.quat(frame.basis);
+// To save or to load.
+void axis_fields(auto& io, auto& axis) {
+  io(axis.freedom, axis.motor.mode, axis.lower, axis.upper, axis.compliance, axis.damping,
+     axis.spring.stiffness, axis.spring.rest, axis.spring.damping, axis.motor.target,
+     axis.motor.max_force, axis.motor.max_speed);
 }
 
-void load_frame(ByteReader& in, JointFrame& frame) {
-  frame.anchor = in.vec3();
-  frame.basis = in.quat();
-}
-
-void save_axis(ByteWriter& out, const JointAxis& axis) {
-  out.u8(static_cast<std::uint8_t>(axis.freedom));
-  out.u8(static_cast<std::uint8_t>(axis.motor.mode));
-  for (const double value : {axis.lower, axis.upper, axis.compliance, axis.damping,
-                             axis.spring.stiffness, axis.spring.rest, axis.spring.damping,
-                             axis.motor.target, axis.motor.max_force, axis.motor.max_speed}) {
-    out.f64(value);
-  }
-}
-
-void load_axis(ByteReader& in, JointAxis& axis) {
-  axis.freedom = static_cast<Freedom>(in.u8());
-  axis.motor.mode = static_cast<MotorMode>(in.u8());
-  if (axis.freedom > Freedom::Limited || axis.motor.mode > MotorMode::Position) in.fail();
-  for (double* value : {&axis.lower, &axis.upper, &axis.compliance, &axis.damping,
-                        &axis.spring.stiffness, &axis.spring.rest, &axis.spring.damping,
-                        &axis.motor.target, &axis.motor.max_force, &axis.motor.max_speed}) {
-    *value = in.f64();
-  }
+void record_fields(auto& io, auto& record, auto& def, auto& state) {
+  io(def.a, def.b, def.frame_a.anchor, def.frame_a.basis, def.frame_b.anchor, def.frame_b.basis);
+  for (auto& axis : def.linear) axis_fields(io, axis);
+  for (auto& axis : def.angular) axis_fields(io, axis);
+  io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque,
+     def.enabled);
+  io(record.alive, record.displacement_residual, record.twist, record.energy_excess, record.h);
+  io(state.position, state.swing, state.load, state.force, state.torque, state.residual,
+     state.broken);
 }
 
 }  // namespace
@@ -91,61 +80,17 @@ void coordinates(const JointRecord& record, const SolverBody& a, const SolverBod
 }
 
 void JointRecord::save(ByteWriter& out) const {
-  for (const BodyId id : {def.a, def.b}) {
-    out.u32(id.index);
-    out.u32(id.generation);
-  }
-  save_frame(out, def.frame_a);
-  save_frame(out, def.frame_b);
-  for (const JointAxis& axis : def.linear) save_axis(out, axis);
-  for (const JointAxis& axis : def.angular) save_axis(out, axis);
-  out.f64(def.cone);
-  out.f64(def.cone_compliance);
-  out.f64(def.cone_damping);
-  out.f64(def.break_force);
-  out.f64(def.break_torque);
-  out.u8(def.enabled ? 1 : 0);
-  out.u8(alive ? 1 : 0);
-  for (const double value : displacement_residual) out.f64(value);
-  out.f64(twist);
-  out.f64(energy_excess);
-  out.f64(h);
-  for (const double position : state.position) out.f64(position);
-  out.f64(state.swing);
-  for (const double load : state.load) out.f64(load);
-  out.vec3(state.force);
-  out.vec3(state.torque);
-  out.f64(state.residual);
-  out.u8(state.broken ? 1 : 0);
+  FieldWriter io(out);
+  record_fields(io, *this, def, state);
 }
 
 void JointRecord::load(ByteReader& in) {
-  for (BodyId* id : {&def.a, &def.b}) {
-    id->index = in.u32();
-    id->generation = in.u32();
+  FieldReader io(in);
+  record_fields(io, *this, def, state);
+  for (int c = 0; c < kCone; ++c) {
+    const JointAxis read = axis(c);
+    if (read.freedom > Freedom::Limited || read.motor.mode > MotorMode::Position) in.fail();
   }
-  load_frame(in, def.frame_a);
-  load_frame(in, def.frame_b);
-  for (JointAxis& axis : def.linear) load_axis(in, axis);
-  for (JointAxis& axis : def.angular) load_axis(in, axis);
-  def.cone = in.f64();
-  def.cone_compliance = in.f64();
-  def.cone_damping = in.f64();
-  def.break_force = in.f64();
-  def.break_torque = in.f64();
-  def.enabled = in.u8() != 0;
-  alive = in.u8() != 0;
-  for (double& value : displacement_residual) value = in.f64();
-  twist = in.f64();
-  energy_excess = in.f64();
-  h = in.f64();
-  for (double& position : state.position) position = in.f64();
-  state.swing = in.f64();
-  for (double& load : state.load) load = in.f64();
-  state.force = in.vec3();
-  state.torque = in.vec3();
-  state.residual = in.f64();
-  state.broken = in.u8() != 0;
   refresh();
   bool finite = state.force.allFinite() && state.torque.allFinite();
   for (const double value : {twist, energy_excess, h, state.swing, state.residual}) {

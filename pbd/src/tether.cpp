@@ -2,9 +2,19 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/tether.h"
 
+#include "byte_fields.h"
 #include "tandem/pbd/corrections.h"
 
 namespace tandem::pbd {
+namespace {
+
+/// To save or to load.
+void tether_fields(auto io, auto& def, auto& force) {
+  io(def.body, def.anchor_l, def.anchor_w, def.anchor_velocity, def.stiffness, def.damping,
+     def.max_force, force);
+}
+
+}  // namespace
 
 void Tether::check(const World& world, const Def& def) {
   detail::require_body(world, def.body, kName, "body");
@@ -46,28 +56,10 @@ double Tether::project(const SubstepContext& ctx) {
   return (k * p).norm();
 }
 
-void Tether::save(ByteWriter& out) const {
-  out.u32(def_.body.index);
-  out.u32(def_.body.generation);
-  out.vec3(def_.anchor_l);
-  out.vec3(def_.anchor_w);
-  out.vec3(def_.anchor_velocity);
-  out.f64(def_.stiffness);
-  out.f64(def_.damping);
-  out.f64(def_.max_force);
-  out.vec3(force_);
-}
+void Tether::save(ByteWriter& out) const { tether_fields(FieldWriter(out), def_, force_); }
 
 void Tether::load(ByteReader& in) {
-  def_.body.index = in.u32();
-  def_.body.generation = in.u32();
-  def_.anchor_l = in.vec3();
-  def_.anchor_w = in.vec3();
-  def_.anchor_velocity = in.vec3();
-  def_.stiffness = in.f64();
-  def_.damping = in.f64();
-  def_.max_force = in.f64();
-  force_ = in.vec3();
+  tether_fields(FieldReader(in), def_, force_);
   if (!(def_.stiffness >= kMinStiffness && def_.stiffness <= kMaxStiffness)) in.fail();
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "body_def.h"
+#include "byte_fields.h"
 #include "groups.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/validate.h"
@@ -26,67 +27,38 @@ constexpr std::size_t kCheckBytes = 8;
 constexpr std::size_t kBytesPerSlot =
     (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8 + 3 * 8) + (1 + 1 + 4 + 8) + 13 * 8;
 
-void save_props(ByteWriter& out, const BodyProps& props) {
-  out.u8(static_cast<std::uint8_t>(props.type));
-  for (const double value : {props.mass, props.inverse_mass, props.gravity_scale,
-                             props.linear_damping, props.angular_damping}) {
-    out.f64(value);
-  }
-  for (const bool locked : props.locks.linear) out.u8(locked ? 1 : 0);
-  for (const bool locked : props.locks.angular) out.u8(locked ? 1 : 0);
-  out.u8(props.bullet ? 1 : 0);
-  out.u8(props.can_sleep ? 1 : 0);
-  for (int k = 0; k < 9; ++k) out.f64(props.inertia(k / 3, k % 3));
-  for (int k = 0; k < 9; ++k) out.f64(props.inverse_inertia(k / 3, k % 3));
-  out.u8(props.stable_id ? 1 : 0);
-  out.u64(props.stable_id.value_or(0));
-  out.vec3(props.origin);
+// To save or to load.
+void props_fields(auto& io, auto& props) {
+  io(props.type, props.mass, props.inverse_mass, props.gravity_scale, props.linear_damping,
+     props.angular_damping, props.locks.linear, props.locks.angular, props.bullet, props.can_sleep,
+     props.inertia, props.inverse_inertia);
+}
+void state_fields(auto& io, auto& state) { io(state.pose, state.twist); }
+void wrench_fields(auto& io, auto& wrench) { io(wrench.force, wrench.torque); }
+void target_fields(auto& io, auto& target) { io(target.index, target.pose); }
+void correction_fields(auto& io, auto& correction) {
+  io(correction.translation, correction.rotation, correction.twist);
 }
 
-void load_props(ByteReader& in, BodyProps& props) {
-  props.type = static_cast<BodyType>(in.u8());
-  for (double* value : {&props.mass, &props.inverse_mass, &props.gravity_scale,
-                        &props.linear_damping, &props.angular_damping}) {
-    *value = in.f64();
-  }
-  for (bool& locked : props.locks.linear) locked = in.u8() != 0;
-  for (bool& locked : props.locks.angular) locked = in.u8() != 0;
-  props.bullet = in.u8() != 0;
-  props.can_sleep = in.u8() != 0;
-  for (int k = 0; k < 9; ++k) props.inertia(k / 3, k % 3) = in.f64();
-  for (int k = 0; k < 9; ++k) props.inverse_inertia(k / 3, k % 3) = in.f64();
-  const bool named = in.u8() != 0;
-  const std::uint64_t id = in.u64();
+void save_body(FieldWriter io, const BodyProps& props, const BodyActivity& activity,
+               const BodyState& state) {
+  props_fields(io, props);
+  io(props.stable_id.has_value(), props.stable_id.value_or(0), props.origin);
+  io(activity.awake, activity.level, std::uint32_t{activity.steps_at_lower_level},
+     activity.low_speed_time);
+  state_fields(io, state);
+}
+
+void load_body(FieldReader io, BodyProps& props, BodyActivity& activity, BodyState& state) {
+  props_fields(io, props);
+  bool named = false;
+  std::uint64_t id = 0;
+  io(named, id, props.origin);
   props.stable_id = named ? std::optional(id) : std::nullopt;
-  props.origin = in.vec3();
-}
-
-void save_activity(ByteWriter& out, const BodyActivity& activity) {
-  out.u8(activity.awake ? 1 : 0);
-  out.u8(activity.level);
-  out.u32(activity.steps_at_lower_level);
-  out.f64(activity.low_speed_time);
-}
-
-void load_activity(ByteReader& in, BodyActivity& activity) {
-  activity.awake = in.u8() != 0;
-  activity.level = in.u8();
-  activity.steps_at_lower_level = static_cast<std::uint16_t>(in.u32());
-  activity.low_speed_time = in.f64();
-}
-
-void save_state(ByteWriter& out, const BodyState& state) {
-  out.vec3(state.pose.position);
-  out.quat(state.pose.orientation);
-  out.vec3(state.twist.linear);
-  out.vec3(state.twist.angular);
-}
-
-void load_state(ByteReader& in, BodyState& state) {
-  state.pose.position = in.vec3();
-  state.pose.orientation = in.quat();
-  state.twist.linear = in.vec3();
-  state.twist.angular = in.vec3();
+  std::uint32_t steps = 0;
+  io(activity.awake, activity.level, steps, activity.low_speed_time);
+  activity.steps_at_lower_level = static_cast<std::uint16_t>(steps);
+  state_fields(io, state);
 }
 
 /// Whether a body can be like this; what is written of an empty slot passes as well.
@@ -129,9 +101,9 @@ bool load_wrenches(ByteReader& in, std::uint32_t slots, std::vector<Wrench>& wre
   const std::uint32_t count = in.u32();
   if (in.failed() || (count != 0 && count != slots)) return false;
   wrenches.assign(count, {});
+  FieldReader io(in);
   for (Wrench& wrench : wrenches) {
-    wrench.force = in.vec3();
-    wrench.torque = in.vec3();
+    wrench_fields(io, wrench);
     if (!wrench.force.allFinite() || !wrench.torque.allFinite()) return false;
   }
   return true;
@@ -142,10 +114,9 @@ bool load_targets(ByteReader& in, std::span<const BodyProps> props,
   const std::uint32_t count = in.u32();
   if (in.failed() || count > props.size()) return false;
   targets.assign(count, {});
+  FieldReader io(in);
   for (KinematicTarget& target : targets) {
-    target.index = in.u32();
-    target.pose.position = in.vec3();
-    target.pose.orientation = in.quat();
+    target_fields(io, target);
     if (target.index >= props.size() || props[target.index].type != BodyType::Kinematic ||
         !target.pose.position.allFinite() ||
         !(std::abs(target.pose.orientation.norm() - 1.0) < 1e-3)) {
@@ -160,12 +131,8 @@ bool load_corrections(ByteReader& in, std::uint32_t slots, std::vector<Correctio
   const std::uint32_t count = in.u32();
   if (in.failed() || (count != 0 && count != slots)) return false;
   corrections.assign(count, {});
-  for (Correction& correction : corrections) {
-    correction.translation = in.vec3();
-    correction.rotation = in.vec3();
-    correction.twist.linear = in.vec3();
-    correction.twist.angular = in.vec3();
-  }
+  FieldReader io(in);
+  for (Correction& correction : corrections) correction_fields(io, correction);
   return true;
 }
 
@@ -174,6 +141,7 @@ bool load_corrections(ByteReader& in, std::uint32_t slots, std::vector<Correctio
 std::vector<std::byte> World::snapshot() const {
   std::vector<std::byte> bytes;
   ByteWriter out(bytes);
+  FieldWriter io(out);
   out.u32(kSnapshotMagic);
   out.u32(kSnapshotVersion);
   out.u32(static_cast<std::uint32_t>(blocks_.size()));
@@ -185,29 +153,15 @@ std::vector<std::byte> World::snapshot() const {
   for (std::uint32_t i = 0; i < slot_count(); ++i) {
     slots_.save_slot(out, i);
     out.u8(in_contact_[i]);
-    save_props(out, props_[i]);
-    save_activity(out, activity_[i]);
-    save_state(out, states_[i]);
+    save_body(io, props_[i], activity_[i], states_[i]);
   }
   slots_.save_free(out);
   out.u32(static_cast<std::uint32_t>(wrenches_.size()));
-  for (const Wrench& wrench : wrenches_) {
-    out.vec3(wrench.force);
-    out.vec3(wrench.torque);
-  }
+  for (const Wrench& wrench : wrenches_) wrench_fields(io, wrench);
   out.u32(static_cast<std::uint32_t>(kinematic_targets_.size()));
-  for (const KinematicTarget& target : kinematic_targets_) {
-    out.u32(target.index);
-    out.vec3(target.pose.position);
-    out.quat(target.pose.orientation);
-  }
+  for (const KinematicTarget& target : kinematic_targets_) target_fields(io, target);
   out.u32(static_cast<std::uint32_t>(corrections_.size()));
-  for (const Correction& correction : corrections_) {
-    out.vec3(correction.translation);
-    out.vec3(correction.rotation);
-    out.vec3(correction.twist.linear);
-    out.vec3(correction.twist.angular);
-  }
+  for (const Correction& correction : corrections_) correction_fields(io, correction);
   for (const auto& block : blocks_) block->save(out);
   if (contact_source_ != nullptr) contact_source_->save(out);
   out.u64(hash_bytes(bytes));
@@ -254,9 +208,7 @@ bool World::read(ByteReader& in) {
   for (std::uint32_t i = 0; i < slots; ++i) {
     slots_.load_slot(in);
     in_contact_[i] = in.u8();
-    load_props(in, props_[i]);
-    load_activity(in, activity_[i]);
-    load_state(in, states_[i]);
+    load_body(FieldReader(in), props_[i], activity_[i], states_[i]);
     if (!body_is_sound(props_[i], activity_[i], states_[i])) return false;
     if (!props_[i].stable_id) continue;
     if (!slots_.alive(i) || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
@@ -278,10 +230,11 @@ bool World::read(ByteReader& in) {
 std::uint64_t World::hash() const {
   std::vector<std::byte> bytes;
   ByteWriter out(bytes);
+  FieldWriter io(out);
   for (std::uint32_t i = 0; i < slot_count(); ++i) {
     if (!slots_.alive(i)) continue;
     out.u32(i);
-    save_state(out, states_[i]);
+    state_fields(io, states_[i]);
   }
   return hash_bytes(bytes);
 }
