@@ -25,8 +25,7 @@ class AabbTree {
   const Aabb& box(std::uint32_t leaf) const { return nodes_[leaf].box; }
 
   /// Calls visit(value) for each leaf whose box meets `box`, in no particular order.
-  template <class Visit>
-  void query(const Aabb& box, std::vector<std::uint32_t>& stack, Visit&& visit) const {
+  void query(const Aabb& box, std::vector<std::uint32_t>& stack, auto&& visit) const {
     stack.clear();
     const auto push = [&](std::uint32_t index) {
       if (nodes_[index].box.overlaps(box)) stack.push_back(index);

@@ -45,8 +45,7 @@ class BroadPhase {
   const std::vector<ColliderPair>& pairs() const { return pairs_; }
   /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
   /// @param moving  false leaves out colliders of dynamic bodies
-  template <class Visit>
-  void query(const Aabb& box, bool moving, std::vector<std::uint32_t>& stack, Visit&& visit) const {
+  void query(const Aabb& box, bool moving, std::vector<std::uint32_t>& stack, auto&& visit) const {
     fixed_tree_.query(box, stack, visit);
     if (moving) tree_.query(box, stack, visit);
     for (const std::uint32_t plane : half_spaces_) visit(plane);

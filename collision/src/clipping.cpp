@@ -91,9 +91,8 @@ ClippedFace clip_segment(const CoreFace& reference, const Vec3& axis, const Core
 
 /// Sutherland-Hodgman; distance(k, p) is that of p outside side k. A convex n-gon gains at most one
 /// corner for each side.
-template <class Distance>
 ClippedFace clip_polygon(const CoreFace& reference, const CoreFace& incident, const Ids& ids,
-                         Distance&& distance) {
+                         auto&& distance) {
   constexpr int kMax = 2 * CoreFace::kMaxCorners;
   std::array<Corner, kMax> one;
   std::array<Corner, kMax> two;

@@ -22,8 +22,7 @@ MeshPose mesh_pose(const Collider& c, const Vec3& origin) {
 const TriangleMesh& mesh_of(const Collider& c) { return *std::get<Mesh>(c.def.shape); }
 
 /// Calls visit(surface) with the TriangleMesh or HeightField that the collider is.
-template <class Visit>
-auto with_surface(const Collider& c, Visit&& visit) {
+auto with_surface(const Collider& c, auto&& visit) {
   if (const auto* field = std::get_if<Field>(&c.def.shape)) return visit(**field);
   return visit(mesh_of(c));
 }
@@ -103,8 +102,7 @@ SurfaceHit above_plane(const Plane& plane, const ConvexCore& probe) {
           .on_probe = lowest};
 }
 
-template <class Surface>
-bool ray_surface(const Surface& surface, const MeshPose& pose, const Vec3& direction, double limit,
+bool ray_surface(const auto& surface, const MeshPose& pose, const Vec3& direction, double limit,
                  MeshSides sides, SurfaceHit& out) {
   const Vec3 start = -(pose.rotation.transpose() * pose.translation);
   const Vec3 d = pose.rotation.transpose() * direction;

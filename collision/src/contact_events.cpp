@@ -29,14 +29,12 @@ void compare(const std::vector<Pair>& before, const std::vector<Pair>& now,
                       std::back_inserter(ended));
 }
 
-template <class Id>
-void save_id(pbd::ByteWriter& out, const Id& id) {
+void save_id(pbd::ByteWriter& out, const auto& id) {
   out.u32(id.index);
   out.u32(id.generation);
 }
 
-template <class Id>
-void load_id(pbd::ByteReader& in, Id& id) {
+void load_id(pbd::ByteReader& in, auto& id) {
   id.index = in.u32();
   id.generation = in.u32();
 }

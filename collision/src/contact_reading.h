@@ -27,8 +27,7 @@ struct ContactReading {
 };
 
 /// Calls visit(ContactReading) by ascending key. The only place that knows how pbd keeps contacts.
-template <class Visit>
-void read_contacts(const pbd::ContactBlock& block, Visit&& visit) {
+void read_contacts(const pbd::ContactBlock& block, auto&& visit) {
   for (const pbd::Contact& contact : block.contacts()) {
     visit(ContactReading{&contact.manifold, contact.loaded() || contact.impulse > 0.0,
                          contact.approach_speed, contact.impulse});

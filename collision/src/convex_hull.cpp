@@ -37,8 +37,7 @@ HullPlane hull_plane(std::span<const Vec3> points, const Triangle& t) {
   return {n, n.dot(a)};
 }
 
-template <class Score>
-std::uint32_t furthest(std::size_t count, Score&& score) {
+std::uint32_t furthest(std::size_t count, auto&& score) {
   std::uint32_t best = 0;
   double most = -HUGE_VAL;
   for (std::uint32_t i = 0; i < count; ++i) {

@@ -64,8 +64,7 @@ CoreHit cast_on_hull(const Vec3& from, const Vec3& path, double radius, const Co
   return enter >= 0.0 && enter <= leave ? hit : CoreHit{};
 }
 
-template <class Surface>
-CoreHit cast_on_surface(const Vec3& from, const Vec3& path, double radius, const Surface& surface,
+CoreHit cast_on_surface(const Vec3& from, const Vec3& path, double radius, const auto& surface,
                         std::vector<std::uint32_t>& list) {
   const Vec3 to = from + path;
   list.clear();

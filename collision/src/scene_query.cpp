@@ -50,9 +50,8 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
 
   /// Calls visit(index) for accepted colliders whose boxes the sweep meets within `limit`, which
   /// visit() may lower.
-  template <class Visit>
   void along(const BoxSweep& sweep, const double& limit, const QueryFilter& filter,
-             Visit&& visit) const {
+             auto&& visit) const {
     for (const std::uint32_t i : colliders.half_spaces()) {
       if (accepts(i, filter)) visit(i);
     }
@@ -65,9 +64,8 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
   }
 
   /// The same for colliders within `distance` of the box.
-  template <class Visit>
   void near(const Aabb& own, const double& distance, const QueryFilter& filter,
-            Visit&& visit) const {
+            auto&& visit) const {
     for (const std::uint32_t i : colliders.half_spaces()) {
       if (accepts(i, filter)) visit(i);
     }
@@ -83,9 +81,8 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
         });
   }
 
-  template <class Visit>
   void rays(const CheckedRay& ray, const double& limit, const QueryFilter& filter,
-            Visit&& visit) const {
+            auto&& visit) const {
     const BoxSweep sweep({ray.origin, ray.origin}, ray.direction);
     along(sweep, limit, filter, [&](std::uint32_t i) {
       SurfaceHit hit;
@@ -96,9 +93,8 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
     });
   }
 
-  template <class Visit>
   void casts(const Probe& probe, const Vec3& direction, const double& limit,
-             const QueryFilter& filter, Visit&& visit) const {
+             const QueryFilter& filter, auto&& visit) const {
     const BoxSweep sweep(probe.box, direction);
     along(sweep, limit, filter, [&](std::uint32_t i) {
       SurfaceHit hit;

@@ -43,9 +43,8 @@ inline bool was_touched(std::span<const PatchTrace> previous, const Vec3& front_
 
 /// The patch of the last step that the cluster carries on, or null.
 /// @param taken  what has a `cluster` already
-template <class Taken>
 const PatchTrace* match(const Vec3& normal_l, std::span<const PatchTrace> previous,
-                        const Taken& taken) {
+                        const auto& taken) {
   const PatchTrace* best = nullptr;
   double cosine = kSameAsBefore;
   for (const PatchTrace& patch : previous) {
@@ -60,8 +59,7 @@ const PatchTrace* match(const Vec3& normal_l, std::span<const PatchTrace> previo
   return best;
 }
 
-template <class Taken>
-std::uint32_t free_number(std::span<const PatchTrace> previous, const Taken& taken) {
+std::uint32_t free_number(std::span<const PatchTrace> previous, const auto& taken) {
   for (std::uint32_t number = 0;; ++number) {
     const auto has_it = [&](const auto& one) { return one.cluster == number; };
     if (!std::any_of(previous.begin(), previous.end(), has_it) &&
@@ -72,8 +70,7 @@ std::uint32_t free_number(std::span<const PatchTrace> previous, const Taken& tak
 }
 
 /// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
-template <class Surface>
-void find_triangles(const Surface& surface, const Aabb& bounds, TriangleList& list) {
+void find_triangles(const auto& surface, const Aabb& bounds, TriangleList& list) {
   if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
     const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);
     if (slack.maxCoeff() < (bounds.max - bounds.min).maxCoeff()) return;

@@ -21,8 +21,7 @@ constexpr double kFaint = 1e-3;
 constexpr double kTogether = 0.5;
 
 /// Call visit(body) for both bodies of each row of the blocks, whether it moves or not.
-template <class Visit>
-void for_ends(std::span<const ContactRows> rows, Visit&& visit) {
+void for_ends(std::span<const ContactRows> rows, auto&& visit) {
   for (const ContactRows& each : rows) {
     for (std::size_t i = 0; i < each.count; ++i) {
       visit(each.a[i]);
@@ -32,8 +31,7 @@ void for_ends(std::span<const ContactRows> rows, Visit&& visit) {
 }
 
 /// Call visit(body) for the bodies of the lanes that can move.
-template <class Visit>
-void for_bodies(const ContactRows& rows, LaneMask lanes, Visit&& visit) {
+void for_bodies(const ContactRows& rows, LaneMask lanes, auto&& visit) {
   for (std::size_t i = 0; i < rows.count; ++i) {
     if ((lanes & rows.a_moves) >> i & 1u) visit(i, rows.a[i]);
     if ((lanes & rows.b_moves) >> i & 1u) visit(i, rows.b[i]);

@@ -137,8 +137,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
 
   /// Call visit(rows) for all blocks of rows, shared out among workers.
-  template <class Visit>
-  void for_rows(const SubstepContext& ctx, Visit&& visit) {
+  void for_rows(const SubstepContext& ctx, auto&& visit) {
     ctx.workers->for_chunks(rows.size(), kGrain / kLanes,
                             [&](std::size_t begin, std::size_t end, int) {
                               for (std::size_t k = begin; k < end; ++k) visit(rows[k]);

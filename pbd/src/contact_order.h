@@ -20,8 +20,7 @@ class SweepPlan {
   void add_level(std::uint32_t begin, std::uint32_t end);
 
   /// Call visit(i) for all levels, forwards or backwards.
-  template <class Visit>
-  void sweep(bool reverse, Workers& workers, Visit&& visit) const {
+  void sweep(bool reverse, Workers& workers, auto&& visit) const {
     workers.run(starts_, reverse, [&](std::uint32_t chunk, int) {
       const Chunk& c = chunks_[chunk];
       for (std::uint32_t i = 0; i < c.end - c.begin; ++i) {
@@ -60,8 +59,7 @@ class ContactOrder {
   }
 
   /// Call visit(block) for the rows of a group, forwards or backwards.
-  template <class Visit>
-  void sweep(std::uint32_t group, bool reverse, Workers& workers, Visit&& visit) const {
+  void sweep(std::uint32_t group, bool reverse, Workers& workers, auto&& visit) const {
     if (group < groups_) plans_[group].sweep(reverse, workers, visit);
   }
   /// The level of a block of a group.

@@ -61,8 +61,7 @@ JointAxis locked(double compliance, double damping) {
 }
 
 /// A held point, from the fields that all short forms have.
-template <class ShortForm>
-SixDofJointDef base(const ShortForm& def) {
+SixDofJointDef base(const auto& def) {
   SixDofJointDef six;
   six.a = def.a;
   six.b = def.b;

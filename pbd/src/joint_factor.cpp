@@ -7,8 +7,7 @@ namespace {
 
 /// Right-looking. Joints have positive pivots, hubs negative ones, stored with their sign turned.
 /// @param size  of a node: its rows
-template <class Size>
-void factor(const JointPart& part, Size&& size) {
+void factor(const JointPart& part, auto&& size) {
   JointData& all = part.all;
   for (std::uint32_t k = part.plan.node; k < part.plan.node + part.plan.node_count; ++k) {
     const JointGraph::Node& plan = all.graph.nodes()[k];
@@ -42,8 +41,7 @@ void factor(const JointPart& part, Size&& size) {
   }
 }
 
-template <class Size>
-void solve(const JointPart& part, Size&& size) {
+void solve(const JointPart& part, auto&& size) {
   JointData& all = part.all;
   for (std::uint32_t k = part.plan.node; k < part.plan.node + part.plan.node_count; ++k) {
     const JointGraph::Node& plan = all.graph.nodes()[k];

@@ -58,8 +58,7 @@ class JointGraph {
 
   void build(std::span<const Edge> edges);
   /// Call the bodies by other names: `name(body)` in place of what the edges said.
-  template <class Name>
-  void rename_bodies(Name&& name) {
+  void rename_bodies(auto&& name) {
     for (std::uint32_t& body : bodies_) body = name(body);
   }
 

@@ -59,8 +59,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     }
   }
   /// Those of the group.
-  template <class Visit>
-  void for_shared(const SubstepContext& ctx, Visit&& visit) {
+  void for_shared(const SubstepContext& ctx, auto&& visit) {
     for (JointRecord& record : records) {
       if (!record.active() || !is_shared(record, ctx.bodies)) continue;
       const SixDofJointDef& def = record.def;

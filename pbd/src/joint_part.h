@@ -118,22 +118,19 @@ struct JointPart {
   const SubstepContext& ctx;
 
   /// visit(k, plan, node) for each of its nodes, in the order of elimination.
-  template <class Visit>
-  void for_nodes(Visit&& visit) const {
+  void for_nodes(auto&& visit) const {
     for (std::uint32_t k = plan.node; k < plan.node + plan.node_count; ++k) {
       visit(k, all.graph.nodes()[k], all.nodes[k]);
     }
   }
   /// The same for its joints: neither hubs nor what is broken.
-  template <class Visit>
-  void for_joints(Visit&& visit) const {
+  void for_joints(auto&& visit) const {
     for_nodes([&](std::uint32_t k, const JointGraph::Node& node_plan, JointNode& node) {
       if (node_plan.joint != JointGraph::kNone && !node.off) visit(k, node_plan, node);
     });
   }
   /// visit(slot, body) for each of its bodies.
-  template <class Visit>
-  void for_bodies(Visit&& visit) const {
+  void for_bodies(auto&& visit) const {
     for (std::uint32_t s = plan.body; s < plan.body + plan.body_count; ++s) {
       visit(all.slots[s], ctx.bodies[all.graph.bodies()[s]]);
     }

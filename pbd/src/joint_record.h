@@ -55,8 +55,7 @@ inline const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies,
 }
 
 /// Visit the indices of the bits that are set, lowest first.
-template <class Visit>
-void for_bits(std::uint32_t bits, Visit&& visit) {
+void for_bits(std::uint32_t bits, auto&& visit) {
   for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
 }
 

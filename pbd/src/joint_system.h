@@ -21,8 +21,7 @@ class JointSystem {
   /// Sort parts by group for for_parts().
   void sort_groups(std::span<const SolverBody> bodies);
 
-  template <class Visit>
-  void for_parts(std::uint32_t group, bool reverse, Visit&& visit) {
+  void for_parts(std::uint32_t group, bool reverse, auto&& visit) {
     const auto before = [](const GroupPart& part, std::uint32_t g) { return part.group < g; };
     const auto first = std::lower_bound(order_.begin(), order_.end(), group, before);
     const auto last = std::find_if(first, order_.end(),

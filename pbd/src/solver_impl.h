@@ -68,8 +68,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   Turns joint_turns() const;
   /// Sweep blocks before contacts, there and back, until no row asks for more.
   /// @param project  of a block: the largest move that a row asked for, m
-  template <class Project>
-  void until_joints_hold(Project&& project) {
+  void until_joints_hold(auto&& project) {
     if (!projects_) return;
     const bool reverse = context_.reverse;
     for (int i = 0; i < options_.joint_iterations; ++i) {
@@ -86,16 +85,14 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void restore_locked_bodies(const Group& group);
   /// Nothing tunnels: bodies that would get through something stop on their way.
   void limit_motion();
-  template <class Visit>
-  void for_blocks(Visit&& visit) {
+  void for_blocks(auto&& visit) {
     for (const auto& block : world_->blocks_) {
       if (!block->empty()) visit(*block);
     }
   }
 
   /// Bodies of the current group, shared out among the workers.
-  template <class Visit>
-  void for_group(Visit&& visit) {
+  void for_group(auto&& visit) {
     const std::span<const std::uint32_t> list = group_->bodies;
     workers_.for_chunks(list.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t k = begin; k < end; ++k) visit(bodies_[list[k]], list[k]);

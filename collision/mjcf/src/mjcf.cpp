@@ -49,8 +49,7 @@ class MjcfReader {
   void warn(mjtObj kind, int id, const char* what) {
     out_.warnings.push_back(where(kind, id) + ": " + what);
   }
-  template <class Call>
-  auto guard(mjtObj kind, int id, Call&& call) {
+  auto guard(mjtObj kind, int id, auto&& call) {
     try {
       return call();
     } catch (const std::invalid_argument& error) {

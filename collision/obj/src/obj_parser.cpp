@@ -28,8 +28,7 @@ std::string_view take_word(std::string_view& line) {
 }
 
 /// Where the whole of `word` is a number.
-template <class Number>
-bool read(std::string_view word, Number& value) {
+bool read(std::string_view word, auto& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   return error == std::errc() && end == word.data() + word.size();

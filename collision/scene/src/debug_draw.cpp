@@ -99,8 +99,7 @@ class Pen {
       line(below * side - top, above * side + top);
     }
   }
-  template <class Surface>
-  void triangles(const Surface& surface, std::uint32_t count) {
+  void triangles(const auto& surface, std::uint32_t count) {
     for (std::uint32_t t = 0; t < count; ++t) {
       const auto c = surface.corners(t);
       for (std::size_t k = 0; k < 3; ++k) {

@@ -83,8 +83,7 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
   }
 
   /// A body, and what `attach` gives it: it is told the body and how its shapes lie in it.
-  template <class Attach>
-  BodyId add(const SolidDef& def, const collision::MassProperties& solid, Attach&& attach) {
+  BodyId add(const SolidDef& def, const collision::MassProperties& solid, auto&& attach) {
     const BodyId id = world.add_body(body_of(def, solid));
     try {
       collision::ColliderDef surface = surface_of(def);

@@ -33,35 +33,30 @@ struct EnumNames<pbd::MotorMode> {
   static constexpr std::array<std::string_view, 3> kAll{"off", "velocity", "position"};
 };
 
-template <class Io>
-void fields(Io& io, Pose& pose) {
+void fields(auto& io, Pose& pose) {
   io("position", pose.position);
   io("orientation", pose.orientation);
 }
 
-template <class Io>
-void fields(Io& io, pbd::JointFrame& frame) {
+void fields(auto& io, pbd::JointFrame& frame) {
   io("position", frame.anchor);
   io("orientation", frame.basis);
 }
 
-template <class Io>
-void fields(Io& io, collision::Filter& filter) {
+void fields(auto& io, collision::Filter& filter) {
   io("category", filter.category);
   io("mask", filter.mask);
   io("group", filter.group);
 }
 
-template <class Io>
-void fields(Io& io, collision::Material& material) {
+void fields(auto& io, collision::Material& material) {
   io("friction", material.friction);
   io("restitution", material.restitution);
   io("frictionRule", material.friction_rule);
   io("restitutionRule", material.restitution_rule);
 }
 
-template <class Io>
-void fields(Io& io, pbd::AxisLocks& locks) {
+void fields(auto& io, pbd::AxisLocks& locks) {
   io("linear", locks.linear);
   io("angular", locks.angular);
 }
@@ -83,16 +78,14 @@ void body_fields(Io& io, Def& def) {
   io("userData", def.user_data);
 }
 
-template <class Io>
-void fields(Io& io, pbd::BodyDef& def) {
+void fields(auto& io, pbd::BodyDef& def) {
   body_fields(io, def);
   io("mass", def.mass);
   io("inertia", def.inertia);
   io("origin", def.origin);
 }
 
-template <class Io>
-void fields(Io& io, SolidDef& def) {
+void fields(auto& io, SolidDef& def) {
   body_fields(io, def);
   io("density", def.density);
   io("mass", def.mass);
@@ -101,8 +94,7 @@ void fields(Io& io, SolidDef& def) {
   io("sensor", def.sensor);
 }
 
-template <class Io>
-void fields(Io& io, collision::ColliderDef& def) {
+void fields(auto& io, collision::ColliderDef& def) {
   io("shape", def.shape);
   fields(io, def.local);
   fields(io, def.material);
@@ -112,30 +104,26 @@ void fields(Io& io, collision::ColliderDef& def) {
   io("userData", def.user_data);
 }
 
-template <class Io>
-void fields(Io& io, collision::CompoundPart& part) {
+void fields(auto& io, collision::CompoundPart& part) {
   io("shape", part.shape);
   fields(io, part.local);
   io("density", part.density);
 }
 
-template <class Io>
-void fields(Io& io, pbd::JointSpring& spring) {
+void fields(auto& io, pbd::JointSpring& spring) {
   io("stiffness", spring.stiffness);
   io("rest", spring.rest);
   io("damping", spring.damping);
 }
 
-template <class Io>
-void fields(Io& io, pbd::JointMotor& motor) {
+void fields(auto& io, pbd::JointMotor& motor) {
   io("mode", motor.mode);
   io("target", motor.target);
   io("maxForce", motor.max_force);
   io("maxSpeed", motor.max_speed);
 }
 
-template <class Io>
-void fields(Io& io, pbd::JointAxis& axis) {
+void fields(auto& io, pbd::JointAxis& axis) {
   io("freedom", axis.freedom);
   io("lower", axis.lower);
   io("upper", axis.upper);
@@ -154,8 +142,7 @@ void joint_fields(Io& io, Def& def) {
   io("breakTorque", def.break_torque);
 }
 
-template <class Io>
-void fields(Io& io, pbd::SixDofJointDef& def) {
+void fields(auto& io, pbd::SixDofJointDef& def) {
   joint_fields(io, def);
   io("linear", def.linear);
   io("angular", def.angular);
@@ -175,13 +162,9 @@ void short_fields(Io& io, Def& def) {
   io("angularDamping", def.angular_damping);
 }
 
-template <class Io>
-void fields(Io& io, pbd::FixedJointDef& def) {
-  short_fields(io, def);
-}
+void fields(auto& io, pbd::FixedJointDef& def) { short_fields(io, def); }
 
-template <class Io>
-void fields(Io& io, pbd::BallJointDef& def) {
+void fields(auto& io, pbd::BallJointDef& def) {
   short_fields(io, def);
   io("cone", def.cone);
   io("limitTwist", def.limit_twist);
@@ -189,20 +172,17 @@ void fields(Io& io, pbd::BallJointDef& def) {
   io("upperTwist", def.upper_twist);
 }
 
-template <class Io>
-void fields(Io& io, pbd::HingeJointDef& def) {
+void fields(auto& io, pbd::HingeJointDef& def) {
   short_fields(io, def);
   io("axis", def.axis);
 }
 
-template <class Io>
-void fields(Io& io, pbd::SliderJointDef& def) {
+void fields(auto& io, pbd::SliderJointDef& def) {
   short_fields(io, def);
   io("axis", def.axis);
 }
 
-template <class Io>
-void fields(Io& io, pbd::WheelJointDef& def) {
+void fields(auto& io, pbd::WheelJointDef& def) {
   short_fields(io, def);
   io("suspension", def.suspension);
   io("steer", def.steer);

@@ -80,8 +80,7 @@ json numbers(std::span<const Vec3> points) {
   return list;
 }
 
-template <class Round>
-json round_json(const char* type, const Round& shape) {
+json round_json(const char* type, const auto& shape) {
   return {{"type", type}, {"radius", shape.radius}, {"halfHeight", shape.half_height}};
 }
 

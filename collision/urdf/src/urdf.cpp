@@ -54,8 +54,7 @@ class UrdfReader {
   }
 
  private:
-  template <class Call>
-  auto guard(const std::string& where, Call&& call) {
+  auto guard(const std::string& where, auto&& call) {
     try {
       return call();
     } catch (const std::invalid_argument& error) {
