@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "contact_impl.h"
 #include "tandem/pbd/bytes.h"
@@ -125,8 +124,7 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
     std::sort(manifolds.begin(), manifolds.end(), by_key);
   }
   Impl& m = *impl_;
-  m.any_friction = false;
-  m.any_restitution = false;
+  m.any_friction = m.any_restitution = false;
   m.old_place.resize(manifolds.size());
   std::size_t left = m.contacts.size();
   for (std::size_t i = manifolds.size(); i-- > 0;) {
@@ -183,11 +181,8 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.order.build(arranged, ctx.bodies.size());
   if (m.any_restitution) m.impacts.reserve(ctx.bodies.size());
   m.pushed.assign(ctx.bodies.size(), 0);
-  m.extra_rows = 0;
-  m.refined_rows = 0;
+  m.extra_rows = m.refined_rows = m.refused_rows = m.open_rows = 0;
   m.refined = {};
-  m.refused_rows = 0;
-  m.open_rows = 0;
   m.least_substeps = ctx.substeps;
 }
 
@@ -369,7 +364,8 @@ void ContactBlock::end_step(const SubstepContext& ctx, std::span<double> wanted)
                             }
                           });
   m.residual = *std::max_element(m.worst.begin(), m.worst.end());
-  if (!wanted.empty()) m.want_substeps(ctx, wanted);
+  if (wanted.empty()) return;
+  m.refused_rows = m.refinement.want(m.contacts, m.sequence, m.options.extra_rows, ctx, wanted);
 }
 
 void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {

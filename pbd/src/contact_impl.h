@@ -10,22 +10,13 @@
 #include "contact_convergence.h"
 #include "contact_impact.h"
 #include "contact_order.h"
+#include "contact_refinement.h"
 #include "contact_row.h"
 #include "contact_rows.h"
 #include "contact_statics.h"
 #include "contact_support.h"
 
 namespace tandem::pbd {
-
-/// How heavily the contacts of an island are loaded.
-struct IslandLoad {
-  double ratio2 = 0.0;  ///< sum of (load / weight of the lighter body)^2
-  double speed2 = 0.0;  ///< m^2/s^2, sum over bodies
-  std::uint32_t bodies = 0;
-  std::uint32_t contacts = 0;
-  double for_size = 0.0;  ///< substeps that its smallest body wants
-  double wanted = 0.0;    ///< substeps
-};
 
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 2;   ///< blocks of rows
@@ -45,11 +36,11 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   ContactOrder order;
   ContactConvergence convergence;
   ContactImpacts impacts;
+  ContactRefinement refinement;
   ContactOptions options;
   const ContactKernels* kernels = &contact_kernels(0);
-  std::vector<IslandLoad> loads;  ///< by the index of the island's lowest body
-  int extra_rows = 0;             ///< rows swept again in this step
-  int refined_rows = 0;           ///< rows of substeps beyond those of the solver in this step
+  int extra_rows = 0;    ///< rows swept again in this step
+  int refined_rows = 0;  ///< rows of substeps beyond those of the solver in this step
   /// Of the budget, by refinement: rows of groups with fewer substeps, and of this one as if all of
   /// its level were like it, so that it does not matter which of them comes first.
   struct {
@@ -70,8 +61,6 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     changed.push_back(lost.manifold.body_b);
   }
 
-  /// The contact that is nth in order.
-  std::size_t nth(std::size_t n) const { return sequence.empty() ? n : sequence[n]; }
   void put_in_sequence() {
     const auto before = [](const Contact& l, const Contact& r) {
       return l.manifold.order < r.manifold.order;
@@ -185,9 +174,6 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
 
   /// Make the rows of the group that is to be solved next.
   void make_rows(const SubstepContext& ctx);
-
-  /// What islands under load want: see ConstraintBlock::end_step().
-  void want_substeps(const SubstepContext& ctx, std::span<double> wanted);
 
   double largest_change() const {
     double largest = 0.0;

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-//
-// Which islands of contacts want more substeps than the solver's.
+#include "contact_refinement.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "contact_impl.h"
 
 namespace tandem::pbd {
 namespace {
@@ -30,24 +28,26 @@ int rounded_up(double wanted, int least) {
 
 }  // namespace
 
-void ContactBlock::Impl::want_substeps(const SubstepContext& ctx, std::span<double> wanted) {
+int ContactRefinement::want(std::span<const Contact> contacts,
+                            std::span<const std::uint32_t> sequence, int budget,
+                            const SubstepContext& ctx, std::span<double> wanted) {
   const double gravity = ctx.gravity.norm();
-  if (!(gravity > 0.0)) return;
-  loads.assign(ctx.bodies.size(), {});
+  if (!(gravity > 0.0)) return 0;
+  loads_.assign(ctx.bodies.size(), {});
   for (std::uint32_t rank = 0; rank < ctx.bodies.size(); ++rank) {
     const SolverBody& body = ctx.bodies[ctx.order.slot(rank)];
     if (body.group == SolverBody::kNoGroup) continue;
-    IslandLoad& island = loads[body.island];
+    Load& island = loads_[body.island];
     island.speed2 += body.v.squaredNorm();
     ++island.bodies;
   }
   for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const Contact& contact = contacts[nth(n)];
+    const Contact& contact = contacts[sequence.empty() ? n : sequence[n]];
     const std::uint32_t a = contact.manifold.body_a;
     const std::uint32_t b = contact.manifold.body_b;
     const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
     if (ctx.bodies[movable].group == SolverBody::kNoGroup) continue;
-    IslandLoad& island = loads[ctx.bodies[movable].island];
+    Load& island = loads_[ctx.bodies[movable].island];
     ++island.contacts;
     const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
     const double load = contact.impulse / ctx.h;  // N, mean of the step
@@ -61,7 +61,7 @@ void ContactBlock::Impl::want_substeps(const SubstepContext& ctx, std::span<doub
     island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
   }
   double asked = 0.0;  // rows of all further substeps
-  for (IslandLoad& island : loads) {
+  for (Load& island : loads_) {
     if (island.contacts == 0 || island.speed2 > kStanding * kStanding * island.bodies) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
@@ -69,17 +69,17 @@ void ContactBlock::Impl::want_substeps(const SubstepContext& ctx, std::span<doub
     asked += island.contacts * (island.wanted - ctx.substeps);
   }
   // Where all of them are too many each gets the same share, rounded down.
-  const double share = std::min(1.0, options.extra_rows / std::max(1.0, asked));
+  const double share = std::min(1.0, budget / std::max(1.0, asked));
   double given = 0.0;
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    if (!(loads[i].wanted > ctx.substeps)) continue;
-    const double most = ctx.substeps + share * (loads[i].wanted - ctx.substeps);
+  for (std::size_t i = 0; i < loads_.size(); ++i) {
+    if (!(loads_[i].wanted > ctx.substeps)) continue;
+    const double most = ctx.substeps + share * (loads_[i].wanted - ctx.substeps);
     int substeps = ctx.substeps;
     while (2 * substeps <= most) substeps *= 2;
-    given += loads[i].contacts * (substeps - ctx.substeps);
+    given += loads_[i].contacts * (substeps - ctx.substeps);
     wanted[i] = std::max(wanted[i], static_cast<double>(substeps));
   }
-  refused_rows = static_cast<int>(asked - given);
+  return static_cast<int>(asked - given);
 }
 
 }  // namespace tandem::pbd

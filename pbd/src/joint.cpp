@@ -37,6 +37,12 @@ void want_substeps(std::span<const JointRecord> records, const SubstepContext& c
   }
 }
 
+void clear_load(JointState& state) {
+  state.force.setZero();
+  state.torque.setZero();
+  state.load.fill(0.0);
+}
+
 /// Whether the motor of a coordinate moves the joint on.
 bool motor_runs(const JointRecord& record, int c) {
   constexpr double kArrived = 1e-6;  // m or rad
@@ -248,9 +254,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       record.twist = record.twist_before;
       record.energy_excess = 0.0;
       record.displacement_residual.fill(0.0);
-      state.force.setZero();
-      state.torque.setZero();
-      state.load.fill(0.0);
+      clear_load(state);
       continue;
     }
     for (std::size_t i = 0; i < 6; ++i) state.position[i] = c[i];
@@ -264,9 +268,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     record.twist = c[kTwist];
     state.residual = 0.0;
     if ((!record.active() && !record.broke) || !Impl::is_solved(record, ctx.bodies)) {
-      state.force.setZero();
-      state.torque.setZero();
-      state.load.fill(0.0);
+      clear_load(state);
     }
     if (!record.active()) continue;
     const bool left = Impl::is_pushed(record, ctx.bodies);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/contact.h"
+
+namespace tandem::pbd {
+
+/// Which islands of contacts want more substeps than the solver's: see ConstraintBlock::end_step().
+class ContactRefinement {
+ public:
+  /// @param sequence  contacts in order; empty where that is as they lie
+  /// @param budget    rows of further substeps
+  /// @return rows that islands wanted beyond the budget
+  int want(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence, int budget,
+           const SubstepContext& ctx, std::span<double> wanted);
+
+ private:
+  /// How heavily the contacts of an island are loaded.
+  struct Load {
+    double ratio2 = 0.0;  ///< sum of (load / weight of the lighter body)^2
+    double speed2 = 0.0;  ///< m^2/s^2, sum over bodies
+    std::uint32_t bodies = 0;
+    std::uint32_t contacts = 0;
+    double for_size = 0.0;  ///< substeps that its smallest body wants
+    double wanted = 0.0;    ///< substeps
+  };
+  std::vector<Load> loads_;  ///< by the index of the island's lowest body
+};
+
+}  // namespace tandem::pbd
