@@ -2,14 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <set>
-#include <utility>
-#include <vector>
+#include <memory>
 
 #include "tandem/consensus/peer.h"
-#include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/types.h"
 #include "tandem/pbd/world.h"
@@ -49,17 +44,8 @@ class TANDEM_API NearbyInterest final : public Interest {
   bool concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const override;
 
  private:
-  using Near = std::pair<PeerId, std::uint32_t>;  ///< a user, and the slot of a body
-
-  const pbd::World& world_;
-  Peer& peer_;
-  NearbyInterestOptions options_;
-  std::map<PeerId, pbd::Vec3> places_;
-  std::set<PeerId> placed_;  ///< by set_position()
-  std::vector<HeldBody> held_;
-  std::vector<pbd::ConstraintEdge> edges_;  ///< of the last update(): joined, or touching
-  std::vector<Near> involved_;              ///< what users hold and what touches it; sorted
-  mutable std::set<std::pair<PeerId, SharedId>> told_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace tandem::consensus
