@@ -9,8 +9,8 @@
 #include "common/session_time.h"
 #include "input/springs.h"
 #include "members/shared_bodies.h"
+#include "receive/inbox.h"
 #include "replay/world_history.h"
-#include "tandem/consensus/inbox.h"
 #include "tandem/consensus/peer.h"
 
 namespace tandem::consensus {

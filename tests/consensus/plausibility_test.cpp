@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "consensus/random.h"
+#include "receive/inbox.h"
 #include "support/catch.h"
-#include "tandem/consensus/inbox.h"
 
 namespace tandem::consensus::plausibility_test {
 namespace {

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "tandem/consensus/inbox.h"
+#include "receive/inbox.h"
 
 #include <algorithm>
 
 #include "common/ranges.h"
 #include "common/session_time.h"
-#include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
 namespace {
-
-/// Beyond this a limit is as good as none; in ns it still fits a SessionTime with ease.
-constexpr double kLongestTime = 1e8;  // s, about three years
 
 /// ns: jumps that the sender tells of (UpdateFlags::teleported) are believed no more often. A state
 /// after a silence as long as InboxOptions::max_age is not judged by what was before.
@@ -25,25 +21,14 @@ auto* find(Entries& entries, const Id& id) {
   return at != entries.end() && at->id == id ? &*at : nullptr;
 }
 
-InboxOptions validated(const InboxOptions& options) {
-  options.validate();
-  return options;
-}
-
 }  // namespace
 
-void InboxOptions::validate() const {
-  pbd::detail::require_in(0.0, kLongestTime, "InboxOptions", "max_age", max_age, "s");
-  pbd::detail::require_in(0.0, kLongestTime, "InboxOptions", "max_future", max_future, "s");
-  plausibility.validate();
-}
-
-void InboxCounters::count(InboxVerdict verdict) {
+void Inbox::count(InboxCounters& counters, InboxVerdict verdict) {
   constexpr std::uint64_t InboxCounters::*kCounters[] = {
       &InboxCounters::accepted,   &InboxCounters::duplicate,   &InboxCounters::late,
       &InboxCounters::expired,    &InboxCounters::future,      &InboxCounters::implausible,
       &InboxCounters::unknown_id, &InboxCounters::unknown_peer};
-  ++(this->*kCounters[static_cast<std::size_t>(verdict)]);
+  ++(counters.*kCounters[static_cast<std::size_t>(verdict)]);
 }
 
 std::uint64_t InboxCounters::dropped() const {
@@ -51,12 +36,11 @@ std::uint64_t InboxCounters::dropped() const {
 }
 
 Inbox::Inbox(const InboxOptions& options)
-    : max_age_ns_(to_ns(validated(options).max_age)),
+    : max_age_ns_(to_ns(options.max_age)),
       max_future_ns_(to_ns(options.max_future)),
       plausibility_(options.plausibility) {}
 
 void Inbox::add_id(const SharedId& id) {
-  if (!id.valid()) pbd::detail::refuse("Inbox::add_id: id", "not all zeros");
   const auto at = ranges::lower_bound(bodies_, id, &Body::id);
   if (at != bodies_.end() && at->id == id) return;
   bodies_.insert(at, Body{.id = id});
@@ -66,10 +50,7 @@ void Inbox::remove_id(const SharedId& id) {
   std::erase_if(bodies_, [&](const Body& body) { return body.id == id; });
 }
 
-bool Inbox::contains(const SharedId& id) const { return find(bodies_, id) != nullptr; }
-
 void Inbox::add_peer(PeerId peer) {
-  if (peer == 0) pbd::detail::refuse("Inbox::add_peer: peer", "not 0", "0");
   auto at = ranges::lower_bound(peers_, peer, &Peer::id);
   if (at == peers_.end() || at->id != peer) at = peers_.insert(at, Peer{.id = peer});
   at->present = true;
@@ -92,8 +73,8 @@ void Inbox::forget_peer(PeerId peer) {
 
 InboxVerdict Inbox::offer(PeerId from, const StateUpdate& update, SessionTime now) {
   const InboxVerdict verdict = judge(from, update, now);
-  totals_.count(verdict);
-  if (Peer* const peer = find(peers_, from)) peer->counters.count(verdict);
+  count(totals_, verdict);
+  if (Peer* const peer = find(peers_, from)) count(peer->counters, verdict);
   return verdict;
 }
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "tandem/consensus/inbox.h"
 #include "tandem/consensus/influence.h"
+#include "tandem/consensus/plausibility.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/replay.h"
 #include "tandem/consensus/robust.h"

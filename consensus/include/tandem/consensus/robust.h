@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "tandem/consensus/inbox.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/export.h"
 
@@ -30,6 +29,21 @@ struct TANDEM_API RobustOptions {
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
+};
+
+/// What came of the states that were received.
+struct TANDEM_API InboxCounters {
+  std::uint64_t accepted = 0;
+  std::uint64_t duplicate = 0;     ///< same stamp as the one kept
+  std::uint64_t late = 0;          ///< older than the one kept
+  std::uint64_t expired = 0;       ///< older than max_age
+  std::uint64_t future = 0;        ///< stamped more than max_future ahead
+  std::uint64_t implausible = 0;   ///< nothing moves like that, see plausible()
+  std::uint64_t unknown_id = 0;    ///< not shared here
+  std::uint64_t unknown_peer = 0;  ///< it has left
+
+  std::uint64_t dropped() const;
+  friend bool operator==(const InboxCounters&, const InboxCounters&) = default;
 };
 
 /// What one other peer has sent and what was done about it, since it was first heard.

@@ -7,24 +7,21 @@
 #include <vector>
 
 #include "tandem/consensus/plausibility.h"
+#include "tandem/consensus/robust.h"
 #include "tandem/consensus/shared_id.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/consensus/update.h"
-#include "tandem/pbd/export.h"
 
 namespace tandem::consensus {
 
-struct TANDEM_API InboxOptions {
+struct InboxOptions {
   double max_age = 1.0;     ///< s: updates that are older when they arrive are refused
   double max_future = 1.0;  ///< s: updates stamped further ahead of now are refused
   /// Of two states of a peer in a row.
   PlausibilityOptions plausibility = {};
-
-  /// @throws std::invalid_argument naming field, value and rule
-  void validate() const;
 };
 
-/// Why an update was kept or not; in the order of InboxCounters.
+/// Why an update was kept or not; in the order of InboxCounters, of robust.h.
 enum class InboxVerdict : std::uint8_t {
   Accepted,
   Duplicate,    ///< same stamp as the one kept
@@ -36,27 +33,11 @@ enum class InboxVerdict : std::uint8_t {
   UnknownPeer,  ///< peer not added here
 };
 
-struct TANDEM_API InboxCounters {
-  std::uint64_t accepted = 0;
-  std::uint64_t duplicate = 0;
-  std::uint64_t late = 0;
-  std::uint64_t expired = 0;
-  std::uint64_t future = 0;
-  std::uint64_t implausible = 0;
-  std::uint64_t unknown_id = 0;
-  std::uint64_t unknown_peer = 0;
-
-  void count(InboxVerdict verdict);
-  std::uint64_t dropped() const;
-  friend bool operator==(const InboxCounters&, const InboxCounters&) = default;
-};
-
 /// The newest update of each peer for each registered body; everything else is dropped by its
 /// timestamp and counted. Memory is bounded by registered ids times added peers, whatever arrives.
 /// Of plausible updates with distinct stamps the same one is kept in whatever order they arrive;
 /// everything is iterated by ascending id and peer.
-/// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
-class TANDEM_API Inbox {
+class Inbox {
  public:
   struct Received {
     PeerId peer = 0;
@@ -65,19 +46,15 @@ class TANDEM_API Inbox {
     SessionTime jumped = 0;   ///< ns, arrival of the last jump that was believed; 0 = never
   };
 
-  /// @throws std::invalid_argument where the options are not valid
   explicit Inbox(const InboxOptions& options = {});
 
   /// Start to keep updates of a body. No effect where it is registered already.
-  /// @throws std::invalid_argument for an id of zeros
   void add_id(const SharedId& id);
   /// Forget a body and its updates.
   void remove_id(const SharedId& id);
-  bool contains(const SharedId& id) const;
   std::size_t id_count() const { return bodies_.size(); }
 
   /// Start to keep updates of a peer. No effect where it is there already.
-  /// @throws std::invalid_argument for peer 0
   void add_peer(PeerId peer);
   /// Forget a peer's updates, as when it leaves. Its counters stay.
   void remove_peer(PeerId peer);
@@ -122,6 +99,7 @@ class TANDEM_API Inbox {
     InboxCounters counters;
   };
 
+  static void count(InboxCounters& counters, InboxVerdict verdict);
   InboxVerdict judge(PeerId from, const StateUpdate& update, SessionTime now);
   InboxVerdict store(Body& body, PeerId from, const StateUpdate& update, SessionTime now);
 
