@@ -57,28 +57,6 @@ TEST_CASE("influence: a step of 1/60 s closes the share, and steps compound",
   CHECK(share_per_step(1e-14, 0.5 * kFrame) == Approx(0.5e-14).epsilon(1e-12));
 }
 
-TEST_CASE("influence: an update counts nothing once it has expired", "[consensus][unit]") {
-  const InfluenceOptions options;
-  CHECK(effective_share(options, 0.08, options.max_age) == 0.08);
-  CHECK(effective_share(options, 0.08, std::nextafter(options.max_age, 2.0)) == 0.0);
-  CHECK(effective_share(options, 1.0, options.max_age) == 1.0);
-  CHECK(effective_share(options, 1.0, std::nextafter(options.max_age, 2.0)) == 0.0);
-}
-
-TEST_CASE("influence: an owner is followed at any age", "[consensus][unit]") {
-  const InfluenceOptions options;
-  CHECK(effective_share(options, 1.0, 0.9) == 1.0);
-}
-
-TEST_CASE("influence: strange inputs count little or nothing", "[consensus][fault]") {
-  const InfluenceOptions options;
-  CHECK(effective_share(options, kNan, 0.0) == 0.0);
-  CHECK(effective_share(options, -1.0, 0.0) == 0.0);
-  CHECK(effective_share(options, 0.08, kNan) == 0.0);
-  // A stamp slightly ahead of our clock is as good as new.
-  CHECK(effective_share(options, 0.08, -0.01) == 0.08);
-}
-
 TEST_CASE("influence: options out of range are refused by name", "[consensus][fault]") {
   const auto message = [](auto change) -> std::string {
     InfluenceOptions options;

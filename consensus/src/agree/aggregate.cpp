@@ -128,9 +128,9 @@ Tally weigh(std::span<PeerEstimate> estimates) {
   return tally;
 }
 
-constexpr double kMeanCosine = 0.8660254037844386;  // of half of kMeanSpread
+constexpr double kMeanCosine = 0.8660254037844386;  // of half of 60 degrees
 
-/// Whether no two of the states that count are further apart than kMeanSpread.
+/// Whether no two of the states that count are further apart than that.
 bool have_mean(std::span<const PeerEstimate> estimates) {
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     if (!(estimates[i].weight > 0.0)) continue;

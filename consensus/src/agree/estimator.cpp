@@ -28,6 +28,12 @@ constexpr double kNoMean = 1.2;
 /// m: a newcomer that is put so far away tells of a jump.
 constexpr double kFarAway = 0.1;
 
+/// The share given at most to a guess of where a body is now, made from a state that is `age` s
+/// old: 1 / (d + 2), d the age in units of kShareInterval. Each of two peers takes the other's late
+/// correction for motion; near 1 / d that adds up. Replayed means need no limit (docs/method.md
+/// Sec. 7).
+double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }
+
 }  // namespace
 
 Estimator::Listening Estimator::listening_to(const SharedBody& shared,
@@ -101,8 +107,7 @@ void Estimator::hear(SharedBody& shared, std::span<const Inbox::Received> newest
   Prediction prediction;
   const Stamped stamped = remote_.compare(shared, update, prediction);
   const double most = hearing.leads ? kMaxLeadersInfluence : kMaxSharedInfluence;
-  hearing.share = effective_share(data_.options.influence,
-                                  owner ? 1.0 : std::min(hearing.claimed, most), hearing.age);
+  hearing.share = owner ? 1.0 : std::min(hearing.claimed, most);
   if (hearing.share > 0.0 && !owner) {
     hearing.share = share_beside(shared, newest, i, hearing, prediction.rotation.norm(), listening);
   }

@@ -32,8 +32,6 @@ double share_per_step(double share, double dt) {
   return -pbd::portable::expm1(dt / kShareInterval * pbd::portable::log1p(-share));
 }
 
-double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }
-
 void InfluenceOptions::validate() const {
   pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "baseline", baseline);
   pbd::detail::require_in(0.0, 1.0, "InfluenceOptions", "held_alone", held_alone);
@@ -47,10 +45,6 @@ double announced_share(const InfluenceOptions& options, bool held_alone, bool le
       held_alone ? std::max(options.baseline, options.held_alone) : options.baseline;
   // Where nothing is agreed upon nobody leads.
   return leads && share > 0.0 ? std::max(share, options.leading) : share;
-}
-
-double effective_share(const InfluenceOptions& options, double announced, double age) {
-  return announced > 0.0 && age <= options.max_age ? std::min(announced, 1.0) : 0.0;
 }
 
 }  // namespace tandem::consensus

@@ -101,8 +101,6 @@ void RemoteStates::as_of_now(const SharedBody& shared, std::span<const Inbox::Re
     update.pose = now.pose;
     update.twist = now.twist;
     update.stamp = data_.now;
-    update.influence = static_cast<float>(
-        effective_share(data_.options.influence, static_cast<double>(update.influence), age));
     out.push_back(update);
   }
 }

@@ -16,12 +16,9 @@ struct TANDEM_API PeerEstimate {
   PeerId peer = 0;
   pbd::Pose pose;       ///< world
   pbd::Twist twist;     ///< world
-  double share = 0.0;   ///< what counts now, see effective_share(); 1 or more = an owner
+  double share = 0.0;   ///< what counts now, 1 or more = an owner
   double weight = 0.0;  ///< set by fuse(): against the local 1, or 1 per owner where there is one
 };
-
-/// Largest angle (rad) between two remote states up to which they are averaged: 60 degrees.
-inline constexpr double kMeanSpread = 1.0471975511965976;
 
 /// Fuse any number of remote states of one body into one target, [friston] Eqs. 1 and 2 with the
 /// local state at weight 1:
@@ -31,7 +28,7 @@ inline constexpr double kMeanSpread = 1.0471975511965976;
 ///                    q_local q_local^T + sum w_i q_i q_i^T (Eq. 2)
 ///   pose.orientation:  the same mean over the remote states alone, for those who show it
 /// One remote state at angle t turns the local one by atan2(W sin t, 1 + W cos t).
-/// Beyond kMeanSpread between remote states every mean is ambiguous: the orientation is then that
+/// Beyond 60 degrees between remote states every mean is ambiguous: the orientation is then that
 /// of the heaviest one (lowest peer id among equals) with its own weight; positions are still
 /// averaged. A distant *local* state is no reason for that: the mean is well defined up to half a
 /// turn. Where Eq. 2 leaves the answer open (two equal weights half a turn apart) the local

@@ -10,7 +10,7 @@ namespace tandem::consensus {
 // closed per 1/60 s of session time, whatever the step is. Against the local weight 1 it is the
 // weight w = s / (1 - s) of [friston] Eq. 1. A share of 1 makes the sender the *owner*.
 
-/// Shares are per this many seconds; the age in the gain rule is counted in them.
+/// Shares are per this many seconds.
 inline constexpr double kShareInterval = 1.0 / 60.0;
 
 /// Weight w = s / (1 - s) relative to the local weight 1; +infinity for s >= 1, 0 for s <= 0.
@@ -23,13 +23,7 @@ TANDEM_API double share_of_weight(double weight);
 /// of their length does. 1 for s >= 1 and 0 for s <= 0, whatever dt >= 0 is.
 TANDEM_API double share_per_step(double share, double dt);
 
-/// The share given at most to a guess of where a body is now, made from a state that is `age` s
-/// old: 1 / (d + 2), d the age in units of kShareInterval. Each of two peers takes the other's late
-/// correction for motion; near 1 / d that adds up. Replayed means need no limit (docs/method.md
-/// Sec. 7).
-TANDEM_API double stable_share(double age);
-
-/// What a peer announces for its own bodies, and how much of an announced share counts here now.
+/// What a peer announces for its own bodies, and for how long what others announce counts here.
 struct TANDEM_API InfluenceOptions {
   /// Announced for bodies that nobody owns. [friston] Sec. 6.3 uses 0.05 to 0.10; above about 0.2
   /// bodies were found to be sluggish there (Sec. 7.12).
@@ -42,7 +36,8 @@ struct TANDEM_API InfluenceOptions {
   double leading = 0.8;
   /// s: an older update has expired and counts nothing.
   double max_age = 1.0;
-  /// Whether a guess of where a body is now counts stable_share() of its age at most.
+  /// Whether a guess of where a body is now counts at most 1 / (d + 2), d its age in 1/60 s:
+  /// docs/method.md Sec. 7.
   bool limits_guesses = true;
 
   /// @throws std::invalid_argument naming field, value and rule
@@ -53,10 +48,5 @@ struct TANDEM_API InfluenceOptions {
 /// @param held_alone  its user holds the body by a constraint that no other peer simulates
 /// @param leads       its user was the last to act on the body, and the only one
 TANDEM_API double announced_share(const InfluenceOptions& options, bool held_alone, bool leads);
-
-/// How much of an announced share counts for an update of age `age` (s, session time): all of it
-/// until the update expires. 1 or more makes us the follower of an owner.
-/// Result in [0, 1]; 0 where an input is not a number. @pre options are valid. Cost O(1).
-TANDEM_API double effective_share(const InfluenceOptions& options, double announced, double age);
 
 }  // namespace tandem::consensus
