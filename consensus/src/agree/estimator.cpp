@@ -20,11 +20,6 @@ constexpr double kMaxLeadersInfluence = 0.8;
 /// Of a mean at a stamp: who does not own a body does not have all of it.
 constexpr double kMaxOfMean = 0.9999;
 
-/// rad: closer orientations are an average's business, and further apart nothing is left of a
-/// weight, see PoseArbiter.
-constexpr double kNoDoubt = 0.5;
-constexpr double kNoMean = 1.2;
-
 /// m: a newcomer that is put so far away tells of a jump.
 constexpr double kFarAway = 0.1;
 
@@ -165,8 +160,8 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
     // Compared at the stamp: what spins fast turns far within the age of an update.
     bool follows = leads || newest[i].peer < data_.self();
     if (listening.several && !leads) {
-      if (angle > kNoDoubt) follows = trust_.outvoted_at_stamp(shared, newest, i);
-      if (!follows && angle > kNoMean) ++data_.report_of(newest[i].peer).outliers;
+      if (angle > PoseArbiter::kFromAngle) follows = trust_.outvoted_at_stamp(shared, newest, i);
+      if (!follows && angle > PoseArbiter::kToAngle) ++data_.report_of(newest[i].peer).outliers;
     }
     weight = PoseArbiter::weight(weight, angle, follows && listening.own_lead == 0.0);
   }

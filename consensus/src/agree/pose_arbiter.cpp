@@ -8,11 +8,6 @@
 namespace tandem::consensus {
 namespace {
 
-/// rad: leading grows from none to full between these angles. With either three times as large
-/// cubes on different faces do not come together (tests/consensus/jump_test.cpp,
-/// peer_agreement_test.cpp).
-constexpr double kFromAngle = 0.6;
-constexpr double kToAngle = 1.2;
 /// m: copies closer than this are left alone.
 constexpr double kParted = 0.03;
 constexpr double kFree = std::numeric_limits<double>::infinity();

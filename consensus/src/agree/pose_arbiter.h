@@ -12,6 +12,12 @@ namespace tandem::consensus {
 /// One object for each shared body.
 class PoseArbiter {
  public:
+  /// rad: closer orientations are an average's business, further apart than the second nothing is
+  /// left of a weight, and between them leading grows. With either three times as large cubes on
+  /// different faces do not come together (tests/consensus/jump_test.cpp, peer_agreement_test.cpp).
+  static constexpr double kFromAngle = 0.6;
+  static constexpr double kToAngle = 1.2;
+
   /// The weight that is left of `weight` while an average makes sense, and what a leader gives and
   /// a follower hears beyond.
   /// @param angle  rad, between the own orientation at the stamp and the remote one

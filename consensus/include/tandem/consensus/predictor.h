@@ -56,7 +56,6 @@ struct TANDEM_API PredictorOptions {
 /// What a predictor keeps of one peer's states of one body, from update to update.
 struct TANDEM_API PredictorMemory {
   SessionTime stamp = 0;  ///< ns, of the last update taken in; 0 = none
-  pbd::Vec3 position = pbd::Vec3::Zero();
   pbd::Vec3 velocity = pbd::Vec3::Zero();
   pbd::Vec3 acceleration = pbd::Vec3::Zero();
   double frequency = 0.0;  ///< Hz, at which the acceleration changes
