@@ -3,6 +3,7 @@
 #include "tandem/consensus/sender_clocks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -80,41 +81,60 @@ SessionTime newest_stamp_of_others(const DecodedPacket& packet) {
   return newest == -kMaxStamp ? 0 : newest;
 }
 
-void SenderClocks::restart(Sender& sender, SessionTime late, SessionTime half,
-                           SessionTime received) {
-  sender.shift = late - half;
-  sender.began = sender.last = received;
-  sender.count = 0;
-  sender.astray = 0;
+struct SenderClocks::Sender {
+  PeerId peer = 0;
+  SessionTime shift = 0;         ///< ns
+  SessionTime began = 0;         ///< ns, own clock
+  SessionTime last = 0;          ///< ns, own clock, of the last sample
+  bool knows_way = false;        ///< a round trip was known
+  std::size_t count = 0;         ///< samples ever
+  int astray = 0;                ///< samples in a row that fit nothing before
+  SessionTime astray_since = 0;  ///< ns, own clock
+  SessionTime stamp = 0;         ///< of the packets that came last
+  double sum = 0.0;              ///< ns, of these, how much later than `first`
+  SessionTime first = 0;         ///< ns, received less stamped, of the first of these
+  std::uint64_t packets = 0;     ///< number of these
+  std::array<SessionTime, kWindow> samples = {};  ///< ns, received less stamped
+
+  void restart(SessionTime late, SessionTime half, SessionTime received);
+  void close(SessionTime half, SessionTime received);
+};
+
+SenderClocks::SenderClocks() = default;
+SenderClocks::~SenderClocks() = default;
+
+void SenderClocks::Sender::restart(SessionTime late, SessionTime half, SessionTime received) {
+  shift = late - half;
+  began = last = received;
+  count = 0;
+  astray = 0;
 }
 
-void SenderClocks::close(Sender& sender, SessionTime half, SessionTime received) {
-  const SessionTime late =
-      sender.first + std::llround(sender.sum / static_cast<double>(sender.packets));
-  const SessionTime off = difference(late - half, sender.shift);
-  if (sender.count > 0 && std::abs(off) > kAstray) {
-    if (sender.astray++ == 0) sender.astray_since = received;
-    const bool over = off < 0 || difference(received, sender.astray_since) >= kAstrayFor;
-    if (sender.astray < kAstrayCount || !over) return;
-    restart(sender, late, half, received);
+void SenderClocks::Sender::close(SessionTime half, SessionTime received) {
+  const SessionTime late = first + std::llround(sum / static_cast<double>(packets));
+  const SessionTime off = difference(late - half, shift);
+  if (count > 0 && std::abs(off) > kAstray) {
+    if (astray++ == 0) astray_since = received;
+    const bool over = off < 0 || difference(received, astray_since) >= kAstrayFor;
+    if (astray < kAstrayCount || !over) return;
+    restart(late, half, received);
   }
-  sender.astray = 0;
-  sender.late[sender.count++ % kWindow] = late;
-  std::array<SessionTime, kWindow> sorted = sender.late;
-  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sender.count, kWindow));
+  astray = 0;
+  samples[count++ % kWindow] = late;
+  std::array<SessionTime, kWindow> sorted = samples;
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count, kWindow));
   const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
   std::nth_element(sorted.begin(), middle, end);
-  const auto missing = static_cast<double>(difference(*middle - half, sender.shift));
-  const auto passed =
-      static_cast<double>(std::max<SessionTime>(difference(received, sender.last), 0));
-  const auto age = static_cast<double>(difference(received, sender.began));
-  sender.last = std::max(sender.last, received);
+  const auto missing = static_cast<double>(difference(*middle - half, shift));
+  const auto passed = static_cast<double>(std::max<SessionTime>(difference(received, last), 0));
+  const auto age = static_cast<double>(difference(received, began));
+  last = std::max(last, received);
   // At first the mean of all medians, then one that forgets.
   const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
   double step = std::min(part, 1.0) * missing;
-  if (difference(received, sender.began) > kAtOnce)
+  if (difference(received, began) > kAtOnce)
     step = std::clamp(step, -kSlew * passed, kSlew * passed);
-  sender.shift += std::llround(step);
+  shift += std::llround(step);
 }
 
 SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime received,
@@ -125,16 +145,16 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
   auto at = ranges::lower_bound(senders_, from, &Sender::peer);
   if (at == senders_.end() || at->peer != from) {
     at = senders_.insert(at, Sender{.peer = from, .knows_way = round_trip >= 0});
-    restart(*at, late, half, received);
+    at->restart(late, half, received);
   }
   Sender& sender = *at;
   if (round_trip >= 0 && !sender.knows_way) {
     sender.knows_way = true;
-    restart(sender, sender.shift, half, received);
+    sender.restart(sender.shift, half, received);
   }
   // Packets of one moment are one sample: of many, those of the last window might be a few steps.
   if (sender.packets > 0 && sender.stamp != newest) {
-    close(sender, half, received);
+    sender.close(half, received);
     sender.packets = 0;
   }
   if (sender.packets == 0) {
@@ -145,6 +165,10 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
   ++sender.packets;
   sender.sum += static_cast<double>(difference(late, sender.first));
   return sender.shift;
+}
+
+void SenderClocks::forget(PeerId from) {
+  std::erase_if(senders_, [from](const Sender& sender) { return sender.peer == from; });
 }
 
 std::optional<SessionTime> SenderClocks::shift(PeerId from) const {

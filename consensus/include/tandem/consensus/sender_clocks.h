@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -38,6 +37,11 @@ TANDEM_API Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> 
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API SenderClocks {
  public:
+  SenderClocks();
+  ~SenderClocks();
+  SenderClocks(const SenderClocks&) = delete;
+  SenderClocks& operator=(const SenderClocks&) = delete;
+
   static constexpr std::size_t kWindow = 128;
   static constexpr double kSettling = 2.0;  ///< s
   static constexpr double kSlew = 0.01;     ///< s per s
@@ -56,31 +60,12 @@ class TANDEM_API SenderClocks {
   SessionTime hear(PeerId from, SessionTime newest, SessionTime received, SessionTime round_trip);
   /// ns, the same as the last one; nullopt where nothing was heard.
   std::optional<SessionTime> shift(PeerId from) const;
-  void forget(PeerId from) {
-    std::erase_if(senders_, [from](const Sender& sender) { return sender.peer == from; });
-  }
+  void forget(PeerId from);
   /// What one packet alone says.
   static SessionTime guess(SessionTime newest, SessionTime received, SessionTime round_trip);
 
  private:
-  struct Sender {
-    PeerId peer = 0;
-    SessionTime shift = 0;         ///< ns
-    SessionTime began = 0;         ///< ns, own clock
-    SessionTime last = 0;          ///< ns, own clock, of the last sample
-    bool knows_way = false;        ///< a round trip was known
-    std::size_t count = 0;         ///< samples ever
-    int astray = 0;                ///< samples in a row that fit nothing before
-    SessionTime astray_since = 0;  ///< ns, own clock
-    SessionTime stamp = 0;         ///< of the packets that came last
-    double sum = 0.0;              ///< ns, of these, how much later than `first`
-    SessionTime first = 0;         ///< ns, received less stamped, of the first of these
-    std::uint64_t packets = 0;     ///< number of these
-    std::array<SessionTime, kWindow> late = {};  ///< ns, received less stamped
-  };
-  static void restart(Sender& sender, SessionTime late, SessionTime half, SessionTime received);
-  static void close(Sender& sender, SessionTime half, SessionTime received);
-
+  struct Sender;
   std::vector<Sender> senders_;  ///< by peer
 };
 
