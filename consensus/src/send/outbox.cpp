@@ -53,8 +53,6 @@ constexpr double kSaved = 10.0;
 constexpr double kWorthwhile = 6.0;
 /// Of the budget, for springs' anchors.
 constexpr double kAnchorPart = 0.25;
-/// s: so long they wait for a packet that is worth its headers.
-constexpr double kAnchorsWait = 0.1;
 
 // bytes, about
 constexpr double kMovingBytes = 27.0;
@@ -137,7 +135,7 @@ void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingSta
     link.sent.resize(indexed_.size());
     look(link, states, interest, now);
     const std::uint64_t before = counters_of(link).bytes;
-    choose(link, states, take_anchors(link, anchors, now));
+    choose(link, states, take_anchors(link, anchors));
     if (options_.format == StateFormat::Compact) post_indices(link, states);
     post_states(link, states, {}, true, now);
     post_states(link, states, post_anchors(link, anchors), false, now);
@@ -152,14 +150,12 @@ void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingSta
   }
 }
 
-bool Outbox::has_room(const Link& link, double anchors, SessionTime now) const {
-  if (link.kbit_per_s == 0.0) return true;
+bool Outbox::has_room(const Link& link, double anchors) const {
   // What is longer than can be saved up goes on credit.
-  if (link.anchor_room < std::min(anchors, most_saved(link))) return false;
-  return link.room >= kWorthwhile * kPacketOverhead || seconds(now - link.anchored) >= kAnchorsWait;
+  return link.kbit_per_s == 0.0 || link.anchor_room >= std::min(anchors, most_saved(link));
 }
 
-double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now) {
+double Outbox::take_anchors(Link& link, const AnchorMessages& anchors) {
   taken_.clear();
   double along = 0.0;
   const std::size_t count = anchors.ends.size();
@@ -168,13 +164,12 @@ double Outbox::take_anchors(Link& link, const AnchorMessages& anchors, SessionTi
     // The last packet's headers are those of states that go with it.
     const double headers = taken_.empty() ? 0.0 : kPacketOverhead;
     const double bytes = headers + static_cast<double>(anchors[turn].size());
-    if (!has_room(link, bytes, now)) break;
+    if (!has_room(link, bytes)) break;
     link.anchor_room -= bytes;
     along += bytes;
     taken_.push_back(turn);
   }
   if (taken_.empty()) return 0.0;
-  link.anchored = now;
   link.turn = (taken_.back() + 1) % count;
   return along;
 }

@@ -93,7 +93,6 @@ class Outbox {
     SessionTime last = 0;       ///< ns, of the last send()
     SessionTime posted = 0;     ///< ns, when something was last sent
     SessionTime committed = 0;  ///< ns, when what rests was last said
-    SessionTime anchored = 0;   ///< ns, when anchors were last sent
     SessionTime told = 0;       ///< ns, when all was told again
     std::size_t turn = 0;       ///< of the messages with anchors, which is the next
     std::vector<Sent> sent;     ///< by index
@@ -114,10 +113,10 @@ class Outbox {
   double most_saved(const Link& link) const;
   void refill(Link& link, SessionTime now) const;
   /// Whether anchors of so many bytes may go now.
-  bool has_room(const Link& link, double anchors, SessionTime now) const;
+  bool has_room(const Link& link, double anchors) const;
   /// Which messages with anchors go now, into taken_.
   /// @return bytes, with the headers of packets beyond the first
-  double take_anchors(Link& link, const AnchorMessages& anchors, SessionTime now);
+  double take_anchors(Link& link, const AnchorMessages& anchors);
   /// Which states are due, into due_.
   void look(Link& link, std::span<const OutgoingState> states, const Interest* interest,
             SessionTime now);
