@@ -33,10 +33,9 @@ void Initiative::update(const Acting& acting, double round_trip, SessionTime now
     return;
   }
   if (acted_ == 0) return;
-  // Where it touches something first, copies part that were together.
-  if (flies_ && acting.contact) until_ = std::max(until_, now + to_ns(round_trip + kSettling));
+  // In flight nothing happens that the followers did not hear of: without this a throw is held back
+  // (tests/consensus/initiative_test.cpp).
   flies_ = flies_ && !acting.contact;
-  // In flight nothing happens that the followers did not hear of.
   if (flies_) until_ = std::max(until_, now);
   strength_ = std::clamp(1.0 - 1e-9 * static_cast<double>(now - until_) / kFading, 0.0, 1.0);
   if (strength_ == 0.0) end();

@@ -10,9 +10,9 @@
 namespace tandem::consensus {
 
 /// Whether this peer's user was the last to act on a body, and the only one: docs/ARCHITECTURE.md
-/// ("Initiative"). It ends when somebody else acts on the body, when somebody took it later, or,
-/// once the body touches something again, after the news of that was there and back. One object for
-/// each shared body.
+/// ("Initiative"). It ends when somebody else acts on the body, when somebody took it later, or
+/// after the news of the act was there and back, once the body touches something again. One object
+/// for each shared body.
 class Initiative {
  public:
   /// What acts on the body in this step, as far as this peer knows.
