@@ -169,10 +169,7 @@ pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
   const pbd::BodyState& b = frame(n + 1).states[slot];
   const double off_a = speed(difference(a.twist, other));
   const double off_b = speed(difference(b.twist, other));
-  // Who moves like neither was not hit alike. (Room at profile 5: what was let go slowed down here
-  // and not there, and was sent 13 cm astray.)
-  const double least = std::max(kHit, 2.0 * std::min(off_a, off_b));
-  if (!(speed(difference(b.twist, a.twist)) > least)) return state_at(slot, time);
+  if (!(speed(difference(b.twist, a.twist)) > kHit)) return state_at(slot, time);
   const bool first = off_a < off_b;
   return carried(first ? a : b, seconds(time - frame(first ? n : n + 1).time));
 }
