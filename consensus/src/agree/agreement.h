@@ -32,7 +32,9 @@ class Agreement {
  private:
   /// Take over the fused estimates as what agreement wants.
   void want(SharedBody& shared, const pbd::Vec3& asked);
-  /// What stands is still where its mean with the own state `then`, of the oldest stamp, was.
+  /// What stands is still where its mean with the own state `then`, of the oldest stamp, was. In
+  /// the demos the same bits where it is replayed instead, but what two owned in turn then stays 20
+  /// um apart (tests/consensus/peer_owner_test.cpp).
   void stay(const pbd::BodyState& then, pbd::PoseTarget& target);
   /// Lessen the share of a correction that begins.
   void ease_in(const pbd::BodyState& own, Wanted& wanted) const;

@@ -16,11 +16,13 @@ namespace {
 constexpr double kApart = 0.03;
 constexpr double kTurned = 0.35;
 
-/// m: what moves so much further in a step than its velocity says was put there.
+/// m: what moves so much further in a step than its velocity says was put there, and says so
+/// (tests/consensus/jump_test.cpp: an owner's jump).
 constexpr double kJump = 0.1;
 
 /// Of what agreement asks for in a step: a body that does less is in something's way, and one that
-/// does it is on its way, or between neighbours that it cannot both follow.
+/// does it is on its way, or between neighbours that it cannot both follow
+/// (tests/consensus/jump_test.cpp).
 constexpr double kBlocked = 0.5;
 
 /// Part of the ramp of authority in which a newcomer is put elsewhere where others correct what it

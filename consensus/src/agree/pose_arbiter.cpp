@@ -13,7 +13,8 @@ constexpr double kParted = 0.03;
 constexpr double kFree = std::numeric_limits<double>::infinity();
 /// What is missing has changed by this part of it: something happens. A share of 0.02 needs 0.3 s.
 constexpr double kChange = 0.3;
-/// How long nothing is done: tests/consensus/jump_test.cpp.
+/// How long nothing is done: tests/consensus/jump_test.cpp, which fails without the first, and
+/// where what was in vain is tried again.
 constexpr SessionTime kPatience = 1'000'000'000;      // ns
 constexpr SessionTime kTurnPatience = 3'000'000'000;  // ns, as an edge gives way slowly
 

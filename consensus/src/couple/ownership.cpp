@@ -7,6 +7,7 @@
 namespace tandem::consensus {
 namespace {
 
+// Without either tests/consensus/ownership_test.cpp fails.
 /// ns: without touching for so long, the next touch is another act.
 constexpr SessionTime kActPause = 100'000'000;
 /// ns: between two requests for the same body.

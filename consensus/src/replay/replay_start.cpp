@@ -20,7 +20,8 @@ constexpr double kMinSteps = 32.0;
 constexpr int kOldest = 3;
 
 /// Own steps whose budget may be saved up: where steps and stamps come evenly, one replay in each
-/// period never needs as much.
+/// period never needs as much. Tennis, profile 5, 60 and 72 steps a second: moving p95 126 mm, 195
+/// where one step's is saved.
 constexpr double kSavedSteps = 60.0;
 
 /// Which period of `length` s a time is in: all peers count the same ones.

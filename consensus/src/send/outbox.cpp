@@ -48,8 +48,8 @@ constexpr double kBurst = 0.04;
 /// At small budgets more is saved up: so many headers. With a third of them half of a budget is not
 /// used (tests/consensus/sending_test.cpp).
 constexpr double kSaved = 10.0;
-/// A packet is worth its headers where it is so many times as long. At a third of it copies are
-/// 23 mm apart where they have to be within 20 (tests/consensus/sending_test.cpp).
+/// A packet of states alone is worth its headers where it is so many times as long. At a third of
+/// it copies are 23 mm apart where they have to be within 20 (tests/consensus/sending_test.cpp).
 constexpr double kWorthwhile = 6.0;
 /// Of the budget, for springs' anchors.
 constexpr double kAnchorPart = 0.25;
