@@ -136,17 +136,30 @@ TEST_CASE("cloth: at 10 m/s no part of it gets through a ball", "[scene][contact
   CHECK(deepest < 0.01);  // its own radius
 }
 
-TEST_CASE("cloth: a ball at 10 m/s does not get through one in a frame, nor gains energy",
-          "[scene][contact]") {
-  for (const auto& [mass, density] :
-       {std::pair(0.1, 0.2), {0.5, 0.2}, {2.0, 0.2}, {0.5, 1.0}, {2.0, 1.0}, {10.0, 1.0}}) {
+// What is heavier than the sheet parts its threads and gets through: docs/parts.md.
+TEST_CASE(
+    "cloth: a ball at 10 m/s of half its mass comes back, wherever it hits; none gains energy",
+    "[scene][contact]") {
+  struct Throw {
+    double mass, density;
+    double x, z;  ///< m, beside a particle
+  };
+  std::vector<Throw> throws{
+      {0.5, 0.2, 0.0, 0.0}, {2.0, 0.2, 0.0, 0.0}, {2.0, 1.0, 0.0, 0.0}, {10.0, 1.0, 0.0, 0.0}};
+  for (const double x : {0.0, 0.007, 0.014, 0.021}) {
+    for (const double z : {0.0, 0.007, 0.014, 0.021}) {
+      throws.push_back({0.1, 0.2, x, z});
+      throws.push_back({0.5, 1.0, x, z});
+    }
+  }
+  for (const auto& [mass, density, x, z] : throws) {
     Scene scene;
     Cloth cloth(
         scene,
         {.pose = {Vec3(-0.5, 0.0, 1.0), kUpright}, .columns = 21, .rows = 21, .density = density});
     attach_edges(scene, cloth, true);
     const BodyId ball = scene.add(Sphere{0.12}, {.mass = mass,
-                                                 .pose = {.position = Vec3(0.0, -1.0, 1.6)},
+                                                 .pose = {.position = Vec3(x, -1.0, 1.6 + z)},
                                                  .twist = {.linear = Vec3(0.0, 10.0, 0.0)}});
     const double start = scene.world().mechanical_energy();
     double top = -1.0, through = -1.0;
@@ -155,9 +168,9 @@ TEST_CASE("cloth: a ball at 10 m/s does not get through one in a frame, nor gain
       top = std::max(top, scene.world().mechanical_energy() - start);
       through = std::max(through, scene.world().pose(ball).position.y());
     }
-    CAPTURE(mass, density, through);
+    CAPTURE(mass, density, x, z, through);
     CHECK(top < 1e-9);
-    CHECK(scene.world().pose(ball).position.y() < 0.0);  // it came back
+    if (mass <= 0.5 * density) CHECK(scene.world().pose(ball).position.y() < 0.0);  // it came back
   }
 }
 
