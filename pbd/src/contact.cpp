@@ -38,6 +38,12 @@ constexpr double kMinGravity = 1.0;
 /// 65 mm.
 constexpr int kHoldSweeps = 4;
 
+/// The share of a step's change of friction that the next step starts from; what is not carried on
+/// damps. Of nothing, friction starts anew in each step and what is loaded creeps: 900 cubes under
+/// one of 53 times their mass (katamari) move with 24 J for ever, with 0.5 so. All of it is a
+/// spring without a damper: a pyramid of base 30 sways for 10 s and drifts by 2.0 mm, by 0.8 so.
+constexpr double kFrictionShare = 0.3;
+
 /// m, at which turning counts beside moving where one number stands for both.
 constexpr double kLeverArm = 0.1;
 
@@ -83,9 +89,24 @@ void follow(const Manifold& manifold, const Contact& old, Contact& contact) {
   contact.overlap = old.overlap;
   contact.manifold = manifold;
   contact.friction_force.setZero();
+  contact.carried_friction = old.carried_friction;
+  contact.carried_twist = old.carried_twist;
   contact.warm_start_scale = old.warm_start_scale;
   contact.approach_speed = 0.0;
   contact.impulse = 0.0;
+}
+
+/// What friction the next step starts from.
+void carry_friction(Contact& contact, double twist) {
+  const bool carries =
+      contact.loaded() && contact.friction_force.allFinite() && std::isfinite(twist);
+  if (!carries) {
+    contact.carried_friction.setZero();
+    contact.carried_twist = 0.0;
+    return;
+  }
+  contact.carried_friction += kFrictionShare * (contact.friction_force - contact.carried_friction);
+  contact.carried_twist += kFrictionShare * (twist - contact.carried_twist);
 }
 
 /// What is known of a contact at the end of a step.
@@ -345,6 +366,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
       const double impulse = rows.impulse[i][lane];
       contact.force[i] = std::isfinite(impulse) ? impulse / ctx.h : 0.0;
     }
+    carry_friction(contact, rows.faces ? rows.twist[lane] / ctx.h : 0.0);
   };
   impl_->for_rows(ctx, [&](const ContactRows& rows) {
     const std::size_t soon = static_cast<std::size_t>(&rows - impl_->rows.data()) + Impl::kAhead;

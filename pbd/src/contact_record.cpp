@@ -19,6 +19,7 @@ bool contact_is_sound(const Contact& contact) {
   const Manifold& m = contact.manifold;
   bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.warm_start_scale >= 0.0 &&
                contact.warm_start_scale <= 1.0;
+  sound = sound && contact.carried_friction.allFinite() && std::isfinite(contact.carried_twist);
   for (const double value : {m.radius_a, m.radius_b, m.friction, m.restitution}) {
     sound = sound && std::isfinite(value);
   }
@@ -32,7 +33,8 @@ bool contact_is_sound(const Contact& contact) {
 // To save or to load.
 void contact_fields(auto& io, auto& contact, auto& m) {
   io(m.normal, m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
-     contact.impulse, contact.warm_start_scale, contact.overlap, contact.friction_force);
+     contact.impulse, contact.warm_start_scale, contact.overlap, contact.friction_force,
+     contact.carried_friction, contact.carried_twist);
 }
 void point_fields(auto& io, auto& point, auto& force) {
   io(point.anchor_a_l, point.anchor_b_l, point.feature, force);

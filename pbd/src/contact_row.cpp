@@ -146,7 +146,9 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   for (std::size_t i = 0; i < rows.most_points(); ++i) {
     rows.impulse[i][lane] = contact.force[i];
   }
-  rows.slide[0][lane] = rows.slide[1][lane] = rows.twist[lane] = 0.0;
+  rows.slide[0][lane] = contact.carried_friction.dot(t1);
+  rows.slide[1][lane] = contact.carried_friction.dot(t2);
+  rows.twist[lane] = contact.carried_twist;
   rows.points[lane] = m.count;
   if (!rows.faces) return;
   const std::array<double, 4> self_stress =

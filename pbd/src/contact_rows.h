@@ -169,8 +169,7 @@ struct ContactKernels {
   /// vector.
   void (*prepare)(ContactRows& rows, BodyNumbers bodies);
   /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is
-  /// carried from substep to substep, which heaps need, but starts anew in each step: carried on,
-  /// it never comes to rest.
+  /// carried with them (kFrictionShare).
   void (*begin)(ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies,
                 AnchorNumbers anchors);
   /// Change v and w of both bodies as the rows' impulses do.
@@ -204,9 +203,10 @@ struct ContactKernels {
   void (*settle)(ContactRows& rows, const Blow& blow, BodyNumbers bodies);
 };
 
-/// Where friction starts anew, normals and friction take turns as often: left half-way, what
-/// stands on a slope would creep. Elsewhere once is enough.
-constexpr int normal_friction_iterations(bool first_substep) { return first_substep ? 3 : 1; }
+/// Where a step begins, with points and arms of its own, normals and friction take turns as often:
+/// with one turn heavy boxes dropped on light ones drift by 219 mm, with two by 121. Elsewhere once
+/// is enough.
+constexpr int normal_friction_iterations(bool first_substep) { return first_substep ? 2 : 1; }
 
 /// @param width  rows at once: 2 or 4; 0, as many as this processor can
 const ContactKernels& contact_kernels(int width);

@@ -140,7 +140,8 @@ template <class A, bool faces>
   store(fastest, rows.approach, at);
   const V now = total();
   store(now, rows.carried, at);
-  const V friction = xsimd::select(now > zero, share, zero);
+  const V scale = rule.first ? h * share : share;
+  const V friction = xsimd::select(now > zero, scale, zero);
   store(friction * load<V>(rows.slide[0], at), rows.slide[0], at);
   store(friction * load<V>(rows.slide[1], at), rows.slide[1], at);
   if constexpr (faces) store(friction * load<V>(rows.twist, at), rows.twist, at);

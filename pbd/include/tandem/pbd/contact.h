@@ -46,6 +46,10 @@ struct TANDEM_API Contact {
   Manifold manifold;
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
+  /// What friction the next step starts from, smoothed over steps: N, world, on body b, and N m
+  /// about the normal.
+  Vec3 carried_friction = Vec3::Zero();
+  double carried_twist = 0.0;
   /// Of the force, that the next step starts from: less after impacts that are over.
   double warm_start_scale = 1.0;
   /// m/s, fastest approach that an impulse stopped in the last step; >= 0
