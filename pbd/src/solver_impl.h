@@ -60,8 +60,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   /// How often joints and contacts take turns in a substep. Where contacts hit what joints hold,
   /// one turn leaves most of the blow to the substeps to come: a doll that falls on its feet
   /// from 1.2 m opens its joints by 9 cm in single turns and gains 142 of 1512 J in a step, in 8 by
-  /// 1 cm and 4 J (tests/scene/ragdoll_test.cpp). And friction starts anew in each step: in single
-  /// turns a car may go round a circle that is 10 % too small, on axles that are 4 degrees askew.
+  /// 1 cm and 4 J (tests/scene/ragdoll_test.cpp).
   struct Turns {
     int least = 1, most = 1;
   };

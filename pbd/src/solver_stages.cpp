@@ -203,8 +203,7 @@ Solver::Impl::Turns Solver::Impl::joint_turns() const {
   const double budget = group_->share * options_.contact.extra_rows / (kPart * context_.substeps);
   const double bodies = static_cast<double>(group_->bodies.size());
   const int most = std::min(kMaxTurns, 1 + static_cast<int>(budget / bodies));
-  const int least = std::min(most, normal_friction_iterations(context_.substep == 0));
-  return {std::max(asked, least), std::max(asked, most)};
+  return {asked, std::max(asked, most)};
 }
 
 void Solver::Impl::restore_locked_bodies(const Group& group) {
