@@ -26,7 +26,7 @@ if(TANDEM_PHYSX_DIR)
   target_include_directories(physx::physx INTERFACE "${TANDEM_PHYSX_INCLUDE}")
   target_compile_definitions(physx::physx INTERFACE NDEBUG)  # as its libraries were built
   foreach(part IN ITEMS Extensions "" PvdSDK Cooking Common Foundation)
-    find_library(library PhysX${part}_static_64
+    find_library(library NAMES PhysX${part}_static_64 PhysX${part}_static
       PATHS "${TANDEM_PHYSX_DIR}/bin/linux.x86_64/release"
             "${TANDEM_PHYSX_DIR}/bin/linux.aarch64/release"
       NO_DEFAULT_PATH NO_CACHE REQUIRED)
