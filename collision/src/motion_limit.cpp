@@ -10,7 +10,7 @@ namespace tandem::collision {
 namespace {
 
 /// Colliders that one worker takes at a time.
-constexpr std::size_t kGrain = 128;
+constexpr std::size_t kChunk = 128;
 constexpr std::uint8_t kGuardedSteps = 60;
 
 /// Whether a body may be pushed out on the far side.
@@ -81,7 +81,7 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
   workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
   for (Worker& worker : workers_) worker.limits.clear();
   const MotionStep step{colliders, broad, after, fastest_obstacle(colliders, after)};
-  workers.for_chunks(colliders.size(), kGrain, [&](std::size_t begin, std::size_t end, int w) {
+  workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
     Worker& worker = workers_[static_cast<std::size_t>(w)];
     for (std::size_t i = begin; i < end; ++i) {
       Collider& c = colliders[i];
