@@ -96,46 +96,43 @@ struct SenderClocks::Sender {
   std::uint64_t packets = 0;     ///< number of these
   std::array<SessionTime, kWindow> samples = {};  ///< ns, received less stamped
 
-  void restart(SessionTime late, SessionTime half, SessionTime received);
-  void close(SessionTime half, SessionTime received);
+  void restart(SessionTime late, SessionTime half, SessionTime received) {
+    shift = late - half;
+    began = last = received;
+    count = 0;
+    astray = 0;
+  }
+
+  void close(SessionTime half, SessionTime received) {
+    const SessionTime late = first + std::llround(sum / static_cast<double>(packets));
+    const SessionTime off = difference(late - half, shift);
+    if (count > 0 && std::abs(off) > kAstray) {
+      if (astray++ == 0) astray_since = received;
+      const bool over = off < 0 || difference(received, astray_since) >= kAstrayFor;
+      if (astray < kAstrayCount || !over) return;
+      restart(late, half, received);
+    }
+    astray = 0;
+    samples[count++ % kWindow] = late;
+    std::array<SessionTime, kWindow> sorted = samples;
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count, kWindow));
+    const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
+    std::nth_element(sorted.begin(), middle, end);
+    const auto missing = static_cast<double>(difference(*middle - half, shift));
+    const auto passed = static_cast<double>(std::max<SessionTime>(difference(received, last), 0));
+    const auto age = static_cast<double>(difference(received, began));
+    last = std::max(last, received);
+    // At first the mean of all medians, then one that forgets.
+    const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
+    double step = std::min(part, 1.0) * missing;
+    if (difference(received, began) > kAtOnce)
+      step = std::clamp(step, -kSlew * passed, kSlew * passed);
+    shift += std::llround(step);
+  }
 };
 
 SenderClocks::SenderClocks() = default;
 SenderClocks::~SenderClocks() = default;
-
-void SenderClocks::Sender::restart(SessionTime late, SessionTime half, SessionTime received) {
-  shift = late - half;
-  began = last = received;
-  count = 0;
-  astray = 0;
-}
-
-void SenderClocks::Sender::close(SessionTime half, SessionTime received) {
-  const SessionTime late = first + std::llround(sum / static_cast<double>(packets));
-  const SessionTime off = difference(late - half, shift);
-  if (count > 0 && std::abs(off) > kAstray) {
-    if (astray++ == 0) astray_since = received;
-    const bool over = off < 0 || difference(received, astray_since) >= kAstrayFor;
-    if (astray < kAstrayCount || !over) return;
-    restart(late, half, received);
-  }
-  astray = 0;
-  samples[count++ % kWindow] = late;
-  std::array<SessionTime, kWindow> sorted = samples;
-  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count, kWindow));
-  const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
-  std::nth_element(sorted.begin(), middle, end);
-  const auto missing = static_cast<double>(difference(*middle - half, shift));
-  const auto passed = static_cast<double>(std::max<SessionTime>(difference(received, last), 0));
-  const auto age = static_cast<double>(difference(received, began));
-  last = std::max(last, received);
-  // At first the mean of all medians, then one that forgets.
-  const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
-  double step = std::min(part, 1.0) * missing;
-  if (difference(received, began) > kAtOnce)
-    step = std::clamp(step, -kSlew * passed, kSlew * passed);
-  shift += std::llround(step);
-}
 
 SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime received,
                                SessionTime round_trip) {
