@@ -204,8 +204,8 @@ struct ContactKernels {
 };
 
 /// Where a step begins, with points and arms of its own, normals and friction take turns as often:
-/// with one turn heavy boxes dropped on light ones drift by 219 mm, with two by 121. Elsewhere once
-/// is enough.
+/// with one turn a pyramid of 50 rows without gaps drifts by 2.8 mm, with two by 1.7. Elsewhere
+/// once is enough.
 constexpr int normal_friction_iterations(bool first_substep) { return first_substep ? 2 : 1; }
 
 /// @param width  rows at once: 2 or 4; 0, as many as this processor can
