@@ -18,6 +18,12 @@
 
 namespace tandem::pbd {
 
+/// The contact of a pair in this step keeps the forces of its points.
+/// @param old  that of the last step, which may be the same one
+void follow(const Manifold& manifold, const Contact& old, Contact& contact);
+/// What friction the next step starts from: see kFrictionShare.
+void carry_friction(Contact& contact, double twist);
+
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 2;   ///< blocks of rows
   static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
