@@ -62,7 +62,7 @@ bool copy_cache(const PairCache& from, PairCache& to, PatchPool& pool, bool may_
 
 }  // namespace
 
-void PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& worker,
+bool PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& worker,
                                 std::vector<pbd::Manifold>& out) {
   const Collider& low = step.colliders[entry.low];
   const Collider& high = step.colliders[entry.high];
@@ -72,7 +72,7 @@ void PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& w
   if (!fresh && low.kind == Kind::Sphere && high.kind == Kind::Sphere &&
       (apart || spheres_apart(low, high))) {
     ++worker.recycled;
-    return;
+    return false;
   }
   PairCache& cache = caches_[entry.cache];
   if (fresh || apart) {
@@ -83,7 +83,7 @@ void PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& w
   }
   if (apart) {
     ++worker.recycled;
-    return;
+    return false;
   }
   const QueryPair pair = order_pair(low, high);
   const std::uint64_t key = (static_cast<std::uint64_t>(entry.low) << (kIndexBits + kClusterBits)) |
@@ -92,13 +92,13 @@ void PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& w
       std::min(low.margins.recycle, high.margins.recycle) > 0.0) {
     ++worker.recycled;
     if (cache.patches != nullptr) emit(pair, reach_at_rest(pair), cache, key, out);
-    return;
+    return true;
   }
   const PairReach reach = reach_of(pair, step.dt);
   if (is_direct(pair)) {
     ++worker.recycled;
     emit_direct(pair, reach, key, out);
-    return;
+    return true;
   }
   if (still_apart(pair, reach, cache) || can_recycle(pair, reach, cache, step.recycle_angle)) {
     ++worker.recycled;
@@ -106,6 +106,7 @@ void PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& w
     worker.queries += query_pair(pair, reach, cache, pool_, worker.scratch);
   }
   if (cache.patches != nullptr) emit(pair, reach, cache, key, out);
+  return true;
 }
 
 void PairContacts::collect_pairs(const Step& step, std::size_t begin, std::size_t end,
@@ -121,7 +122,27 @@ void PairContacts::collect_pairs(const Step& step, std::size_t begin, std::size_
       if (cache.patches != nullptr) prefetch(*cache.patches);
       if (cache.triangles != nullptr) prefetch(*cache.triangles);
     }
-    collect_pair(step, step.pairs[i], worker, out);
+    ColliderPair& pair = step.pairs[i];
+    const auto first = static_cast<std::uint32_t>(out.size());
+    if (!collect_pair(step, pair, worker, out)) continue;
+    const bool low = step.colliders[pair.low].dynamic;
+    if (low == step.colliders[pair.high].dynamic) continue;
+    const auto count = static_cast<std::uint32_t>(out.size()) - first;
+    worker.fixed.push_back({low ? pair.low : pair.high, low ? pair.high : pair.low, first, count});
+  }
+}
+
+void PairContacts::join_chunks(std::vector<pbd::Manifold>& out) {
+  for (const Chunk& chunk : chunks_) {
+    const Worker& worker = workers_[static_cast<std::size_t>(chunk.worker)];
+    const auto from = worker.found.begin();
+    // Modulo 2^32: a chunk may have been found later than it comes in the order.
+    const auto shift = static_cast<std::uint32_t>(out.size() - chunk.begin);
+    seams_.add(
+        std::span(worker.fixed).subspan(chunk.fixed_begin, chunk.fixed_end - chunk.fixed_begin),
+        shift);
+    out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
+               from + static_cast<std::ptrdiff_t>(chunk.end));
   }
 }
 
@@ -132,26 +153,27 @@ void PairContacts::collect(std::span<const Collider> colliders, std::span<Collid
   for (Worker& worker : workers_) {
     worker.queries = worker.recycled = 0;
     worker.found.clear();
+    worker.fixed.clear();
   }
+  seams_.clear();
   const Step step{colliders, pairs, recycle_angle, dt};
   if (workers.count() == 1 || pairs.size() <= kPairGrain) {
     collect_pairs(step, 0, pairs.size(), workers_[0], out);
-    return;
+    seams_.add(workers_[0].fixed, 0);
+  } else {
+    // Each worker writes to a list of its own; the chunks are then put together in order.
+    chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
+    workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
+      Worker& worker = workers_[static_cast<std::size_t>(w)];
+      Chunk& chunk = chunks_[begin / kPairGrain];
+      chunk = {w, worker.found.size(), 0, worker.fixed.size(), 0};
+      collect_pairs(step, begin, end, worker, worker.found);
+      chunk.end = worker.found.size();
+      chunk.fixed_end = worker.fixed.size();
+    });
+    join_chunks(out);
   }
-  // Each worker writes to a list of its own; the chunks are then put together in order.
-  chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
-  workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
-    Worker& worker = workers_[static_cast<std::size_t>(w)];
-    Chunk& chunk = chunks_[begin / kPairGrain];
-    chunk = {w, worker.found.size(), 0};
-    collect_pairs(step, begin, end, worker, worker.found);
-    chunk.end = worker.found.size();
-  });
-  for (const Chunk& chunk : chunks_) {
-    const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
-    out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
-               from + static_cast<std::ptrdiff_t>(chunk.end));
-  }
+  seams_.drop_covered(colliders, workers, out);
 }
 
 std::size_t PairContacts::queries() const {

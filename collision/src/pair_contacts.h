@@ -9,6 +9,7 @@
 #include "broad_phase.h"
 #include "collider.h"
 #include "pair_query.h"
+#include "seams.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/workers.h"
 
@@ -44,12 +45,15 @@ class PairContacts {
     std::size_t queries = 0;
     std::size_t recycled = 0;
     std::vector<pbd::Manifold> found;
+    std::vector<FixedNeighbour> fixed;  ///< `first` counts from the worker's own manifolds
   };
-  /// Where the manifolds of a chunk of pairs are.
+  /// Where the manifolds of a chunk of pairs are, and its neighbours that are fixed.
   struct Chunk {
     int worker = 0;
     std::size_t begin = 0;
     std::size_t end = 0;
+    std::size_t fixed_begin = 0;
+    std::size_t fixed_end = 0;
   };
   /// What a step is about.
   struct Step {
@@ -59,15 +63,18 @@ class PairContacts {
     double dt;
   };
 
-  void collect_pair(const Step& step, ColliderPair& entry, Worker& worker,
+  /// @return whether the two are near each other
+  bool collect_pair(const Step& step, ColliderPair& entry, Worker& worker,
                     std::vector<pbd::Manifold>& out);
   void collect_pairs(const Step& step, std::size_t begin, std::size_t end, Worker& worker,
                      std::vector<pbd::Manifold>& out);
+  void join_chunks(std::vector<pbd::Manifold>& out);
 
   PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot
   std::vector<Worker> workers_;
   std::vector<Chunk> chunks_;
+  Seams seams_;
 };
 
 }  // namespace tandem::collision

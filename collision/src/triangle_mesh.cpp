@@ -18,6 +18,8 @@ using pbd::Vec3;
 constexpr std::uint32_t kLeafSize = 4;
 /// Twice the area over the square of the longest edge, below which a triangle is a line.
 constexpr double kMinArea = 1e-9;
+/// Share of an edge's length within which another one runs along it.
+constexpr double kJunction = 1e-6;
 
 bool before(const Vec3& l, const Vec3& r) {
   return std::lexicographical_compare(l.data(), l.data() + 3, r.data(), r.data() + 3);
@@ -55,8 +57,10 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vec3> ver
   // Not make_shared: the constructor is private.
   const std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
   mesh->weld(vertices, triangles);
-  mesh->find_neighbours();
+  std::vector<Link> links = mesh->find_neighbours();
   mesh->build_tree();
+  if (!mesh->closed_) mesh->join_borders(links);
+  mesh->find_rings(links);
   return mesh;
 }
 
@@ -101,7 +105,7 @@ void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Triangle
   }
 }
 
-void TriangleMesh::find_neighbours() {
+std::vector<TriangleMesh::Link> TriangleMesh::find_neighbours() {
   const auto count = static_cast<std::uint32_t>(triangles_.size());
   std::vector<HalfEdge> halves;
   halves.reserve(3 * triangles_.size());
@@ -141,17 +145,73 @@ void TriangleMesh::find_neighbours() {
     }
     i = end;
   }
-  ring_start_.assign(vertices_.size() + 1, 0);
+  std::vector<Link> links;
+  links.reserve(2 * edges.size());
   for (const auto& [low, high] : edges) {
-    ++ring_start_[low + 1];
-    ++ring_start_[high + 1];
+    links.push_back({low, high});
+    links.push_back({high, low});
   }
+  return links;
+}
+
+void TriangleMesh::find_rings(std::span<const Link> links) {
+  ring_start_.assign(vertices_.size() + 1, 0);
+  for (const Link& link : links) ++ring_start_[link[0] + 1];
   std::partial_sum(ring_start_.begin(), ring_start_.end(), ring_start_.begin());
-  ring_.resize(2 * edges.size());
+  ring_.resize(links.size());
   std::vector<std::uint32_t> at(ring_start_.begin(), ring_start_.end() - 1);
-  for (const auto& [low, high] : edges) {
-    ring_[at[low]++] = high;
-    ring_[at[high]++] = low;
+  for (const Link& link : links) ring_[at[link[0]]++] = link[1];
+}
+
+/// Where along edge k of `triangle` edge j of `other` runs the other way: from and to, m from the
+/// edge's first corner, or beyond its ends; nothing where it does not.
+std::optional<std::array<double, 2>> TriangleMesh::common_border(std::uint32_t triangle, int k,
+                                                                 std::uint32_t other, int j) const {
+  const Vec3& first = vertices_[triangles_[triangle][k]];
+  const Vec3 edge = vertices_[triangles_[triangle][(k + 1) % 3]] - first;
+  const double length = edge.norm();
+  const Vec3 along = edge / length;
+  const Vec3 a = vertices_[triangles_[other][j]] - first;
+  const Vec3 b = vertices_[triangles_[other][(j + 1) % 3]] - first;
+  const double to = along.dot(a);
+  const double from = along.dot(b);
+  const double beside = std::max((a - to * along).norm(), (b - from * along).norm());
+  const double tolerance = kJunction * length;
+  if (beside > tolerance || std::min(to, length) - std::max(from, 0.0) < tolerance) return {};
+  return std::array<double, 2>{from, to};
+}
+
+void TriangleMesh::join_borders(std::vector<Link>& links) {
+  const std::vector<Triangle> welded = neighbours_;
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (welded[t][k] != kNone) continue;
+      const std::array<std::uint32_t, 2> ends{triangles_[t][k], triangles_[t][(k + 1) % 3]};
+      const Vec3& p = vertices_[ends[0]];
+      const Vec3& q = vertices_[ends[1]];
+      const double length = (q - p).norm();
+      const double tolerance = kJunction * length;
+      near.clear();
+      query(Aabb{p.cwiseMin(q), p.cwiseMax(q)}.expanded(tolerance), near);
+      double most = 0.0;
+      for (const std::uint32_t other : near) {
+        for (int j = 0; j < 3 && other != t; ++j) {
+          if (welded[other][j] != kNone) continue;
+          const auto common = common_border(t, k, other, j);
+          if (!common.has_value()) continue;
+          const auto [from, to] = *common;
+          for (const std::uint32_t corner : triangles_[other]) {
+            if (from < tolerance) links.push_back({ends[0], corner});
+            if (to > length - tolerance) links.push_back({ends[1], corner});
+          }
+          const double shared = std::min(to, length) - std::max(from, 0.0);
+          if (shared <= most) continue;
+          most = shared;
+          neighbours_[t][k] = other;
+        }
+      }
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -67,11 +68,13 @@ class TANDEM_API TriangleMesh {
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(vertices_.size()); }
   /// Unit normal of the front.
   const pbd::Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
-  /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border.
+  /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border. Where
+  /// borders run along each other but have other corners (T-junctions): the one that shares most of
+  /// the edge.
   std::uint32_t neighbour(std::uint32_t triangle, int k) const { return neighbours_[triangle][k]; }
   /// Number of edge k, the same from both sides.
   std::uint32_t edge_id(std::uint32_t triangle, int k) const { return edge_ids_[triangle][k]; }
-  /// Corners that share an edge with corner `vertex`.
+  /// Corners that share an edge with corner `vertex`, or a triangle whose border it lies on.
   std::span<const std::uint32_t> ring(std::uint32_t vertex) const {
     return std::span(ring_).subspan(ring_start_[vertex],
                                     ring_start_[vertex + 1] - ring_start_[vertex]);
@@ -98,8 +101,15 @@ class TANDEM_API TriangleMesh {
 
   TriangleMesh() = default;
   void weld(std::span<const pbd::Vec3> vertices, std::span<const Triangle> triangles);
-  void find_neighbours();
+  /// A corner, and another one in its ring.
+  using Link = std::array<std::uint32_t, 2>;
+  std::vector<Link> find_neighbours();
   void build_tree();
+  /// Makes neighbours of triangles whose borders run along each other but have other corners.
+  void join_borders(std::vector<Link>& links);
+  std::optional<std::array<double, 2>> common_border(std::uint32_t triangle, int k,
+                                                     std::uint32_t other, int j) const;
+  void find_rings(std::span<const Link> links);
 
   std::vector<pbd::Vec3> vertices_;
   std::vector<Triangle> triangles_;
