@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "meeting.h"
 #include "pair_query.h"
 #include "sphere_contact.h"
 #include "tandem/pbd/math.h"
@@ -80,17 +81,28 @@ void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t ke
                  std::vector<pbd::Manifold>& out) {
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
-  const SphereContact contact = sphere_contact(a.position, b);
   const double radius = std::get<Sphere>(a.def.shape).radius;
+  Vec3 centre = a.position;
+  SphereContact contact = sphere_contact(centre, b);
+  const auto approach = [&] {
+    return Approach{contact.normal, contact.distance - radius - contact.radius_b};
+  };
+  const auto look = [&](double share) {
+    centre = a.position - share * reach.sweep;
+    contact = sphere_contact(centre, b);
+    return approach();
+  };
+  share_to_meeting(reach.sweep, kMet * std::min(a.size, b.size), approach(), look);
   const double margin =
       reach.speculative + std::max(0.0, -contact.normal.dot(reach.sweep)) + reach.turning;
-  if (contact.distance - radius - contact.radius_b >= margin) return;
+  const double gap = approach().gap + contact.normal.dot(centre - a.position);
+  if (gap >= margin) return;
   pbd::Manifold& m = out.emplace_back();
   m.normal = contact.normal;
   m.radius_a = radius;
   m.radius_b = contact.radius_b;
   m.count = 1;
-  m.points[0] = {a.def.local.position, b.to_body(contact.on_b + (a.position - b.position)), 0};
+  m.points[0] = {a.def.local.position, b.to_body(contact.on_b + (centre - b.position)), 0};
   finish_manifold(pair, key_base, m);
 }
 

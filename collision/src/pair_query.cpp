@@ -9,6 +9,7 @@
 
 #include "box_box.h"
 #include "fcl_bridge.h"
+#include "meeting.h"
 #include "sphere_contact.h"
 
 namespace tandem::collision {
@@ -116,7 +117,7 @@ class PatchWriter {
     patch.cluster = static_cast<std::uint16_t>(touch.cluster);
     patch.count = 1;
     patch.anchor_a_l[0] = a.def.local.position;
-    patch.anchor_b_l[0] = b.to_body(touch.distance * normal + (a.position - b.position));
+    patch.anchor_b_l[0] = b.to_body(b.rotation * touch.point);
     patch.features[0] = 0;
   }
   /// Give back what is left over.
@@ -155,15 +156,35 @@ void reduce_like_before(RawManifold& manifold, double size, const PairCache& cac
 
 /// Boxes by the directions of BoxPair. A pair without contacts is new to it, and the library
 /// decides which way it lies; unless a face keeps them apart as well (nearly) as that does.
-void query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
+/// @return how far b has been moved for that, m
+Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
   const BoxPose pose_a{a.rotation, std::get<Box>(a.def.shape).half_extents};
   const BoxPose pose_b{b.rotation, std::get<Box>(b.def.shape).half_extents};
-  const BoxPair boxes(pose_a, pose_b, b.position - a.position);
-  const BoxAxis axis = boxes.best(cache.axis, reach.margin);
+  const Vec3 between = b.position - a.position;
+  const auto approach = [&](const BoxPair& boxes) {
+    const BoxAxis axis = boxes.best(cache.axis, reach.margin);
+    return Approach{boxes.normal(axis), axis.separation};
+  };
+  const BoxPair now(pose_a, pose_b, between);
+  BoxAxis axis = now.best(cache.axis, reach.margin);
+  if (axis.separation >= reach.margin) {
+    cache.axis = axis.id;
+    return Vec3::Zero();
+  }
+  Vec3 moved = Vec3::Zero();
+  const double near = kMet * std::min(a.size, b.size);
+  if (axis.separation > near) {
+    moved =
+        reach.sweep *
+        share_to_meeting(reach.sweep, near, {now.normal(axis), axis.separation}, [&](double share) {
+          return approach({pose_a, pose_b, between + share * reach.sweep});
+        });
+  }
+  const BoxPair boxes(pose_a, pose_b, between + moved);
+  axis = boxes.best(cache.axis, reach.margin);
   cache.axis = axis.id;
-  if (axis.separation >= reach.margin) return;
   ContactAxis direction{boxes.normal(axis), axis.separation,
                         axis.id < 3   ? FaceOwner::A
                         : axis.id < 6 ? FaceOwner::B
@@ -171,13 +192,16 @@ void query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, Ra
   bool face = axis.id < 6;
   if (cache.patches == nullptr) {
     const ConvexCore core_a = a.core(a.position);
-    const ConvexCore core_b = b.core(a.position);
+    const ConvexCore core_b = b.core(a.position - moved);
     const Direction found = query_direction(core_a, core_b, reach.margin);
-    if (found.status == Direction::Status::Apart) return;
+    if (found.status == Direction::Status::Apart) return moved;
     if (found.status == Direction::Status::Found) {
       const double gap = separation(core_a, core_b, found.normal);
       const double tolerance = 0.05 * std::max(0.0, -gap) + 5e-4 * std::min(a.size, b.size);
-      if (gap > axis.separation + (face ? tolerance : 1e-9)) {
+      // Where the boxes pass each other in the one direction, they do not meet in the other.
+      const auto closes = [&](const Vec3& n, double by) { return -n.dot(reach.sweep) > by; };
+      const bool passes = closes(found.normal, gap) && !closes(direction.normal, axis.separation);
+      if (gap > axis.separation + (face ? tolerance : 1e-9) && !passes) {
         direction = {found.normal, gap, FaceOwner::None};
         face = false;
       }
@@ -186,11 +210,47 @@ void query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, Ra
   if (face) {
     out.normal = direction.normal;
     out.owner = direction.owner;
-    if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep)) return;
+    if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep))
+      return moved;
     boxes.face_points(axis, reach.margin, out);
-    if (out.count > 0) return;
+    if (out.count > 0) return moved;
   }
-  out = build_manifold(a.core(a.position), b.core(a.position), direction, reach);
+  out = build_manifold(a.core(a.position), b.core(a.position - moved), direction, reach);
+  return moved;
+}
+
+/// Any two convex shapes. @return how far b has been moved for that, m
+Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cache,
+                 RawManifold& out) {
+  const Vec3& origin = pair.a->position;
+  const ConvexCore a = pair.a->core(origin);
+  ConvexCore b = pair.b->core(origin);
+  Direction direction = query_direction(a, b, reach.margin);
+  const auto approach = [&] {
+    const bool apart = direction.status == Direction::Status::Apart;
+    return Approach{direction.normal,
+                    apart ? HUGE_VAL : separation(a, b, direction.normal) - a.radius - b.radius};
+  };
+  Vec3 moved = Vec3::Zero();
+  if (direction.status == Direction::Status::Found) {
+    const Vec3 centre = b.centre;
+    const auto look = [&](double share) {
+      moved = share * reach.sweep;
+      b.centre = centre + moved;
+      direction = query_direction(a, b, reach.margin);
+      return approach();
+    };
+    share_to_meeting(reach.sweep, kMet * std::min(a.size, b.size), approach(), look);
+  }
+  if (direction.status == Direction::Status::Apart) return moved;
+  Vec3 before;
+  if (cache.patches != nullptr) {
+    const ContactPatch& patch = *cache.patches;
+    before = pbd::rotate((patch.in_a ? pair.a : pair.b)->body.orientation, patch.normal_l);
+  }
+  const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
+  out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
+  return moved;
 }
 
 std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& cache,
@@ -204,21 +264,10 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     reduce_like_before(out, pair.a->size, cache);
     return 1;
   }
-  if (pair.a->kind == Kind::Box && pair.b->kind == Kind::Box) {
-    query_boxes(pair, reach, cache, out);
-  } else {
-    const ConvexCore a = pair.a->core(origin);
-    const ConvexCore b = pair.b->core(origin);
-    const Direction direction = query_direction(a, b, reach.margin);
-    if (direction.status == Direction::Status::Apart) return 1;
-    Vec3 before;
-    if (cache.patches != nullptr) {
-      const ContactPatch& patch = *cache.patches;
-      before = pbd::rotate((patch.in_a ? pair.a : pair.b)->body.orientation, patch.normal_l);
-    }
-    const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
-    out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
-  }
+  const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
+  const Vec3 moved =
+      boxes ? query_boxes(pair, reach, cache, out) : query_cores(pair, reach, cache, out);
+  for (int i = 0; i < out.count; ++i) out.points[i].on_b -= moved;
   reduce_like_before(out, std::min(pair.a->size, pair.b->size), cache);
   return 1;
 }
@@ -242,13 +291,14 @@ void query_sphere_on_surface(const QueryPair& pair, const Reach& reach, PairCach
   trace_patches(pair, mesh, cache, scratch.before);
   if (cache.triangles == nullptr) cache.triangles = std::make_unique<TriangleList>();
   const Vec3 centre = mesh.rotation.transpose() * -(mesh.position - pair.a->position);
+  const Vec3 sweep = mesh.rotation.transpose() * reach.sweep;
   const double radius = std::get<Sphere>(pair.a->def.shape).radius;
   if (const auto* field = std::get_if<Field>(&mesh.def.shape)) {
-    touch_surface(centre, radius, reach.margin, **field, scratch.before, *cache.triangles,
+    touch_surface(centre, radius, reach.margin, sweep, **field, scratch.before, *cache.triangles,
                   scratch.sphere);
   } else {
-    touch_surface(centre, radius, reach.margin, *std::get<Mesh>(mesh.def.shape), scratch.before,
-                  *cache.triangles, scratch.sphere);
+    touch_surface(centre, radius, reach.margin, sweep, *std::get<Mesh>(mesh.def.shape),
+                  scratch.before, *cache.triangles, scratch.sphere);
   }
   for (const SphereTouch& touch : scratch.sphere.touches) writer.store_sphere(touch);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "meeting.h"
 #include "mesh_manifold.h"
 #include "sphere_contact.h"
 #include "tandem/collision/height_field.h"
@@ -15,58 +16,85 @@ namespace {
 constexpr double kOnSurface = 1e-7;
 /// m by which a point may lie beside a triangle and still count as over it.
 constexpr double kOver = 1e-6;
-/// Squares are compared first, with room for their rounding.
-constexpr double kRounding = 1.0 + 1e-12;
+
+/// A triangle by its corners, and what a sphere wants of it.
+struct Facet {
+  Vec3 p, q, r, front;
+  std::uint32_t number;
+
+  /// How a sphere's centre lies: where it is on the front's side, or over the triangle.
+  /// @return whether there may be a contact
+  bool touch(const Vec3& centre, SphereTouch& touch) const {
+    const double height = front.dot(centre - p);
+    int region = 0;
+    touch.point = nearest_on_triangle(centre, p, q, r, region);
+    touch.normal = -front;
+    touch.distance = height;
+    touch.beside = false;
+    const Vec3 d = touch.point - centre;
+    if (region == 3 || (d + height * front).squaredNorm() < kOver * kOver) return true;
+    touch.distance = d.norm();
+    if (height < 0.0 || touch.distance < kOnSurface) return false;
+    if (height > kIsFront * touch.distance) return true;
+    if (height <= kRegionSlop * touch.distance) return false;
+    touch.normal = d / touch.distance;
+    touch.beside = true;
+    return true;
+  }
+};
+
+/// What touch_surface() is asked.
+struct Ball {
+  Vec3 centre;
+  double radius;
+  double limit;  ///< m, largest distance from the centre
+  Vec3 sweep;
+};
+
+/// Whether the triangle is so near that its distance matters.
+bool in_reach(const Facet& facet, const Ball& ball, std::span<const PatchTrace> previous) {
+  const double height = facet.front.dot(ball.centre - facet.p);
+  if (height >= ball.limit) return false;
+  if (height < 0.0 && (height < -2.0 * ball.radius || !was_touched(previous, facet.front)))
+    return false;
+  for (int k = 0; k < 3; ++k) {
+    const double high = ball.centre[k] + ball.limit;
+    const double low = ball.centre[k] - ball.limit;
+    if (facet.p[k] > high && facet.q[k] > high && facet.r[k] > high) return false;
+    if (facet.p[k] < low && facet.q[k] < low && facet.r[k] < low) return false;
+  }
+  return true;
+}
 
 /// Adds the triangle, where it is near enough.
-template <class Surface>
-void look_at(const Surface& surface, std::uint32_t triangle, const Vec3& centre, double radius,
-             double limit, std::span<const PatchTrace> previous, std::vector<SphereTouch>& near) {
-  const TriangleMesh::Triangle corners = surface.corners(triangle);
-  const Vec3& p = surface.vertex(corners[0]);
-  const Vec3& front = surface.normal(triangle);
-  const double height = front.dot(centre - p);
-  const double size = 2.0 * radius;
-  if (height >= limit) return;
-  if (height < 0.0 && (height < -size || !was_touched(previous, front))) return;
-  const Vec3& q = surface.vertex(corners[1]);
-  const Vec3& r = surface.vertex(corners[2]);
-  for (int k = 0; k < 3; ++k) {
-    const double high = centre[k] + limit;
-    const double low = centre[k] - limit;
-    if (p[k] > high && q[k] > high && r[k] > high) return;
-    if (p[k] < low && q[k] < low && r[k] < low) return;
-  }
-  int region = 0;
-  const Vec3 nearest = nearest_on_triangle(centre, p, q, r, region);
-  SphereTouch touch{-front, height, 0.0, triangle, 0, false};
-  if (region != 3) {
-    const Vec3 d = nearest - centre;
-    const bool over = (d + height * front).squaredNorm() < kOver * kOver;
-    if (!over) {
-      const double distance2 = d.squaredNorm();
-      if (height < 0.0 || distance2 > kRounding * (limit * limit)) return;
-      touch.distance = std::sqrt(distance2);
-      if (touch.distance >= limit || touch.distance < kOnSurface) return;
-      if (height <= kIsFront * touch.distance) {
-        if (height <= kRegionSlop * touch.distance) return;
-        touch.normal = d / touch.distance;
-        touch.beside = true;
-      }
-    }
+void look_at(const Facet& facet, const Ball& ball, std::span<const PatchTrace> previous,
+             std::vector<SphereTouch>& near) {
+  if (!in_reach(facet, ball, previous)) return;
+  SphereTouch touch{.triangle = facet.number};
+  if (!facet.touch(ball.centre, touch) || touch.distance >= ball.limit) return;
+  bool met = true;
+  const auto look = [&](double share) {
+    met = facet.touch(ball.centre - share * ball.sweep, touch);
+    return Approach{touch.normal, met ? touch.distance - ball.radius : HUGE_VAL};
+  };
+  const Approach now{touch.normal, touch.distance - ball.radius};
+  const double size = 2.0 * ball.radius;
+  if (share_to_meeting(ball.sweep, kMet * size, now, look) > 0.0) {
+    if (!met) return;
+    touch.distance = touch.normal.dot(touch.point - ball.centre);
   }
   const bool known = std::any_of(previous.begin(), previous.end(), [&](const PatchTrace& trace) {
     return trace.normal_l.dot(touch.normal) > kIsFront;
   });
-  touch.rank = (touch.distance - radius) - (known ? 1e-3 * size : 0.0);
+  touch.rank = (touch.distance - ball.radius) - (known ? 1e-3 * size : 0.0);
   near.push_back(touch);
 }
 
 }  // namespace
 
 template <class Surface>
-void touch_surface(const Vec3& centre, double radius, double margin, const Surface& surface,
-                   std::span<const PatchTrace> previous, TriangleList& list,
+void touch_surface(const Vec3& centre, double radius, double margin, const Vec3& sweep,
+                   const Surface& surface, std::span<const PatchTrace> previous, TriangleList& list,
                    SphereScratch& scratch) {
   const double limit = margin + radius;
   find_triangles(surface, {centre - Vec3::Constant(limit), centre + Vec3::Constant(limit)}, list);
@@ -75,7 +103,10 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Surfa
   near.clear();
   touches.clear();
   for (const std::uint32_t triangle : list.triangles) {
-    look_at(surface, triangle, centre, radius, limit, previous, near);
+    const TriangleMesh::Triangle corners = surface.corners(triangle);
+    const Facet facet{surface.vertex(corners[0]), surface.vertex(corners[1]),
+                      surface.vertex(corners[2]), surface.normal(triangle), triangle};
+    look_at(facet, {centre, radius, limit, sweep}, previous, near);
   }
   std::sort(near.begin(), near.end(), [](const SphereTouch& l, const SphereTouch& r) {
     return l.rank != r.rank ? l.rank < r.rank : l.triangle < r.triangle;
@@ -95,9 +126,9 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Surfa
             [](const SphereTouch& l, const SphereTouch& r) { return l.cluster < r.cluster; });
 }
 
-template void touch_surface(const Vec3&, double, double, const TriangleMesh&,
+template void touch_surface(const Vec3&, double, double, const Vec3&, const TriangleMesh&,
                             std::span<const PatchTrace>, TriangleList&, SphereScratch&);
-template void touch_surface(const Vec3&, double, double, const HeightField&,
+template void touch_surface(const Vec3&, double, double, const Vec3&, const HeightField&,
                             std::span<const PatchTrace>, TriangleList&, SphereScratch&);
 
 }  // namespace tandem::collision
