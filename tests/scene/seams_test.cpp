@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Tiles of a floor are one floor, and what passes by passes by. Bodies, sizes, speeds, directions
+// and tiles are drawn; the outcome is that on one plane, or free flight.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/catch.h"
+#include "tandem/collision/convex_hull.h"
+#include "tandem/collision/height_field.h"
+#include "tandem/pbd/math.h"
+#include "tandem/pbd/random.h"
+#include "tandem/scene.h"
+
+namespace seams_test {
+
+using namespace tandem;
+using collision::CompoundPart;
+using collision::ConvexHull;
+using collision::HeightField;
+using collision::Material;
+using collision::Shape;
+using collision::TriangleMesh;
+using pbd::SplitMix64;
+
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;
+
+Quat turned(const Vec3& axis, double angle) { return pbd::exp_map(angle * axis); }
+
+Shape block_hull(double x, double y, double z) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 1) != 0 ? x : -x, (i & 2) != 0 ? y : -y, (i & 4) != 0 ? z : -z);
+  }
+  return ConvexHull::make(corners);
+}
+
+/// A flat rectangle about the origin, front up.
+Shape sheet(double x, double y) {
+  const std::vector<Vec3> v{{-x, -y, 0}, {x, -y, 0}, {x, y, 0}, {-x, y, 0}};
+  const std::vector<TriangleMesh::Triangle> t{{0, 1, 2}, {0, 2, 3}};
+  return TriangleMesh::make(v, t);
+}
+
+/// Something that slides or rolls on its lowest point, which is `low` below its middle.
+struct Rider {
+  std::string name;
+  std::vector<CompoundPart> parts;
+  Quat upright = Quat::Identity();
+  double low = 0.0;  ///< m
+  bool round = false;
+};
+
+Rider draw_rider(SplitMix64& random) {
+  const double r = 0.01 * std::pow(50.0, random.unit());  // 1 cm to 50 cm
+  const double h = r * random.uniform(0.4, 2.0);
+  const Quat lying = turned(Vec3::UnitX(), M_PI / 2);
+  switch (random.below(9)) {
+    case 0:
+      return {"ball", {{Sphere{r}}}, Quat::Identity(), r, true};
+    case 1:
+      return {"lying capsule", {{Capsule{r, h}}}, lying, r, true};
+    case 2:
+      return {"upright capsule", {{Capsule{r, h}}}, Quat::Identity(), r + h, true};
+    case 3:
+      return {"upright cylinder", {{Cylinder{r, h}}}, Quat::Identity(), h, false};
+    case 4:
+      return {"lying cylinder", {{Cylinder{r, h}}}, lying, r, true};
+    case 5:
+      return {"cone", {{Cone{r, h}}}, Quat::Identity(), h, false};
+    case 6:
+      return {"box", {{Box{r, random.uniform(0.5, 1.5) * r, h}}}, Quat::Identity(), h, false};
+    case 7:
+      return {
+          "hull", {{block_hull(r, random.uniform(0.5, 1.5) * r, h)}}, Quat::Identity(), h, false};
+    default: {
+      Rider rider{"two boxes", {{Box{0.5 * r, 0.4 * r, h}}, {Box{0.5 * r, 0.4 * r, h}}}};
+      rider.parts[0].local.position.x() = -0.5 * r;
+      rider.parts[1].local.position.x() = 0.5 * r;
+      rider.low = h;
+      return rider;
+    }
+  }
+}
+
+/// A floor at height 0 in tiles of `length` along x: each of a kind that is drawn.
+/// @param splits  how many of them are two side by side, which meet under what comes (T-junctions)
+void tile_floor(Scene& scene, SplitMix64& random, double length, double end,
+                const Material& material, double splits) {
+  const BodyType type = random.chance(0.5) ? BodyType::Static : BodyType::Kinematic;
+  const double half = 0.5 * length;
+  for (double x = -2.0 * length; x < end; x += length) {
+    const bool split = random.chance(splits);
+    for (int part = split ? 0 : 1; part < 2; ++part) {
+      const double y = split ? (part == 0 ? -1.97 : 2.03) : 0.0;
+      const double width = split ? 2.0 : 4.0;
+      SolidDef def{.type = type, .pose = {.position = {x + half, y, 0.0}}, .material = material};
+      switch (random.below(4)) {
+        case 0:
+          def.pose.position.z() = -0.3;
+          scene.add(Box{half, width, 0.3}, def);
+          break;
+        case 1:
+          def.pose.position.z() = -0.3;
+          scene.add(block_hull(half, width, 0.3), def);
+          break;
+        case 2:
+          scene.add(sheet(half, width), def);
+          break;
+        default: {
+          const std::vector<double> heights(3 * 5, 0.0);
+          def.pose.position -= Vec3(half, width, 0.0);
+          scene.add(HeightField::make(3, 5, half, 0.5 * width, heights), def);
+        }
+      }
+    }
+  }
+}
+
+struct Ride {
+  double least_speed = HUGE_VAL;  ///< m/s
+  double highest = 0.0;           ///< m, above where it began
+  double end = 0.0;               ///< m, along x
+};
+
+Ride ride(Scene& scene, BodyId body, int steps) {
+  Ride result;
+  const double start = scene.pose(body).position.z();
+  for (int i = 0; i < steps; ++i) {
+    scene.step(kStep);
+    const pbd::BodyState& state = scene.world().state(body);
+    result.least_speed = std::min(result.least_speed, state.twist.linear.head<2>().norm());
+    result.highest = std::max(result.highest, scene.pose(body).position.z() - start);
+  }
+  result.end = scene.pose(body).position.x();
+  return result;
+}
+
+BodyId add_rider(Scene& scene, const Rider& rider, double speed, double phase, bool rolls,
+                 const Material& material) {
+  SolidDef def{
+      .pose = {.position = {-phase * speed * kStep, 0.01, rider.low}, .orientation = rider.upright},
+      .twist = {.linear = {speed, 0.0, 0.0}},
+      .material = material};
+  if (rolls) def.twist.angular.y() = speed / rider.low;
+  return scene.add(rider.parts, def);
+}
+
+}  // namespace
+
+TEST_CASE("seams: what slides or rolls over the seams of any tiles goes on as on one plane",
+          "[scene][invariant]") {
+  SplitMix64 random(71);
+  for (int i = 0; i < 150; ++i) {
+    const Rider rider = draw_rider(random);
+    const bool rolls = rider.round && rider.name != "upright capsule" && random.chance(0.5);
+    const double speed = 0.1 * std::pow(100.0, random.unit());
+    const double phase = random.unit();
+    const double length = std::max(4.0 * rider.low, 0.3) * random.uniform(1.0, 3.0);
+    const Material material{.friction = rolls ? 0.5 : 0.0};
+    const int steps = static_cast<int>(std::min(3.0 * length / speed, 4.0) / kStep) + 1;
+    CAPTURE(i, rider.name, rider.low, speed, phase, length, rolls);
+    Scene tiles;
+    tile_floor(tiles, random, length, 5.0 * length, material, 0.3);
+    const Ride over = ride(tiles, add_rider(tiles, rider, speed, phase, rolls, material), steps);
+    const double share = rider.round ? 0.02 : 0.003;
+    CHECK(over.least_speed >= (1.0 - share) * speed);
+    CHECK(over.highest <= 1e-3);
+  }
+}
+
+TEST_CASE("seams: friction stops what slides over tiles where it stops it on one plane",
+          "[scene][invariant]") {
+  SplitMix64 random(72);
+  const Material material{.friction = 0.5};
+  for (int i = 0; i < 40; ++i) {
+    const double half = 0.03 * std::pow(10.0, random.unit());
+    const Rider rider{"box", {{Box{half, half, 0.4 * half}}}, Quat::Identity(), 0.4 * half};
+    const double speed = random.uniform(0.5, 4.0);
+    const double phase = random.unit();
+    // Two tiles that bear it side by side share the friction by sweeps, and lose up to 3 % of it.
+    const double splits = i % 2 == 0 ? 0.0 : 0.3;
+    CAPTURE(i, half, speed, phase);
+    Scene tiles;
+    tile_floor(tiles, random, 8.0 * half, 3.0, material, splits);
+    Scene plane;
+    plane.add(HalfSpace{}, {.type = BodyType::Static, .material = material});
+    const int steps = static_cast<int>(speed / (0.5 * 9.81) / kStep) + 10;
+    const Ride over = ride(tiles, add_rider(tiles, rider, speed, phase, false, material), steps);
+    const Ride flat = ride(plane, add_rider(plane, rider, speed, phase, false, material), steps);
+    const double share = splits > 0.0 ? 0.03 : 0.01;
+    CHECK(std::abs(over.end - flat.end) <= std::max(1e-3, share * flat.end));
+  }
+}
+
+TEST_CASE("seams: what stands out of a floor still stops what comes", "[scene][invariant]") {
+  SplitMix64 random(73);
+  for (int i = 0; i < 60; ++i) {
+    const Rider rider = draw_rider(random);
+    const double speed = random.uniform(0.3, 3.0);
+    // A wall, or a curb half as high as the middle of what comes.
+    const double height = random.chance(0.5) ? 1.0 : 0.5 * rider.low;
+    const Material material{.friction = 0.0, .restitution = 0.0};
+    CAPTURE(i, rider.name, rider.low, speed, height);
+    Scene scene;
+    tile_floor(scene, random, std::max(1.0, 4.0 * rider.low), 4.0, material, 0.3);
+    const double wall = 2.5 * rider.low + 1.0;
+    scene.add(Box{0.5, 4.0, 0.5 * height}, {.type = BodyType::Static,
+                                            .pose = {.position = {wall + 0.5, 0.0, 0.5 * height}},
+                                            .material = material});
+    const BodyId body = add_rider(scene, rider, speed, random.unit(), false, material);
+    ride(scene, body, static_cast<int>((wall + 0.5) / speed / kStep));
+    // It stands at the wall, was thrown back or tips over the curb: its middle has not gone on
+    // below the top.
+    const Vec3 middle = scene.world().pose(body).position;
+    CHECK((middle.x() < wall || middle.z() > height));
+    CHECK(middle.z() > 0.0);
+  }
+}
+
+TEST_CASE("seams: what passes by an edge, however near, is not thrown off it",
+          "[scene][invariant]") {
+  SplitMix64 random(74);
+  SceneOptions options;
+  options.gravity.setZero();
+  for (int i = 0; i < 200; ++i) {
+    const Rider rider = draw_rider(random);
+    const double speed = std::pow(30.0, random.unit());
+    const double clearance = 3e-4 * std::pow(100.0, random.unit()) * (0.1 + rider.low);
+    const double size = random.uniform(0.2, 0.6);
+    CAPTURE(i, rider.name, rider.low, speed, clearance, size);
+    Scene scene(options);
+    const Shape shapes[]{Box{size, size, size}, block_hull(size, size, size),    Sphere{size},
+                         Cylinder{size, size},  Capsule{0.5 * size, 0.5 * size}, sheet(size, size)};
+    const std::uint64_t kind = random.below(6);
+    const double top = kind == 5 ? 0.0 : size;
+    const bool dynamic = kind != 5 && random.chance(0.5);
+    scene.add(shapes[kind], {.type = dynamic ? BodyType::Dynamic : BodyType::Static});
+    const BodyId body = scene.add(
+        rider.parts, {.pose = {.position = {-1.5 - 2.0 * rider.low - random.unit() * speed * kStep,
+                                            0.01, top + clearance + rider.low},
+                               .orientation = rider.upright},
+                      .twist = {.linear = {speed, 0.0, 0.0}}});
+    const int steps = static_cast<int>((4.0 + 4.0 * rider.low) / speed / kStep) + 2;
+    for (int k = 0; k < steps; ++k) scene.step(kStep);
+    CHECK((scene.world().state(body).twist.linear - Vec3(speed, 0.0, 0.0)).norm() <= 1e-6 * speed);
+  }
+}
+
+}  // namespace seams_test
