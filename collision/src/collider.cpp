@@ -167,6 +167,11 @@ bool same_state(const Collider& c, const pbd::BodyState& state) {
 }
 
 void update_collider(Collider& c, const pbd::World& world, double dt) {
+  // Its body may have gone while the scene was not the world's.
+  if (!world.contains(c.def.body)) {
+    c.finite = c.still = c.asleep = false;
+    return;
+  }
   const pbd::BodyState& state = world.states()[c.def.body.index];
   const bool asleep = !world.awake_at(c.def.body.index);
   // Whatever moves a body wakes it, or World::sleepers_moved() tells.

@@ -28,6 +28,7 @@ void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m)
   m.key = key;
   m.order = (std::uint64_t{first.rank.own} << (kIndexBits + kClusterBits)) |
             (std::uint64_t{second.rank.own} << kClusterBits) | (key & kClusterMask);
+  m.version = (first.generation ^ (second.generation << 16u)) & 0x7fffffffu;
   set_material(*pair.a, *pair.b, m);
   m.body_a = pair.a->def.body.index;
   m.body_b = pair.b->def.body.index;

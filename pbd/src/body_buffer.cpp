@@ -25,6 +25,9 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.v = state.twist.linear;
   body.w = state.twist.angular;
   body.inv_mass = props.inverse_mass;
+  // What cannot be moved goes its way from the beginning; of the others each substep says.
+  body.v_applied = body.inv_mass > 0.0 ? Vec3(Vec3::Zero()) : body.v;
+  body.w_applied = body.inv_mass > 0.0 ? Vec3(Vec3::Zero()) : body.w;
   body.gravity_scale = body.inv_mass > 0.0 ? props.gravity_scale : 0.0;
   body.inv_inertia_w.setZero();
   body.dx.setZero();

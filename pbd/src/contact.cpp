@@ -58,6 +58,12 @@ void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double
   worst = std::max(worst, contact.overlap);
 }
 
+/// Of equal keys: whether they stand for the same shapes of the same bodies.
+bool same_pair(const Manifold& old, const Manifold& m) {
+  return old.body_a == m.body_a && old.body_b == m.body_b &&
+         (old.version == m.version || old.version == Manifold::kAnyVersion);
+}
+
 }  // namespace
 
 ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
@@ -89,8 +95,13 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
     while (left > 0 && m.contacts[left - 1].manifold.key > manifold.key) {
       m.note_lost(m.contacts[--left]);
     }
-    const bool known = left > 0 && m.contacts[left - 1].manifold.key == manifold.key;
-    m.old_place[i] = known ? static_cast<std::uint32_t>(--left) : ContactOrder::kNone;
+    m.old_place[i] = ContactOrder::kNone;
+    if (left == 0 || m.contacts[left - 1].manifold.key != manifold.key) continue;
+    if (same_pair(m.contacts[--left].manifold, manifold)) {
+      m.old_place[i] = static_cast<std::uint32_t>(left);
+    } else {
+      m.note_lost(m.contacts[left]);
+    }
   }
   while (left > 0) m.note_lost(m.contacts[--left]);
   // In place, each where nothing is that is still wanted: first what moves down, the lowest first,

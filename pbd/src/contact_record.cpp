@@ -117,6 +117,7 @@ void Contact::save(ByteWriter& out) const {
 void Contact::load(ByteReader& in) {
   FieldReader io(in);
   contact_fields(io, *this, manifold);
+  manifold.version = Manifold::kAnyVersion;
   manifold.count = in.u8();
   if (manifold.count < 1 || manifold.count > Manifold::kMaxPoints) {
     manifold.count = 0;

@@ -254,6 +254,7 @@ void Solver::Impl::detect() {
   manifolds_.clear();  // without a source, what it said last is over
   if (world_->contact_source_ != nullptr) {
     world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
+    std::erase_if(manifolds_, [&](const Manifold& m) { return !usable(m); });
   }
   world_->contacts_->configure(options_.contact);
   world_->contacts_->set_manifolds(manifolds_);
@@ -324,12 +325,24 @@ bool Solver::Impl::usable(const PoseTarget& target) const {
          std::isfinite(target.share);
 }
 
+bool Solver::Impl::usable(const Manifold& m) const {
+  const auto lives = [&](std::uint32_t body) { return world_->body_at(body).valid(); };
+  bool sound = m.count > 0 && m.count <= Manifold::kMaxPoints && m.body_a != m.body_b &&
+               lives(m.body_a) && lives(m.body_b);
+  if (!sound) return false;
+  double sum = m.normal.sum() + m.radius_a + m.radius_b + m.friction + m.restitution;
+  for (int i = 0; i < m.count; ++i)
+    sum += m.points[i].anchor_a_l.sum() + m.points[i].anchor_b_l.sum();
+  return std::isfinite(sum) && std::abs(m.normal.squaredNorm() - 1.0) < 1e-3 && m.friction >= 0.0;
+}
+
 void Solver::Impl::limit_motion() {
   if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
   motion_.after.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
   world_->contact_source_->limit_motion(*world_, motion_.after, workers_, motion_.limits);
   for (const MotionLimit& limit : motion_.limits) {
+    if (limit.body >= bodies_.size()) continue;
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
     const Vec3& carried = limit.obstacle_moves;

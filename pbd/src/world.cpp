@@ -47,11 +47,13 @@ BodyId World::add_body(const BodyDef& def) {
     activity_.emplace_back();
     if (!wrenches_.empty()) wrenches_.emplace_back();
     if (!corrections_.empty()) corrections_.emplace_back();
+    if (!displaced_.empty()) displaced_.push_back(0);
   }
   in_contact_[index] = 0;
   activity_[index] = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
   if (!corrections_.empty()) corrections_[index] = {};
+  if (!displaced_.empty()) displaced_[index] = 0;
   props_[index] = make_props(def);
   if (def.stable_id) by_stable_id_.emplace(*def.stable_id, index);
   order_is_old_ = true;

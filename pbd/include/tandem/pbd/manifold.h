@@ -47,6 +47,11 @@ struct TANDEM_API Manifold {
   double friction = 0.5;        ///< Coulomb coefficient, >= 0
   double restitution = 0.0;     ///< 0 to 1
   int count = 0;                ///< points in use
+  /// Another number where `key` names other shapes than before, so that a contact is not carried on
+  /// by what has taken its place.
+  std::uint32_t version = 0;
+  /// Of a contact that was restored: fits all.
+  static constexpr std::uint32_t kAnyVersion = 0xffffffffu;
   std::array<ManifoldPoint, kMaxPoints> points;
 };
 
