@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace tandem::collision {
 namespace {
@@ -186,8 +187,13 @@ CoreFace hull_face(const ConvexCore& core, const Vec3& direction) {
   return face;
 }
 
+std::span<const Vec3> arms_of(const ConvexCore& core) {
+  const std::span<const Vec3> own = core.hull->arms();
+  return core.arms != nullptr ? std::span(core.arms, own.size()) : own;
+}
+
 std::uint32_t hull_corner(const ConvexCore& core, const Vec3& local) {
-  const auto arms = core.hull->arms();
+  const auto arms = arms_of(core);
   std::uint32_t best = 0;
   double most = -HUGE_VAL;
   for (std::uint32_t v = 0; v < arms.size(); ++v) {
@@ -300,7 +306,7 @@ double ConvexCore::reach(const Vec3& direction) const {
     case CoreKind::Polytope: {
       const Vec3 local = axes.transpose() * direction;
       double most = -HUGE_VAL;
-      for (const Vec3& arm : hull->arms()) most = std::max(most, arm.dot(local));
+      for (const Vec3& arm : arms_of(*this)) most = std::max(most, arm.dot(local));
       return direction.dot(centre) + most;
     }
     case CoreKind::Triangle:
@@ -319,7 +325,7 @@ Vec3 ConvexCore::support(const Vec3& direction) const {
     return corners[best];
   }
   if (kind == CoreKind::Polytope) {
-    return centre + axes * hull->arms()[hull_corner(*this, axes.transpose() * direction)];
+    return centre + axes * arms_of(*this)[hull_corner(*this, axes.transpose() * direction)];
   }
   if (curved()) {
     const double along = direction.dot(axes.col(2));

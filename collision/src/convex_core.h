@@ -24,6 +24,7 @@ struct ConvexCore {
   Vec3 half = Vec3::Zero();      ///< m, half extents along the axes; (0, 0, h) for a segment,
                                  ///< (r, r, h) for a cylinder and a cone
   const ConvexHull* hull = nullptr;
+  const Vec3* arms = nullptr;  ///< m: other corners in place of the hull's, for reach and support
   double radius = 0.0;  ///< m
   double size = 0.0;    ///< m, least extent of the whole shape
   std::array<Vec3, 3> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< of a triangle

@@ -3,8 +3,12 @@
 #include "motion_limit.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core_cast.h"
+#include "inner_core.h"
+#include "motion_path.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::collision {
 namespace {
@@ -12,57 +16,251 @@ namespace {
 /// Colliders that one worker takes at a time.
 constexpr std::size_t kChunk = 128;
 constexpr std::uint8_t kGuardedSteps = 60;
+/// Of the lesser of two sizes: so near to each other are two left that would have met, for the
+/// contact of the next step; and so near has the inside to come to something to be in its way.
+constexpr double kTouch = 0.01;
+/// Rounds in which bodies that stop on their way are looked at again by those they meet.
+constexpr int kRounds = 4;
+
+// How a collider goes in a step.
+constexpr std::uint8_t kIdle = 0;  ///< nothing to look at
+constexpr std::uint8_t kSlow = 1;
+constexpr std::uint8_t kFast = 2;   ///< the middle goes further than the ball there is wide
+constexpr std::uint8_t kSwift = 3;  ///< far points do, or it is marked: movable ones stop it, too
 
 /// Whether a body may be pushed out on the far side.
 bool is_thin(const Collider& target, const Collider& collider) {
   return !target.dynamic && target.is_convex() && target.size < 2.0 * collider.size;
 }
 
-/// m, how far what cannot be pushed moves in this step, at most.
+bool may_be_limited(const Collider& c, std::size_t bodies) {
+  return c.alive && c.active() && c.finite && c.is_convex() && c.motion.span > 0.0 &&
+         c.def.body.index < bodies;
+}
+
+double turned(const pbd::Pose& from, const pbd::Pose& to) {
+  const double chord = std::min((to.orientation.coeffs() - from.orientation.coeffs()).norm(),
+                                (to.orientation.coeffs() + from.orientation.coeffs()).norm());
+  return 2.0 * chord;
+}
+
+/// m, how far any point of what cannot be pushed moves in this step, at most.
 double fastest_obstacle(std::span<const Collider> colliders, std::span<const pbd::Pose> after) {
   double fastest = 0.0;
   for (const Collider& c : colliders) {
     if (!c.alive || c.dynamic || !c.finite || c.def.body.index >= after.size()) continue;
-    fastest = std::max(fastest, (after[c.def.body.index].position - c.body.position).norm());
+    const pbd::Pose& end = after[c.def.body.index];
+    const double round = c.is_convex() ? turned(c.body, end) * c.reach : 0.0;
+    fastest = std::max(fastest, (end.position - c.body.position).norm() + round);
   }
   return fastest;
 }
 
+}  // namespace
+
 /// What a step is about.
-struct MotionStep {
+struct MotionLimiter::Step {
   std::span<Collider> colliders;
   const BroadPhase& broad;
+  const pbd::World& world;
   std::span<const pbd::Pose> after;
-  double fastest;  ///< m, how far any obstacle moves
+  double fastest;                      ///< m, how far any obstacle moves
+  std::span<const std::uint8_t> pace;  ///< by collider: kIdle, kSlow or kFast
+
+  const pbd::Pose& end(const Collider& c) const { return after[c.def.body.index]; }
+  MotionPath path(const Collider& c) const {
+    return {c.body, end(c), c.motion.twist, c.motion.span};
+  }
 };
 
-CoreHit first_hit(const MotionStep& step, Collider& collider, bool bullet,
-                  std::vector<std::uint32_t>& stack, std::vector<std::uint32_t>& list) {
-  const double radius = core_radius(collider);
-  const Vec3 from = core_centre(collider, collider.body);
-  const Vec3 to = core_centre(collider, step.after[collider.def.body.index]);
+namespace {
+
+using MotionStep = MotionLimiter::Step;
+
+/// Whether far points go further by turning than it is thick.
+bool swings(const Collider& c, const pbd::Pose& end) {
+  return c.kind != Kind::Sphere && turned(c.body, end) * c.reach > c.size;
+}
+
+/// What is marked counts as swift however little it moves.
+std::uint8_t pace_of(const Collider& c, const pbd::Pose& end, bool bullet) {
+  const double radius = core_radius(c);
+  const Vec3 way = core_centre(c, end) - core_centre(c, c.body);
+  if (swings(c, end) || (bullet && !way.isZero(0.0))) return kSwift;
+  return way.squaredNorm() > radius * radius ? kFast : kSlow;
+}
+
+/// Where a body is at the end that is at `pose` when the obstacle is at `then`, and goes on with
+/// it.
+pbd::Pose carried(const pbd::Pose& pose, const pbd::Pose& then, const pbd::Pose& end) {
+  const pbd::Quat turn = end.orientation * then.orientation.conjugate();
+  pbd::Pose out{end.position + pbd::rotate(turn, pose.position - then.position),
+                turn * pose.orientation};
+  out.orientation.normalize();
+  return out;
+}
+
+/// When the inside of `first` would meet `second`; of those that were apart before, when their
+/// surfaces do.
+SweepHit find_meeting(const Collider& first, MovingCore a, const Collider& second,
+                      const MovingCore& b, std::vector<Vec3>& arms) {
+  const double touch = kTouch * std::min(first.size, second.size);
+  a.core = inner_core(first, arms);
+  SweepHit hit = sweep(a, b, touch);
+  if (hit.apart <= 0.0) {
+    // The middle at least stays on its side.
+    a.core = point_core(a.core.centre);
+    hit = sweep(a, b, core_radius(first));
+    if (hit.apart <= 0.0) return {};
+  }
+  if (hit.share >= 1.0) return hit;
+  a.core = body_core(first);
+  const SweepHit whole = sweep(a, b, touch);
+  return whole.apart > 2.0 * touch && whole.share < hit.share ? whole : hit;
+}
+
+/// The ball in the middle against what cannot be pushed and may itself move on.
+void cast_ball(const MotionStep& step, const Collider& c, const Collider& target,
+               std::vector<std::uint32_t>& list, std::vector<pbd::MotionLimit>& limits) {
+  const double radius = core_radius(c);
+  const Vec3 from = core_centre(c, c.body);
+  const Vec3 to = core_centre(c, step.end(c));
   const auto is_far = [&](const Vec3& way) { return way.squaredNorm() > radius * radius; };
-  const bool wary = is_far(to - from) || collider.guarded > 0;
-  if ((!wary && (to - from).norm() + step.fastest <= radius) || !to.allFinite()) return {};
-  CoreHit first;
-  const Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
-  step.broad.query(path.expanded(radius), bullet, stack, [&](std::uint32_t index) {
-    const Collider& target = step.colliders[index];
-    if (target.dynamic && !bullet) return;
-    if (!target.finite || !may_touch(collider, target)) return;
-    // As seen from the target, which itself moves on (a kinematic one too).
-    const Vec3 moved = step.after[target.def.body.index].position - target.body.position;
-    if (!moved.allFinite() || (!wary && !is_far(to - from - moved))) return;
-    if (is_thin(target, collider)) collider.guarded = kGuardedSteps;
-    CoreHit hit = core_cast(from, to - moved, radius, target, list);
-    // What may be stopped itself takes nothing along.
-    if (!target.dynamic) hit.moved = moved;
-    first.take_first(hit);
-  });
-  return first;
+  // As seen from the target.
+  const Vec3 moved = step.end(target).position - target.body.position;
+  if (!moved.allFinite() || (c.guarded == 0 && !is_far(to - from) && !is_far(to - from - moved))) {
+    return;
+  }
+  const CoreHit hit = core_cast(from, to - moved, radius, target, list);
+  if (hit.share >= 1.0) return;
+  pbd::Pose pose = step.end(c);
+  const Vec3& start = c.body.position;
+  pose.position = start + hit.share * (pose.position - start - moved) + moved;
+  limits.push_back({c.def.body.index, hit.share, pose, hit.normal, moved});
+}
+
+/// The shape against what does not stop for it: what cannot be pushed takes along what it meets,
+/// and what is slow is taken to be where it ends.
+void sweep_shape(const MotionStep& step, const Collider& c, const MotionPath& path,
+                 const Collider& target, std::vector<Vec3>& arms,
+                 std::vector<pbd::MotionLimit>& limits) {
+  const bool pushed = target.dynamic;
+  const pbd::Pose& end = step.end(target);
+  const MotionPath other = pushed ? MotionPath(end) : step.path(target);
+  const SweepHit hit =
+      find_meeting(c, {.reach = c.reach, .path = path}, target,
+                   {.core = body_core(target), .reach = target.reach, .path = other}, arms);
+  if (hit.share >= 1.0) return;
+  pbd::Pose pose = path.at(hit.share);
+  if (!pushed) pose = carried(pose, other.at(hit.share), end);
+  limits.push_back({c.def.body.index, hit.share, pose, Vec3::Zero(), Vec3::Zero()});
+}
+
+bool stops_before(const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
+  if (l.body != r.body) return l.body < r.body;
+  if (l.share != r.share) return l.share < r.share;
+  if (l.normal != r.normal) return lies_before(l.normal, r.normal);
+  return lies_before(l.pose.position, r.pose.position);
 }
 
 }  // namespace
+
+void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& worker) {
+  Collider& c = step.colliders[index];
+  const double radius = core_radius(c);
+  const Vec3 from = core_centre(c, c.body);
+  const Vec3 to = core_centre(c, step.end(c));
+  const bool fast = step.pace[index] >= kFast;
+  if (!to.allFinite()) return;
+  if (!fast && c.guarded == 0 && (to - from).norm() + step.fastest <= radius) return;
+  const bool round = c.kind == Kind::Sphere;
+  const MotionPath path = step.path(c);
+  const Aabb middle{from.cwiseMin(to), from.cwiseMax(to)};
+  const Aabb way = fast && !round ? path.bounds(c.reach) : middle.expanded(radius);
+  step.broad.query(way, step.pace[index] == kSwift, worker.stack, [&](std::uint32_t other) {
+    const Collider& target = step.colliders[other];
+    if (!target.finite || !may_touch(c, target)) return;
+    if (target.dynamic) {
+      if (!target.is_convex()) return;
+      if (step.pace[other] >= kFast) {
+        worker.pairs.push_back({index, other});
+      } else {
+        sweep_shape(step, c, path, target, worker.arms, worker.limits);
+      }
+      return;
+    }
+    if (is_thin(target, c)) c.guarded = kGuardedSteps;
+    const bool turns = turned(target.body, step.end(target)) * target.reach > radius;
+    if (target.is_convex() && (turns || (fast && !round))) {
+      sweep_shape(step, c, path, target, worker.arms, worker.limits);
+    } else {
+      cast_ball(step, c, target, worker.list, worker.limits);
+    }
+  });
+}
+
+/// Of those that meet on their ways the first ones stop there, in the order of time. Who meets
+/// somebody that has stopped is asked again.
+bool MotionLimiter::stop_first(const Step& step, std::vector<Vec3>& arms) {
+  for (FastPair& pair : pairs_) {
+    if (!std::exchange(pair.old, false)) continue;
+    const Collider& first = step.colliders[pair.first];
+    const Collider& second = step.colliders[pair.second];
+    const MovingCore a{
+        .reach = first.reach, .path = step.path(first), .stop = stops_[first.def.body.index]};
+    const MovingCore b{.core = body_core(second),
+                       .reach = second.reach,
+                       .path = step.path(second),
+                       .stop = stops_[second.def.body.index]};
+    pair.share = find_meeting(first, a, second, b, arms).share;
+  }
+  std::stable_sort(pairs_.begin(), pairs_.end(),
+                   [](const FastPair& l, const FastPair& r) { return l.share < r.share; });
+  bool any = false;
+  for (FastPair& pair : pairs_) {
+    if (pair.share >= 1.0) break;
+    if (pair.old) continue;
+    for (const std::uint32_t i : {pair.first, pair.second}) {
+      const std::uint32_t body = step.colliders[i].def.body.index;
+      if (stops_[body] <= pair.share) continue;
+      stops_[body] = pair.share;
+      any = true;
+      for (FastPair& other : pairs_) {
+        other.old = other.old || step.colliders[other.first].def.body.index == body ||
+                    step.colliders[other.second].def.body.index == body;
+      }
+    }
+  }
+  return any;
+}
+
+void MotionLimiter::stop_pairs(const Step& step, std::vector<pbd::MotionLimit>& limits) {
+  pairs_.clear();
+  for (const Worker& worker : workers_) {
+    pairs_.insert(pairs_.end(), worker.pairs.begin(), worker.pairs.end());
+  }
+  if (pairs_.empty()) return;
+  std::sort(pairs_.begin(), pairs_.end(), [&](const FastPair& l, const FastPair& r) {
+    const auto order = [&](const FastPair& pair) {
+      return std::pair(step.colliders[pair.first].rank.own, step.colliders[pair.second].rank.own);
+    };
+    return order(l) < order(r);
+  });
+  stops_.assign(step.after.size(), 1.0);
+  for (const pbd::MotionLimit& limit : limits) {
+    stops_[limit.body] = std::min(stops_[limit.body], limit.share);
+  }
+  for (int round = 0; round < kRounds && stop_first(step, workers_[0].arms); ++round) {
+  }
+  for (const FastPair& pair : pairs_) {
+    for (const std::uint32_t i : {pair.first, pair.second}) {
+      const Collider& c = step.colliders[i];
+      const double stop = stops_[c.def.body.index];
+      if (stop >= 1.0) continue;
+      limits.push_back({c.def.body.index, stop, step.path(c).at(stop), Vec3::Zero(), Vec3::Zero()});
+    }
+  }
+}
 
 void MotionLimiter::guard(std::span<Collider> colliders, std::span<const ColliderPair> near) {
   const auto guard_one = [](Collider& collider, const Collider& other) {
@@ -79,33 +277,34 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
                          pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) {
   limits.clear();
   workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
-  for (Worker& worker : workers_) worker.limits.clear();
-  const MotionStep step{colliders, broad, after, fastest_obstacle(colliders, after)};
-  workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
-    Worker& worker = workers_[static_cast<std::size_t>(w)];
+  for (Worker& worker : workers_) {
+    worker.limits.clear();
+    worker.pairs.clear();
+  }
+  pace_.assign(colliders.size(), 0);
+  workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       Collider& c = colliders[i];
-      if (!c.alive || !c.active() || !c.finite || !c.is_convex() || c.motion.span <= 0.0) {
-        continue;
-      }
-      if (c.def.body.index >= after.size()) continue;
+      if (!may_be_limited(c, after.size())) continue;
       if (c.guarded > 0) --c.guarded;
-      if (!world.awake_at(c.def.body.index)) continue;
-      const bool bullet = world.all_props()[c.def.body.index].bullet;
-      const CoreHit hit = first_hit(step, c, bullet, worker.stack, worker.list);
-      if (hit.share >= 1.0) continue;
-      worker.limits.push_back({c.def.body.index, hit.share, hit.normal, hit.moved});
+      const std::uint32_t body = c.def.body.index;
+      if (!world.awake_at(body)) continue;
+      pace_[i] = pace_of(c, after[body], world.all_props()[body].bullet);
+    }
+  });
+  const Step step{colliders, broad, world, after, fastest_obstacle(colliders, after), pace_};
+  workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (pace_[i] != kIdle) {
+        limit_one(step, static_cast<std::uint32_t>(i), workers_[static_cast<std::size_t>(w)]);
+      }
     }
   });
   for (const Worker& worker : workers_) {
     limits.insert(limits.end(), worker.limits.begin(), worker.limits.end());
   }
-  std::sort(limits.begin(), limits.end(), [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
-    if (l.body != r.body) return l.body < r.body;
-    if (l.share != r.share) return l.share < r.share;
-    if (l.normal != r.normal) return lies_before(l.normal, r.normal);
-    return lies_before(l.obstacle_moves, r.obstacle_moves);
-  });
+  stop_pairs(step, limits);
+  std::sort(limits.begin(), limits.end(), stops_before);
   limits.erase(std::unique(limits.begin(), limits.end(),
                            [](const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
                              return l.body == r.body;

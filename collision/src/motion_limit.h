@@ -11,7 +11,7 @@
 
 namespace tandem::collision {
 
-/// Finds the bodies whose middle would get through something: see CollisionScene::limit_motion().
+/// Finds the bodies that would get through something: see CollisionScene::limit_motion().
 class MotionLimiter {
  public:
   /// Colliders that are near what is thin are guarded for a while.
@@ -20,14 +20,32 @@ class MotionLimiter {
             std::span<const pbd::Pose> after, pbd::Workers& workers,
             std::vector<pbd::MotionLimit>& limits);
 
+  struct Step;
+
  private:
+  /// Two that may stop each other: the inside of the first one and the surface of the second.
+  struct FastPair {
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;
+    double share = 1.0;  ///< of the step after which they meet
+    bool old = true;     ///< one of them stops elsewhere than when this was asked
+  };
   /// What one worker needs and finds.
   struct Worker {
     std::vector<pbd::MotionLimit> limits;
+    std::vector<FastPair> pairs;
     std::vector<std::uint32_t> stack;
     std::vector<std::uint32_t> list;
+    std::vector<Vec3> arms;
   };
+  void limit_one(const Step& step, std::uint32_t index, Worker& worker);
+  void stop_pairs(const Step& step, std::vector<pbd::MotionLimit>& limits);
+  bool stop_first(const Step& step, std::vector<Vec3>& arms);
+
   std::vector<Worker> workers_;
+  std::vector<std::uint8_t> pace_;  ///< by collider: how it goes in this step
+  std::vector<FastPair> pairs_;
+  std::vector<double> stops_;  ///< by body slot: share of the step
 };
 
 }  // namespace tandem::collision

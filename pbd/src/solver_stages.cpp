@@ -345,10 +345,10 @@ void Solver::Impl::limit_motion() {
     if (limit.body >= bodies_.size()) continue;
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
-    const Vec3& carried = limit.obstacle_moves;
-    body.x = start + limit.share * (body.x - start - carried) + carried;
+    body.x = limit.pose.position;
+    body.q = limit.pose.orientation;
     restore_locked(body, world_->props_[limit.body].locks, start);
-    body.v -= std::min(0.0, (body.v - carried / dt_).dot(limit.normal)) * limit.normal;
+    body.v -= std::min(0.0, (body.v - limit.obstacle_moves / dt_).dot(limit.normal)) * limit.normal;
     enforce_locks(body, world_->props_[limit.body].locks);
   }
   report_.stopped = static_cast<int>(motion_.limits.size());

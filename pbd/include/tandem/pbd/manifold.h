@@ -57,12 +57,13 @@ struct TANDEM_API Manifold {
 
 /// How far a body may go in the step that was just solved.
 struct TANDEM_API MotionLimit {
-  std::uint32_t body = 0;       ///< slot
-  double share = 1.0;           ///< of the way from where the step began, below 1
-  Vec3 normal = Vec3::UnitZ();  ///< unit, out of the obstacle: no speed against it stays
-  /// m, how far the obstacle moves in the step: the share is of the way as seen from it, and it
-  /// takes the body along.
-  Vec3 obstacle_moves = Vec3::Zero();
+  std::uint32_t body = 0;  ///< slot
+  double share = 1.0;      ///< of the way from where the step began, below 1
+  Pose pose;               ///< where it stays: an obstacle that moves on takes it along
+  /// Unit, out of the obstacle: no speed against it stays. Zero: all of it stays, for the next
+  /// step's contact.
+  Vec3 normal = Vec3::UnitZ();
+  Vec3 obstacle_moves = Vec3::Zero();  ///< m in the step
 };
 
 /// Anything that finds contacts. pbd knows no shapes; `collision` implements this.
