@@ -100,10 +100,10 @@ pbd::Pose carried(const pbd::Pose& pose, const pbd::Pose& then, const pbd::Pose&
   return out;
 }
 
-/// When the inside of `first` would meet `second`; of those that were apart before, when their
-/// surfaces do.
+/// When the surfaces of `first` and `second` meet, if its inside would meet that one. Where they
+/// touch from the start, for which `touching` is set, it is what the inside does.
 SweepHit find_meeting(const Collider& first, MovingCore a, const Collider& second,
-                      const MovingCore& b, std::vector<Vec3>& arms) {
+                      const MovingCore& b, std::vector<Vec3>& arms, bool& touching) {
   const double touch = kTouch * std::min(first.size, second.size);
   a.core = inner_core(first, arms);
   SweepHit hit = sweep(a, b, touch);
@@ -116,7 +116,8 @@ SweepHit find_meeting(const Collider& first, MovingCore a, const Collider& secon
   if (hit.share >= 1.0) return hit;
   a.core = body_core(first);
   const SweepHit whole = sweep(a, b, touch);
-  return whole.apart > 2.0 * touch && whole.share < hit.share ? whole : hit;
+  touching = whole.apart <= 2.0 * touch;
+  return touching || whole.share >= 1.0 ? hit : whole;
 }
 
 /// The ball in the middle against what cannot be pushed and may itself move on.
@@ -147,13 +148,15 @@ void sweep_shape(const MotionStep& step, const Collider& c, const MotionPath& pa
   const bool pushed = target.dynamic;
   const pbd::Pose& end = step.end(target);
   const MotionPath other = pushed ? MotionPath(end) : step.path(target);
-  const SweepHit hit =
-      find_meeting(c, {.reach = c.reach, .path = path}, target,
-                   {.core = body_core(target), .reach = target.reach, .path = other}, arms);
-  if (hit.share >= 1.0) return;
+  bool touching = false;
+  const SweepHit hit = find_meeting(
+      c, {.reach = c.reach, .path = path}, target,
+      {.core = body_core(target), .reach = target.reach, .path = other}, arms, touching);
+  if (hit.share >= 1.0 || (touching && pushed)) return;
   pbd::Pose pose = path.at(hit.share);
   if (!pushed) pose = carried(pose, other.at(hit.share), end);
-  limits.push_back({c.def.body.index, hit.share, pose, Vec3::Zero(), Vec3::Zero()});
+  limits.push_back({c.def.body.index, hit.share, pose, touching ? hit.normal : Vec3(Vec3::Zero()),
+                    end.position - target.body.position});
 }
 
 bool stops_before(const pbd::MotionLimit& l, const pbd::MotionLimit& r) {
@@ -212,7 +215,9 @@ bool MotionLimiter::stop_first(const Step& step, std::vector<Vec3>& arms) {
                        .reach = second.reach,
                        .path = step.path(second),
                        .stop = stops_[second.def.body.index]};
-    pair.share = find_meeting(first, a, second, b, arms).share;
+    bool touching = false;
+    const double share = find_meeting(first, a, second, b, arms, touching).share;
+    pair.share = touching ? 1.0 : share;
   }
   std::stable_sort(pairs_.begin(), pairs_.end(),
                    [](const FastPair& l, const FastPair& r) { return l.share < r.share; });

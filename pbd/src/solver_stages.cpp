@@ -348,6 +348,9 @@ void Solver::Impl::limit_motion() {
     body.x = limit.pose.position;
     body.q = limit.pose.orientation;
     restore_locked(body, world_->props_[limit.body].locks, start);
+    // The rest of the step is not: what it falls there would else be speed without a way.
+    body.v -=
+        (1.0 - limit.share) * dt_ * world_->props_[limit.body].gravity_scale * world_->gravity_;
     body.v -= std::min(0.0, (body.v - limit.obstacle_moves / dt_).dot(limit.normal)) * limit.normal;
     enforce_locks(body, world_->props_[limit.body].locks);
   }
