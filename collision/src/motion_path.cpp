@@ -11,7 +11,7 @@
 namespace tandem::collision {
 namespace {
 
-constexpr int kMostAdvances = 48;
+constexpr int kMostAdvances = 64;
 /// rad: below this there is no axis to go round.
 constexpr double kNoTurn = 1e-6;
 /// rad: after a whole turn nothing is seen of how wide the circle was.

@@ -113,11 +113,14 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
 
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out) override;
-  /// The last word against tunnelling: bodies whose middle would get through something, whatever
-  /// the contacts did. Of each collider that moved further than a quarter of its least extent the
-  /// ball of that size in its middle is cast along the way; immovable colliders stop it, and moving
-  /// ones where its body is a bullet. Where the step began is where the last collect() saw the
-  /// bodies.
+  /// The last word against tunnelling: bodies that would get through something, whatever the
+  /// contacts did. Of each collider whose middle moved further than a quarter of its least extent
+  /// the inside, what is left without a layer as thick as that, is swept along its way, turning
+  /// included; immovable colliders stop it. Where far points moved further by turning than it is
+  /// thick, or its body is a bullet, moving ones stop it as well. It is left where the surfaces
+  /// meet, and the contact of the next step does the rest. Spheres, slow bodies near thin walls,
+  /// and all that meets a mesh, height field or half-space have the ball in their middle cast
+  /// instead. Where the step began is where the last collect() saw the bodies.
   /// @param after   poses at the end of the step, by body slot
   /// @param limits  set to the bodies that have to stop on the way, ascending, each once
   /// Allocates only where `limits` or scratch grow.
