@@ -52,8 +52,7 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
     const Vec3 in_other = pbd::rotate(other.body.orientation.conjugate(), normal);
     const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
     const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
-    const double margin =
-        reach.speculative + std::max(0.0, -pbd::dot(normal, reach.sweep)) + reach.turning;
+    const double margin = reach.along(normal);
     // Between the bodies' origins first: far from the world's origin no digits are lost.
     const double between = pbd::dot(normal, b.body.position - a.body.position) - patch->radius_a -
                            patch->radius_b - margin;
@@ -94,10 +93,8 @@ void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t ke
     return approach();
   };
   share_to_meeting(reach.sweep, kMet * std::min(a.size, b.size), approach(), look);
-  const double margin =
-      reach.speculative + std::max(0.0, -contact.normal.dot(reach.sweep)) + reach.turning;
   const double gap = approach().gap + contact.normal.dot(centre - a.position);
-  if (gap >= margin) return;
+  if (gap >= reach.along(contact.normal)) return;
   pbd::Manifold& m = out.emplace_back();
   m.normal = contact.normal;
   m.radius_a = radius;

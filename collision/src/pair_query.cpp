@@ -351,7 +351,13 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   const double arm_a = std::min(a.reach, distance + b.reach);
   const double arm_b = std::min(b.reach, distance + a.reach);
   reach.turning = a.motion.turn * arm_a + b.motion.turn * arm_b;
-  reach.margin = reach.speculative + reach.sweep.norm() + reach.turning;
+  double sweep = reach.sweep.norm();
+  if (a.dynamic && b.dynamic) {
+    reach.alone_a = dt * a.motion.twist.linear;
+    reach.alone_b = dt * b.motion.twist.linear;
+    sweep = std::max({sweep, reach.alone_a.norm(), reach.alone_b.norm()});
+  }
+  reach.margin = reach.speculative + sweep + reach.turning;
   return reach;
 }
 

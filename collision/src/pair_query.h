@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "mesh_manifold.h"
 #include "sphere_surface.h"
 #include "tandem/pbd/manifold.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::collision {
 
@@ -31,6 +33,17 @@ struct PairReach {
   double speculative = 0.0;   ///< m
   double turning = 0.0;       ///< m, what rotation may close
   Vec3 sweep = Vec3::Zero();  ///< m, motion of b's origin against a's
+  /// m, of either origin, zero where it does not count: two that fly together close on each other
+  /// by that where one of them is stopped within the step.
+  Vec3 alone_a = Vec3::Zero();
+  Vec3 alone_b = Vec3::Zero();
+
+  /// m, gaps along the unit normal from a to b that matter.
+  double along(const Vec3& normal) const {
+    const double closing = std::max(
+        {0.0, -pbd::dot(normal, sweep), pbd::dot(normal, alone_a), -pbd::dot(normal, alone_b)});
+    return speculative + closing + turning;
+  }
 };
 
 PairReach reach_of(const QueryPair& pair, double dt);
