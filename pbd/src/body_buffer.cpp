@@ -39,6 +39,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.projected = false;
   body.pushed = false;
   body.turns = false;
+  body.reoriented = false;
   const auto& locked = props.locks.angular;
   body.turns_freely = !locked[0] && !locked[1] && !locked[2];
 }

@@ -32,6 +32,7 @@ class BodyBuffer {
   /// step's start, which their rows expect: where they moved a forearm by another one, sweeps grew
   /// without bound.
   void keep_inertias();
+  void keep_inertia(std::uint32_t slot) { inertias_[slot] = bodies_[slot].inv_inertia_w; }
   void restore_inertia(std::uint32_t slot) { bodies_[slot].inv_inertia_w = inertias_[slot]; }
   std::span<SolverBody> all() { return bodies_; }
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "free_rotation.h"
 #include "tandem/pbd/typed_block.h"
 #include "tandem/pbd/validate.h"
 
@@ -67,6 +68,7 @@ BodyProps make_props(const BodyDef& def) {
     props.inverse_mass = 1.0 / def.mass;
     props.inertia = 0.5 * (def.inertia + def.inertia.transpose());
     props.inverse_inertia = props.inertia.inverse();
+    props.principal = principal_axes(props.inertia);
     props.linear_damping = def.linear_damping;
     props.angular_damping = def.angular_damping;
     props.locks = def.locks;

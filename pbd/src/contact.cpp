@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "contact_impl.h"
 #include "tandem/pbd/bytes.h"
@@ -179,7 +180,7 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
       made.b_below = static_cast<LaneMask>(made.b_below | unsigned{b < a} << lane);
     }
     repeat_first_row(made);
-    kernels->prepare(made, numbers);
+    kernels->prepare(made, kAllLanes, numbers);
   };
   const auto block = [&](std::size_t k) {
     return places.subspan(std::min(k, blocks - 1) * kLanes, kLanes);
@@ -194,6 +195,26 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
                           });
 }
 
+void ContactBlock::Impl::renew_rows(const SubstepContext& ctx) {
+  if (!std::exchange(turned, false)) return;
+  if (std::none_of(ctx.members.begin(), ctx.members.end(),
+                   [&](std::uint32_t body) { return ctx.bodies[body].reoriented; }))
+    return;
+  const BodyNumbers numbers = numbers_of(ctx.bodies);
+  for_rows(ctx, [&](ContactRows& each) {
+    LaneMask asked = 0;
+    for (std::size_t lane = 0; lane < each.count; ++lane) {
+      if (!ctx.bodies[each.a[lane]].reoriented && !ctx.bodies[each.b[lane]].reoriented) continue;
+      set_arms(contacts[each.contact[lane]], ctx.bodies, each, lane);
+      asked = static_cast<LaneMask>(asked | 1u << lane);
+    }
+    if (asked == 0) return;
+    repeat_first_row(each);
+    if ((asked & 1u) != 0) asked = static_cast<LaneMask>(asked | (kAllLanes & ~lanes_in_use(each)));
+    kernels->prepare(each, asked, numbers);
+  });
+}
+
 void ContactBlock::begin_substep(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const double weight = ctx.gravity.norm() * ctx.h;  // m/s, what gravity adds in a substep
@@ -206,6 +227,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .growth = growth_of(ctx)};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (ctx.substep == 0) {
+    m.turned = false;
     m.make_rows(ctx);
     const int rows = m.row_count() * (ctx.substeps - m.least_substeps);
     if (ctx.substeps != m.refined.substeps) m.refined.below = m.refined_rows;
@@ -213,6 +235,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     m.refined.group = m.refined.below + static_cast<int>(rows / ctx.share_of_budget);
     m.refined_rows += rows;
   }
+  m.renew_rows(ctx);
   const AnchorNumbers anchors = anchors_of(m.contacts);
   m.for_rows(ctx, [&](ContactRows& rows) {
     m.prefetch_anchors(rows);
@@ -254,6 +277,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
     m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.shared(rows, ctx)), m.kernels->push,
            numbers);
   });
+  m.turned = true;
   return ctx.h * m.largest_change();
 }
 
@@ -285,6 +309,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
+  m.renew_rows(ctx);
   if (m.any_restitution) {
     m.impacts.run(m.rows, *m.kernels, ctx.bodies, m.rows_to_sweep(0, ctx));
   }

@@ -57,6 +57,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   int least_substeps = 1;  ///< the solver's
   int open_rows = 0;       ///< rows that were left unsolved, in the worst substep
   double residual = 0.0;
+  bool turned = false;  ///< poses have been advanced since rows were made or renewed
   bool any_friction = false;
   bool any_restitution = false;
 
@@ -180,6 +181,10 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
 
   /// Make the rows of the group that is to be solved next.
   void make_rows(const SubstepContext& ctx);
+  /// Rows of bodies whose spin changes by itself are those of where they turn to: an axis that has
+  /// turned takes the spin with it, which arms and inertia of another pose take for a blow. A dowel
+  /// of 1 x 60 cm that rolls at 1 m/s and yaws by 0.5 rad/s had 1e5 times its energy after 5 s so.
+  void renew_rows(const SubstepContext& ctx);
 
   double largest_change() const {
     double largest = 0.0;

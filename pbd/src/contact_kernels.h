@@ -40,9 +40,10 @@ template <class A, class Half>
 constexpr ContactKernels kernels() {
   static_assert(xsimd::batch<double, Half>::size == kLanes / 2);
   ContactKernels out;
-  out.prepare = [](ContactRows& rows, BodyNumbers bodies) {
-    for_batches<A, Half>(lanes_in_use(rows), [&]<class B>(std::size_t at) {
-      rows.faces ? prepare<B, true>(rows, at, bodies) : prepare<B, false>(rows, at, bodies);
+  out.prepare = [](ContactRows& rows, LaneMask asked, BodyNumbers bodies) {
+    for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
+      rows.faces ? prepare<B, true>(rows, at, asked, bodies)
+                 : prepare<B, false>(rows, at, asked, bodies);
     });
   };
   out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies,

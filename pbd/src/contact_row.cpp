@@ -123,21 +123,8 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   Vec3 t1;
   Vec3 t2;
   tangent_frame(m.normal, t1, t2);
-  const ContactArms arms = arms_of(m, a, b);
-  // Friction acts at the centre of pressure of the carried forces.
-  const auto& f = contact.force;
-  const double total = (f[0] + f[1]) + (f[2] + f[3]);
-  Vec3 arm_a = Vec3::Zero();
-  Vec3 arm_b = Vec3::Zero();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
-    const double weight = total > 0.0 ? f[i] / total : 1.0 / m.count;
-    arm_a += weight * arms.a[i];
-    arm_b += weight * arms.b[i];
-  }
   set_vector(rows.normal, lane, m.normal);
   set_vector(rows.t1, lane, t1);
-  set_vector(rows.arm_a, lane, arm_a);
-  set_vector(rows.arm_b, lane, arm_b);
   rows.carried[lane] = contact.warm_start_scale;
   rows.friction[lane] = m.friction;
   rows.restitution[lane] = m.restitution;
@@ -150,7 +137,29 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   rows.slide[1][lane] = contact.carried_friction.dot(t2);
   rows.twist[lane] = contact.carried_twist;
   rows.points[lane] = m.count;
+  set_arms(contact, bodies, rows, lane);
+}
+
+void set_arms(const Contact& contact, std::span<const SolverBody> bodies, ContactRows& rows,
+              std::size_t lane) {
+  const Manifold& m = contact.manifold;
+  const ContactArms arms = arms_of(m, bodies[m.body_a], bodies[m.body_b]);
+  // Friction acts at the centre of pressure of the carried forces.
+  const auto& f = contact.force;
+  const double total = (f[0] + f[1]) + (f[2] + f[3]);
+  Vec3 arm_a = Vec3::Zero();
+  Vec3 arm_b = Vec3::Zero();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+    const double weight = total > 0.0 ? f[i] / total : 1.0 / m.count;
+    arm_a += weight * arms.a[i];
+    arm_b += weight * arms.b[i];
+  }
+  set_vector(rows.arm_a, lane, arm_a);
+  set_vector(rows.arm_b, lane, arm_b);
   if (!rows.faces) return;
+  Vec3 t1;
+  Vec3 t2;
+  tangent_frame(m.normal, t1, t2);
   const std::array<double, 4> self_stress =
       m.count == 4 ? self_stress_of(arms, m.normal) : std::array<double, 4>{};
   for (std::size_t i = 0; i < 4; ++i) {

@@ -16,6 +16,10 @@ namespace tandem::pbd {
 void set_row(const Contact& contact, std::span<const SolverBody> bodies, const Vec3& gravity,
              ContactRows& rows, std::size_t lane);
 
+/// The part of it that changes as bodies turn: arms, and where the points lie about their centre.
+void set_arms(const Contact& contact, std::span<const SolverBody> bodies, ContactRows& rows,
+              std::size_t lane);
+
 /// Lanes that are not in use repeat the first one.
 void repeat_first_row(ContactRows& rows);
 

@@ -167,7 +167,8 @@ struct AnchorNumbers {
 struct ContactKernels {
   /// Responses, from frames, arms and the places of the points. `self_stress` comes as a unit
   /// vector.
-  void (*prepare)(ContactRows& rows, BodyNumbers bodies);
+  /// @param asked  the rows meant
+  void (*prepare)(ContactRows& rows, LaneMask asked, BodyNumbers bodies);
   /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is
   /// carried with them (kFrictionShare).
   void (*begin)(ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies,

@@ -16,31 +16,36 @@ namespace tandem::pbd::kernel {
 inline constexpr double kEvenness = 0.1;
 
 template <class A, bool faces>
-[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, BodyNumbers bodies) {
+[[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, LaneMask asked,
+                              BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
+  const Mask<V> meant = lanes_of<V>(asked, at);
+  const auto put = [&](const V& value, Lanes& lanes) {
+    store(xsimd::select(meant, value, load<V>(lanes, at)), lanes, at);
+  };
   const Pair<A> pair(rows, at, bodies);
   Responses<V> m{};
   m.add(V(1.0), pair.a, pair.arm_a, pair.n, pair.t1, pair.t2);
   m.add(V(1.0), pair.b, pair.arm_b, pair.n, pair.t1, pair.t2);
-  store(m.k_nn, rows.k_nn, at);
-  store(m.k_tt.m11, rows.k_tt[0], at);
-  store(m.k_tt.m12, rows.k_tt[1], at);
-  store(m.k_tt.m22, rows.k_tt[2], at);
-  store(m.tn_1n, rows.k_tn[0], at);
-  store(m.tn_2n, rows.k_tn[1], at);
+  put(m.k_nn, rows.k_nn);
+  put(m.k_tt.m11, rows.k_tt[0]);
+  put(m.k_tt.m12, rows.k_tt[1]);
+  put(m.k_tt.m22, rows.k_tt[2]);
+  put(m.tn_1n, rows.k_tn[0]);
+  put(m.tn_2n, rows.k_tn[1]);
   if constexpr (faces) {
     const std::array<V, 5> normal{m.n1, m.n2, m.w11, m.w12, m.w22};
-    for (std::size_t i = 0; i < normal.size(); ++i) store(normal[i], rows.k_nn_face[i], at);
+    for (std::size_t i = 0; i < normal.size(); ++i) put(normal[i], rows.k_nn_face[i]);
     const std::array<V, 3> tangent{m.k_tt.m1n, m.k_tt.m2n, m.k_tt.mnn};
-    for (std::size_t i = 0; i < tangent.size(); ++i) store(tangent[i], rows.k_tt_face[i], at);
+    for (std::size_t i = 0; i < tangent.size(); ++i) put(tangent[i], rows.k_tt_face[i]);
     const std::array<V, 7> coupling{m.tn_11, m.tn_12, m.tn_21, m.tn_22, m.tn_nn, m.tn_n1, m.tn_n2};
-    for (std::size_t i = 0; i < coupling.size(); ++i) store(coupling[i], rows.k_tn_face[i], at);
+    for (std::size_t i = 0; i < coupling.size(); ++i) put(coupling[i], rows.k_tn_face[i]);
     const Face<V> face(rows, at);
     Face<V> plain = face;
     for (V& self_stress : plain.self_stress.p) self_stress = V(0.0);
     const Sym4<V> B = plain.mobility(m);
     const V scale = xsimd::sqrt(V(kEvenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
-    for (std::size_t i = 0; i < 4; ++i) store(scale * face.self_stress[i], rows.self_stress[i], at);
+    for (std::size_t i = 0; i < 4; ++i) put(scale * face.self_stress[i], rows.self_stress[i]);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "free_rotation.h"
 #include "joint_algebra.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/portable.h"
@@ -13,26 +14,16 @@
 namespace tandem::pbd {
 namespace {
 
-/// Below this, gyroscopic torque is beneath rounding (spheres, cubes, slow bodies): rad^2.
-constexpr double kGyroscopicTolerance = 1e-14;
-/// rad: slower rotation has no gyroscopic effect worth a solve.
-constexpr double kSlowAngle = 1e-4;
+/// rad/s: slower rotation has no gyroscopic effect worth a thought, and neither has torque that
+/// turns the angular momentum of a body's frame more slowly than kSlowTorque (spheres, cubes, tops
+/// that spin about their axis).
+constexpr double kSlowSpin = 0.02;
+constexpr double kSlowTorque = 2e-5;
 
-/// Turn q by the least rotation that brings the angular momentum back to where it was: the implicit
-/// midpoint rule keeps its size in the body's frame, so this keeps it in the world's.
-void align_momentum(Quat& q, const Vec3& momentum_l, const Vec3& momentum_w) {
-  const Vec3 now = rotate(q, momentum_l);
-  const Vec3 axis = now.cross(momentum_w);
-  const double cosine = now.dot(momentum_w);
-  if (!(cosine > 0.0)) return;
-  const double sine = axis.norm();
-  if (sine < 1e-300) return;
-  q = rotated(q, axis * (portable::atan2(sine, cosine) / sine));
-}
-
-/// Torque-free rotation of a body whose inertia is not the same about all axes.
-void spin_freely(SolverBody& body, const BodyProps& props, double h) {
-  Vec3 w_l = rotate(body.q.conjugate(), body.w);
+/// Whether the spin changes by itself.
+bool tumbles(const SolverBody& body, const BodyProps& props) {
+  if (!(body.w.squaredNorm() > kSlowSpin * kSlowSpin) || props.locks.any()) return false;
+  const Vec3 w_l = rotate(body.q.conjugate(), body.w);
   const Mat3& inertia = props.inertia;
   const double x = w_l.x(), y = w_l.y(), z = w_l.z();
   // In the order of Eigen's product.
@@ -40,8 +31,13 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
                         (inertia(1, 0) * x + inertia(1, 1) * y) + inertia(1, 2) * z,
                         inertia(2, 0) * x + (inertia(2, 1) * y + inertia(2, 2) * z));
   const Vec3 torque_l = w_l.cross(momentum_l);
-  if (dot(torque_l, torque_l) * h * h <= kGyroscopicTolerance * dot(momentum_l, momentum_l)) return;
-  body.q = free_rotation(body.q, props.inertia, w_l, h);
+  return dot(torque_l, torque_l) > kSlowTorque * kSlowTorque * dot(momentum_l, momentum_l);
+}
+
+/// Torque-free rotation over h.
+void spin_freely(SolverBody& body, const BodyProps& props, double h) {
+  Vec3 w_l = rotate(body.q.conjugate(), body.w);
+  body.q = free_rotation(body.q, props.principal, w_l, h);
   body.w = rotate(body.q, w_l);
   body.w_applied = body.w;
 }
@@ -104,6 +100,7 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
   body.dtheta.setZero();
   body.v_applied.setZero();
   body.w_applied.setZero();
+  body.reoriented = false;
   body.v += h * props.gravity_scale * gravity;
   if (wrench != nullptr) {
     body.v += h * body.inv_mass * wrench->force;
@@ -111,38 +108,28 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
   }
   if (props.linear_damping > 0.0) body.v *= portable::exp(-props.linear_damping * h);
   if (props.angular_damping > 0.0) body.w *= portable::exp(-props.angular_damping * h);
-  const bool turns = body.w.squaredNorm() * h * h > kSlowAngle * kSlowAngle;
-  if (turns && !props.locks.any()) spin_freely(body, props, h);
+  if (body.projected && tumbles(body, props)) spin_freely(body, props, h);
   if (props.locks.any()) enforce_locks(body, props.locks);
 }
 
-void advance_pose(SolverBody& body, double h) {
+void advance_pose(SolverBody& body, const BodyProps& props, double h) {
   body.x += h * (body.v - body.v_applied + body.v_push);
   body.v_applied = body.v;
-  const Vec3 turn = h * (body.w - body.w_applied + body.w_push);
+  Vec3 turn = h * body.w_push;
+  if (!body.projected && tumbles(body, props)) {
+    spin_freely(body, props, h);
+    body.reoriented = true;
+  } else {
+    turn += h * (body.w - body.w_applied);
+    body.w_applied = body.w;
+  }
   body.v_push.setZero();
   body.w_push.setZero();
-  body.w_applied = body.w;
   if (!turn.isZero(0.0)) body.q = rotated_about(body.q, turn);
-}
-
-/// Fast spin is cut into parts of half a radian.
-Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h) {
-  constexpr double kPart = 0.5;  // rad
-  constexpr int kMaxParts = 256;
-  const Vec3 momentum_w = rotate(q, inertia_l * w_l);
-  const double wanted = std::ceil(h * w_l.norm() / kPart);
-  // A spin that is not a number takes one part: the step reports the body afterwards.
-  int parts = 1;
-  if (wanted > 1.0) parts = wanted < kMaxParts ? static_cast<int>(wanted) : kMaxParts;
-  const double part = h / parts;
-  for (int i = 0; i < parts; ++i) {
-    const Vec3 next_l = torque_free_step(inertia_l, w_l, part);
-    q = rotated(q, rotate(q, 0.5 * part * (w_l + next_l)));
-    w_l = next_l;
-    align_momentum(q, inertia_l * w_l, momentum_w);
-  }
-  return q;
+  if (!body.reoriented) return;
+  // What is pushed takes its spin along: left where it was, it would be another energy.
+  if (!turn.isZero(0.0)) body.w = body.w_applied = rotate(exp_map(turn), body.w);
+  refresh_inertia(body, props);
 }
 
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {

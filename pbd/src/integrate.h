@@ -30,25 +30,24 @@ void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result);
 /// That of the body's orientation.
 void refresh_inertia(SolverBody& body, const BodyProps& props);
 
-/// Forces, damping and gyroscopic torque for one substep of a dynamic body: v and w become those at
-/// its end. A body whose own spin changes has its free rotation applied to the pose as well, so
-/// that energy and angular momentum are kept.
+/// Forces and damping for one substep of a dynamic body: v and w become those with which it moves.
+/// A body whose rows project poses and whose spin changes by itself turns freely here, pose and
+/// all, since these rows start from there; any other one does in advance_pose().
 /// @param wrench  null where none acts
 void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* wrench,
                         const Vec3& gravity, double h);
 
-/// Bring the pose up to what v and w say of this substep and the pose does not show yet.
-void advance_pose(SolverBody& body, double h);
+/// Bring the pose up to what v and w say of this substep and the pose does not show yet. Where the
+/// spin changes by itself, w becomes that at its end and the inertia that of the new pose: rows
+/// have changed w with the inertia of the old one, which adds no energy, and turning freely adds
+/// none.
+void advance_pose(SolverBody& body, const BodyProps& props, double h);
 
 /// Velocities learn what rows that project poses have moved. Corrections change angular momentum,
 /// not spin: without that a fast top loses its spin to the joint that holds it, since its inertia
 /// turns with it.
 /// @pre `inv_inertia_w` is that of the predicted pose
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h);
-
-/// Where a body turns to by itself in h (s); keeps energy and angular momentum.
-/// @param w_l  rad/s, frame of the body, at the start; becomes that at the end
-Quat free_rotation(Quat q, const Mat3& inertia_l, Vec3& w_l, double h);
 
 /// Take out the components of locked axes.
 void zero_locked_axes(const std::array<bool, 3>& locked, Vec3& vector);

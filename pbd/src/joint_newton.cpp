@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_newton.h"
 
+#include "free_rotation.h"
 #include "integrate.h"
 #include "joint_factor.h"
 #include "joint_points.h"
@@ -97,7 +98,7 @@ void turn(SolverBody& body, JointSlot& slot, double h) {
   const Vec3 spin_l = axes.transpose() * (slot.w + body.dtheta / h);
   const Vec3 momentum_w = axes * (inertia_l * spin_l);
   Vec3 w_l = inertia_l.inverse() * (slot.q_start.conjugate() * momentum_w);
-  body.q = free_rotation(slot.q_start, inertia_l, w_l, h);
+  body.q = free_rotation(slot.q_start, principal_axes(inertia_l), w_l, h);
 }
 
 /// A turn that no gradient reaches is taken in parts: scale the moves to what one iteration may

@@ -106,7 +106,8 @@ void Solver::Impl::advance_poses() {
   for_group([&](SolverBody& body, std::uint32_t i) {
     const AxisLocks& locks = world_->props_[i].locks;
     if (locks.any()) enforce_locks(body, locks);
-    advance_pose(body, h);
+    advance_pose(body, world_->props_[i], h);
+    if (projects_ && body.reoriented) bodies_.keep_inertia(i);
     if (locks.any()) restore_locked(body, locks, world_->states_[i].pose.position);
   });
   clock_.stop(Stage::Integrate);
@@ -184,7 +185,7 @@ void Solver::Impl::project_joints() {
   const double h = context_.h;
   for_group([&](SolverBody& body, std::uint32_t i) {
     if (!body.projected) return;
-    advance_pose(body, h);
+    advance_pose(body, world_->props_[i], h);
     refresh_inertia(body, world_->props_[i]);
   });
   until_joints_hold([&](ConstraintBlock& block) { return block.project(context_); });

@@ -186,6 +186,7 @@ void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
   props.inverse_mass = made.inverse_mass;
   props.inertia = made.inertia;
   props.inverse_inertia = made.inverse_inertia;
+  props.principal = made.principal;
   std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
   wake(id);
   wake_joined(index);
@@ -208,6 +209,7 @@ void World::set_type(BodyId id, BodyType type) {
   props.inverse_mass = 0.0;
   props.inertia.setZero();
   props.inverse_inertia.setZero();
+  props.principal = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
   std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
   if (type == BodyType::Static) states_[index].twist = {};

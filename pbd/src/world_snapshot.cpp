@@ -8,6 +8,7 @@
 
 #include "body_def.h"
 #include "byte_fields.h"
+#include "free_rotation.h"
 #include "groups.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/validate.h"
@@ -210,6 +211,9 @@ bool World::read(ByteReader& in) {
     in_contact_[i] = in.u8();
     load_body(FieldReader(in), props_[i], activity_[i], states_[i]);
     if (!body_is_sound(props_[i], activity_[i], states_[i])) return false;
+    if (props_[i].type == BodyType::Dynamic) {
+      props_[i].principal = principal_axes(props_[i].inertia);
+    }
     if (!props_[i].stable_id) continue;
     if (!slots_.alive(i) || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
   }

@@ -126,42 +126,6 @@ TEST_CASE("math: tangent_frame turns little where the normal turns little", "[pb
   }
 }
 
-TEST_CASE("math: a torque-free step keeps the rotational energy and the angular momentum",
-          "[pbd][unit][analytic]") {
-  const Mat3 inertia = Vec3(0.2, 0.5, 0.6).asDiagonal();
-  for (const Vec3& axis : directions()) {
-    for (const double turn_angle : {1e-3, 0.1, 0.3}) {  // |w| h
-      const double h = 1e-3;
-      Vec3 w = turn_angle / h * axis;
-      const double energy = w.dot(inertia * w);
-      const double momentum = (inertia * w).norm();
-      for (int i = 0; i < 100; ++i) w = torque_free_step(inertia, w, h);
-      INFO("axis " << axis.transpose() << " |w| h " << turn_angle);
-      CHECK(std::abs(w.dot(inertia * w) / energy - 1.0) < 1e-9);
-      CHECK(std::abs((inertia * w).norm() / momentum - 1.0) < 1e-9);
-    }
-  }
-}
-
-TEST_CASE("math: a symmetric top precesses as the midpoint rule says, and so as Euler's equations",
-          "[pbd][unit][analytic]") {
-  // Euler: w3 is constant and (w1, w2) turns at p = w3 (I3 - I1) / I1. The midpoint rule turns it
-  // by 2 atan(p h / 2) in each step.
-  const double i1 = 0.2;
-  const double i3 = 0.35;
-  const Mat3 inertia = Vec3(i1, i1, i3).asDiagonal();
-  const Vec3 w0(1.0, 0.0, 8.0);
-  const double h = 0.01;
-  const double p = w0.z() * (i3 - i1) / i1;
-  Vec3 w = w0;
-  for (int i = 1; i <= 100; ++i) {
-    w = torque_free_step(inertia, w, h);
-    const double angle = i * 2.0 * std::atan(0.5 * p * h);
-    REQUIRE((w - Vec3(std::cos(angle), std::sin(angle), 8.0)).norm() < 1e-10);
-  }
-  CHECK(std::abs(100 * 2.0 * std::atan(0.5 * p * h) - p * 1.0) < std::pow(p * h, 3) / 12.0 * 100);
-}
-
 TEST_CASE("math: the inverse of what is free is that of the free block alone", "[pbd][analytic]") {
   Mat3 tensor;
   tensor << 4.0, 1.0, 0.5, 1.0, 3.0, 0.2, 0.5, 0.2, 2.0;

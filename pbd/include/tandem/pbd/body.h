@@ -70,6 +70,13 @@ struct TANDEM_API BodyState {
   Twist twist;
 };
 
+/// The axes about which an inertia is diagonal.
+struct TANDEM_API PrincipalAxes {
+  /// To the body frame. z is the axis whose moment is least like the others': that of a top.
+  Quat frame = Quat::Identity();
+  Vec3 moments = Vec3::Zero();  ///< kg m^2
+};
+
 /// What a body is made of; changes only through World.
 struct TANDEM_API BodyProps {
   BodyType type = BodyType::Static;
@@ -77,6 +84,7 @@ struct TANDEM_API BodyProps {
   double inverse_mass = 0.0;            ///< 1/kg; 0 unless dynamic
   Mat3 inertia = Mat3::Zero();          ///< kg m^2, body frame
   Mat3 inverse_inertia = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
+  PrincipalAxes principal;              ///< of the inertia
   double gravity_scale = 1.0;
   double linear_damping = 0.0;   ///< 1/s
   double angular_damping = 0.0;  ///< 1/s

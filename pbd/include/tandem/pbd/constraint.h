@@ -52,6 +52,9 @@ struct alignas(64) TANDEM_API SolverBody {
   /// inverse inertia is 0 for the step and its orientation is left alone.
   bool turns = false;
   bool turns_freely = true;  ///< no axis of its rotation is locked
+  /// Its spin has changed by itself in this substep: the inertia is no longer that which rows were
+  /// made with.
+  bool reoriented = false;
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
   bool is_pushed() const { return pushed && group != kNoGroup; }  ///< in this step
 };

@@ -121,20 +121,4 @@ inline void tangent_frame(const Vec3& n, Vec3& t1, Vec3& t2) {
   t2 = Vec3(b, sign + n.y() * n.y() * a, -n.y());
 }
 
-/// Angular velocity after a torque-free step, body frame: implicit midpoint rule on Euler's
-/// equations, I (w1 - w0) = -h wm x (I wm) with wm = (w0 + w1) / 2. It keeps the rotational energy
-/// and |I w| for every h where Newton's iteration converges; three iterations do for |w| h < 1.
-/// @param inertia_l  kg m^2, body frame     @param w0_l  rad/s, body frame     @param h  s
-inline Vec3 torque_free_step(const Mat3& inertia_l, const Vec3& w0_l, double h) {
-  Vec3 w1 = w0_l;
-  for (int iteration = 0; iteration < 3; ++iteration) {
-    const Vec3 wm = 0.5 * (w0_l + w1);
-    const Vec3 lm = inertia_l * wm;
-    const Vec3 residual = inertia_l * (w1 - w0_l) + h * wm.cross(lm);
-    const Mat3 jacobian = inertia_l + 0.5 * h * (skew(wm) * inertia_l - skew(lm));
-    w1 -= jacobian.inverse() * residual;
-  }
-  return w1;
-}
-
 }  // namespace tandem::pbd
