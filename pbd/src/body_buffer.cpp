@@ -40,6 +40,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.pushed = false;
   body.turns = false;
   body.reoriented = false;
+  body.stale = 0.0;
   const auto& locked = props.locks.angular;
   body.turns_freely = !locked[0] && !locked[1] && !locked[2];
 }

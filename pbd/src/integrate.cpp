@@ -20,9 +20,13 @@ namespace {
 constexpr double kSlowSpin = 0.02;
 constexpr double kSlowTorque = 2e-5;
 
-/// Whether the spin changes by itself.
-bool tumbles(const SolverBody& body, const BodyProps& props) {
-  if (!(body.w.squaredNorm() > kSlowSpin * kSlowSpin) || props.locks.any()) return false;
+/// rad by which the spin may have turned within the body before its rows are made anew, for bodies
+/// whose moments are as good as equal: what rows take for a blow goes by their ratio.
+constexpr double kStale = 0.02;
+
+/// rad/s at which the angular momentum turns in the body's frame; 0 where it hardly does.
+double tumbling(const SolverBody& body, const BodyProps& props) {
+  if (!(body.w.squaredNorm() > kSlowSpin * kSlowSpin) || props.locks.any()) return 0.0;
   const Vec3 w_l = rotate(body.q.conjugate(), body.w);
   const Mat3& inertia = props.inertia;
   const double x = w_l.x(), y = w_l.y(), z = w_l.z();
@@ -31,7 +35,8 @@ bool tumbles(const SolverBody& body, const BodyProps& props) {
                         (inertia(1, 0) * x + inertia(1, 1) * y) + inertia(1, 2) * z,
                         inertia(2, 0) * x + (inertia(2, 1) * y + inertia(2, 2) * z));
   const Vec3 torque_l = w_l.cross(momentum_l);
-  return dot(torque_l, torque_l) > kSlowTorque * kSlowTorque * dot(momentum_l, momentum_l);
+  const double rate2 = dot(torque_l, torque_l) / dot(momentum_l, momentum_l);
+  return rate2 > kSlowTorque * kSlowTorque ? std::sqrt(rate2) : 0.0;
 }
 
 /// Torque-free rotation over h.
@@ -108,7 +113,7 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
   }
   if (props.linear_damping > 0.0) body.v *= portable::exp(-props.linear_damping * h);
   if (props.angular_damping > 0.0) body.w *= portable::exp(-props.angular_damping * h);
-  if (body.projected && tumbles(body, props)) spin_freely(body, props, h);
+  if (body.projected && tumbling(body, props) > 0.0) spin_freely(body, props, h);
   if (props.locks.any()) enforce_locks(body, props.locks);
 }
 
@@ -116,9 +121,12 @@ void advance_pose(SolverBody& body, const BodyProps& props, double h) {
   body.x += h * (body.v - body.v_applied + body.v_push);
   body.v_applied = body.v;
   Vec3 turn = h * body.w_push;
-  if (!body.projected && tumbles(body, props)) {
+  const double rate = body.projected ? 0.0 : tumbling(body, props);  // rad/s
+  if (rate > 0.0) {
     spin_freely(body, props, h);
-    body.reoriented = true;
+    const Vec3& moments = props.principal.moments;
+    body.stale += rate * h * moments.maxCoeff() / moments.minCoeff();
+    body.reoriented = body.stale > kStale;
   } else {
     turn += h * (body.w - body.w_applied);
     body.w_applied = body.w;
@@ -126,10 +134,12 @@ void advance_pose(SolverBody& body, const BodyProps& props, double h) {
   body.v_push.setZero();
   body.w_push.setZero();
   if (!turn.isZero(0.0)) body.q = rotated_about(body.q, turn);
-  if (!body.reoriented) return;
+  if (!(rate > 0.0)) return;
   // What is pushed takes its spin along: left where it was, it would be another energy.
   if (!turn.isZero(0.0)) body.w = body.w_applied = rotate(exp_map(turn), body.w);
+  if (!body.reoriented) return;
   refresh_inertia(body, props);
+  body.stale = 0.0;
 }
 
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {

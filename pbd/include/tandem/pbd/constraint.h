@@ -55,6 +55,7 @@ struct alignas(64) TANDEM_API SolverBody {
   /// Its spin has changed by itself in this substep: the inertia is no longer that which rows were
   /// made with.
   bool reoriented = false;
+  double stale = 0.0;  ///< rad by which the spin has turned within the body since then
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
   bool is_pushed() const { return pushed && group != kNoGroup; }  ///< in this step
 };
