@@ -47,7 +47,7 @@ std::string Solver::describe() const { return pbd::describe(impl_->report()); }
 const SolverOptions& Solver::options() const { return impl_->options(); }
 
 const StepReport& Solver::step(World& world, double dt) noexcept {
-  if (!(dt > 0.0) || !std::isfinite(dt)) return impl_->refuse();
+  if (!(dt >= kShortestStep) || !std::isfinite(dt)) return impl_->refuse();
   return impl_->step(world, dt);
 }
 

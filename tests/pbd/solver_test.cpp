@@ -87,7 +87,7 @@ TEST_CASE("solver: a step that is not a positive number leaves the world as it i
   world.add_body({.twist = {Vec3(1.0, 0.0, 0.0), Vec3::Zero()}});
   const auto before = world.snapshot();
   Solver solver;
-  for (const double dt : {0.0, -0.01, kNan, kInf, -kInf}) {
+  for (const double dt : {0.0, -0.01, 1e-12, 9e-6, kNan, kInf, -kInf}) {
     const StepReport& report = solver.step(world, dt);
     CHECK(report.substeps == 0);
     CHECK(report.status == StepStatus::InvalidStep);

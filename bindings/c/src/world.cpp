@@ -48,8 +48,8 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
                                 tandem_error* error) {
   return guarded(error, [&] {
     tandem_world& w = required(world, "world");
-    pbd::detail::require(dt > 0.0 && dt <= 1e6, "tandem_world_step", "dt", dt,
-                         "above 0 and at most 1e6 s");
+    pbd::detail::require(dt >= pbd::kShortestStep && dt <= 1e6, "tandem_world_step", "dt", dt,
+                         "1e-5 to 1e6 s");
     const pbd::StepReport& done = w.solver.step(w.world, dt);
     if (w.events) w.events->update(w.world, w.scene);
     if (report != nullptr) {

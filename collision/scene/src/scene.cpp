@@ -103,6 +103,7 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
   collision::ContactEventOptions event_options;
   std::optional<collision::ContactEvents> events;  ///< none: nobody has asked
   std::optional<collision::SceneQuery> query;      ///< likewise
+  double pending = 0.0;                            ///< s, of steps that were too short to be made
   std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
 };
 
@@ -141,8 +142,11 @@ void Scene::set_pose(BodyId body, const Pose& pose) {
 }
 
 const pbd::StepReport& Scene::step(double dt) noexcept {
-  const pbd::StepReport& report = impl_->solver.step(impl_->world, dt);
+  const double whole = impl_->pending + dt;
+  const pbd::StepReport& report = impl_->solver.step(impl_->world, dt > 0.0 ? whole : dt);
   const bool stepped = report.status != pbd::StepStatus::InvalidStep;
+  if (stepped) impl_->pending = 0.0;
+  if (dt > 0.0 && whole < pbd::kShortestStep) impl_->pending = whole;
   if (stepped && impl_->events) impl_->events->update(impl_->world, impl_->shapes);
   return report;
 }

@@ -67,7 +67,7 @@ struct TANDEM_API SolidDef {
 ///     while (running) scene.step(1.0 / 60.0);
 ///
 /// It adds nothing to its parts, which may be used beside it: the same calls on parts that were put
-/// together by hand give the same bits.
+/// together by hand give the same bits, but for steps below pbd::kShortestStep.
 ///
 /// Errors: std::invalid_argument naming field, value and rule, from all that adds or sets; the
 /// scene is then as it was. One that was moved from may be assigned to or destroyed; its parts stay
@@ -96,7 +96,9 @@ class TANDEM_API Scene {
   Pose pose(BodyId body) const;
   void set_pose(BodyId body, const Pose& pose);
 
-  /// Throws nothing; @see pbd::Solver::step. @param dt  s
+  /// Throws nothing; @see pbd::Solver::step. Steps shorter than pbd::kShortestStep are gathered:
+  /// nothing moves and the status is InvalidStep until they are long enough together, or until a
+  /// longer one takes them along. What is gathered is part of no snapshot. @param dt  s
   const pbd::StepReport& step(double dt) noexcept;
 
   /// What began, ended and hit in the last step. The first call has all that touches begin; a scene

@@ -23,7 +23,7 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames{
 enum class StepStatus : std::uint8_t {
   Ok,
   NonFinite,    ///< a body became NaN or infinite; it was put back to where the step began, at rest
-  InvalidStep,  ///< dt is not finite and > 0: nothing was done
+  InvalidStep,  ///< dt is not finite or below kShortestStep: nothing was done
 };
 
 /// What agreement did to the energy of the world in one step, J.

@@ -49,6 +49,11 @@ struct TANDEM_API SolverOptions {
   friend bool operator==(const SolverOptions&, const SolverOptions&) = default;
 };
 
+/// s. What rows carry from step to step are forces, impulses by the substep's length: of a shorter
+/// one rounding makes forces that are none. Steps of 1/60 and 1e-6 s in turn threw a stack of eight
+/// boxes 2.8 m away, down to 1e-5 s it stands.
+inline constexpr double kShortestStep = 1e-5;
+
 /// Advances worlds. It holds scratch memory only: all state is in the world, so that one solver may
 /// step many worlds and a restored world goes on as before.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
@@ -63,7 +68,8 @@ class TANDEM_API Solver {
   const SolverOptions& options() const;
 
   /// Advance the world by dt. Never throws; allocates only where the world has grown.
-  /// @param dt  s, finite and > 0; anything else leaves the world as it is and is
+  /// @param dt  s, finite and at least kShortestStep; anything else leaves the world as it is and
+  /// is
   ///   StepStatus::InvalidStep
   const StepReport& step(World& world, double dt) noexcept;
 

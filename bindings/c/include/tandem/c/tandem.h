@@ -127,7 +127,7 @@ TANDEM_C_API void tandem_world_def_init(tandem_world_def* def);
 TANDEM_C_API tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error);
 /** After all its peers. Null: nothing happens. */
 TANDEM_C_API void tandem_world_destroy(tandem_world* world);
-/** @param dt  s, above 0 to 1e6     @param report  may be null */
+/** @param dt  s, 1e-5 to 1e6     @param report  may be null */
 TANDEM_C_API tandem_result tandem_world_step(tandem_world* world, double dt,
                                              tandem_step_report* report, tandem_error* error);
 TANDEM_C_API tandem_result tandem_world_set_gravity(tandem_world* world, tandem_vec3 gravity,
