@@ -86,6 +86,22 @@ void DistanceJoint::forgive(const SubstepContext& ctx) {
   displacement_residual_ = residual_of(axis(), arms(ctx, ground).length - def_.rest_length);
 }
 
+bool DistanceJoint::find_gap(const SubstepContext& ctx) {
+  SolverBody ground;
+  const Arms arm = arms(ctx, ground);
+  const double violated = residual_of(axis(), arm.length - def_.rest_length);
+  if (std::abs(violated) > residual_ + JointGap::kTolerance) {
+    displacement_residual_ = violated;
+    gap_.open(std::abs(violated));
+  }
+  if (!gap_.is_open()) return false;
+  bool marked = false;
+  for (SolverBody* body : {arm.a, arm.b}) {
+    if (body->is_solved()) marked = body->shared = true;
+  }
+  return marked;
+}
+
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
@@ -126,7 +142,11 @@ void DistanceJoint::finish_velocity(const SubstepContext& /*ctx*/) {
 
 void DistanceJoint::begin_displacement(const SubstepContext& ctx) {
   SolverBody ground;
-  bound_ = arms(ctx, ground).length - def_.rest_length - displacement_residual_;
+  const Arms arm = arms(ctx, ground);
+  const double reach = closing_reach(*arm.a, *arm.b, arm.r_a, arm.r_b, arm.n, ctx.h);
+  const double now = std::clamp(displacement_residual_, -reach, reach);
+  bound_ = arm.length - def_.rest_length - now;
+  displacement_residual_ -= now;
   lambda_ = 0.0;
 }
 
@@ -144,7 +164,8 @@ double DistanceJoint::project_displacement(const SubstepContext& ctx) {
 
 void DistanceJoint::end_displacement(const SubstepContext& ctx) {
   SolverBody ground;
-  displacement_residual_ = residual_of(axis(), arms(ctx, ground).length - def_.rest_length, bound_);
+  displacement_residual_ =
+      gap_left(axis(), arms(ctx, ground).length - def_.rest_length, bound_, displacement_residual_);
 }
 
 void DistanceJoint::end_step(const SubstepContext& ctx) {
@@ -166,20 +187,21 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
   if (!n_.allFinite()) n_.setZero();
+  gap_.settle(std::abs(displacement_residual_));
 }
 
 void DistanceJoint::save(ByteWriter& out) const {
   FieldWriter io(out);
   distance_fields(io, def_);
-  io(broken_, n_, displacement_residual_, force_, residual_);
+  io(broken_, n_, displacement_residual_, gap_.least, gap_.stalled, force_, residual_);
 }
 
 void DistanceJoint::load(ByteReader& in) {
   FieldReader io(in);
   distance_fields(io, def_);
-  io(broken_, n_, displacement_residual_, force_, residual_);
+  io(broken_, n_, displacement_residual_, gap_.least, gap_.stalled, force_, residual_);
   if (!n_.allFinite() || !std::isfinite(displacement_residual_) || !std::isfinite(force_) ||
-      !std::isfinite(residual_)) {
+      !std::isfinite(residual_) || !std::isfinite(gap_.least) || gap_.least < 0.0) {
     in.fail();
   }
 }

@@ -162,6 +162,7 @@ std::vector<JointId> joint_ids(const JointBlock& block) {
   return ids;
 }
 bool JointBlock::empty() const { return impl_->count == 0; }
+bool JointBlock::has_gaps() const { return impl_->gaps; }
 
 void JointBlock::take_changed(std::vector<std::uint32_t>& bodies) {
   bodies.insert(bodies.end(), impl_->changed.begin(), impl_->changed.end());
@@ -169,7 +170,7 @@ void JointBlock::take_changed(std::vector<std::uint32_t>& bodies) {
 }
 
 void JointBlock::begin_step(const SubstepContext& ctx) {
-  if (!ctx.displaced.empty()) impl_->forgive(ctx);
+  impl_->find_gaps(ctx);
   if (impl_->dirty || impl_->natural != ctx.order.natural() ||
       !impl_->system.fits(impl_->records, ctx.bodies)) {
     impl_->system.build(impl_->records, ctx.bodies, ctx.order);
@@ -206,10 +207,8 @@ void JointBlock::finish_velocity(const SubstepContext& ctx) {
 
 void JointBlock::begin_displacement(const SubstepContext& ctx) {
   impl_->for_shared(ctx, [&](JointRecord& record) {
-    record.bound.fill(0.0);
-    impl_->place(record, ctx.bodies, record.bound.data());
-    for (std::size_t i = 0; i < kCoordinates; ++i)
-      record.bound[i] -= record.displacement_residual[i];
+    const SolverBody ground;
+    record.aim(body_of(record.def.a, ctx.bodies, ground), ctx.bodies[record.def.b.index], ctx.h);
   });
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
     if (!impl_->system.is_shared(part, ctx.bodies)) return;
@@ -232,7 +231,8 @@ void JointBlock::end_displacement(const SubstepContext& ctx) {
     double c[kCoordinates] = {};
     impl_->place(record, ctx.bodies, c);
     for (int i = 0; i < kCoordinates; ++i) {
-      record.displacement_residual[i] = residual_of(record.axis(i), c[i], record.bound[i]);
+      double& residual = record.displacement_residual[i];
+      residual = gap_left(record.axis(i), c[i], record.bound[i], residual);
     }
   });
 }
@@ -285,6 +285,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     for (double& residual : record.displacement_residual) {
       if (!std::isfinite(residual)) residual = 0.0;
     }
+    record.settle_gap();
   }
 }
 
@@ -294,6 +295,8 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
     const bool force_driven = !record.passive;
     bool actuated = false;
     for (int c = 0; force_driven && c < kCone; ++c) actuated = actuated || motor_runs(record, c);
+    // What comes back to where its joint wants it does not rest on its way.
+    actuated = actuated || record.gap.closes();
     edges.push_back({.body_a = record.def.a.index,
                      .body_b = record.def.b.index,
                      .actuated = actuated,

@@ -47,15 +47,23 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     return (record.def.a.valid() && bodies[record.def.a.index].shared) ||
            bodies[record.def.b.index].shared;
   }
-  /// See SubstepContext::displaced.
-  void forgive(const SubstepContext& ctx) {
-    const auto moved = [&](BodyId id) { return id.valid() && ctx.displaced[id.index] != 0; };
+  /// See JointRecord::find_gap() and SubstepContext::displaced. Bodies of open gaps are marked.
+  void find_gaps(const SubstepContext& ctx) {
+    gaps = false;
+    const SolverBody ground;
+    const auto moved = [&](BodyId id) {
+      return id.valid() && !ctx.displaced.empty() && ctx.displaced[id.index] != 0;
+    };
     for (JointRecord& record : records) {
-      if (!record.active() || !(moved(record.def.a) || moved(record.def.b))) continue;
-      double c[kCoordinates] = {};
-      place(record, ctx.bodies, c);
-      for (int i = 0; i < kCoordinates; ++i)
-        record.displacement_residual[i] = residual_of(record.axis(i), c[i]);
+      if (!record.active()) continue;
+      const SixDofJointDef& def = record.def;
+      record.find_gap(body_of(def.a, ctx.bodies, ground), ctx.bodies[def.b.index],
+                      moved(def.a) || moved(def.b));
+      if (!record.gap.is_open()) continue;
+      for (const BodyId id : {def.a, def.b}) {
+        if (!id.valid() || !ctx.bodies[id.index].is_solved()) continue;
+        gaps = ctx.bodies[id.index].shared = true;
+      }
     }
   }
   /// Those of the group.
@@ -93,6 +101,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
   std::vector<std::uint32_t> free;
   JointSystem system;
   int count = 0;
+  bool gaps = false;  ///< some joint has one to close in this step
   bool dirty = true;
   bool natural = true;  ///< the order that the system was built with: slots
 };

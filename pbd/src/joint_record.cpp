@@ -20,7 +20,8 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   for (auto& axis : def.angular) axis_fields(io, axis);
   io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque,
      def.enabled);
-  io(record.alive, record.displacement_residual, record.twist, record.energy_excess, record.h);
+  io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
+     record.energy_excess, record.h);
   io(state.position, state.swing, state.load, state.force, state.torque, state.residual,
      state.broken);
 }
@@ -79,6 +80,49 @@ void coordinates(const JointRecord& record, const SolverBody& a, const SolverBod
   c[kCone] = turn.phi;
 }
 
+void JointRecord::find_gap(const SolverBody& a, const SolverBody& b, bool displaced) {
+  double c[kCoordinates] = {};
+  coordinates(*this, a, b, twist, c);
+  const double most = state.residual + JointGap::kTolerance;
+  const JointAxis& turn = def.angular[0];
+  if (turn.freedom == Freedom::Limited && (h == 0.0 || violation(turn, c[kTwist]) > most)) {
+    twist = c[kTwist] = turn_within(c[kTwist], twist, turn.lower, turn.upper);
+  }
+  for_bits(used, [&](int i) {
+    const double violated = residual_of(axis(i), c[i]);
+    if (!displaced && !(std::abs(violated) > most)) return;
+    displacement_residual[i] = violated;
+    if (!displaced) gap.open(std::abs(violated));
+  });
+}
+
+void JointRecord::aim(const SolverBody& a, const SolverBody& b, double substep) {
+  coordinates(*this, a, b, twist, bound.data());
+  const JointPlace place = JointPlace::of(def, a, b);
+  Eigen::Map<const Vec3> apart(displacement_residual.data());
+  const double distance = apart.norm();
+  const Vec3 along = point ? Vec3(apart) : Vec3(a.q * def.frame_a.basis * apart);
+  const double reach =
+      distance > 0.0 ? closing_reach(a, b, place.r_a, place.r_b, along / distance, substep) : 0.0;
+  const double arm = std::max(place.r_a.norm(), place.r_b.norm());
+  const double turn = substep * std::min(kClosingSpin, kClosingSpeed / arm);
+  const double angle = Eigen::Map<const Eigen::Vector4d>(displacement_residual.data() + 3).norm();
+  for (int i = 0; i < kCoordinates; ++i) {
+    const double all = i < 3 ? distance : angle;
+    const double most = i < 3 ? reach : turn;
+    const double now =
+        all > most ? most / all * displacement_residual[i] : displacement_residual[i];
+    bound[i] -= now;
+    displacement_residual[i] -= now;
+  }
+}
+
+void JointRecord::settle_gap() {
+  double size = 0.0;
+  for (const double residual : displacement_residual) size = std::max(size, std::abs(residual));
+  gap.settle(size);
+}
+
 void JointRecord::save(ByteWriter& out) const {
   FieldWriter io(out);
   record_fields(io, *this, def, state);
@@ -93,7 +137,7 @@ void JointRecord::load(ByteReader& in) {
   }
   refresh();
   bool finite = state.force.allFinite() && state.torque.allFinite();
-  for (const double value : {twist, energy_excess, h, state.swing, state.residual}) {
+  for (const double value : {twist, gap.least, energy_excess, h, state.swing, state.residual}) {
     finite = finite && std::isfinite(value);
   }
   const auto check = [&](const auto& values) {
@@ -102,7 +146,7 @@ void JointRecord::load(ByteReader& in) {
   check(displacement_residual);
   check(state.position);
   check(state.load);
-  if (!finite || h < 0.0) in.fail();
+  if (!finite || h < 0.0 || gap.least < 0.0) in.fail();
 }
 
 }  // namespace tandem::pbd

@@ -8,6 +8,7 @@
 
 #include "joint_rows.h"
 #include "tandem/pbd/joint.h"
+#include "tandem/pbd/joint_gap.h"
 
 namespace tandem::pbd {
 
@@ -19,6 +20,7 @@ struct JointRecord {
   std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
   double twist = 0.0;                        ///< rad, counting turns
+  JointGap gap;                              ///< of its displacement_residual
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it
   /// comes second in a part with loops. See limit_energy_gain().
   double energy_excess = 0.0;
@@ -35,6 +37,15 @@ struct JointRecord {
   /// Recompute `used`, `point` and `passive` from the definition; what is not used keeps no
   /// residual.
   void refresh();
+  /// Before the step: what somebody has put elsewhere since the last one becomes gap, and a joint
+  /// that is new takes the turn within its limits.
+  /// @param displaced  all that is violated is what agreement did
+  void find_gap(const SolverBody& a, const SolverBody& b, bool displaced);
+  /// Displacement channel: set `bound` to where the rows may be at the end of it (s), and the
+  /// residual to what they are then to leave.
+  void aim(const SolverBody& a, const SolverBody& b, double substep);
+  /// After the step.
+  void settle_gap();
   /// The settings of coordinate c, 0 to 6.
   JointAxis axis(int c) const;
   int rows() const { return std::popcount(used); }

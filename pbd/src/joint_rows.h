@@ -241,6 +241,51 @@ inline double residual_at_start(const JointAxis& axis, double c, double residual
   return shared ? residual : residual * residual_decay(h);
 }
 
+/// Of a joint that was added, or whose bodies were put, away from where it wants them: what it
+/// violates closes by displacement, no faster than this. A blow of that size would be a hard one;
+/// limbs that start outside their limits are back within half a second.
+inline constexpr double kClosingSpeed = 5.0;  // m/s, of anchors
+inline constexpr double kClosingSpin = 10.0;  // rad/s
+
+/// How far (m) two points may close along n (unit, world) within a substep, so that neither they
+/// nor the bodies' turns are too fast.
+inline double closing_reach(const SolverBody& a, const SolverBody& b, const Vec3& r_a,
+                            const Vec3& r_b, const Vec3& n, double h) {
+  const double w = inverse_mass(a, r_a, n) + inverse_mass(b, r_b, n);
+  if (!(w > 0.0)) return 0.0;
+  const double turn = std::sqrt(std::max((a.inv_inertia_w * r_a.cross(n)).squaredNorm(),
+                                         (b.inv_inertia_w * r_b.cross(n)).squaredNorm())) /
+                      w;  // rad/m
+  return h * (turn * kClosingSpeed > kClosingSpin ? kClosingSpin / turn : kClosingSpeed);
+}
+
+/// What is left of a gap where a row has come to c that was to come to `bound`, and to leave
+/// `rest`.
+inline double gap_left(const JointAxis& axis, double c, double bound, double rest) {
+  const double left = residual_of(axis, c, bound);
+  if (axis.freedom != Freedom::Limited) return rest + left;
+  // No more than what it violates, on the side on which it does.
+  const double violated = residual_of(axis, c);
+  const auto within = [&](double gap) {
+    return std::clamp(gap, std::min(violated, 0.0), std::max(violated, 0.0));
+  };
+  return within(within(rest) + left);
+}
+
+/// The angle, up to whole turns, that lies within the limits: as near to `near` as it can be there,
+/// and where no turn lies within, the one that is nearest to them.
+inline double turn_within(double angle, double near, double lower, double upper) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const double at = nearest_turn(angle, near);
+  if (at >= lower && at <= upper) return at;
+  // The last one below the range that it is outside of, and the first one above.
+  const double stop = at < lower ? lower : upper;
+  const double below = at + kTurn * std::floor((stop - at) / kTurn);
+  const double above = below + kTurn;
+  const auto beyond = [&](double t) { return std::max({0.0, lower - t, t - upper}); };
+  return beyond(below) <= beyond(above) ? below : above;
+}
+
 /// How far c is beyond a rigid lock or limit, m or rad.
 inline double violation(const JointAxis& axis, double c) {
   if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;

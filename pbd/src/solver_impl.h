@@ -82,6 +82,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
     context_.reverse = reverse;
   }
   void note_new_overlaps();
+  void note_gaps();
   void restore_locked_bodies(const Group& group);
   /// Nothing tunnels: bodies that would get through something stop on their way.
   void limit_motion();

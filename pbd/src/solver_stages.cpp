@@ -49,6 +49,7 @@ void Solver::Impl::begin_step(World& world, double dt) {
               .shared = !targets_.empty(),
               .displaced = world.displaced_};
   for_blocks([&](ConstraintBlock& block) { block.begin_step(context_); });
+  note_gaps();
   context_.displaced = {};
   world.displaced_.clear();
   end_stage(Stage::Begin);
@@ -62,7 +63,7 @@ void Solver::Impl::begin_group(std::uint32_t group) {
   context_.substeps = group_->substeps;
   context_.h = dt_ / group_->substeps;
   if (group > 0) bodies_.rewind_kinematic(*world_);
-  if (!targets_.empty()) targets_.select_group(*group_, bodies_.all());
+  if (context_.shared) targets_.select_group(*group_, bodies_.all());
   report_.substeps = std::max(report_.substeps, group_->substeps);
 }
 
@@ -140,7 +141,7 @@ void Solver::Impl::solve_velocities() {
 }
 
 void Solver::Impl::agree() {
-  if (targets_.empty() || !targets_.selected()) return;
+  if (!context_.shared || !targets_.selected()) return;
   targets_.begin(bodies_.all());
   for_blocks([&](ConstraintBlock& block) { block.begin_displacement(context_); });
   targets_.pull(bodies_.all(), world_->props_, context_.h * (context_.substep + 1));
@@ -272,6 +273,15 @@ void Solver::Impl::collect_targets() {
   }
   targets_.begin_step(pose_targets_, bodies_.all(), world_->states_, dt_);
   report_.targets = targets_.size();
+}
+
+/// Islands with a gap are displaced as those with a target are.
+void Solver::Impl::note_gaps() {
+  bool gaps = false;
+  for_blocks([&](const ConstraintBlock& block) { gaps = gaps || block.has_gaps(); });
+  if (!gaps) return;
+  targets_.mark_islands(islands_.of(), bodies_.all());
+  context_.shared = true;
 }
 
 void Solver::Impl::arrange_groups() {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "integrate.h"
+#include "joint_rows.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/portable.h"
 
@@ -56,14 +57,20 @@ void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBo
 
 void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies) {
   row_of_.assign(bodies.size(), BodyId::kNone);
-  marked_.assign(bodies.size(), 0);
+  marked_.assign(bodies.size(), kNotMarked);
+  gaps_ = false;
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     row_of_[rows_[k].body] = static_cast<std::uint32_t>(k);
-    marked_[island_of[rows_[k].body]] = 1;
+    marked_[island_of[rows_[k].body]] = kTarget;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const bool solved = bodies[i].inv_mass > 0.0 && bodies[i].group != SolverBody::kNoGroup;
-    bodies[i].shared = solved && marked_[island_of[i]] != 0;
+    Mark& mark = marked_[island_of[i]];
+    if (!bodies[i].shared || mark != kNotMarked) continue;
+    mark = kGap;
+    gaps_ = true;
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].shared = bodies[i].is_solved() && marked_[island_of[i]] != kNotMarked;
   }
 }
 
@@ -144,6 +151,24 @@ void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
     const Vec3 turn = body.projected ? rotation_between(saved.q, body.q) : body.dtheta;
     body.w_push = turn / h;
   }
+  limit_closing(bodies);
+}
+
+void Targets::limit_closing(std::span<SolverBody> bodies) {
+  if (!gaps_) return;
+  excess_.assign(bodies.size(), 1.0);
+  for (const Saved& saved : saved_) {
+    const SolverBody& body = bodies[saved.body];
+    if (marked_[body.island] != kGap) continue;
+    double& excess = excess_[body.island];
+    excess =
+        std::max({excess, body.v_push.norm() / kClosingSpeed, body.w_push.norm() / kClosingSpin});
+  }
+  for (const Saved& saved : saved_) {
+    SolverBody& body = bodies[saved.body];
+    body.v_push /= excess_[body.island];
+    body.w_push /= excess_[body.island];
+  }
 }
 
 void Targets::to_poses(std::span<SolverBody> bodies, double h) {
@@ -161,6 +186,7 @@ void Targets::end(std::span<const SolverBody> bodies, std::span<const BodyProps>
                   std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy) {
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
+    if (marked_[body.island] == kGap) continue;  // nobody has agreed on anything
     const Vec3 moved = body.x - saved.x;
     corrections[saved.body].translation += moved;
     corrections[saved.body].rotation += saved.turn;

@@ -28,7 +28,8 @@ class Targets {
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
 
-  /// Mark every body that is awake and joined or in touch with a targeted one.
+  /// Mark every body that is awake and joined or in touch with a targeted one, or with one that is
+  /// marked already.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
 
@@ -57,6 +58,10 @@ class Targets {
            std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 
  private:
+  /// Islands that only close gaps are displaced as a whole no faster than gaps may close. What
+  /// their rows lack then is gap as well.
+  void limit_closing(std::span<SolverBody> bodies);
+
   struct Row {
     std::uint32_t body = 0;
     TargetMotion motion = TargetMotion::WithBody;
@@ -69,6 +74,7 @@ class Targets {
     Vec3 e_v = Vec3::Zero();  ///< m/s
     Vec3 e_w = Vec3::Zero();  ///< rad/s
   };
+  enum Mark : std::uint8_t { kNotMarked, kTarget, kGap };
   struct Saved {
     std::uint32_t body = 0;
     Vec3 x;
@@ -80,7 +86,9 @@ class Targets {
   std::vector<Row> rows_;
   std::vector<std::uint32_t> in_group_;  ///< indices of the selected group's rows
   std::vector<Saved> saved_;             ///< the selected group's bodies in islands with a target
-  std::vector<std::uint8_t> marked_;     ///< by island: has a target
+  std::vector<Mark> marked_;             ///< by island
+  bool gaps_ = false;                    ///< some island only closes gaps
+  std::vector<double> excess_;           ///< by island, see limit_closing()
   std::vector<std::uint32_t> row_of_;    ///< by body; kNone without
 };
 

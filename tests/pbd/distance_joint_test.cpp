@@ -168,8 +168,8 @@ TEST_CASE("distance_joint: force() is Hooke's force and has a sign", "[pbd][anal
 }
 
 TEST_CASE(
-    "distance_joint: what others agree upon is left to decay, what somebody puts there springs "
-    "back",
+    "distance_joint: what others agree upon is left to decay, what somebody puts there comes back "
+    "without velocity",
     "[pbd][unit]") {
   World world({.gravity = Vec3::Zero()});
   const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
@@ -193,7 +193,10 @@ TEST_CASE(
     CHECK(after.pose.position.x() == Approx(1.0 + before_last - way).epsilon(1e-9));
     CHECK(after.twist.linear.x() == Approx(-way * kSubsteps * 60.0).epsilon(1e-6));
   } else {
+    CHECK(after.pose.position.x() < 1.1);
+    for (int i = 0; i < 10; ++i) solver.step(copy.world(), 1.0 / 60.0);
     CHECK(after.pose.position.x() == Approx(1.0).margin(1e-6));
+    CHECK(after.twist.linear.norm() < 1e-9);
   }
 }
 
@@ -234,6 +237,7 @@ TEST_CASE("distance_joint: a rod that starts too long or too short comes to its 
   for (const double rest : {0.4, 0.8}) {
     FreePair pair(kHalf, rest, 0.0, 0.0);
     Solver solver({.substeps = 10, .sleep_after = 0.0});
+    run(pair.world, solver, 0.5);
     const StepReport& report = solver.step(pair.world, kFrame);
     INFO("rest length " << rest);
     CHECK(std::abs(pair.length() - rest) < 1e-5);
@@ -275,9 +279,12 @@ TEST_CASE("distance_joint: linear and angular momentum of a free pair are kept",
           "[pbd][analytic]") {
   for (const double compliance : {0.0, 1e-3}) {
     FreePair pair(kHalf, 0.8, compliance, compliance > 0.0 ? 2.0 : 0.0);
+    // What closes a rod that starts too long gives no velocity, so that a pair that tumbles has
+    // another momentum then.
+    Solver solver({.substeps = 10, .sleep_after = 0.0});
+    run(pair.world, solver, 0.5);
     const Vec3 p = linear_momentum(pair.world);
     const Vec3 l = angular_momentum(pair.world);
-    Solver solver({.substeps = 10, .sleep_after = 0.0});
     run(pair.world, solver, 5.0);
     INFO("compliance " << compliance);
     CHECK((linear_momentum(pair.world) - p).norm() < 1e-12);
@@ -329,7 +336,7 @@ TEST_CASE("distance_joint: points that coincide have no direction and do no harm
   CHECK(solver.step(world, kFrame).status == StepStatus::Ok);
   CHECK((world.pose(a).position.norm() == 0.0 && world.pose(b).position.norm() == 0.0));
   world.set_pose(b, {Vec3(1e-3, 0.0, 0.0), Quat::Identity()});  // now there is one
-  solver.step(world, kFrame);
+  run(world, solver, 0.5);
   CHECK((world.pose(b).position - world.pose(a).position).norm() == Approx(0.5).margin(1e-5));
 }
 

@@ -43,6 +43,36 @@ TEST_CASE("scene files: a rod on a hinge swings in the time that the formula say
   CHECK((last - first) / (turns - 1) == Approx(period).epsilon(2e-3));
 }
 
+TEST_CASE("scene files: an arm stays where it is within its limits, by whatever turn",
+          "[scene_files]") {
+  struct Case {
+    double lower, upper, at;  // degrees
+  };
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  for (const Case& c : {Case{170.0, 190.0, 181.0}, Case{0.0, 270.0, 200.0}}) {
+    INFO("[" << c.lower << ", " << c.upper << "] at " << c.at);
+    const auto number = [](double value) { return std::to_string(value); };
+    const double turn = c.at * kDegree;
+    SceneFile file = parse_scene(
+        R"({"gravity": [0, 0, 0], "bodies": [{"name": "arm", "mass": 1,
+            "shape": {"type": "box", "halfExtents": [0.3, 0.02, 0.02]}, "position": [)" +
+        number(0.3 * std::cos(turn)) + ", " + number(0.3 * std::sin(turn)) +
+        R"(, 0], "orientation": [0, 0, )" + number(std::sin(0.5 * turn)) + ", " +
+        number(std::cos(0.5 * turn)) + R"(]}], "joints": [{"name": "hook", "type": "hinge",
+            "b": "arm", "frameA": {"orientation": [0, -0.70710678118654752, 0, 0.70710678118654752]},
+            "frameB": {"position": [-0.3, 0, 0],
+                       "orientation": [0, -0.70710678118654752, 0, 0.70710678118654752]},
+            "axis": {"lower": )" +
+        number(c.lower * kDegree) + R"(, "upper": )" + number(c.upper * kDegree) + "}}]}");
+    SceneFile again = parse_scene(write_scene(file.scene));
+    for (SceneFile* each : {&file, &again}) {
+      const pbd::JointId hook = pbd::joint_ids(each->scene.joints())[0];
+      for (int i = 0; i < 60; ++i) each->scene.step(1.0 / 60.0);
+      CHECK(each->scene.joints().at(hook).position[3] == Approx(turn).margin(1e-5));
+    }
+  }
+}
+
 TEST_CASE("scene files: what has layers, parts and compounds rests and falls as it should",
           "[scene_files]") {
   SceneFile file = parse_scene(R"({

@@ -43,7 +43,7 @@ struct alignas(64) TANDEM_API SolverBody {
   std::uint32_t island = 0;    ///< lowest index of a body of its island
   /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable, asleep.
   std::uint32_t group = kNoGroup;
-  bool shared = false;  ///< its island has a target in this step
+  bool shared = false;  ///< its island has a target in this step, or a joint's gap to close
   /// Some row of a block before contacts names it: its predicted pose is made before they project.
   bool projected = false;
   /// Some row of another block moves it afterwards.
@@ -57,6 +57,7 @@ struct alignas(64) TANDEM_API SolverBody {
   bool reoriented = false;
   double stale = 0.0;  ///< rad by which the spin has turned within the body since then
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
+  bool is_solved() const { return inv_mass > 0.0 && group != kNoGroup; }
   bool is_pushed() const { return pushed && group != kNoGroup; }  ///< in this step
 };
 
@@ -88,7 +89,7 @@ struct TANDEM_API SubstepContext {
   /// What is not taken by slot where the outcome depends on it: the order of rows, sums over
   /// bodies.
   BodyOrder order = {};
-  bool shared = false;  ///< some body has a target
+  bool shared = false;  ///< some body is
   /// By body: put where it is by agreement, before this step. What rows violate there is left to
   /// them as what agreement leaves within a step is: it becomes no velocity. Empty = none.
   std::span<const std::uint8_t> displaced = {};
@@ -141,6 +142,9 @@ class TANDEM_API ConstraintBlock {
 
   /// Once per step, poses as they are before the first substep.
   virtual void begin_step(const SubstepContext&) {}
+  /// After begin_step: whether some row has a gap that the displacement channel is to close. The
+  /// row has marked its bodies as shared then; their islands follow.
+  virtual bool has_gaps() const { return false; }
   /// Before integration: poses and velocities are those of the end of the last substep.
   virtual void begin_substep(const SubstepContext&) {}
   /// After velocities have been integrated: apply carried multipliers to v and w.

@@ -4,6 +4,7 @@
 
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/joint_def.h"
+#include "tandem/pbd/joint_gap.h"
 #include "tandem/pbd/typed_block.h"
 
 namespace tandem::pbd {
@@ -46,6 +47,8 @@ class TANDEM_API DistanceJoint {
 
   // RUN TIME PROPERTIES FOLLOW
   void forgive(const SubstepContext& ctx);
+  /// What somebody has put elsewhere since the last step becomes gap. @return whether there is one
+  bool find_gap(const SubstepContext& ctx);
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
   void finish_velocity(const SubstepContext& ctx);
@@ -54,6 +57,8 @@ class TANDEM_API DistanceJoint {
   void end_displacement(const SubstepContext& ctx);
   void end_step(const SubstepContext& ctx);
   bool active() const { return def_.enabled; }
+  /// What comes back to where the joint wants it does not rest on its way.
+  bool actuated() const { return gap_.closes(); }
   bool force_driven() const {
     return (def_.elastic && def_.compliance > 0.0) || def_.range_compliance > 0.0;
   }
@@ -87,6 +92,7 @@ class TANDEM_API DistanceJoint {
   Vec3 r_b_ = Vec3::Zero();
   Vec3 n_ = Vec3::Zero();
   double displacement_residual_ = 0.0;  ///< m, the part of C that agreement and later rows left
+  JointGap gap_;                        ///< of displacement_residual_
   double bound_ = 0.0;                  ///< m, where the displacement channel holds C
   double force_ = 0.0;
   double residual_ = 0.0;

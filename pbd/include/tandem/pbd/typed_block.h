@@ -45,7 +45,8 @@ struct TANDEM_API ConstraintId {
 ///   double residual() const; double displacement_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
 ///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
-///   forgive (of a row with a body that SubstepContext::displaced names), begin_substep,
+///   forgive (of a row with a body that SubstepContext::displaced names), bool find_gap (at the
+///   start of a step, of all other rows: see has_gaps()), begin_substep,
 ///   displace, solve_velocity, finish_velocity, begin_displacement, project_displacement,
 ///   end_displacement, end_step; bool active() const (false leaves the row out), actuated() const
 ///   and force_driven() const (see ConstraintEdge).
@@ -93,14 +94,22 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   void begin_step(const SubstepContext& ctx) override {
     put_in_sequence(ctx.order);
     sort_by_group(ctx.bodies);
-    if constexpr (requires(C & c) { c.forgive(ctx); }) {
-      if (ctx.displaced.empty()) return;
-      sweep(false, [&](C& c) {
-        const auto moved = [&](BodyId id) { return id.valid() && ctx.displaced[id.index] != 0; };
-        if (is_active(c) && (moved(c.body_a()) || moved(c.body_b()))) c.forgive(ctx);
-      });
-    }
+    const auto moved = [&](BodyId id) {
+      return id.valid() && !ctx.displaced.empty() && ctx.displaced[id.index] != 0;
+    };
+    gaps_ = false;
+    sweep(false, [&](C& c) {
+      if (!is_active(c)) return;
+      const bool displaced = moved(c.body_a()) || moved(c.body_b());
+      if constexpr (requires { c.forgive(ctx); }) {
+        if (displaced) c.forgive(ctx);
+      }
+      if constexpr (requires { c.find_gap(ctx); }) {
+        if (!displaced && c.find_gap(ctx)) gaps_ = true;
+      }
+    });
   }
+  bool has_gaps() const override { return gaps_; }
   void begin_substep(const SubstepContext& ctx) override {
     if constexpr (requires(C & c) { c.begin_substep(ctx); }) {
       sweep_group(ctx, [&](C& c) { c.begin_substep(ctx); });
@@ -339,6 +348,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   std::vector<std::uint32_t> first_;     ///< by group, into by_group_
   bool sequence_is_old_ = true;
   bool natural_ = true;  ///< the order of bodies that the sequence was made for
+  bool gaps_ = false;
 };
 
 }  // namespace tandem::pbd
