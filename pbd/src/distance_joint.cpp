@@ -143,7 +143,7 @@ void DistanceJoint::finish_velocity(const SubstepContext& /*ctx*/) {
 void DistanceJoint::begin_displacement(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  const double reach = closing_reach(*arm.a, *arm.b, arm.r_a, arm.r_b, arm.n, ctx.h);
+  const double reach = ctx.h * kClosingSpeed;
   const double now = std::clamp(displacement_residual_, -reach, reach);
   bound_ = arm.length - def_.rest_length - now;
   displacement_residual_ -= now;

@@ -94,6 +94,7 @@ struct JointProgress {
   double redundancy = kRedundancy;
   double last_move = 0.0;
   JointChannel channel = JointChannel::Real;
+  bool closing = false;  ///< displacement: one of its joints has a gap, see JointGap
   int position_iteration = 0;
   double work = 0.0;  ///< J, of the position iterations before it
 };

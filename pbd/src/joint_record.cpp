@@ -98,20 +98,12 @@ void JointRecord::find_gap(const SolverBody& a, const SolverBody& b, bool displa
 
 void JointRecord::aim(const SolverBody& a, const SolverBody& b, double substep) {
   coordinates(*this, a, b, twist, bound.data());
-  const JointPlace place = JointPlace::of(def, a, b);
-  Eigen::Map<const Vec3> apart(displacement_residual.data());
-  const double distance = apart.norm();
-  const Vec3 along = point ? Vec3(apart) : Vec3(a.q * def.frame_a.basis * apart);
-  const double reach =
-      distance > 0.0 ? closing_reach(a, b, place.r_a, place.r_b, along / distance, substep) : 0.0;
-  const double arm = std::max(place.r_a.norm(), place.r_b.norm());
-  const double turn = substep * std::min(kClosingSpin, kClosingSpeed / arm);
-  const double angle = Eigen::Map<const Eigen::Vector4d>(displacement_residual.data() + 3).norm();
+  const double apart = Eigen::Map<const Vec3>(displacement_residual.data()).norm();
+  const double turned = Eigen::Map<const Eigen::Vector4d>(displacement_residual.data() + 3).norm();
+  const double way = std::min(1.0, substep * kClosingSpeed / apart);
+  const double turn = std::min(1.0, substep * kClosingSpin / turned);
   for (int i = 0; i < kCoordinates; ++i) {
-    const double all = i < 3 ? distance : angle;
-    const double most = i < 3 ? reach : turn;
-    const double now =
-        all > most ? most / all * displacement_residual[i] : displacement_residual[i];
+    const double now = (i < 3 ? way : turn) * displacement_residual[i];
     bound[i] -= now;
     displacement_residual[i] -= now;
   }

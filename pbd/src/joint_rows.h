@@ -247,18 +247,6 @@ inline double residual_at_start(const JointAxis& axis, double c, double residual
 inline constexpr double kClosingSpeed = 5.0;  // m/s, of anchors
 inline constexpr double kClosingSpin = 10.0;  // rad/s
 
-/// How far (m) two points may close along n (unit, world) within a substep, so that neither they
-/// nor the bodies' turns are too fast.
-inline double closing_reach(const SolverBody& a, const SolverBody& b, const Vec3& r_a,
-                            const Vec3& r_b, const Vec3& n, double h) {
-  const double w = inverse_mass(a, r_a, n) + inverse_mass(b, r_b, n);
-  if (!(w > 0.0)) return 0.0;
-  const double turn = std::sqrt(std::max((a.inv_inertia_w * r_a.cross(n)).squaredNorm(),
-                                         (b.inv_inertia_w * r_b.cross(n)).squaredNorm())) /
-                      w;  // rad/m
-  return h * (turn * kClosingSpeed > kClosingSpin ? kClosingSpin / turn : kClosingSpeed);
-}
-
 /// What is left of a gap where a row has come to c that was to come to `bound`, and to leave
 /// `rest`.
 inline double gap_left(const JointAxis& axis, double c, double bound, double rest) {

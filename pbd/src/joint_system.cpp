@@ -129,6 +129,12 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
   const JointPart part = part_of(p, records, ctx);
   part.for_bodies([](JointSlot& slot, const SolverBody& body) { slot.q_start = body.q; });
   if (channel == JointChannel::Real) resync_leapfrog(part);
+  if (channel == JointChannel::Displacement) {
+    part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {
+      if (plan.joint == JointGraph::kNone) return;
+      progress_[p].closing = progress_[p].closing || records[plan.joint].gap.is_open();
+    });
+  }
   if (!part.plan.regular) {
     part.for_bodies([](JointSlot& slot, const SolverBody& body) {
       slot.v_start = body.v;
