@@ -90,11 +90,9 @@ bool DistanceJoint::find_gap(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
   const double violated = residual_of(axis(), arm.length - def_.rest_length);
-  if (std::abs(violated) > residual_ + JointGap::kTolerance) {
-    displacement_residual_ = violated;
-    gap_.open(std::abs(violated));
-  }
+  if (std::abs(violated) > residual_ + JointGap::kTolerance) gap_.open(std::abs(violated));
   if (!gap_.is_open()) return false;
+  displacement_residual_ = violated;
   bool marked = false;
   for (SolverBody* body : {arm.a, arm.b}) {
     if (body->is_solved()) marked = body->shared = true;

@@ -90,9 +90,9 @@ void JointRecord::find_gap(const SolverBody& a, const SolverBody& b, bool displa
   }
   for_bits(used, [&](int i) {
     const double violated = residual_of(axis(i), c[i]);
-    if (!displaced && !(std::abs(violated) > most)) return;
+    if (!displaced && !gap.is_open() && !(std::abs(violated) > most)) return;
     displacement_residual[i] = violated;
-    if (!displaced) gap.open(std::abs(violated));
+    if (!displaced && std::abs(violated) > most) gap.open(std::abs(violated));
   });
 }
 
