@@ -43,6 +43,7 @@ double gap_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b
 struct ContactArms {
   std::array<Vec3, 4> a;
   std::array<Vec3, 4> b;
+  std::array<double, 4> gap{};  ///< m
 };
 ContactArms arms_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b);
 
