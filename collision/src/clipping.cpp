@@ -16,6 +16,8 @@ constexpr double kClipSlop = 1e-6;
 constexpr double kParallel = 0.05;
 /// A later candidate must beat an earlier one by this factor.
 constexpr double kBias = 0.95;
+/// Share of the slop by which a point must lie below the others to bear in their place.
+constexpr double kBearing = 0.1;
 
 /// Corner of the polygon while it is being clipped. `edge` names the edge to the next corner:
 /// >= 0 an edge of the incident face, else ~k for side k of the reference face.
@@ -235,8 +237,79 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
   return 1;
 }
 
-int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const std::uint32_t* kept,
-           int kept_count) {
+/// Doubled area of a triangle, m^2, about the normal.
+static double area(const Vec3& normal, const Vec3& a, const Vec3& b, const Vec3& c) {
+  return normal.dot((b - a).cross(c - a));
+}
+
+/// Shares of the corners of the triangle of the first three points in p, seen along the normal.
+static Vec3 shares(const RawPoint* points, const Vec3& normal, const Vec3& p) {
+  const Vec3& a = points[0].on_b;
+  const Vec3& b = points[1].on_b;
+  const Vec3& c = points[2].on_b;
+  const double u = area(normal, p, b, c);
+  const double v = area(normal, a, p, c);
+  const double w = area(normal, a, b, p);
+  const double sum = u + v + w;
+  return sum == 0.0 ? Vec3(Vec3::Constant(-HUGE_VAL)) : Vec3(Vec3(u, v, w) / sum);
+}
+
+/// How far above the plane of the first three a point lies, m.
+static double above(const RawPoint* points, const Vec3& normal, const RawPoint& p) {
+  return p.gap -
+         shares(points, normal, p.on_b).dot(Vec3(points[0].gap, points[1].gap, points[2].gap));
+}
+
+/// Puts point i in the place of that one of the first three without which the weight stands best.
+static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& weight) {
+  int best = 0;
+  double inside = -HUGE_VAL;
+  for (int k = 0; k < 3; ++k) {
+    std::swap(points[k], points[i]);
+    const double least = shares(points, normal, weight).minCoeff();
+    std::swap(points[k], points[i]);
+    if (least <= inside) continue;
+    inside = least;
+    best = k;
+  }
+  std::swap(points[best], points[i]);
+}
+
+/// Exchanges the first three points until none lies below their plane: those bear the weight, and a
+/// tilt does not change which they are. The fourth is then the one that the body tips on to first.
+/// Whether any was exchanged.
+static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
+                   const Vec3& weight) {
+  bool changed = false;
+  for (int turn = 0; turn < 2 * count; ++turn) {
+    int lowest = -1;
+    double least = -slop;
+    for (int i = 3; i < count; ++i) {
+      const double height = above(points, normal, points[i]);
+      if (height >= least) continue;
+      least = height;
+      lowest = i;
+    }
+    if (lowest < 0) break;
+    exchange(points, lowest, normal, weight);
+    changed = true;
+  }
+  if (!changed) return false;
+  int first = 3;
+  double most = -HUGE_VAL;
+  for (int i = 3; i < count; ++i) {
+    const double outside = -shares(points, normal, points[i].on_b).minCoeff();
+    const double score = outside / (std::max(0.0, above(points, normal, points[i])) + slop);
+    if (score <= most) continue;
+    most = score;
+    first = i;
+  }
+  std::swap(points[3], points[first]);
+  return true;
+}
+
+int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
+           const std::uint32_t* kept, int kept_count) {
   if (count <= 4) return count;
   const auto preferred = [&](const RawPoint& p) {
     return std::find(kept, kept + kept_count, p.feature) != kept + kept_count;
@@ -291,7 +364,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const s
   const bool fourth = take(3, [&](const RawPoint& p) {
     return std::max({outside(p0, p1, p.on_b), outside(p1, p2, p.on_b), outside(p2, p0, p.on_b)});
   });
-  return fourth ? 4 : 3;
+  return settle(points, count, normal, kBearing * slop, weight) || fourth ? 4 : 3;
 }
 
 }  // namespace tandem::collision

@@ -48,6 +48,10 @@ struct RawManifold {
     return *this;
   }
 
+  bool has(std::uint32_t feature) const {
+    return std::any_of(points.begin(), points.begin() + count,
+                       [&](const RawPoint& p) { return p.feature == feature; });
+  }
   /// Where there is no room, the highest point makes way for a lower one.
   void add(const RawPoint& point) {
     if (count < kMaxPoints) {
@@ -91,8 +95,10 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
 /// Choose at most four of the points, in place: the deepest, then those that span the largest
 /// area. Earlier points win over later ones that are hardly better, and those that `kept` names
 /// (the features chosen last time) over all others, so that the choice does not flicker.
+/// Where others lie below the plane of these, they are exchanged for those that bear the weight.
 /// @param slop  m: depths that differ by less count as equal
-int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const std::uint32_t* kept,
-           int kept_count);
+/// @param weight  m, centre of mass of the body that lies on the other
+int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
+           const std::uint32_t* kept, int kept_count);
 
 }  // namespace tandem::collision

@@ -161,7 +161,7 @@ CoreEdge side_edge(const ConvexCore& core, const Vec3& direction) {
   return edge;
 }
 
-CoreFace hull_face(const ConvexCore& core, const Vec3& direction) {
+std::size_t hull_face_towards(const ConvexCore& core, const Vec3& direction) {
   const Vec3 local = core.axes.transpose() * direction;
   const auto faces = core.hull->faces();
   std::size_t best = 0;
@@ -172,14 +172,29 @@ CoreFace hull_face(const ConvexCore& core, const Vec3& direction) {
     most = value;
     best = f;
   }
-  const auto corners = core.hull->face_corners(faces[best]);
-  const auto edges = core.hull->face_edges(faces[best]);
+  return best;
+}
+
+/// Of more corners than there is room for some, evenly, the foremost along the direction among
+/// them.
+CoreFace hull_face(const ConvexCore& core, std::size_t number, const Vec3& direction) {
+  const ConvexHull::Face& chosen = core.hull->faces()[number];
+  const auto corners = core.hull->face_corners(chosen);
+  const auto edges = core.hull->face_edges(chosen);
   CoreFace face;
   const std::size_t size = corners.size();
   const std::size_t count = std::min<std::size_t>(size, CoreFace::kMaxCorners);
   face.count = static_cast<int>(count);
+  std::size_t first = 0;
+  if (size > count) {
+    const Vec3 local = core.axes.transpose() * direction;
+    const auto ahead = [&](std::uint32_t v) { return core.hull->arms()[v].dot(local); };
+    for (std::size_t k = 1; k < size; ++k) {
+      if (ahead(corners[k]) > ahead(corners[first])) first = k;
+    }
+  }
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t k = i * size / count;  // of many corners some, evenly
+    const std::size_t k = (first + i * size / count) % size;
     face.corners[i] = core.centre + core.axes * core.hull->arms()[corners[k]];
     face.corner_ids[i] = corners[k];
     face.edge_ids[i] = edges[k];
@@ -346,7 +361,8 @@ Vec3 ConvexCore::support(const Vec3& direction) const {
 
 CoreFace face_towards(const ConvexCore& core, const Vec3& direction) {
   if (core.kind == CoreKind::Box) return box_face(core, direction);
-  if (core.kind == CoreKind::Polytope) return hull_face(core, direction);
+  if (core.kind == CoreKind::Polytope)
+    return hull_face(core, hull_face_towards(core, direction), direction);
   if (core.curved() && on_base(core, direction)) {
     return cap(core, core.kind == CoreKind::Cylinder && direction.dot(core.axes.col(2)) > 0.0,
                direction);
@@ -370,6 +386,29 @@ CoreFace face_towards(const ConvexCore& core, const Vec3& direction) {
   face.edge_ids[0] = edge.id;
   face.edge_ids[1] = edge.id;
   return face;
+}
+
+BearingFaces::BearingFaces(const ConvexCore& core, const Vec3& direction)
+    : core_(core), direction_(direction) {
+  if (core.kind != CoreKind::Polytope) return;
+  at_ = hull_face_towards(core, direction);
+  first_ = at_;
+}
+
+bool BearingFaces::next(CoreFace& face) {
+  if (done_) return false;
+  face = core_.kind == CoreKind::Polytope ? hull_face(core_, at_, direction_)
+                                          : face_towards(core_, direction_);
+  done_ = true;
+  if (core_.kind != CoreKind::Polytope) return true;
+  const Vec3 local = core_.axes.transpose() * direction_;
+  const auto faces = core_.hull->faces();
+  for (; beside_ < faces.size() && done_; ++beside_) {
+    if (beside_ == first_ || faces[beside_].normal.dot(local) < kBearingCosine) continue;
+    at_ = beside_;
+    done_ = false;
+  }
+  return true;
 }
 
 CoreEdge edge_towards(const ConvexCore& core, const Vec3& direction) {

@@ -71,6 +71,26 @@ struct CoreEdge {
 /// The face whose outward normal is nearest to `direction` (a segment: itself; a cylinder on its
 /// side: the line there). Of a round cap twelve corners stand for it. Not for points.
 CoreFace face_towards(const ConvexCore& core, const Vec3& direction);
+/// Cosine to the direction of a contact above which a face of a hull may come to bear before the
+/// contact is found anew: 0.06 rad, above CollisionOptions::recycle_angle.
+inline constexpr double kBearingCosine = 0.9982;
+
+/// The face towards a direction, and those of a hull beside it that a small tilt brings to bear.
+class BearingFaces {
+ public:
+  BearingFaces(const ConvexCore& core, const Vec3& direction);
+  /// Whether there is one more.
+  bool next(CoreFace& face);
+
+ private:
+  const ConvexCore& core_;
+  Vec3 direction_;
+  std::size_t first_ = 0;
+  std::size_t at_ = 0;
+  std::size_t beside_ = 0;
+  bool done_ = false;
+};
+
 /// The edge that lies furthest along `direction`, of several the one most across it; a point gives
 /// an edge without length.
 CoreEdge edge_towards(const ConvexCore& core, const Vec3& direction);

@@ -324,7 +324,7 @@ RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double 
   out.owner = FaceOwner::B;
   const auto add = [&](const Vec3& p, std::uint32_t feature) {
     const double height = normal.dot(p) - offset;
-    if (height - a.radius >= margin) return;
+    if (height - a.radius >= margin || out.has(feature)) return;
     out.add({p, p - height * normal, height - a.radius, feature});
   };
   const auto add_face = [&](const CoreFace& face) {
@@ -348,16 +348,12 @@ RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double 
     std::sort(corners.begin(), corners.begin() + 4,
               [](const RawPoint& l, const RawPoint& r) { return l.feature < r.feature; });
     for (int i = 0; i < 4; ++i) add(corners[i].on_a, corners[i].feature);
-  } else if (a.kind == CoreKind::Polytope) {
-    // All corners in reach, not only those of one face: which one would change as it rolls.
-    const auto arms = a.hull->arms();
-    for (std::uint32_t v = 0; v < arms.size(); ++v) {
-      add(a.centre + a.axes * arms[v], corner_feature(false, v));
-    }
   } else if (a.kind == CoreKind::Point) {
     add(a.centre, 0);
   } else {
-    add_face(face_towards(a, -normal));
+    BearingFaces faces(a, -normal);
+    CoreFace face;
+    while (faces.next(face)) add_face(face);
   }
   return out;
 }

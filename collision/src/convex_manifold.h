@@ -10,8 +10,9 @@ namespace tandem::collision {
 
 /// How far a contact may be away to be of interest.
 struct Reach {
-  double margin = 0.0;        ///< m, largest gap
-  Vec3 sweep = Vec3::Zero();  ///< m, motion of b against a within the step
+  double margin = 0.0;         ///< m, largest gap
+  Vec3 sweep = Vec3::Zero();   ///< m, motion of b against a within the step
+  Vec3 weight = Vec3::Zero();  ///< m, centre of mass of the body that lies on the other
 };
 
 /// The direction of a contact and what it is normal to.

@@ -38,16 +38,19 @@ void face_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& a
   const Vec3& n = axis.normal;
   const bool of_a = axis.owner == FaceOwner::A;
   const CoreFace reference = of_a ? face_towards(a, n) : face_towards(b, -n);
-  const CoreFace incident = of_a ? face_towards(b, -n) : face_towards(a, n);
   const double plane = of_a ? a.reach(n) : -b.reach(-n);
-  const ClippedFace clipped = clip_face(reference, n, incident, of_a);
-  for (int i = 0; i < clipped.count; ++i) {
-    const Vec3& p = clipped.corners[i].position;
-    const double along = n.dot(p) - plane;  // positive from a to b
-    const Vec3 opposite = p - along * n;
-    const double gap = (of_a ? along : -along) - a.radius - b.radius;
-    if (gap >= reach.margin) continue;
-    out.add({of_a ? opposite : p, of_a ? p : opposite, gap, clipped.corners[i].feature});
+  BearingFaces faces = of_a ? BearingFaces(b, -n) : BearingFaces(a, n);
+  CoreFace incident;
+  for (bool beside = false; faces.next(incident); beside = true) {
+    const ClippedFace clipped = clip_face(reference, n, incident, of_a);
+    for (int i = 0; i < clipped.count; ++i) {
+      const Vec3& p = clipped.corners[i].position;
+      const double along = n.dot(p) - plane;  // positive from a to b
+      const Vec3 opposite = p - along * n;
+      const double gap = (of_a ? along : -along) - a.radius - b.radius;
+      if (gap >= reach.margin || (beside && out.has(clipped.corners[i].feature))) continue;
+      out.add({of_a ? opposite : p, of_a ? p : opposite, gap, clipped.corners[i].feature});
+    }
   }
 }
 

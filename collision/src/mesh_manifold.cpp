@@ -31,12 +31,17 @@ RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach
   out.normal = axis.normal;
   out.owner = axis.owner;
   const CoreFace reference = face_towards(t, t.front);
-  const ClippedFace clipped = clip_face(reference, t.front, face_towards(a, axis.normal), false);
-  for (int i = 0; i < clipped.count; ++i) {
-    const Vec3& p = clipped.corners[i].position;
-    const double height = t.front.dot(p - t.corners[0]);
-    const double gap = height - a.radius;
-    if (gap < reach.margin) out.add({p, p - height * t.front, gap, clipped.corners[i].feature});
+  BearingFaces faces(a, axis.normal);
+  CoreFace incident;
+  for (bool beside = false; faces.next(incident); beside = true) {
+    const ClippedFace clipped = clip_face(reference, t.front, incident, false);
+    for (int i = 0; i < clipped.count; ++i) {
+      const Vec3& p = clipped.corners[i].position;
+      const double height = t.front.dot(p - t.corners[0]);
+      const double gap = height - a.radius;
+      if (gap >= reach.margin || (beside && out.has(clipped.corners[i].feature))) continue;
+      out.add({p, p - height * t.front, gap, clipped.corners[i].feature});
+    }
   }
   return out;
 }
@@ -91,13 +96,13 @@ void reduce_segment(std::vector<RawPoint>& points, const Vec3& direction, double
 }
 
 void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double size,
-                    const PatchTrace* before) {
+                    const Vec3& weight, const PatchTrace* before) {
   merge_equal(points);
   std::array<std::uint32_t, 4> kept{};
   const int kept_count = before != nullptr ? before->count : 0;
   for (int i = 0; i < kept_count; ++i) kept[i] = before->features[i];
   const int count = reduce(points.data(), static_cast<int>(points.size()), manifold.normal,
-                           1e-3 * size, kept.data(), kept_count);
+                           1e-3 * size, weight, kept.data(), kept_count);
   for (int i = 0; i < count; ++i) manifold.add(points[i]);
 }
 
@@ -275,7 +280,7 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
       merge_equal(scratch.cluster);
       reduce_segment(scratch.cluster, a.axes.col(2), 1e-3 * a.size);
     }
-    finish_cluster(scratch.cluster, manifold, a.size, before);
+    finish_cluster(scratch.cluster, manifold, a.size, reach.weight, before);
     out.push_back(manifold);
   }
   return queries;
@@ -295,7 +300,8 @@ RawManifold mesh_half_space(const TriangleMesh& mesh, const MeshPose& pose, cons
   out.normal = -normal;
   out.owner = FaceOwner::B;
   const double size = (mesh.bounds().max - mesh.bounds().min).minCoeff();
-  finish_cluster(scratch.cluster, out, size, previous.empty() ? nullptr : &previous[0]);
+  finish_cluster(scratch.cluster, out, size, pose.translation,
+                 previous.empty() ? nullptr : &previous[0]);
   return out;
 }
 

@@ -146,11 +146,12 @@ class PatchWriter {
   ContactPatch** link_;
 };
 
-void reduce_like_before(RawManifold& manifold, double size, const PairCache& cache) {
+void reduce_like_before(RawManifold& manifold, double size, const Vec3& weight,
+                        const PairCache& cache) {
   static constexpr std::array<std::uint32_t, 4> kNone{};
   const ContactPatch* before = cache.patches;
   manifold.count = reduce(manifold.points.data(), manifold.count, manifold.normal, 1e-3 * size,
-                          before != nullptr ? before->features.data() : kNone.data(),
+                          weight, before != nullptr ? before->features.data() : kNone.data(),
                           before != nullptr ? before->count : 0);
 }
 
@@ -261,14 +262,14 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     const double offset =
         std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
     out = half_space_manifold(pair.a->core(origin), n, offset, reach.margin);
-    reduce_like_before(out, pair.a->size, cache);
+    reduce_like_before(out, pair.a->size, reach.weight, cache);
     return 1;
   }
   const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
   const Vec3 moved =
       boxes ? query_boxes(pair, reach, cache, out) : query_cores(pair, reach, cache, out);
   for (int i = 0; i < out.count; ++i) out.points[i].on_b -= moved;
-  reduce_like_before(out, std::min(pair.a->size, pair.b->size), cache);
+  reduce_like_before(out, std::min(pair.a->size, pair.b->size), reach.weight, cache);
   return 1;
 }
 
@@ -404,8 +405,10 @@ bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache&
 
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
                        PatchPool& pool, QueryScratch& scratch) {
-  const Reach wanted{reach.margin + reach.recycle, reach.sweep};
   const Vec3& origin = pair.a->position;
+  const Collider& upper =
+      pair.b->dynamic && !(pair.a->dynamic && measures_a(pair)) ? *pair.b : *pair.a;
+  const Reach wanted{reach.margin + reach.recycle, reach.sweep, upper.body.position - origin};
   std::size_t queries = 0;
   PatchWriter writer(pair, cache, pool);
   if (pair.a->kind == Kind::Sphere && pair.b->is_surface()) {
