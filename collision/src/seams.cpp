@@ -20,7 +20,7 @@ constexpr double kOut = 0.05;
 /// Share of the part's size by which tiles may differ in height and yet be one floor.
 constexpr double kFlush = 1e-3;
 /// m: how much longer the way to a face may be than its height, for a point above the face.
-constexpr double kOver = 1e-9;
+constexpr double kPlumb = 1e-9;
 /// Parts that one worker takes at a time.
 constexpr std::size_t kGrain = 16;
 
@@ -47,7 +47,7 @@ Foot foot_on_hull(const Vec3& point, const Collider& c, double limit) {
                                                hull.arms()[corners[k + 1]], region);
       const double distance = out.norm();
       if (distance >= foot.distance) continue;
-      foot = {distance < height + kOver ? face.normal : Vec3(out / distance), distance};
+      foot = {distance < height + kPlumb ? face.normal : Vec3(out / distance), distance};
     }
   }
   if (inside.distance <= 0.0) foot = inside;
@@ -72,7 +72,7 @@ Foot foot_on_surface(const Vec3& point, const Collider& c, const Surface& surfac
     const Vec3 out = p - nearest_on_triangle(p, a, surface.vertex(corners[1]),
                                              surface.vertex(corners[2]), region);
     const double distance = out.norm();
-    if (distance < std::abs(height) + kOver) {
+    if (distance < std::abs(height) + kPlumb) {
       foot = {front, height};
     } else if (height >= 0.0 && distance < foot.distance) {
       foot = {out / distance, distance};
