@@ -9,6 +9,7 @@
 #include "core_cast.h"
 #include "inner_core.h"
 #include "motion_path.h"
+#include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::collision {
@@ -70,10 +71,16 @@ struct MotionLimiter::Step {
   const BroadPhase& broad;
   const pbd::World& world;
   std::span<const pbd::Pose> after;
-  double fastest;                      ///< m, how far any obstacle moves
-  std::span<const std::uint8_t> pace;  ///< by collider: kIdle, kSlow or kFast
+  double fastest;                         ///< m, how far any obstacle moves
+  std::span<const std::uint8_t> pace;     ///< by collider: from kIdle to kSwift
+  std::span<const std::uint8_t> chained;  ///< by body slot
 
   const pbd::Pose& end(const Collider& c) const { return after[c.def.body.index]; }
+  /// Whether it stops where its surface meets something. What is chained does not: the others
+  /// would go on and tear at it.
+  bool is_swept(std::uint32_t i) const {
+    return pace[i] >= kFast && chained[colliders[i].def.body.index] == 0;
+  }
   MotionPath path(const Collider& c) const {
     return {c.body, end(c), c.motion.twist, c.motion.span};
   }
@@ -180,30 +187,51 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const bool fast = step.pace[index] >= kFast;
   if (!is_finite(step.end(c))) return;
   if (!fast && c.guarded == 0 && (to - from).norm() + step.fastest <= radius) return;
-  const bool round = c.kind == Kind::Sphere;
+  const bool swept = step.is_swept(index);
+  const bool whole = swept && c.kind != Kind::Sphere;
   const MotionPath path = step.path(c);
   const Aabb middle{from.cwiseMin(to), from.cwiseMax(to)};
-  const Aabb way = fast && !round ? path.bounds(c.reach) : middle.expanded(radius);
-  step.broad.query(way, step.pace[index] == kSwift, worker.stack, [&](std::uint32_t other) {
-    const Collider& target = step.colliders[other];
-    if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target)) return;
-    if (target.dynamic) {
-      if (!target.is_convex()) return;
-      if (step.pace[other] >= kFast) {
-        worker.pairs.push_back({index, other});
-      } else {
-        sweep_shape(step, c, path, target, worker.arms, worker.limits);
-      }
-      return;
+  const Aabb way = whole ? path.bounds(c.reach) : middle.expanded(radius);
+  step.broad.query(
+      way, swept && step.pace[index] == kSwift, worker.stack, [&](std::uint32_t other) {
+        const Collider& target = step.colliders[other];
+        if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target)) return;
+        if (target.dynamic) {
+          if (!target.is_convex()) return;
+          if (step.is_swept(other)) {
+            worker.pairs.push_back({index, other});
+          } else {
+            sweep_shape(step, c, path, target, worker.arms, worker.limits);
+          }
+          return;
+        }
+        if (is_thin(target, c)) c.guarded = kGuardedSteps;
+        const bool turns = turned(target.body, step.end(target)) * target.reach > radius;
+        if (target.is_convex() && (whole || turns)) {
+          sweep_shape(step, c, path, target, worker.arms, worker.limits);
+        } else {
+          cast_ball(step, c, target, worker.list, worker.limits);
+        }
+      });
+}
+
+void MotionLimiter::mark_chained(const pbd::World& world) {
+  chained_.assign(world.states().size(), 0);
+  if (std::none_of(pace_.begin(), pace_.end(), [](std::uint8_t pace) { return pace >= kFast; })) {
+    return;
+  }
+  edges_.clear();
+  for (const auto& block : world.blocks()) {
+    if (block.get() != world.contacts()) block->append_edges(edges_);
+  }
+  const auto moves = [&](std::uint32_t i) {
+    return i < chained_.size() && world.all_props()[i].type == pbd::BodyType::Dynamic;
+  };
+  for (const pbd::ConstraintEdge& edge : edges_) {
+    if (moves(edge.body_a) && moves(edge.body_b)) {
+      chained_[edge.body_a] = chained_[edge.body_b] = 1;
     }
-    if (is_thin(target, c)) c.guarded = kGuardedSteps;
-    const bool turns = turned(target.body, step.end(target)) * target.reach > radius;
-    if (target.is_convex() && (turns || (fast && !round))) {
-      sweep_shape(step, c, path, target, worker.arms, worker.limits);
-    } else {
-      cast_ball(step, c, target, worker.list, worker.limits);
-    }
-  });
+  }
 }
 
 /// By when they meet, then by the order of the colliders: not by who found them.
@@ -305,7 +333,9 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
       pace_[i] = pace_of(c, after[body], world.all_props()[body].bullet);
     }
   });
-  const Step step{colliders, broad, world, after, fastest_obstacle(colliders, after), pace_};
+  mark_chained(world);
+  const Step step{colliders, broad,   world, after, fastest_obstacle(colliders, after),
+                  pace_,     chained_};
   workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
     for (std::size_t i = begin; i < end; ++i) {
       if (pace_[i] != kIdle) {

@@ -8,6 +8,7 @@
 
 #include "broad_phase.h"
 #include "collider.h"
+#include "tandem/pbd/constraint.h"
 
 namespace tandem::collision {
 
@@ -38,6 +39,7 @@ class MotionLimiter {
     std::vector<std::uint32_t> list;
     std::vector<Vec3> arms;
   };
+  void mark_chained(const pbd::World& world);
   void limit_one(const Step& step, std::uint32_t index, Worker& worker);
   void stop_pairs(const Step& step, std::vector<pbd::MotionLimit>& limits);
   void sort_pairs(const Step& step);
@@ -45,6 +47,9 @@ class MotionLimiter {
 
   std::vector<Worker> workers_;
   std::vector<std::uint8_t> pace_;  ///< by collider: how it goes in this step
+  /// By body slot: rows hold it to another movable body, which would not stop with it.
+  std::vector<std::uint8_t> chained_;
+  std::vector<pbd::ConstraintEdge> edges_;
   std::vector<FastPair> pairs_;
   std::vector<double> stops_;  ///< by body slot: share of the step
 };
