@@ -119,8 +119,9 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   /// included; immovable colliders stop it. Where far points moved further by turning than it is
   /// thick, or its body is a bullet, moving ones stop it as well. It is left where the surfaces
   /// meet, and the contact of the next step does the rest. Spheres, slow bodies near thin walls,
-  /// bodies that rows hold to other movable ones, and all that meets a mesh, height field or half-space have the ball in their middle cast
-  /// instead. Where the step began is where the last collect() saw the bodies.
+  /// bodies that rows hold to other movable ones, and all that meets a mesh, height field or
+  /// half-space have the ball in their middle cast instead. Where the step began is where the last
+  /// collect() saw the bodies.
   /// @param after   poses at the end of the step, by body slot
   /// @param limits  set to the bodies that have to stop on the way, ascending, each once
   /// Allocates only where `limits` or scratch grow.
