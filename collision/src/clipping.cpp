@@ -276,8 +276,8 @@ static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& we
 }
 
 /// Exchanges the first three points until none lies below their plane: those bear the weight, and a
-/// tilt does not change which they are. The fourth is then the one that the body tips on to first.
-/// Whether any was exchanged.
+/// tilt does not change which they are. The fourth is the deepest, where that is none of them, or
+/// the one that the body tips on to first. Whether any was exchanged.
 static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
                    const Vec3& weight) {
   bool changed = false;
@@ -295,12 +295,13 @@ static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
     changed = true;
   }
   if (!changed) return false;
-  int first = 3;
-  double most = -HUGE_VAL;
-  for (int i = 3; i < count; ++i) {
+  const auto deeper = [](const RawPoint& l, const RawPoint& r) { return l.gap < r.gap; };
+  auto first = static_cast<int>(std::min_element(points, points + count, deeper) - points);
+  double most = first < 3 ? -HUGE_VAL : HUGE_VAL;  // the deepest is never left out
+  for (int i = 3; i < count && most < HUGE_VAL; ++i) {
     const double outside = -shares(points, normal, points[i].on_b).minCoeff();
     const double score = outside / (std::max(0.0, above(points, normal, points[i])) + slop);
-    if (score <= most) continue;
+    if (!(score > most)) continue;
     most = score;
     first = i;
   }
