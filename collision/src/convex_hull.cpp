@@ -71,8 +71,13 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
   return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
 
-std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
+/// @param tolerance  share of the height of the first tetrahedron: see ConvexHull::make()
+std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, double tolerance) {
   std::vector<Triangle> faces = first_tetrahedron(points, extent);
+  const HullPlane base = hull_plane(points, faces[0]);
+  double height = 0.0;
+  for (const std::uint32_t v : faces[1]) height = std::max(height, -base.above(points[v]));
+  const double least = std::max(kOutside * extent, tolerance * height);
   std::vector<HullPlane> planes;
   planes.reserve(faces.size());
   for (const Triangle& t : faces) planes.push_back(hull_plane(points, t));
@@ -85,7 +90,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
       pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
     }
     std::uint32_t next = 0;
-    double most = kOutside * extent;
+    double most = least;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       for (const HullPlane& plane : planes) {
         const double above = plane.above(points[i]);
@@ -94,7 +99,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent) {
         next = i;
       }
     }
-    if (most <= kOutside * extent) break;
+    if (most <= least) break;
     kept.clear();
     kept_planes.clear();
     seen.clear();
@@ -181,7 +186,10 @@ void append_border(const std::vector<Triangle>& triangles,
 
 }  // namespace
 
-std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points) {
+std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points, double tolerance) {
+  if (!(tolerance >= 0.0 && tolerance <= 0.1)) {
+    pbd::detail::refuse("ConvexHull: tolerance", "0 to 0.1", tolerance);
+  }
   if (points.size() < 4) {
     pbd::detail::refuse("ConvexHull: number of points", "at least 4",
                         static_cast<double>(points.size()));
@@ -192,9 +200,15 @@ std::shared_ptr<const ConvexHull> ConvexHull::make(std::span<const Vec3> points)
                           "finite and within 1e6 m");
     }
   }
-  const std::shared_ptr<ConvexHull> hull(new ConvexHull);
-  hull->build(points);
-  return hull;
+  // Of its own corners a hull is the same whatever was left out: in that the second one differs.
+  std::vector<Vec3> corners(points.begin(), points.end());
+  for (;;) {
+    const std::shared_ptr<ConvexHull> hull(new ConvexHull);
+    hull->tolerance_ = tolerance;
+    hull->build(corners);
+    if (hull->points_.size() == corners.size()) return hull;
+    corners = hull->points_;
+  }
 }
 
 void ConvexHull::build(std::span<const Vec3> points) {
@@ -212,7 +226,7 @@ void ConvexHull::build(std::span<const Vec3> points) {
   centre_ = 0.5 * (low + high);
   std::vector<Vec3> local;
   for (const Vec3& p : points) local.push_back(p - centre_);
-  std::vector<Triangle> triangles = quickhull(local, extent);
+  std::vector<Triangle> triangles = quickhull(local, extent, tolerance_);
 
   std::vector<std::uint32_t> index(local.size(), kMaxVertices);
   for (Triangle& t : triangles) {

@@ -232,7 +232,7 @@ TEST_CASE("convex: a hull holds all its points and is closed", "[collision][unit
       if (seed % 2 == 0) p = (3.0 * p).array().round() / 3.0;
       points.push_back(p);
     }
-    const Hull hull = ConvexHull::make(points);
+    const Hull hull = ConvexHull::make(points, 0.0);
     CHECK(hull->arms().size() + hull->faces().size() == hull->edges().size() + 2);  // Euler
     for (const auto& face : hull->faces()) {
       for (const Vec3& p : points) {

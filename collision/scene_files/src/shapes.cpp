@@ -71,7 +71,9 @@ Shape read_kind(Reader& io, const std::string& type) {
         "one of box, sphere, capsule, cylinder, cone, halfSpace, hull, mesh, heightField");
   }
   io.has("points");
-  return collision::ConvexHull::make(read_points(io.at().at("points")));
+  double tolerance = collision::ConvexHull::kTolerance;
+  io("tolerance", tolerance);
+  return collision::ConvexHull::make(read_points(io.at().at("points")), tolerance);
 }
 
 json numbers(std::span<const Vec3> points) {
@@ -105,7 +107,11 @@ struct ShapeWriter {
             {"triangles", std::move(triangles)}};
   }
   json operator()(const collision::Hull& hull) const {
-    return {{"type", "hull"}, {"points", numbers(hull->points())}};
+    json shape{{"type", "hull"}, {"points", numbers(hull->points())}};
+    if (hull->tolerance() != collision::ConvexHull::kTolerance) {
+      shape["tolerance"] = hull->tolerance();
+    }
+    return shape;
   }
   json operator()(const collision::Field& field) const {
     json heights = json::array();

@@ -20,6 +20,9 @@ namespace tandem::collision {
 class TANDEM_API ConvexHull {
  public:
   static constexpr std::uint32_t kMaxVertices = 128;
+  /// Share of the thickness: what a scanner or a decomposition adds to flat faces is less, and
+  /// faces that are cut into facets of such heights would be refused or cost time for nothing.
+  static constexpr double kTolerance = 1e-3;
 
   /// A run of corners in face_corners(), counter-clockwise seen from outside.
   struct Face {
@@ -34,19 +37,24 @@ class TANDEM_API ConvexHull {
     std::array<std::uint32_t, 2> faces{};  ///< left and right of it, seen from outside
   };
 
-  /// Points inside the hull, and points that differ from another one by less than 1e-7 of the
-  /// extent, are left out.
+  /// Points inside the hull, and points outside by less than the tolerance, are left out; and so
+  /// are those that lie outside by less than 1e-7 of the extent.
   /// @param points  m, in the shape's frame
+  /// @param tolerance  share, 0 to 0.1, of the thickness: of the height of the large tetrahedron
+  /// among
+  ///   the points that the hull starts with
   /// @throws std::invalid_argument  naming the point or count: a coordinate that is not finite,
   ///   fewer than four points, points that lie (within 1e-4 of their extent) in a plane, on a line
   ///   or in one place, or a hull of more than kMaxVertices corners
-  static std::shared_ptr<const ConvexHull> make(std::span<const pbd::Vec3> points);
+  static std::shared_ptr<const ConvexHull> make(std::span<const pbd::Vec3> points,
+                                                double tolerance = kTolerance);
 
   /// m, centre of mass, in the shape's frame.
   const pbd::Vec3& centre() const { return centre_; }
+  /// As given to make().
+  double tolerance() const { return tolerance_; }
   /// Those of the given points that are corners, m, in the shape's frame and in their order: make()
-  /// of these gives the same bits, but where points were left out that lie outside by less than
-  /// 1e-7 of the extent.
+  /// of these with the same tolerance gives the same bits.
   std::span<const pbd::Vec3> points() const { return points_; }
   /// Corners, m, from centre() and along the axes of the shape's frame.
   std::span<const pbd::Vec3> arms() const { return arms_; }
@@ -91,6 +99,7 @@ class TANDEM_API ConvexHull {
   double reach_ = 0.0;
   double extent_ = 0.0;
   double volume_ = 0.0;
+  double tolerance_ = kTolerance;
   pbd::Mat3 second_ = pbd::Mat3::Zero();
 };
 
