@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+
+#include "tandem/scene.h"
+
+namespace tandem::everyday {
+
+inline constexpr double kFrame = 1.0 / 60.0;  // s
+inline constexpr double kGravity = 9.81;      // m/s^2
+
+enum class Ground { HalfSpace, Box, Mesh, Field, Hull };
+inline constexpr std::array kGrounds = {Ground::HalfSpace, Ground::Box, Ground::Mesh, Ground::Field,
+                                        Ground::Hull};
+std::string name_of(Ground ground);
+
+/// Level ground with its top at z = 0, as far as `reach` (m) from the origin. Meshes and fields
+/// have cells of a 16th of it, none with a corner at the origin.
+BodyId add_ground(Scene& scene, Ground ground, double friction, double reach);
+
+/// A level mesh or field over x from `low` to `high` and y from -reach to reach, at z = 0.
+collision::Shape level_mesh(double low, double high, double reach, int columns, int rows);
+
+/// How deep the lowest of the points lies below z = 0, m.
+double depth_below(const Pose& shape_pose, std::span<const Vec3> points);
+
+/// "a = 1, b = 2" out of pairs.
+std::string told(std::initializer_list<std::pair<const char*, double>> values);
+
+}  // namespace tandem::everyday

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Small scenes that users of any engine build, each over many neighbours: other sizes, angles,
+/// speeds, phases within a step, grounds. The bound is what physics says, at the engine's default
+/// setting.
+namespace tandem::everyday {
+
+/// One measure of a group, at its worst.
+struct Line {
+  std::string kind;  ///< E1 to E14
+  std::string name;
+  std::string ground;
+  std::string measure;
+  int cases = 0;
+  int beyond = 0;      ///< of the cases, beyond the bound
+  double worst = 0.0;  ///< in the unit
+  double bound = 0.0;  ///< of the worst case
+  std::string unit;
+  std::string worst_case;
+
+  bool holds() const { return worst <= bound; }  // false for NaN
+};
+
+/// Gathers what a group's cases measure.
+class Tally {
+ public:
+  /// value <= bound, > 0, in every case; the worst is the one with most of its bound.
+  void at_most(const std::string& measure, double value, double bound, const std::string& unit,
+               const std::string& which);
+  /// No more than `allowed` of all cases have failed.
+  void failed(const std::string& measure, bool failed, int allowed, const std::string& which);
+
+  const std::vector<Line>& lines() const { return lines_; }
+  /// Those beyond their bound, in words.
+  const std::vector<std::string>& beyond() const { return beyond_; }
+
+ private:
+  Line& line(const std::string& measure, const std::string& unit);
+
+  std::vector<Line> lines_;
+  std::vector<std::string> beyond_;
+};
+
+/// How many of its cases a group runs.
+enum class Extent { Quick, Full };
+
+struct Group {
+  std::string kind;
+  std::string name;
+  std::string ground;
+  std::function<void(Tally&, Extent)> run;
+  bool quick = false;  ///< has cases for Extent::Quick
+};
+
+std::vector<Group> seam_groups();    // E1
+std::vector<Group> rest_groups();    // E2, E3
+std::vector<Group> spin_groups();    // E4
+std::vector<Group> joint_groups();   // E5
+std::vector<Group> column_groups();  // E7
+std::vector<Group> fast_groups();    // E8
+std::vector<Group> stand_groups();   // E9, E10
+std::vector<Group> rope_groups();    // E12
+std::vector<Group> sleep_groups();   // E14
+/// All of the above, in that order.
+std::vector<Group> all_groups();
+
+std::vector<Line> run_group(const Group& group, Extent extent,
+                            std::vector<std::string>* beyond = nullptr);
+
+/// The entry of known.cpp, the only list of exceptions, that says of a line that it does not hold;
+/// -1: it ought to.
+int known_entry(const Line& line);
+/// An entry in words: what it is about, and why that does not hold.
+std::string known_text(int entry);
+
+}  // namespace tandem::everyday
