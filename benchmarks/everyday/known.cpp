@@ -125,7 +125,7 @@ constexpr Known kKnown[] = {
     {"E14", "ten pins", "mesh", "awake after 6 s", kE14},
     {"E14", "ten pins", "field", "awake after 6 s", kE14},
     {"E14", "ten pins", "hull", "awake after 6 s", kE14},
-    {"E5", "", "", "", kE5},
+    {"E5", "hinges beyond half a turn", "", "", kE5},
 };
 
 bool fits(std::string_view pattern, std::string_view text) {
