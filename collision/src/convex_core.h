@@ -25,8 +25,8 @@ struct ConvexCore {
                                  ///< (r, r, h) for a cylinder and a cone
   const ConvexHull* hull = nullptr;
   const Vec3* arms = nullptr;  ///< m: other corners in place of the hull's, for reach and support
-  double radius = 0.0;  ///< m
-  double size = 0.0;    ///< m, least extent of the whole shape
+  double radius = 0.0;         ///< m
+  double size = 0.0;           ///< m, least extent of the whole shape
   std::array<Vec3, 3> corners{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< of a triangle
   Vec3 front = Vec3::UnitZ();                 ///< unit normal of a triangle
   std::array<std::uint32_t, 3> corner_ids{};  ///< of a triangle, in its mesh

@@ -12,6 +12,7 @@ namespace tandem::collision {
 struct Reach {
   double margin = 0.0;         ///< m, largest gap
   Vec3 sweep = Vec3::Zero();   ///< m, motion of b against a within the step
+  Vec3 way = Vec3::Zero();     ///< m, that of it which counts for meeting: see PairReach
   Vec3 weight = Vec3::Zero();  ///< m, centre of mass of the body that lies on the other
 };
 

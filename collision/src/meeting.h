@@ -39,6 +39,6 @@ double share_to_meeting(const pbd::Vec3& sweep, double near, Approach at, Look&&
 }
 
 /// Share of the smaller one's size at which two shapes have met: beyond the library's rounding.
-inline constexpr double kMet = 1e-5;
+inline constexpr double kMet = 1e-4;
 
 }  // namespace tandem::collision

@@ -171,10 +171,10 @@ static Vec3 until_meeting(const ConvexCore& a, const ConvexCore& t, const Direct
   };
   const auto look = [&](double share) {
     ++queries;
-    const ConvexCore triangle = moved_by(t, share * reach.sweep);
+    const ConvexCore triangle = moved_by(t, share * reach.way);
     return approach(triangle, query_direction(a, triangle, reach.margin));
   };
-  return reach.sweep * share_to_meeting(reach.sweep, kMet * a.size, approach(t, direction), look);
+  return reach.way * share_to_meeting(reach.way, kMet * a.size, approach(t, direction), look);
 }
 
 /// The contacts with one triangle as they are where it has been moved by.

@@ -11,6 +11,7 @@
 #include "motion_path.h"
 #include "tandem/pbd/contact.h"
 #include "tandem/pbd/math.h"
+#include "tandem/pbd/portable.h"
 
 namespace tandem::collision {
 namespace {
@@ -44,10 +45,23 @@ bool is_finite(const pbd::Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
 }
 
-/// rad, how far it turns; of large turns a little less.
-double turned(const pbd::Pose& from, const pbd::Pose& to) {
-  const double chord = std::min((to.orientation.coeffs() - from.orientation.coeffs()).norm(),
-                                (to.orientation.coeffs() + from.orientation.coeffs()).norm());
+/// Whether it is round about an axis that goes through its body's middle.
+bool is_round(const Collider& c) {
+  return (c.kind == Kind::Capsule || c.kind == Kind::Cylinder || c.kind == Kind::Cone) &&
+         c.def.local.position.isZero(1e-9 * c.size);
+}
+
+/// The axis of what is round, in the world.
+Vec3 axis_of(const Collider& c, const pbd::Pose& body) {
+  return pbd::rotate(body.orientation, Vec3(c.local_rotation().col(2)));
+}
+
+/// rad, how far it turns, of large turns a little less: of what is round its axis.
+double turned(const Collider& c, const pbd::Pose& to) {
+  const pbd::Quat& before = c.body.orientation;
+  if (is_round(c)) return (axis_of(c, to) - axis_of(c, c.body)).norm();
+  const double chord = std::min((to.orientation.coeffs() - before.coeffs()).norm(),
+                                (to.orientation.coeffs() + before.coeffs()).norm());
   return 2.0 * chord;
 }
 
@@ -57,7 +71,7 @@ double fastest_obstacle(std::span<const Collider> colliders, std::span<const pbd
   for (const Collider& c : colliders) {
     if (!c.alive || c.dynamic || !c.finite || c.def.body.index >= after.size()) continue;
     const pbd::Pose& end = after[c.def.body.index];
-    const double round = c.is_convex() ? turned(c.body, end) * c.reach : 0.0;
+    const double round = c.is_convex() ? turned(c, end) * c.reach : 0.0;
     fastest = std::max(fastest, (end.position - c.body.position).norm() + round);
   }
   return fastest;
@@ -82,7 +96,20 @@ struct MotionLimiter::Step {
     return pace[i] >= kFast && chained[colliders[i].def.body.index] == 0;
   }
   MotionPath path(const Collider& c) const {
-    return {c.body, end(c), c.motion.twist, c.motion.span};
+    if (!is_round(c)) return {c.body, end(c), c.motion.twist, c.motion.span};
+    // What it spins about its own axis is not seen: a rolling rod keeps its axis level.
+    const Vec3 axis = axis_of(c, c.body);
+    const Vec3 then = axis_of(c, end(c));
+    const Vec3 across = axis.cross(then);
+    const double sine = across.norm();
+    pbd::Pose to{end(c).position, c.body.orientation};
+    if (sine > 1e-12) {
+      const double angle = pbd::portable::atan2(sine, axis.dot(then));
+      to.orientation = pbd::exp_map(angle / sine * across) * to.orientation;
+    }
+    pbd::Twist twist = c.motion.twist;
+    twist.angular -= axis.dot(twist.angular) * axis;
+    return {c.body, to, twist, c.motion.span};
   }
 };
 
@@ -92,7 +119,7 @@ using MotionStep = MotionLimiter::Step;
 
 /// Whether far points go further by turning than it is thick.
 bool swings(const Collider& c, const pbd::Pose& end) {
-  return c.kind != Kind::Sphere && turned(c.body, end) * c.reach > c.size;
+  return c.kind != Kind::Sphere && turned(c, end) * c.reach > c.size;
 }
 
 /// What is marked counts as swift however little it moves.
@@ -192,27 +219,28 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const MotionPath path = step.path(c);
   const Aabb middle{from.cwiseMin(to), from.cwiseMax(to)};
   const Aabb way = whole ? path.bounds(c.reach) : middle.expanded(radius);
-  step.broad.query(
-      way, swept && step.pace[index] == kSwift, worker.stack, [&](std::uint32_t other) {
-        const Collider& target = step.colliders[other];
-        if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target)) return;
-        if (target.dynamic) {
-          if (!target.is_convex()) return;
-          if (step.is_swept(other)) {
-            worker.pairs.push_back({index, other});
-          } else {
-            sweep_shape(step, c, path, target, worker.arms, worker.limits);
-          }
-          return;
-        }
-        if (is_thin(target, c)) c.guarded = kGuardedSteps;
-        const bool turns = turned(target.body, step.end(target)) * target.reach > radius;
-        if (target.is_convex() && (whole || turns)) {
-          sweep_shape(step, c, path, target, worker.arms, worker.limits);
-        } else {
-          cast_ball(step, c, target, worker.list, worker.limits);
-        }
-      });
+  step.broad.query(way, swept && step.pace[index] == kSwift, worker.stack,
+                   [&](std::uint32_t other) {
+                     const Collider& target = step.colliders[other];
+                     if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target))
+                       return;
+                     if (target.dynamic) {
+                       if (!target.is_convex()) return;
+                       if (step.is_swept(other)) {
+                         worker.pairs.push_back({index, other});
+                       } else {
+                         sweep_shape(step, c, path, target, worker.arms, worker.limits);
+                       }
+                       return;
+                     }
+                     if (is_thin(target, c)) c.guarded = kGuardedSteps;
+                     const bool turns = turned(target, step.end(target)) * target.reach > radius;
+                     if (target.is_convex() && (whole || turns)) {
+                       sweep_shape(step, c, path, target, worker.arms, worker.limits);
+                     } else {
+                       cast_ball(step, c, target, worker.list, worker.limits);
+                     }
+                   });
 }
 
 void MotionLimiter::mark_chained(const pbd::World& world) {

@@ -88,11 +88,11 @@ void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t ke
     return Approach{contact.normal, contact.distance - radius - contact.radius_b};
   };
   const auto look = [&](double share) {
-    centre = a.position - share * reach.sweep;
+    centre = a.position - share * reach.way;
     contact = sphere_contact(centre, b);
     return approach();
   };
-  share_to_meeting(reach.sweep, kMet * std::min(a.size, b.size), approach(), look);
+  share_to_meeting(reach.way, kMet * std::min(a.size, b.size), approach(), look);
   const double gap = approach().gap + contact.normal.dot(centre - a.position);
   if (gap >= reach.along(contact.normal)) return;
   pbd::Manifold& m = out.emplace_back();

@@ -33,6 +33,8 @@ struct PairReach {
   double speculative = 0.0;   ///< m
   double turning = 0.0;       ///< m, what rotation may close
   Vec3 sweep = Vec3::Zero();  ///< m, motion of b's origin against a's
+  /// m, likewise, on which the two are to meet: zero where turning matters as well, as for a bat.
+  Vec3 way = Vec3::Zero();
   /// m, of either origin, zero where it does not count: two that fly together close on each other
   /// by that where one of them is stopped within the step.
   Vec3 alone_a = Vec3::Zero();

@@ -357,6 +357,8 @@ void Solver::Impl::limit_motion() {
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
     body.x = limit.pose.position;
+    // Its spin goes along: left where it was, it would be another energy.
+    body.w = rotate(limit.pose.orientation * body.q.conjugate(), body.w);
     body.q = limit.pose.orientation;
     restore_locked(body, world_->props_[limit.body].locks, start);
     // The rest of the step is not: what it falls there would else be speed without a way.
