@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "box_box.h"
-#include "fcl_bridge.h"
-#include "meeting.h"
+#include "convex_query.h"
 #include "sphere_contact.h"
 
 namespace tandem::collision {
@@ -145,137 +144,6 @@ class PatchWriter {
   PatchPool& pool_;
   ContactPatch** link_;
 };
-
-void reduce_like_before(RawManifold& manifold, double size, const Vec3& weight,
-                        const PairCache& cache) {
-  static constexpr std::array<std::uint32_t, 4> kNone{};
-  const ContactPatch* before = cache.patches;
-  manifold.count = reduce(manifold.points.data(), manifold.count, manifold.normal, 1e-3 * size,
-                          weight, before != nullptr ? before->features.data() : kNone.data(),
-                          before != nullptr ? before->count : 0);
-}
-
-/// Boxes by the directions of BoxPair. A pair without contacts is new to it, and the library
-/// decides which way it lies; unless a face keeps them apart as well (nearly) as that does.
-/// @return how far b has been moved for that, m
-Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
-  const Collider& a = *pair.a;
-  const Collider& b = *pair.b;
-  const BoxPose pose_a{a.rotation, std::get<Box>(a.def.shape).half_extents};
-  const BoxPose pose_b{b.rotation, std::get<Box>(b.def.shape).half_extents};
-  const Vec3 between = b.position - a.position;
-  const auto approach = [&](const BoxPair& boxes) {
-    const BoxAxis axis = boxes.best(cache.axis, reach.margin);
-    return Approach{boxes.normal(axis), axis.separation};
-  };
-  const BoxPair now(pose_a, pose_b, between);
-  BoxAxis axis = now.best(cache.axis, reach.margin);
-  if (axis.separation >= reach.margin) {
-    cache.axis = axis.id;
-    return Vec3::Zero();
-  }
-  Vec3 moved = Vec3::Zero();
-  const double near = kMet * std::min(a.size, b.size);
-  if (axis.separation > near) {
-    moved =
-        reach.way *
-        share_to_meeting(reach.way, near, {now.normal(axis), axis.separation}, [&](double share) {
-          return approach({pose_a, pose_b, between + share * reach.way});
-        });
-  }
-  const BoxPair boxes(pose_a, pose_b, between + moved);
-  axis = boxes.best(cache.axis, reach.margin);
-  cache.axis = axis.id;
-  ContactAxis direction{boxes.normal(axis), axis.separation,
-                        axis.id < 3   ? FaceOwner::A
-                        : axis.id < 6 ? FaceOwner::B
-                                      : FaceOwner::None};
-  bool face = axis.id < 6;
-  if (cache.patches == nullptr) {
-    const ConvexCore core_a = a.core(a.position);
-    const ConvexCore core_b = b.core(a.position - moved);
-    const Direction found = query_direction(core_a, core_b, reach.margin);
-    if (found.status == Direction::Status::Apart) return moved;
-    if (found.status == Direction::Status::Found) {
-      const double gap = separation(core_a, core_b, found.normal);
-      const double tolerance = 0.05 * std::max(0.0, -gap) + 5e-4 * std::min(a.size, b.size);
-      // Where the boxes pass each other in the one direction, they do not meet in the other.
-      const auto closes = [&](const Vec3& n, double by) { return -n.dot(reach.way) > by; };
-      const bool passes = closes(found.normal, gap) && !closes(direction.normal, axis.separation);
-      if (gap > axis.separation + (face ? tolerance : 1e-9) && !passes) {
-        direction = {found.normal, gap, FaceOwner::None};
-        face = false;
-      }
-    }
-  }
-  if (face) {
-    out.normal = direction.normal;
-    out.owner = direction.owner;
-    if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep))
-      return moved;
-    boxes.face_points(axis, reach.margin, out);
-    if (out.count > 0) return moved;
-  }
-  out = build_manifold(a.core(a.position), b.core(a.position - moved), direction, reach);
-  return moved;
-}
-
-/// Any two convex shapes. @return how far b has been moved for that, m
-Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cache,
-                 RawManifold& out) {
-  const Vec3& origin = pair.a->position;
-  const ConvexCore a = pair.a->core(origin);
-  ConvexCore b = pair.b->core(origin);
-  Direction direction = query_direction(a, b, reach.margin);
-  const auto approach = [&] {
-    return Approach{direction.normal, separation(a, b, direction.normal) - a.radius - b.radius};
-  };
-  Vec3 moved = Vec3::Zero();
-  if (direction.status == Direction::Status::Found) {
-    const Vec3 centre = b.centre;
-    const auto look = [&](double share) {
-      b.centre = centre + share * reach.way;
-      const Direction there = query_direction(a, b, reach.margin);
-      if (there.status == Direction::Status::Unknown) {  // too near for the library
-        b.centre = centre + moved;
-        return Approach{direction.normal, 0.0};
-      }
-      moved = share * reach.way;
-      direction = there;
-      return there.status == Direction::Status::Found ? approach()
-                                                      : Approach{direction.normal, HUGE_VAL};
-    };
-    share_to_meeting(reach.way, kMet * std::min(a.size, b.size), approach(), look);
-  }
-  if (direction.status == Direction::Status::Apart) return moved;
-  Vec3 before;
-  if (cache.patches != nullptr) {
-    const ContactPatch& patch = *cache.patches;
-    before = pbd::rotate((patch.in_a ? pair.a : pair.b)->body.orientation, patch.normal_l);
-  }
-  const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
-  out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
-  return moved;
-}
-
-std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& cache,
-                         RawManifold& out) {
-  const Vec3& origin = pair.a->position;
-  if (pair.b->is_half_space()) {
-    const Vec3 n = pair.b->plane_normal();
-    const double offset =
-        std::get<HalfSpace>(pair.b->def.shape).offset + n.dot(pair.b->position - origin);
-    out = half_space_manifold(pair.a->core(origin), n, offset, reach.margin);
-    reduce_like_before(out, pair.a->size, reach.weight, cache);
-    return 1;
-  }
-  const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
-  const Vec3 moved =
-      boxes ? query_boxes(pair, reach, cache, out) : query_cores(pair, reach, cache, out);
-  for (int i = 0; i < out.count; ++i) out.points[i].on_b -= moved;
-  reduce_like_before(out, std::min(pair.a->size, pair.b->size), reach.weight, cache);
-  return 1;
-}
 
 /// What the surface's queries want to know of the pair's last patches.
 void trace_patches(const QueryPair& pair, const Collider& mesh, const PairCache& cache,

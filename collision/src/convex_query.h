@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include "pair_query.h"
+
+namespace tandem::collision {
+
+/// Contact of two convex colliders, or of a convex one with a half-space as b, as it will be where
+/// they meet; positions relative to the place of a, and where the two are now.
+/// @return number of narrow-phase queries
+std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& cache,
+                         RawManifold& out);
+
+}  // namespace tandem::collision
