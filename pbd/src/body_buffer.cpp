@@ -36,6 +36,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.w_push.setZero();
   body.group = SolverBody::kNoGroup;
   body.shared = false;
+  body.agreed = false;
   body.projected = false;
   body.pushed = false;
   body.turns = false;

@@ -89,6 +89,10 @@ void DistanceJoint::forgive(const SubstepContext& ctx) {
 bool DistanceJoint::find_gap(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
+  if (arm.a->agreed || arm.b->agreed) {  // as of joints
+    gap_ = {};
+    return false;
+  }
   const double violated = residual_of(axis(), arm.length - def_.rest_length);
   if (std::abs(violated) > residual_ + JointGap::kTolerance) gap_.open(std::abs(violated));
   if (!gap_.is_open()) return false;
@@ -141,7 +145,8 @@ void DistanceJoint::finish_velocity(const SubstepContext& /*ctx*/) {
 void DistanceJoint::begin_displacement(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  const double reach = ctx.h * kClosingSpeed;
+  const bool agreed = arm.a->agreed || arm.b->agreed;
+  const double reach = agreed ? HUGE_VAL : ctx.h * kClosingSpeed;
   const double now = std::clamp(displacement_residual_, -reach, reach);
   bound_ = arm.length - def_.rest_length - now;
   displacement_residual_ -= now;

@@ -57,6 +57,13 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     for (JointRecord& record : records) {
       if (!record.active()) continue;
       const SixDofJointDef& def = record.def;
+      // Where others have a say a joint may stay open for as long as they want it to.
+      const SolverBody& b = ctx.bodies[def.b.index];
+      if (b.agreed || (def.a.valid() && ctx.bodies[def.a.index].agreed)) {
+        record.gap = {};
+        if (moved(def.a) || moved(def.b)) record.forgive(body_of(def.a, ctx.bodies, ground), b);
+        continue;
+      }
       record.find_gap(body_of(def.a, ctx.bodies, ground), ctx.bodies[def.b.index],
                       moved(def.a) || moved(def.b));
       if (!record.gap.is_open()) continue;

@@ -80,6 +80,12 @@ void coordinates(const JointRecord& record, const SolverBody& a, const SolverBod
   c[kCone] = turn.phi;
 }
 
+void JointRecord::forgive(const SolverBody& a, const SolverBody& b) {
+  double c[kCoordinates] = {};
+  coordinates(*this, a, b, twist, c);
+  for (int i = 0; i < kCoordinates; ++i) displacement_residual[i] = residual_of(axis(i), c[i]);
+}
+
 void JointRecord::find_gap(const SolverBody& a, const SolverBody& b, bool displaced) {
   double c[kCoordinates] = {};
   coordinates(*this, a, b, twist, c);
@@ -100,8 +106,9 @@ void JointRecord::aim(const SolverBody& a, const SolverBody& b, double substep) 
   coordinates(*this, a, b, twist, bound.data());
   const double apart = Eigen::Map<const Vec3>(displacement_residual.data()).norm();
   const double turned = Eigen::Map<const Eigen::Vector4d>(displacement_residual.data() + 3).norm();
-  const double way = std::min(1.0, substep * kClosingSpeed / apart);
-  const double turn = std::min(1.0, substep * kClosingSpin / turned);
+  const bool agreed = a.agreed || b.agreed;  // closes at once, as agreement has opened it
+  const double way = agreed ? 1.0 : std::min(1.0, substep * kClosingSpeed / apart);
+  const double turn = agreed ? 1.0 : std::min(1.0, substep * kClosingSpin / turned);
   for (int i = 0; i < kCoordinates; ++i) {
     const double now = (i < 3 ? way : turn) * displacement_residual[i];
     bound[i] -= now;

@@ -37,6 +37,8 @@ struct JointRecord {
   /// Recompute `used`, `point` and `passive` from the definition; what is not used keeps no
   /// residual.
   void refresh();
+  /// What is violated is what agreement has left.
+  void forgive(const SolverBody& a, const SolverBody& b);
   /// Before the step: what somebody has put elsewhere since the last one becomes gap, and a joint
   /// that is new takes the turn within its limits.
   /// @param displaced  all that is violated is what agreement did

@@ -70,7 +70,9 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
     gaps_ = true;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    bodies[i].shared = bodies[i].is_solved() && marked_[island_of[i]] != kNotMarked;
+    const Mark mark = bodies[i].is_solved() ? marked_[island_of[i]] : kNotMarked;
+    bodies[i].shared = mark != kNotMarked;
+    bodies[i].agreed = mark == kTarget;
   }
 }
 

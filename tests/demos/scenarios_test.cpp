@@ -99,18 +99,22 @@ TEST_CASE("tennis: a game goes on where the network is good", "[demos][soak]") {
 
 TEST_CASE("tennis: a game goes on across an ocean as it does where nothing is late",
           "[demos][soak]") {
+  // Of several games: in one of a dozen somebody misses a ball and a rally is lost.
   const auto hits = [](int profile) {
-    const RunResult result = run_virtual(TennisScenario(), quiet(profile, 15.0));
     double sum = 0.0;
-    for (const PeerRecord& peer : result.peers) {
-      CHECK(peer.fault == "");
-      CHECK(number(peer, "tunnelled") == 0.0);
-      sum += number(peer, "hits");
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      DemoOptions options = quiet(profile, 15.0);
+      options.seed = seed;
+      for (const PeerRecord& peer : run_virtual(TennisScenario(), options).peers) {
+        CHECK(peer.fault == "");
+        CHECK(number(peer, "tunnelled") == 0.0);
+        sum += number(peer, "hits");
+      }
     }
     return sum;
   };
   const double near_by = hits(0);
-  CHECK(near_by >= 24.0);
+  CHECK(near_by >= 72.0);
   CHECK(hits(5) >= 0.9 * near_by);
 }
 
