@@ -22,6 +22,18 @@ void reduce_like_before(RawManifold& manifold, double size, const Vec3& weight,
                           before != nullptr ? before->count : 0);
 }
 
+/// Whether the library's direction is better than that of BoxPair: not where the boxes pass each
+/// other in the one, as they do not meet in the other then.
+bool is_better(const ContactAxis& found, const ContactAxis& now, const Reach& reach, double size) {
+  const bool face = now.owner != FaceOwner::None;
+  const double tolerance = 0.05 * std::max(0.0, -found.separation) + 5e-4 * size;
+  const auto closes = [&](const ContactAxis& axis) {
+    return -axis.normal.dot(reach.way) > axis.separation;
+  };
+  return found.separation > now.separation + (face ? tolerance : 1e-9) &&
+         !(closes(found) && !closes(now));
+}
+
 /// Boxes by the directions of BoxPair. A pair without contacts is new to it, and the library
 /// decides which way it lies; unless a face keeps them apart as well (nearly) as that does.
 /// @return how far b has been moved for that, m
@@ -57,25 +69,18 @@ Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, Ra
                         axis.id < 3   ? FaceOwner::A
                         : axis.id < 6 ? FaceOwner::B
                                       : FaceOwner::None};
-  bool face = axis.id < 6;
   if (cache.patches == nullptr) {
     const ConvexCore core_a = a.core(a.position);
     const ConvexCore core_b = b.core(a.position - moved);
     const Direction found = query_direction(core_a, core_b, reach.margin);
     if (found.status == Direction::Status::Apart) return moved;
     if (found.status == Direction::Status::Found) {
-      const double gap = separation(core_a, core_b, found.normal);
-      const double tolerance = 0.05 * std::max(0.0, -gap) + 5e-4 * std::min(a.size, b.size);
-      // Where the boxes pass each other in the one direction, they do not meet in the other.
-      const auto closes = [&](const Vec3& n, double by) { return -n.dot(reach.way) > by; };
-      const bool passes = closes(found.normal, gap) && !closes(direction.normal, axis.separation);
-      if (gap > axis.separation + (face ? tolerance : 1e-9) && !passes) {
-        direction = {found.normal, gap, FaceOwner::None};
-        face = false;
-      }
+      const ContactAxis other{found.normal, separation(core_a, core_b, found.normal),
+                              FaceOwner::None};
+      if (is_better(other, direction, reach, std::min(a.size, b.size))) direction = other;
     }
   }
-  if (face) {
+  if (direction.owner != FaceOwner::None) {
     out.normal = direction.normal;
     out.owner = direction.owner;
     if (axis.separation > 0.0 && !boxes.will_meet(axis, direction.normal, reach.sweep))

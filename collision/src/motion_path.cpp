@@ -11,11 +11,11 @@
 namespace tandem::collision {
 namespace {
 
-constexpr int kMostAdvances = 64;
+constexpr int kMaxAdvances = 64;
 /// rad: below this there is no axis to go round.
 constexpr double kNoTurn = 1e-6;
 /// rad: after a whole turn nothing is seen of how wide the circle was.
-constexpr double kMostTurn = 6.0;
+constexpr double kMaxTurn = 6.0;
 
 /// Of the turns that lead from one orientation to the other, which are whole turns apart, the one
 /// that is nearest to what the spin at the start makes.
@@ -49,7 +49,7 @@ MotionPath::MotionPath(const pbd::Pose& from, const pbd::Pose& to, const pbd::Tw
   const Vec3 along = axis.dot(go_) * axis;
   const Vec3 across = go_ - along;
   const pbd::portable::SinCos half = pbd::portable::sin_cos(0.5 * angle);
-  if (angle > kMostTurn) return;
+  if (angle > kMaxTurn) return;
   const Vec3 arm = -0.5 * (across + half.cos / half.sin * axis.cross(across));
   const Vec3 sets_out = dt * twist.linear;
   if ((sets_out - along - turn_.cross(arm)).squaredNorm() >= (sets_out - go_).squaredNorm()) return;
@@ -83,7 +83,7 @@ SweepHit sweep(const MovingCore& a, const MovingCore& b, double gap) {
   const double radii = a.core.radius + b.core.radius;
   const bool together = a.stop == b.stop;
   double t = 0.0;
-  for (int i = 0; i < kMostAdvances; ++i) {
+  for (int i = 0; i < kMaxAdvances; ++i) {
     const pbd::Pose pose = a.path.at(std::min(t, a.stop));
     const CoreDistance d =
         core_distance(placed(a.core, pose, pose.position),

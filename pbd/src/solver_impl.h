@@ -50,9 +50,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void end_stage(Stage stage);
   void detect();
   void collect_targets();
-  /// Not-a-number never enters a world, whoever made the target or the manifold.
-  bool usable(const PoseTarget& target) const;
-  bool usable(const Manifold& manifold) const;
   /// Islands, and from them the groups that are solved together.
   void arrange_groups();
   Groups::Rule group_rule() const;

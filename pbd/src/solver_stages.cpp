@@ -24,6 +24,26 @@ bool joints_are_hit(std::span<const std::uint32_t> group, std::span<const Solver
   });
 }
 
+// Not-a-number never enters a world, whoever made the target or the manifold.
+
+bool usable(const PoseTarget& target, const World& world) {
+  return world.contains(target.body) && target.pose.position.allFinite() &&
+         std::abs(target.pose.orientation.norm() - 1.0) < 1e-3 && target.twist.linear.allFinite() &&
+         target.twist.angular.allFinite() && target.rotation_error.allFinite() &&
+         std::isfinite(target.share);
+}
+
+bool usable(const Manifold& m, const World& world) {
+  const auto lives = [&](std::uint32_t body) { return world.body_at(body).valid(); };
+  const bool sound = m.count > 0 && m.count <= Manifold::kMaxPoints && m.body_a != m.body_b &&
+                     lives(m.body_a) && lives(m.body_b);
+  if (!sound) return false;
+  double sum = m.normal.sum() + m.radius_a + m.radius_b + m.friction + m.restitution;
+  for (int i = 0; i < m.count; ++i)
+    sum += m.points[i].anchor_a_l.sum() + m.points[i].anchor_b_l.sum();
+  return std::isfinite(sum) && std::abs(m.normal.squaredNorm() - 1.0) < 1e-3 && m.friction >= 0.0;
+}
+
 }  // namespace
 
 void Solver::Impl::begin_step(World& world, double dt) {
@@ -256,7 +276,7 @@ void Solver::Impl::detect() {
   manifolds_.clear();  // without a source, what it said last is over
   if (world_->contact_source_ != nullptr) {
     world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
-    std::erase_if(manifolds_, [&](const Manifold& m) { return !usable(m); });
+    std::erase_if(manifolds_, [&](const Manifold& m) { return !usable(m, *world_); });
   }
   world_->contacts_->configure(options_.contact);
   world_->contacts_->set_manifolds(manifolds_);
@@ -266,7 +286,7 @@ void Solver::Impl::collect_targets() {
   pose_targets_.clear();
   if (world_->target_source_ != nullptr) {
     world_->target_source_->collect(*world_, dt_, options_, pose_targets_);
-    std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t); });
+    std::erase_if(pose_targets_, [&](const PoseTarget& t) { return !usable(t, *world_); });
     world_->corrections_.assign(bodies_.size(), {});
   } else {
     world_->corrections_.clear();
@@ -327,24 +347,6 @@ Groups::Rule Solver::Impl::group_rule() const {
           .sleep_speed = options_.sleep_speed,
           .sleep_spin = options_.sleep_spin,
           .coupling = world_->island_coupling_};
-}
-
-bool Solver::Impl::usable(const PoseTarget& target) const {
-  return world_->contains(target.body) && target.pose.position.allFinite() &&
-         std::abs(target.pose.orientation.norm() - 1.0) < 1e-3 && target.twist.linear.allFinite() &&
-         target.twist.angular.allFinite() && target.rotation_error.allFinite() &&
-         std::isfinite(target.share);
-}
-
-bool Solver::Impl::usable(const Manifold& m) const {
-  const auto lives = [&](std::uint32_t body) { return world_->body_at(body).valid(); };
-  bool sound = m.count > 0 && m.count <= Manifold::kMaxPoints && m.body_a != m.body_b &&
-               lives(m.body_a) && lives(m.body_b);
-  if (!sound) return false;
-  double sum = m.normal.sum() + m.radius_a + m.radius_b + m.friction + m.restitution;
-  for (int i = 0; i < m.count; ++i)
-    sum += m.points[i].anchor_a_l.sum() + m.points[i].anchor_b_l.sum();
-  return std::isfinite(sum) && std::abs(m.normal.squaredNorm() - 1.0) < 1e-3 && m.friction >= 0.0;
 }
 
 void Solver::Impl::limit_motion() {

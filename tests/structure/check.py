@@ -35,6 +35,8 @@ ALLOWED = {
     "net::TcpOptions": "plain data: what a user may set",
     "net::UdpOptions": "plain data: what a user may set",
     "HubOptions::tls": "needs a server whose certificate this system trusts",
+    "pbd::SolverBody": "what sweeps, joints and targets want of a body, in one place",
+    "pbd::JointBlock": "the verbs of ConstraintBlock",
     "pbd::World": "a method for each thing that is asked of a body",
     "pbd::TypedBlock": "the verbs of ConstraintBlock, and rows by their type",
     "pbd::ContactRows": "columns of one structure of arrays",
