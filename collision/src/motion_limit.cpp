@@ -21,15 +21,16 @@ constexpr std::size_t kChunk = 128;
 constexpr std::uint8_t kGuardedSteps = 60;
 /// Of the lesser of two sizes: so near to each other are two left that would have met, for the
 /// contact of the next step; and so near has the inside to come to something to be in its way.
-constexpr double kTouch = 0.01;
+constexpr double kLeftApart = 0.01;
 /// Rounds in which bodies that stop on their way are looked at again by those they meet.
 constexpr int kRounds = 4;
 
 // How a collider goes in a step.
-constexpr std::uint8_t kIdle = 0;  ///< nothing to look at
-constexpr std::uint8_t kSlow = 1;
-constexpr std::uint8_t kFast = 2;   ///< the middle goes further than the ball there is wide
-constexpr std::uint8_t kSwift = 3;  ///< far points do, or it is marked: movable ones stop it, too
+constexpr std::uint8_t kPaceIdle = 0;  ///< nothing to look at
+constexpr std::uint8_t kPaceSlow = 1;
+constexpr std::uint8_t kPaceFast = 2;  ///< the middle goes further than the ball there is wide
+constexpr std::uint8_t kPaceSwift =
+    3;  ///< far points do, or it is marked: movable ones stop it, too
 
 /// Whether a body may be pushed out on the far side.
 bool is_thin(const Collider& target, const Collider& collider) {
@@ -86,14 +87,14 @@ struct MotionLimiter::Step {
   const pbd::World& world;
   std::span<const pbd::Pose> after;
   double fastest;                         ///< m, how far any obstacle moves
-  std::span<const std::uint8_t> pace;     ///< by collider: from kIdle to kSwift
+  std::span<const std::uint8_t> pace;     ///< by collider: from kPaceIdle to kPaceSwift
   std::span<const std::uint8_t> chained;  ///< by body slot
 
   const pbd::Pose& end(const Collider& c) const { return after[c.def.body.index]; }
   /// Whether it stops where its surface meets something. What is chained does not: the others
   /// would go on and tear at it.
   bool is_swept(std::uint32_t i) const {
-    return pace[i] >= kFast && chained[colliders[i].def.body.index] == 0;
+    return pace[i] >= kPaceFast && chained[colliders[i].def.body.index] == 0;
   }
   MotionPath path(const Collider& c) const {
     if (!is_round(c)) return {c.body, end(c), c.motion.twist, c.motion.span};
@@ -126,8 +127,8 @@ bool swings(const Collider& c, const pbd::Pose& end) {
 std::uint8_t pace_of(const Collider& c, const pbd::Pose& end, bool bullet) {
   const double radius = core_radius(c);
   const Vec3 way = core_centre(c, end) - core_centre(c, c.body);
-  if (swings(c, end) || (bullet && !way.isZero(0.0))) return kSwift;
-  return way.squaredNorm() > radius * radius ? kFast : kSlow;
+  if (swings(c, end) || (bullet && !way.isZero(0.0))) return kPaceSwift;
+  return way.squaredNorm() > radius * radius ? kPaceFast : kPaceSlow;
 }
 
 /// Where a body is at the end that is at `pose` when the obstacle is at `then`, and goes on with
@@ -144,7 +145,7 @@ pbd::Pose carried(const pbd::Pose& pose, const pbd::Pose& then, const pbd::Pose&
 /// touch from the start, for which `touching` is set, it is what the inside does.
 SweepHit find_meeting(const Collider& first, MovingCore a, const Collider& second,
                       const MovingCore& b, std::vector<Vec3>& arms, bool& touching) {
-  const double touch = kTouch * std::min(first.size, second.size);
+  const double touch = kLeftApart * std::min(first.size, second.size);
   a.core = inner_core(first, arms);
   SweepHit hit = sweep(a, b, touch);
   if (hit.apart <= 0.0) {
@@ -211,7 +212,7 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const double radius = core_radius(c);
   const Vec3 from = core_centre(c, c.body);
   const Vec3 to = core_centre(c, step.end(c));
-  const bool fast = step.pace[index] >= kFast;
+  const bool fast = step.pace[index] >= kPaceFast;
   if (!is_finite(step.end(c))) return;
   if (!fast && c.guarded == 0 && (to - from).norm() + step.fastest <= radius) return;
   const bool swept = step.is_swept(index);
@@ -219,7 +220,7 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const MotionPath path = step.path(c);
   const Aabb middle{from.cwiseMin(to), from.cwiseMax(to)};
   const Aabb way = whole ? path.bounds(c.reach) : middle.expanded(radius);
-  step.broad.query(way, swept && step.pace[index] == kSwift, worker.stack,
+  step.broad.query(way, swept && step.pace[index] == kPaceSwift, worker.stack,
                    [&](std::uint32_t other) {
                      const Collider& target = step.colliders[other];
                      if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target))
@@ -245,7 +246,8 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
 
 void MotionLimiter::mark_chained(const pbd::World& world) {
   chained_.assign(world.states().size(), 0);
-  if (std::none_of(pace_.begin(), pace_.end(), [](std::uint8_t pace) { return pace >= kFast; })) {
+  if (std::none_of(pace_.begin(), pace_.end(),
+                   [](std::uint8_t pace) { return pace >= kPaceFast; })) {
     return;
   }
   edges_.clear();
@@ -366,7 +368,7 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
                   pace_,     chained_};
   workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (pace_[i] != kIdle) {
+      if (pace_[i] != kPaceIdle) {
         limit_one(step, static_cast<std::uint32_t>(i), workers_[static_cast<std::size_t>(w)]);
       }
     }

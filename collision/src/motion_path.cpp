@@ -21,7 +21,7 @@ constexpr double kMaxTurn = 6.0;
 /// that is nearest to what the spin at the start makes.
 Vec3 turn_between(const pbd::Pose& from, const pbd::Pose& to, const Vec3& spun) {
   constexpr double kWhole = 2.0 * std::numbers::pi;
-  const Vec3 turn = pbd::rotation_between(from.orientation, to.orientation);
+  Vec3 turn = pbd::rotation_between(from.orientation, to.orientation);
   const double angle = turn.norm();
   if (angle < kNoTurn) return turn;
   const Vec3 axis = turn / angle;

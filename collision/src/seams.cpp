@@ -22,7 +22,7 @@ constexpr double kFlush = 1e-3;
 /// m: how much longer the way to a face may be than its height, for a point above the face.
 constexpr double kPlumb = 1e-9;
 /// Parts that one worker takes at a time.
-constexpr std::size_t kGrain = 16;
+constexpr std::size_t kPartGrain = 16;
 
 /// The point of a collider's surface that is nearest to a given one.
 struct Foot {
@@ -64,8 +64,8 @@ Foot foot_on_surface(const Vec3& point, const Collider& c, const Surface& surfac
   Foot foot;
   for (const std::uint32_t t : triangles) {
     const auto corners = surface.corners(t);
-    const Vec3 a = surface.vertex(corners[0]);
-    const Vec3 front = surface.normal(t);
+    const auto& a = surface.vertex(corners[0]);
+    const auto& front = surface.normal(t);
     const double height = front.dot(p - a);
     if (height < -limit || height >= foot.distance) continue;
     int region = 0;
@@ -206,7 +206,7 @@ void Seams::drop_covered(std::span<const Collider> colliders, pbd::Workers& work
 
   triangles_.resize(static_cast<std::size_t>(workers.count()));
   std::atomic<bool> empty = false;
-  workers.for_chunks(kept, kGrain, [&](std::size_t from, std::size_t to, int w) {
+  workers.for_chunks(kept, kPartGrain, [&](std::size_t from, std::size_t to, int w) {
     std::vector<std::uint32_t>& triangles = triangles_[static_cast<std::size_t>(w)];
     for (std::size_t i = from; i < to; ++i) {
       const FixedNeighbour& own = neighbours_[i];
