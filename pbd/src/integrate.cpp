@@ -26,6 +26,8 @@ constexpr double kStale = 0.02;
 
 /// rad/s at which the angular momentum turns in the body's frame; 0 where it hardly does.
 double tumbling(const SolverBody& body, const BodyProps& props) {
+  const Vec3& moments = props.principal.moments;
+  if (moments.x() == moments.y() && moments.y() == moments.z()) return 0.0;
   if (!(body.w.squaredNorm() > kSlowSpin * kSlowSpin) || props.locks.any()) return 0.0;
   const Vec3 w_l = rotate(body.q.conjugate(), body.w);
   const Mat3& inertia = props.inertia;

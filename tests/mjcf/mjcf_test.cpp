@@ -3,6 +3,8 @@
 #include "tandem/mjcf.h"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <string>
 
@@ -78,6 +80,19 @@ TEST_CASE("mjcf: what is none, or cannot be, is refused", "[mjcf][errors]") {
   CHECK(refused("").find("x.xml: ") == 0);
   CHECK(refused("<mujoco><worldbody><body>").find("x.xml: ") == 0);
   CHECK(refused("<mujoco><include file='/etc/hostname'/></mujoco>").find("x.xml: ") == 0);
+  // A text has no files beside it, and what is on the disk is not looked for.
+  const auto path = std::filesystem::temp_directory_path() / "tandem_mjcf_test.xml";
+  std::ofstream(path) << "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>";
+  for (const std::string& names :
+       {"<include file='" + path.string() + "'/>",
+        std::string("<asset><mesh name='m' file='/m.stl'/></asset>"),
+        std::string("<asset><texture name='t' fileright = '/t.png'/></asset>")}) {
+    CAPTURE(names);
+    CHECK(refused("<mujoco>" + names + "</mujoco>").find("without a file") != std::string::npos);
+  }
+  std::filesystem::remove(path);
+  CHECK_NOTHROW(parse_mjcf(
+      "<mujoco><worldbody><body name='file=1'><geom size='1'/></body></worldbody></mujoco>"));
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<body>";
   CHECK(refused(deep).find("depth") != std::string::npos);

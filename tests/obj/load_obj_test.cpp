@@ -131,6 +131,10 @@ TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {
   CHECK_THAT(refused(v + "v 2 0 0\nf 1 2 4"), Contains("test.obj:5: face") && Contains("an area"));
   CHECK_THAT(refused("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 2 1 0\nf 1 2 3 4"), Contains("cross itself"));
   CHECK_THAT(refused(v + "f 1 2 3\nf 1 2 3"), Contains("test.obj:5") && Contains("edge"));
+  std::string round = "f";
+  for (int i = 1; i <= 10'000; ++i) round += " 1";
+  CHECK_THAT(refused(v + round), Contains("corners of a face") && Contains("at most 256"));
+  CHECK_THROWS_WITH(obj::load_obj("/dev/zero"), Contains("size") && Contains("2^28"));
   CHECK_THROWS_WITH(obj::load_obj("no/such/file.obj"),
                     Contains("no/such/file.obj: file") && Contains("can be read"));
   CHECK_THROWS_WITH(obj::parse_obj(v + "f 1 2 3", "test.obj", {.scale = 0.0}),

@@ -110,6 +110,26 @@ TEST_CASE("urdf: what is none is refused", "[urdf][errors]") {
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
   CHECK(refused(deep));
+  // Nothing within a value, a comment or a declaration closes an element.
+  for (const std::string open : {"<a b=\"/>\">", "<a><!-- </a> -->", "<a b='</a>'>", "<a b=c'>",
+                                 "<a><![CDATA[</a>]]>", "<a><?x </a>?>"}) {
+    deep.clear();
+    for (int i = 0; i < 150'000; ++i) deep += open;
+    CAPTURE(open);
+    CHECK(refused(deep));
+  }
+  // Each link is held to the next by two joints: 2^30 bodies.
+  std::string doubled = "<robot name='r'><link name='l0'/>";
+  for (int i = 0; i < 30; ++i) {
+    const std::string from = std::to_string(i);
+    const std::string to = std::to_string(i + 1);
+    doubled += "<link name='l" + to + "'/>";
+    for (const std::string side : {"a", "b"}) {
+      doubled += "<joint name='" + side + from + "' type='fixed'><parent link='l" + from +
+                 "'/><child link='l" + to + "'/></joint>";
+    }
+  }
+  CHECK(refused(doubled + "</robot>"));
   std::string heavy = kArm;
   heavy.replace(heavy.find("value=\"2\""), 9, "value=\"-2\"");
   CHECK(refused(heavy));

@@ -301,6 +301,7 @@ SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& optio
 
 SceneFile parse_mjcf(std::string_view text, const SceneOptions& options, std::string_view name) {
   scene_files::check_xml_size(text, name);
+  scene_files::refuse_files(text, name);
   if (text.empty()) {
     throw SceneFileError(pbd::detail::must_be(std::string(name) + ": text", "not empty"));
   }

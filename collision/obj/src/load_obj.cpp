@@ -36,6 +36,12 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
   std::vector<TriangleMesh::Triangle> triangles;
   std::vector<std::size_t> lines;  // of each triangle
   for (const Face& face : obj.faces) {
+    // Cutting them into triangles takes the third power of the time.
+    constexpr std::size_t kMaxCorners = 256;
+    if (face.corners.size() > kMaxCorners) {
+      refuse(name, face.line, "corners of a face", "at most " + std::to_string(kMaxCorners),
+             std::to_string(face.corners.size()));
+    }
     if (!triangulate(obj.vertices, face.corners, triangles)) {
       refuse(name, face.line, "face", "one that has an area and does not cross itself");
     }
@@ -63,7 +69,16 @@ Mesh load_obj(const std::filesystem::path& path, const ObjOptions& options) {
 }
 
 Mesh read_obj(std::istream& in, std::string_view name, const ObjOptions& options) {
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;
+  constexpr std::size_t kPart = std::size_t{1} << 16;
+  std::string text;
+  while (in && text.size() <= kMaxBytes) {
+    const std::size_t size = text.size();
+    text.resize(size + kPart);
+    in.read(text.data() + size, static_cast<std::streamsize>(kPart));
+    text.resize(size + static_cast<std::size_t>(in.gcount()));
+  }
+  if (text.size() > kMaxBytes) refuse(name, 0, "size", "at most 2^28 bytes");
   if (in.bad()) refuse(name, 0, "file", "one that can be read to its end");
   return build(text, name, options);
 }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_set>
 
 #include "read_bytes.h"
 #include "xml_size.h"
@@ -39,9 +40,14 @@ class UrdfReader {
       BodyId parent;
     };
     std::vector<Place> open{{&root, options_.base, {}}};
+    std::unordered_set<const urdf::Link*> seen;
     while (!open.empty()) {
       const Place at = open.back();
       open.pop_back();
+      if (!seen.insert(at.link).second) {
+        throw SceneFileError(pbd::detail::must_be("link " + at.link->name + ": joints to parents",
+                                                  "one", "several"));
+      }
       const BodyId id = body(*at.link, at.frame);
       out_.bodies.push_back({at.link->name, id});
       if (at.link->parent_joint) joint(*at.link->parent_joint, at.frame, at.parent, id);
