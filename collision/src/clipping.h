@@ -20,8 +20,11 @@ struct RawPoint {
   /// By feature, then the deeper one, then by place: no two different ones are equal, as libraries
   /// differ in which of equal ones they sort first.
   bool operator<(const RawPoint& other) const {
-    return std::tie(feature, gap, on_a.x(), on_a.y(), on_a.z()) <
-           std::tie(other.feature, other.gap, other.on_a.x(), other.on_a.y(), other.on_a.z());
+    const auto place = [](const RawPoint& p) {
+      return std::tie(p.feature, p.gap, p.on_a.x(), p.on_a.y(), p.on_a.z(), p.on_b.x(), p.on_b.y(),
+                      p.on_b.z());
+    };
+    return place(*this) < place(other);
   }
 };
 

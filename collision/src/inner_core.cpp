@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tandem/pbd/math.h"
 #include "tandem/pbd/portable.h"
 
 namespace tandem::collision {
@@ -31,7 +32,13 @@ void shrink_hull(const ConvexHull& hull, double layer, std::vector<Vec3>& arms) 
         inwards += depth(face) * face.normal;
       }
     }
-    const Vec3 moved = hull.arms()[v] - normals.inverse() * inwards;
+    // Cramer's rule: the order of Eigen's inverse is not the same everywhere.
+    const Vec3 p = normals.col(0);
+    const Vec3 q = normals.col(1);
+    const Vec3 r = normals.col(2);
+    const Vec3 pq = p.cross(q);
+    const Vec3 solved(q.cross(r).dot(inwards), r.cross(p).dot(inwards), pq.dot(inwards));
+    const Vec3 moved = hull.arms()[v] - solved / pq.dot(r);
     double share = 1.0;
     for (const ConvexHull::Face& face : hull.faces()) {
       const double height = face.normal.dot(moved);
@@ -46,9 +53,9 @@ void shrink_hull(const ConvexHull& hull, double layer, std::vector<Vec3>& arms) 
 
 ConvexCore body_core(const Collider& c) {
   ConvexCore core = c.core(c.body.position);
-  const Mat3 turn = c.body.orientation.toRotationMatrix().transpose();
-  core.centre = turn * core.centre;
-  core.axes = turn * core.axes;
+  const pbd::Quat turn = c.body.orientation.conjugate();
+  core.centre = pbd::rotate(turn, core.centre);
+  core.axes = turn.toRotationMatrix() * core.axes;
   return core;
 }
 
@@ -57,8 +64,6 @@ ConvexCore inner_core(const Collider& c, std::vector<Vec3>& arms) {
   const double layer = inner_layer(c);
   switch (core.kind) {
     case CoreKind::Box:
-      core.half -= Vec3::Constant(layer);
-      break;
     case CoreKind::Cylinder:
       core.half -= Vec3::Constant(layer);
       break;
