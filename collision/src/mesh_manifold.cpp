@@ -236,8 +236,7 @@ static void gather_cluster(MeshScratch& scratch, std::size_t seed, int number, d
     if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameCluster) continue;
     candidate.cluster = number;
     // Measured along the common normal the gap stays what it was along the point's own.
-    RawPoint& p = candidate.point;
-    p.on_b += (p.gap + radius - n.dot(p.on_b - p.on_a)) * n;
+    candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + radius) * n;
     scratch.cluster.push_back(candidate.point);
   }
 }
