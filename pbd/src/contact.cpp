@@ -130,6 +130,10 @@ void ContactBlock::adopt(std::span<const Contact> contacts) {
   std::vector<Contact>& own = impl_->contacts;
   const auto old_end = static_cast<std::ptrdiff_t>(own.size());
   own.insert(own.end(), contacts.begin(), contacts.end());
+  // What stands for a shape elsewhere has another version there.
+  for (auto i = own.begin() + old_end; i != own.end(); ++i) {
+    i->manifold.version = Manifold::kAnyVersion;
+  }
   std::stable_sort(own.begin() + old_end, own.end(), by_key);
   // Equal ones: those that were here come first.
   std::inplace_merge(own.begin(), own.begin() + old_end, own.end(), by_key);
