@@ -118,8 +118,7 @@ TEST_CASE("cluster: a thin gas keeps momentum and energy, cut or not", "[mpi]") 
 }
 
 // A blow that goes on to a third ball within a substep, over a seam, has no exact energy: each rank
-// solves the blows of its own rows, from what was before the substep. Neither has one whose
-// direction is that of a meeting from which another blow has turned the balls away: 0.4 % are lost.
+// solves the blows of its own rows, from what was before the substep.
 TEST_CASE("cluster: a gas that collapses keeps its momentum", "[mpi]") {
   const Flight flight = fly({.spacing = 0.4, .inwards = 3.0, .seconds = 1.0});
   CHECK(flight.struck > 500);
