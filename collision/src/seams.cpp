@@ -7,6 +7,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "collider_query.h"
 #include "sphere_contact.h"
 #include "surface_memory.h"
 #include "tandem/collision/height_field.h"
@@ -30,31 +31,7 @@ struct Foot {
   double distance = HUGE_VAL;  ///< m, from the surface; negative inside
 };
 
-Foot foot_on_hull(const Vec3& point, const Collider& c, double limit) {
-  const ConvexCore core = c.core(point);
-  const ConvexHull& hull = *core.hull;
-  const Vec3 p = core.axes.transpose() * -core.centre;
-  Foot inside{Vec3::UnitZ(), -HUGE_VAL};
-  Foot foot;
-  for (const ConvexHull::Face& face : hull.faces()) {
-    const double height = face.normal.dot(p) - face.offset;
-    if (height > inside.distance) inside = {face.normal, height};
-    if (height <= 0.0 || height >= std::min(limit, foot.distance)) continue;
-    const std::span<const std::uint32_t> corners = hull.face_corners(face);
-    for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
-      int region = 0;
-      const Vec3 out = p - nearest_on_triangle(p, hull.arms()[corners[0]], hull.arms()[corners[k]],
-                                               hull.arms()[corners[k + 1]], region);
-      const double distance = out.norm();
-      if (distance >= foot.distance) continue;
-      foot = {distance < height + kPlumb ? face.normal : Vec3(out / distance), distance};
-    }
-  }
-  if (inside.distance <= 0.0) foot = inside;
-  foot.out = core.axes * foot.out;
-  return foot;
-}
-
+/// Of what is solid behind its triangles: nearest_on_collider() knows two sides of them.
 template <class Surface>
 Foot foot_on_surface(const Vec3& point, const Collider& c, const Surface& surface, double limit,
                      std::vector<std::uint32_t>& triangles) {
@@ -89,9 +66,9 @@ Foot foot_on(const Vec3& point, const Collider& c, double limit,
     return foot_on_surface(point, c, **mesh, limit, triangles);
   if (const auto* field = std::get_if<Field>(&c.def.shape))
     return foot_on_surface(point, c, **field, limit, triangles);
-  if (!has_sphere_contact(c.kind)) return foot_on_hull(point, c, limit);
-  const SphereContact contact = sphere_contact(point, c);
-  return {-contact.normal, contact.distance - contact.radius_b};
+  SurfaceHit hit;
+  if (!nearest_on_collider(c, point_core(Vec3::Zero()), point, limit, hit)) return {};
+  return {hit.normal, hit.distance - hit.depth};
 }
 
 /// Whether the triangles that have the point p reach above a plane through `on_plane`.
