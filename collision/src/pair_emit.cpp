@@ -92,10 +92,7 @@ void emit_direct(const QueryPair& pair, const PairReach& reach, std::uint64_t ke
     contact = sphere_contact(centre, b);
     return approach();
   };
-  // Of two balls others' blows decide where they meet: a gas loses 0.5 % of its energy with it.
-  if (b.kind != Kind::Sphere) {
-    share_to_meeting(reach.way, kMet * std::min(a.size, b.size), approach(), look);
-  }
+  share_to_meeting(reach.way, kMet * std::min(a.size, b.size), approach(), look);
   const double gap = approach().gap + contact.normal.dot(centre - a.position);
   if (gap >= reach.along(contact.normal)) return;
   pbd::Manifold& m = out.emplace_back();

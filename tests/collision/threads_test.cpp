@@ -24,6 +24,8 @@ TEST_CASE("threads: contacts are the same bits for any number of workers", "[col
     Fixture f;
     Workers workers(count);
     f.fixed(flat_mesh(20.0, 19));
+    // Tiles flush with it, so that contacts with their sides are covered.
+    for (int i = -3; i < 3; ++i) f.fixed(Box{Vec3(0.25, 2.0, 0.2)}, at(0.5 * i, 0.0, -0.2));
     Random random(8);
     const std::vector<Shape> shapes = convex_shapes(0.5);
     std::vector<BodyId> ids;

@@ -34,9 +34,10 @@ struct Gas {
   double restitution = 1.0;  ///< of all balls, without friction
   double seconds = 0.0;
   double hz = 240.0;  ///< steps a second
+  std::uint64_t seed = 0;
 
   pbd::BodyDef ball(int i) const {
-    pbd::SplitMix64 random(static_cast<std::uint64_t>(i) + 1);
+    pbd::SplitMix64 random(static_cast<std::uint64_t>(i) + 1 + 1000 * seed);
     const Vec3 place(i % kSide, i / kSide % kSide, i / kSide / kSide);
     const Vec3 at = spacing * (place - Vec3::Constant(0.5 * (kSide - 1)));
     const auto any = [&] { return random.uniform(-0.5, 0.5); };
@@ -109,21 +110,30 @@ bool is_cut() {
   return ranks > 1;
 }
 
+// A blow that goes on to a third ball within a substep has no exact energy. Over a seam each rank
+// solves the blows of its own rows, from what was before the substep. So a gas is judged by several
+// draws: a single one may have no such blow.
 TEST_CASE("cluster: a thin gas keeps momentum and energy, cut or not", "[mpi]") {
-  const Flight flight = fly({.spacing = 0.8, .inwards = 1.0, .seconds = 2.0, .hz = 960.0});
-  CHECK(flight.struck > 500);
-  CHECK((flight.seam_rows > 100) == is_cut());
-  CHECK(flight.momentum < 1e-12);
-  CHECK(std::abs(flight.energy - 1.0) < 1e-9);
+  for (const std::uint64_t seed : {0, 1, 2}) {
+    const Flight flight =
+        fly({.spacing = 0.8, .inwards = 1.0, .seconds = 2.0, .hz = 960.0, .seed = seed});
+    CAPTURE(seed);
+    CHECK(flight.struck > 500);
+    CHECK((flight.seam_rows > 100) == is_cut());
+    CHECK(flight.momentum < 1e-12);
+    // One blow carries up to a hundredth of the energy.
+    CHECK(std::abs(flight.energy - 1.0) < (is_cut() ? 1e-2 : 1e-9));
+  }
 }
 
-// A blow that goes on to a third ball within a substep, over a seam, has no exact energy: each rank
-// solves the blows of its own rows, from what was before the substep.
 TEST_CASE("cluster: a gas that collapses keeps its momentum", "[mpi]") {
-  const Flight flight = fly({.spacing = 0.4, .inwards = 3.0, .seconds = 1.0});
-  CHECK(flight.struck > 500);
-  CHECK(flight.momentum < 1e-12);
-  if (!is_cut()) CHECK(std::abs(flight.energy - 1.0) < 1e-3);
+  for (const std::uint64_t seed : {0, 1, 2}) {
+    const Flight flight = fly({.spacing = 0.4, .inwards = 3.0, .seconds = 1.0, .seed = seed});
+    CAPTURE(seed);
+    CHECK(flight.struck > 500);
+    CHECK(flight.momentum < 1e-12);
+    if (!is_cut()) CHECK(std::abs(flight.energy - 1.0) < 1e-2);
+  }
 }
 
 TEST_CASE("cluster: the same gas without a bounce loses what it must", "[mpi]") {

@@ -237,7 +237,6 @@ TEST_CASE("seams: what passes by an edge, however near, is not thrown off it",
     const Shape shapes[]{Box{size, size, size}, block_hull(size, size, size),    Sphere{size},
                          Cylinder{size, size},  Capsule{0.5 * size, 0.5 * size}, sheet(size, size)};
     const std::uint64_t kind = random.below(6);
-    if (kind == 2 && rider.name == "ball") continue;  // two balls take the direction of now
     const double top = kind == 5 ? 0.0 : size;
     const bool dynamic = kind != 5 && random.chance(0.5);
     scene.add(shapes[kind], {.type = dynamic ? BodyType::Dynamic : BodyType::Static});
