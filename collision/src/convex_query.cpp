@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "axis_rules.h"
 #include "box_box.h"
 #include "fcl_bridge.h"
 #include "meeting.h"
@@ -26,7 +28,7 @@ void reduce_like_before(RawManifold& manifold, double size, const Vec3& weight,
 /// other in the one, as they do not meet in the other then.
 bool is_better(const ContactAxis& found, const ContactAxis& now, const Reach& reach, double size) {
   const bool face = now.owner != FaceOwner::None;
-  const double tolerance = 0.05 * std::max(0.0, -found.separation) + 5e-4 * size;
+  const double tolerance = kFaceShare * std::max(0.0, -found.separation) + kFaceSize * size;
   const auto closes = [&](const ContactAxis& axis) {
     return -axis.normal.dot(reach.way) > axis.separation;
   };
@@ -62,8 +64,10 @@ Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, Ra
           return approach({pose_a, pose_b, between + share * reach.way});
         });
   }
-  const BoxPair boxes(pose_a, pose_b, between + moved);
-  axis = boxes.best(cache.axis, reach.margin);
+  std::optional<BoxPair> there;
+  if (!moved.isZero(0.0))
+    axis = there.emplace(pose_a, pose_b, between + moved).best(cache.axis, reach.margin);
+  const BoxPair& boxes = there ? *there : now;
   cache.axis = axis.id;
   ContactAxis direction{boxes.normal(axis), axis.separation,
                         axis.id < 3   ? FaceOwner::A

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "read_bytes.h"
-#include "xml_size.h"
+#include "xml_check.h"
 
 namespace tandem {
 namespace {
@@ -295,12 +295,12 @@ SceneFile build(const std::string& path, const mjVFS* files, const SceneOptions&
 }  // namespace
 
 SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& options) {
-  scene_files::check_xml_size(scene_files::read_bytes(path), path.string());
+  scene_files::check_xml(scene_files::read_bytes(path), path.string());
   return build(path.string(), nullptr, options, path.string());
 }
 
 SceneFile parse_mjcf(std::string_view text, const SceneOptions& options, std::string_view name) {
-  scene_files::check_xml_size(text, name);
+  scene_files::check_xml(text, name);
   scene_files::refuse_files(text, name);
   if (text.empty()) {
     throw SceneFileError(pbd::detail::must_be(std::string(name) + ": text", "not empty"));

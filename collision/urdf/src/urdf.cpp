@@ -12,7 +12,7 @@
 #include <unordered_set>
 
 #include "read_bytes.h"
-#include "xml_size.h"
+#include "xml_check.h"
 
 namespace tandem {
 namespace {
@@ -205,7 +205,7 @@ void warn_of_unknown(const std::string& text, std::vector<std::string>& warnings
 
 SceneFile parse_urdf(std::string_view text, const UrdfOptions& options, std::string_view name) {
   const std::string file(name);
-  scene_files::check_xml_size(text, name);
+  scene_files::check_xml(text, name);
   const std::string copy(text);
   urdf::ModelInterfaceSharedPtr model;
   Listener listener;

@@ -83,7 +83,7 @@ inline bool has_attribute(const XmlTag& tag, std::string_view name) {
 }
 
 /// Bounds for parsers that call themselves for each element within another, and hold all of them.
-inline void check_xml_size(std::string_view text, std::string_view name) {
+inline void check_xml(std::string_view text, std::string_view name) {
   constexpr std::size_t kMaxElements = 200'000;
   std::size_t open = 0;
   std::size_t elements = 0;
