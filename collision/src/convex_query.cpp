@@ -98,31 +98,12 @@ Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, Ra
 
 /// Any two convex shapes. @return how far b has been moved for that, m
 Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cache,
-                 RawManifold& out) {
+                 std::size_t& queries, RawManifold& out) {
   const Vec3& origin = pair.a->position;
   const ConvexCore a = pair.a->core(origin);
-  ConvexCore b = pair.b->core(origin);
-  Direction direction = query_direction(a, b, reach.margin);
-  const auto approach = [&] {
-    return Approach{direction.normal, separation(a, b, direction.normal) - a.radius - b.radius};
-  };
-  Vec3 moved = Vec3::Zero();
-  if (direction.status == Direction::Status::Found) {
-    const Vec3 centre = b.centre;
-    const auto look = [&](double share) {
-      b.centre = centre + share * reach.way;
-      const Direction there = query_direction(a, b, reach.margin);
-      if (there.status == Direction::Status::Unknown) {  // too near for the library
-        b.centre = centre + moved;
-        return Approach{direction.normal, 0.0};
-      }
-      moved = share * reach.way;
-      direction = there;
-      return there.status == Direction::Status::Found ? approach()
-                                                      : Approach{direction.normal, HUGE_VAL};
-    };
-    share_to_meeting(reach.way, kMet * std::min(a.size, b.size), approach(), look);
-  }
+  const ConvexCore now = pair.b->core(origin);
+  Direction direction = query_direction(a, now, reach.margin);
+  const Vec3 moved = until_meeting(a, now, reach.way, reach.margin, direction, queries);
   if (direction.status == Direction::Status::Apart) return moved;
   Vec3 before;
   if (cache.patches != nullptr) {
@@ -130,6 +111,7 @@ Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cac
     before = pbd::rotate((patch.in_a ? pair.a : pair.b)->body.orientation, patch.normal_l);
   }
   const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
+  const ConvexCore b = moved_by(now, moved);
   out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
   return moved;
 }
@@ -147,12 +129,13 @@ std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& c
     reduce_like_before(out, pair.a->size, reach.weight, cache);
     return 1;
   }
+  std::size_t queries = 1;
   const bool boxes = pair.a->kind == Kind::Box && pair.b->kind == Kind::Box;
   const Vec3 moved =
-      boxes ? query_boxes(pair, reach, cache, out) : query_cores(pair, reach, cache, out);
+      boxes ? query_boxes(pair, reach, cache, out) : query_cores(pair, reach, cache, queries, out);
   for (int i = 0; i < out.count; ++i) out.points[i].on_b -= moved;
   reduce_like_before(out, std::min(pair.a->size, pair.b->size), reach.weight, cache);
-  return 1;
+  return queries;
 }
 
 }  // namespace tandem::collision

@@ -3,8 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 
-#include "tandem/pbd/types.h"
+#include "fcl_bridge.h"
 
 namespace tandem::collision {
 
@@ -40,5 +41,14 @@ double share_to_meeting(const pbd::Vec3& sweep, double near, Approach at, Look&&
 
 /// Share of the smaller one's size at which two shapes have met: beyond the library's rounding.
 inline constexpr double kMet = 1e-4;
+
+/// The core at another place.
+ConvexCore moved_by(const ConvexCore& core, const Vec3& way);
+
+/// How far b has to be moved along the way (m) for the two to lie as they will where they meet.
+/// @param direction  in which b lies now; becomes that in which it lies there
+/// @param queries    raised by those that it takes
+Vec3 until_meeting(const ConvexCore& a, const ConvexCore& b, const Vec3& way, double margin,
+                   Direction& direction, std::size_t& queries);
 
 }  // namespace tandem::collision

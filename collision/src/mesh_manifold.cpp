@@ -106,13 +106,6 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
   for (int i = 0; i < count; ++i) manifold.add(points[i]);
 }
 
-ConvexCore moved_by(const ConvexCore& triangle, const Vec3& way) {
-  ConvexCore core = triangle;
-  for (Vec3& corner : core.corners) corner += way;
-  core.centre += way;
-  return core;
-}
-
 template <class Surface>
 Aabb triangle_bounds(const Surface& mesh, std::uint32_t t) {
   const TriangleMesh::Triangle corners = mesh.corners(t);
@@ -162,43 +155,6 @@ static Aabb bounds_in_mesh(const ConvexCore& a, const MeshPose& pose, const Reac
   return bounds;
 }
 
-/// How far the triangle has to be moved along the sweep until it meets the shape, m.
-static Vec3 until_meeting(const ConvexCore& a, const ConvexCore& t, const Direction& direction,
-                          const Reach& reach, std::size_t& queries) {
-  const auto approach = [&](const ConvexCore& triangle, const Direction& d) {
-    const bool apart = d.status == Direction::Status::Apart;
-    return Approach{d.normal, apart ? HUGE_VAL : separation(a, triangle, d.normal) - a.radius};
-  };
-  const auto look = [&](double share) {
-    ++queries;
-    const ConvexCore triangle = moved_by(t, share * reach.way);
-    return approach(triangle, query_direction(a, triangle, reach.margin));
-  };
-  return reach.way * share_to_meeting(reach.way, kMet * a.size, approach(t, direction), look);
-}
-
-/// The contacts with one triangle as they are where it has been moved by.
-template <class Surface>
-static RawManifold collide_moved(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
-                                 const ConvexCore& t, const MeshPose& pose, const Reach& reach,
-                                 const Vec3& moved, std::size_t& queries) {
-  const ConvexCore there = moved_by(t, moved);
-  RawManifold found;
-  if (a.radius == 0.0) found = front_manifold(a, there, reach);
-  if (found.count == 0) {
-    ++queries;
-    const Direction direction = query_direction(a, there, reach.margin);
-    if (direction.status == Direction::Status::Apart) return found;
-    found = triangle_manifold(a, mesh, index, there, pose, reach, direction);
-  }
-  const double back = found.normal.dot(moved);
-  for (int i = 0; i < found.count; ++i) {
-    found.points[i].on_b -= moved;
-    found.points[i].gap -= back;
-  }
-  return found;
-}
-
 /// The contacts of a shape with one triangle; count 0 where there are none.
 template <class Surface>
 static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
@@ -214,17 +170,25 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
   if (behind && (height < -a.size || !was_touched(previous, mesh.normal(index)))) return found;
   // No direction could be (much) better than a front that is overlapped this little; and where
   // the middle is behind the plane, the nearest way out would be the wrong one.
-  const bool by_front = behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size);
-  if (by_front) found = front_manifold(a, t, reach);
+  if (behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size)) {
+    found = front_manifold(a, t, reach);
+  }
   if (found.count > 0 || behind) return found;
   ++queries;
-  const Direction direction = query_direction(a, t, reach.margin);
+  Direction direction = query_direction(a, t, reach.margin);
+  const Vec3 moved = until_meeting(a, t, reach.way, reach.margin, direction, queries);
   if (direction.status == Direction::Status::Apart) return found;
-  if (direction.status == Direction::Status::Found) {
-    const Vec3 moved = until_meeting(a, t, direction, reach, queries);
-    if (!moved.isZero(0.0)) return collide_moved(a, mesh, index, t, pose, reach, moved, queries);
+  const ConvexCore there = moved_by(t, moved);
+  if (a.radius == 0.0 && !moved.isZero(0.0)) found = front_manifold(a, there, reach);
+  if (found.count == 0) {
+    found = triangle_manifold(a, mesh, index, there, pose, reach, direction);
   }
-  return triangle_manifold(a, mesh, index, t, pose, reach, direction);
+  const double back = found.normal.dot(moved);
+  for (int i = 0; i < found.count; ++i) {
+    found.points[i].on_b -= moved;
+    found.points[i].gap -= back;
+  }
+  return found;
 }
 
 /// Moves the points of one normal, from `seed` on, to scratch.cluster, and numbers them.

@@ -40,9 +40,8 @@ class TANDEM_API ConvexHull {
   /// Points inside the hull, and points outside by less than the tolerance, are left out; and so
   /// are those that lie outside by less than 1e-7 of the extent.
   /// @param points  m, in the shape's frame
-  /// @param tolerance  share, 0 to 0.1, of the thickness: of the height of the large tetrahedron
-  /// among
-  ///   the points that the hull starts with
+  /// @param tolerance  0 to 0.1: share of the thickness, which is the height of the large
+  ///   tetrahedron among the points that the hull starts with
   /// @throws std::invalid_argument  naming the point or count: a coordinate that is not finite,
   ///   fewer than four points, points that lie (within 1e-4 of their extent) in a plane, on a line
   ///   or in one place, or a hull of more than kMaxVertices corners

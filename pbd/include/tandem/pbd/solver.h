@@ -68,9 +68,8 @@ class TANDEM_API Solver {
   const SolverOptions& options() const;
 
   /// Advance the world by dt. Never throws; allocates only where the world has grown.
-  /// @param dt  s, finite and at least kShortestStep; anything else leaves the world as it is and
-  /// is
-  ///   StepStatus::InvalidStep
+  /// @param dt  s, finite and at least kShortestStep; anything else leaves the world as it is: the
+  ///   status is StepStatus::InvalidStep
   const StepReport& step(World& world, double dt) noexcept;
 
   /// What the last step ran and what it left out; see describe(const StepReport&).
