@@ -103,7 +103,7 @@ Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cac
   const ConvexCore a = pair.a->core(origin);
   const ConvexCore now = pair.b->core(origin);
   Direction direction = query_direction(a, now, reach.margin);
-  const Vec3 moved = until_meeting(a, now, reach.way, reach.margin, direction, queries);
+  Vec3 moved = until_meeting(a, now, reach.way, reach.margin, direction, queries);
   if (direction.status == Direction::Status::Apart) return moved;
   Vec3 before;
   if (cache.patches != nullptr) {
