@@ -26,8 +26,6 @@ constexpr std::string_view kE3 =
 constexpr std::string_view kE5 = "the angle is told a whole turn off";
 constexpr std::string_view kE10 =
     "pushed out of overlaps without friction, feet slide until no friction of 0.6 holds the tops";
-constexpr std::string_view kE12 =
-    "no geometric stiffness: substeps above 1.5 periods of a segment's swing";
 constexpr std::string_view kE14 =
     "what is pushed up and falls down again within a step reports a speed and moves nothing";
 constexpr std::string_view kRolls = "there is no rolling resistance";
@@ -45,9 +43,6 @@ constexpr Known kKnown[] = {
     {"E3", "scanned tins and parcels", "", "", kE3},
     {"E5", "hinges beyond half a turn", "", "angle off", kE5},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
-    {"E12", "10 kg swing on a rope of 1 kg", "", "", kE12},
-    {"E12", "100 kg swing on a rope of 1 kg", "", "", kE12},
-    {"E12", "1000 kg swing on a rope of 1 kg", "", "", kE12},
     {"E14", "heap of 60 cubes", "", "speed of what falls asleep", kE14},
     {"E14", "heap of 200 cubes", "", "", kE14},
     {"E14", "house of 40 cards", "", "speed of what falls asleep", kE14},

@@ -13,10 +13,6 @@
 namespace tandem::pbd {
 namespace {
 
-/// Added to the diagonal of a strand, as a share of it: one that is too long between two things
-/// that do not move has no solution else.
-constexpr double kRegular = 1e-9;
-
 /// By index, without the generation check: rows of bodies that are gone are gone.
 SolverBody& at(std::span<SolverBody> bodies, BodyId id) { return bodies[id.index]; }
 const SolverBody& at(std::span<const SolverBody> bodies, BodyId id) { return bodies[id.index]; }
@@ -60,6 +56,9 @@ void ClothBlock::Sweep::begin_step(const ClothRows& rows, const SubstepContext& 
     longest = std::max<std::size_t>(longest, strand.count);
   }
   row_.resize(longest);
+  link_.resize(longest);
+  pulls_.resize(rows.points.size());
+  turns_.resize(rows.strands.size());
 }
 
 void ClothBlock::Sweep::find_groups(const ClothRows& rows, std::span<const SolverBody> bodies) {
@@ -114,6 +113,7 @@ void ClothBlock::Sweep::find_points(const ClothRows& rows, std::size_t bodies) {
   attachments_at_ = named_.size();
   for (const ClothRows::Attachment& a : rows.attachments) name(a.particle);
   points_.resize(slots_.size());
+  find_ropes(rows);
   holds_.resize(rows.attachments.size());
   hold_of_.assign(slots_.size(), kFree);
   for (std::uint32_t i = 0; i < rows.attachments.size(); ++i) {
@@ -128,12 +128,26 @@ void ClothBlock::Sweep::find_points(const ClothRows& rows, std::size_t bodies) {
   }
 }
 
+void ClothBlock::Sweep::find_ropes(const ClothRows& rows) {
+  rope_.assign(rows.strands.size(), 1);
+  strand_of_.assign(slots_.size(), kFree);
+  for (std::uint32_t n = 0; n < rows.strands.size(); ++n) {
+    const ClothRows::Strand& strand = rows.strands[n];
+    for (std::uint32_t i = strand.first; i < strand.first + strand.count; ++i) {
+      std::uint32_t& first = strand_of_[named_[i]];
+      if (first == kFree) first = n;
+      if (first != n) rope_[first] = rope_[n] = 0;
+    }
+  }
+}
+
 void ClothBlock::Sweep::clear_lambdas(const ClothRows& rows, const SubstepContext& ctx) {
   const auto clear = [&](std::uint32_t group, std::uint32_t from, std::uint32_t scalars) {
     if (group == ctx.group) std::fill_n(lambda_.begin() + from, scalars, 0.0);
   };
   for (std::size_t n = 0; n < rows.strands.size(); ++n) {
     clear(strand_group_[n], rows.strands[n].at, rows.strands[n].count - 1);
+    if (strand_group_[n] == ctx.group) turns_[n] = 0;
   }
   for (std::size_t n = 0; n < rows.tethers.size(); ++n) {
     clear(tether_group_[n], rows.tethers[n].at, 1);
@@ -181,52 +195,6 @@ void ClothBlock::Sweep::push_held(std::span<SolverBody> bodies, std::uint32_t po
   const Vec3 its = hold.share * impulse;
   points_[point].x += points_[point].inv_mass * (impulse - its);
   apply_correction(bodies[hold.host], its, hold.r.cross(its));
-}
-
-/// Solves (diagonal, next) for rhs, in place. The matrix is J M^-1 J^T + at: positive definite.
-void ClothBlock::Sweep::eliminate(std::uint32_t count) {
-  for (std::uint32_t i = 1; i < count; ++i) {
-    const double factor = row_[i - 1].next / row_[i - 1].diagonal;
-    row_[i].diagonal -= factor * row_[i - 1].next;
-    row_[i].rhs -= factor * row_[i - 1].rhs;
-  }
-  row_[count - 1].rhs /= row_[count - 1].diagonal;
-  for (std::uint32_t i = count - 1; i > 0; --i) {
-    row_[i - 1].rhs = (row_[i - 1].rhs - row_[i - 1].next * row_[i].rhs) / row_[i - 1].diagonal;
-  }
-}
-
-void ClothBlock::Sweep::solve_strand(const ClothRows& rows, const ClothRows::Strand& strand,
-                                     const SubstepContext& ctx, std::span<const double> held) {
-  const std::uint32_t count = strand.count - 1;
-  const std::uint32_t* const named = named_.data() + strand.first;
-  const double* const lengths = rows.lengths.data() + strand.first;
-  const double softness = strand.compliance / (ctx.h * ctx.h);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    Row& row = row_[i];
-    const Vec3 d = points_[named[i + 1]].x - points_[named[i]].x;
-    const double length = std::sqrt(dot(d, d));
-    row.n = length > kMinLength ? Vec3(d * (1.0 / length)) : Vec3(Vec3::Zero());
-    const double stiff = mobility(named[i], row.n, row.n) + mobility(named[i + 1], row.n, row.n);
-    const double soft = softness * lengths[i];
-    row.rhs = lengths[i] + held[strand.at + i] - length - soft * lambda_[strand.at + i];
-    row.diagonal = (1.0 + kRegular) * stiff + soft;
-    if (!(stiff > 0.0)) {  // it cannot give way, or has no direction
-      row.rhs = 0.0;
-      row.diagonal = 1.0;
-    }
-    row.next = 0.0;
-    if (i > 0) row_[i - 1].next = -mobility(named[i], row_[i - 1].n, row.n);
-  }
-  eliminate(count);
-  Vec3 before = Vec3::Zero();
-  for (std::uint32_t i = 0; i < count; ++i) {
-    lambda_[strand.at + i] += row_[i].rhs;
-    const Vec3 pull = row_[i].rhs * row_[i].n;
-    push(ctx.bodies, named[i], before - pull);
-    before = pull;
-  }
-  push(ctx.bodies, named[count], before);
 }
 
 void ClothBlock::Sweep::solve_tether(const ClothRows::Tether& tether, std::size_t index,
@@ -323,7 +291,7 @@ void ClothBlock::Sweep::run(const ClothRows& rows, const SubstepContext& ctx,
       solve_mean(rows, rows.means[n], ctx, held, led && rows.means[n].leads);
     });
     sweep(tether_group_, [&](std::size_t n) { solve_tether(rows.tethers[n], n, ctx, held); });
-    sweep(strand_group_, [&](std::size_t n) { solve_strand(rows, rows.strands[n], ctx, held); });
+    sweep(strand_group_, [&](std::size_t n) { solve_strand(rows, n, ctx, held); });
   }
   scatter(ctx);
 }

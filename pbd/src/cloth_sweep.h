@@ -23,6 +23,9 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   void begin_step(const ClothRows& rows, const SubstepContext& ctx, std::size_t scalars);
   /// Multipliers of the group start anew.
   void clear_lambdas(const ClothRows& rows, const SubstepContext& ctx);
+  /// Note the energy of what is stretched far. @param carried  m, by scalar: what agreement left
+  void begin_substep(const ClothRows& rows, const SubstepContext& ctx,
+                     std::span<const double> carried);
   /// So many sweeps over the rows of the group, there and back. @param held  m, by scalar
   /// @param led  points that lead do not give way
   void run(const ClothRows& rows, const SubstepContext& ctx, std::span<const double> held,
@@ -59,6 +62,9 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
     std::uint32_t host = 0;        ///< slot
   };
   static constexpr std::uint32_t kFree = 0xffffffffu;
+  /// Added to the diagonal of a row, as a share of it: a strand that is too long between two things
+  /// that do not move has no solution else.
+  static constexpr double kRegular = 1e-9;
 
   bool in_group(std::uint32_t of, std::uint32_t group) const {
     return of == group || (group == kAllGroups && of != SolverBody::kNoGroup);
@@ -78,6 +84,7 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   double affordable(const SubstepContext& ctx) const;
   void find_groups(const ClothRows& rows, std::span<const SolverBody> bodies);
   void find_points(const ClothRows& rows, std::size_t bodies);
+  void find_ropes(const ClothRows& rows);
   void gather(const SubstepContext& ctx);
   void scatter(const SubstepContext& ctx) const;
   void refresh_hold(const ClothRows::Attachment& attachment, std::span<const SolverBody> bodies,
@@ -96,9 +103,25 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
     }
   }
   void push_held(std::span<SolverBody> bodies, std::uint32_t point, const Vec3& impulse);
-  void solve_strand(const ClothRows& rows, const ClothRows::Strand& strand,
-                    const SubstepContext& ctx, std::span<const double> held);
-  void eliminate(std::uint32_t count);
+  void solve_strand(const ClothRows& rows, std::size_t index, const SubstepContext& ctx,
+                    std::span<const double> held);
+  /// The impulses of a strand whose links keep their directions, into `row_`.
+  void solve_straight(const ClothRows& rows, const ClothRows::Strand& strand, double softness,
+                      std::span<const double> held);
+  /// What a round of Newton's method adds to the impulses of a strand whose links turn, into
+  /// `link_`. @return how far they were from their lengths, as a share of these
+  double solve_turning(const ClothRows& rows, const ClothRows::Strand& strand, double softness,
+                       std::span<const double> held);
+  bool swings_fast(const ClothRows& rows, const ClothRows::Strand& strand) const;
+  double mobility_trace(std::uint32_t point) const {
+    const std::uint32_t hold = hold_of_[point];
+    return hold == kFree ? 3.0 * points_[point].inv_mass : holds_[hold].mobility.trace();
+  }
+  Vec3 moved(std::uint32_t point, const Vec3& impulse) const {
+    const std::uint32_t hold = hold_of_[point];
+    return hold == kFree ? Vec3(points_[point].inv_mass * impulse)
+                         : Vec3(holds_[hold].mobility * impulse);
+  }
   void solve_tether(const ClothRows::Tether& tether, std::size_t index, const SubstepContext& ctx,
                     std::span<const double> held);
   void solve_mean(const ClothRows& rows, const ClothRows::Mean& mean, const SubstepContext& ctx,
@@ -121,6 +144,9 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   struct {
     std::vector<SolverBody> start;
     std::vector<Moved> passive, full;
+    /// At the start of the substep, in the unit of affordable(): what contacts are started with
+    /// is no energy yet.
+    double kinetic = 0.0;
   } stretched_;  ///< by touched body: scratch of run_real()
   /// Of one strand, by row: direction, diagonal, what couples it to the next row, right-hand side.
   struct Row {
@@ -130,6 +156,19 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
     double rhs = 0.0;
   };
   std::vector<Row> row_;
+  /// Of one strand whose links turn, by link: inverse of the diagonal block, right-hand side.
+  struct Link {
+    Mat3 inverse = Mat3::Identity();
+    Vec3 rhs = Vec3::Zero();
+  };
+  std::vector<Link> link_;
+  std::vector<Vec3>
+      pulls_;  ///< N s^2, by point of a strand: what its link to the next one has done
+  /// By strand: no other one shares a point with it. Threads that cross are solved one after
+  /// another, and a cloth that is hit gains energy if each alone goes where it would turn to.
+  std::vector<std::uint8_t> rope_;
+  std::vector<std::uint8_t> turns_;       ///< by strand: its links turn, in this substep
+  std::vector<std::uint32_t> strand_of_;  ///< by point: the first strand that has it
   std::size_t tethers_at_ = 0, means_at_ = 0, attachments_at_ = 0;  ///< into named_
 };
 

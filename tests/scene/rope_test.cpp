@@ -7,6 +7,7 @@
 
 #include "support/bodies.h"
 #include "support/catch.h"
+#include "tandem/pbd/random.h"
 
 namespace rope_test {
 
@@ -133,6 +134,75 @@ TEST_CASE("rope: what it ties together keeps its momentum, and one pulls the oth
   CHECK((after - before).head<3>().norm() < 1e-9);
   CHECK((after - before).tail<3>().norm() < 0.02 * before.tail<3>().norm());
   CHECK(scene.world().twist(slow).linear.x() < -0.2);
+}
+
+TEST_CASE("rope: a heavy load swings on a light one as on a rod, at any number of particles",
+          "[scene][invariant][analytic]") {
+  pbd::SplitMix64 random(41);
+  for (int draw = 0; draw < 24; ++draw) {
+    const double load = std::pow(10.0, random.uniform(0.5, 3.5));
+    const int particles = 5 + static_cast<int>(random.uniform(0.0, 60.0));
+    const double length = std::pow(10.0, random.uniform(-0.3, 1.0));
+    const double angle = random.uniform(0.0, 1.4);  // from level
+    CAPTURE(load, particles, length, angle);
+    Scene scene({.solver = {.sleep_after = 0.0}});
+    const Vec3 end = length * Vec3(std::cos(angle), 0.0, -std::sin(angle));
+    const BodyId body =
+        scene.add(Sphere{0.02}, {.mass = load, .pose = {.position = end}, .filter = {.mask = 0}});
+    Rope rope(scene, {.to = end, .particles = particles, .mass = 1.0, .damping = 0.0});
+    rope.attach(0, post(scene, Vec3::Zero()));
+    rope.attach(rope.particles().size() - 1, body);
+    const double start = scene.world().mechanical_energy();
+    const double range = 9.81 * length * (load + 0.5);
+    double stretch = 0.0, gain = 0.0, lowest = 0.0;
+    for (int i = 0; i < 180; ++i) {
+      steps(scene, 1);
+      stretch = std::max(stretch, std::abs(length_of(scene, rope) / length - 1.0));
+      gain = std::max(gain, scene.world().mechanical_energy() - start);
+      lowest = std::min(lowest, scene.pose(body).position.z());
+    }
+    CHECK(stretch < 1e-4);
+    CHECK(gain < 1e-3 * range);
+    if (length < 3.0)
+      CHECK(lowest == Approx(-length).epsilon(0.01));  // it is through its low point
+  }
+}
+
+TEST_CASE("rope: one that a ball hits gains no energy, whatever their masses",
+          "[scene][invariant]") {
+  pbd::SplitMix64 random(7);
+  for (int draw = 0; draw < 60; ++draw) {
+    const int particles = 7 + 2 * static_cast<int>(random.uniform(0.0, 30.0));
+    const double mass = std::pow(10.0, random.uniform(-1.0, 1.0));
+    const double ball_mass = std::pow(10.0, random.uniform(-1.0, 3.0));
+    const double speed = random.uniform(1.0, 20.0);
+    const double length = random.uniform(0.0, 1.0) < 0.5 ? 2.0 : random.uniform(2.0, 2.4);
+    const bool taut = random.uniform(0.0, 1.0) < 0.7;
+    CAPTURE(particles, mass, ball_mass, speed, length, taut);
+    Scene scene;
+    const Vec3 left(0.0, 0.0, 3.0), right(2.0, 0.0, 3.0);
+    Rope rope(scene, {.from = left,
+                      .to = right,
+                      .length = length,
+                      .particles = particles,
+                      .mass = mass,
+                      .radius = 0.03,
+                      .damping = 0.0});
+    rope.attach(0, post(scene, left));
+    if (taut) rope.attach(rope.particles().size() - 1, post(scene, right));
+    const Vec3 way = Vec3(random.uniform(-0.1, 0.1), random.uniform(-1.0, 1.0), -1.0).normalized();
+    const Vec3 target(random.uniform(0.4, 1.6), 0.0, 3.0);
+    scene.add(Sphere{0.12}, {.mass = ball_mass,
+                             .pose = {.position = target - 0.5 * way},
+                             .twist = {.linear = speed * way}});
+    const double start = scene.world().mechanical_energy();
+    double gain = 0.0;
+    for (int i = 0; i < 120; ++i) {
+      steps(scene, 1);
+      gain = std::max(gain, scene.world().mechanical_energy() - start);
+    }
+    CHECK(gain < 1e-3 * (0.5 * ball_mass * speed * speed + 1.0));
+  }
 }
 
 TEST_CASE("rope: refuses what cannot be, by name", "[scene][input]") {

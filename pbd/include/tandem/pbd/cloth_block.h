@@ -62,7 +62,9 @@ struct TANDEM_API AttachmentDef {
 /// Source: [macklin2016] Eq. 18; bending is a row that is linear in places, as in [bergou2006].
 /// Differs: each strand is one linear system, as [deul2018] has it for rods; an attached particle
 /// has the mobility (K_p^-1 + K_h^-1)^-1 of itself and its host; what something stronger has
-/// stretched by more than a hundredth comes back with no more kinetic energy than rows took.
+/// stretched by more than a hundredth comes back with no more kinetic energy than rows took; links
+/// of a strand that no other one crosses pull along where they end, where they would set it
+/// swinging else.
 ///
 /// Rows are swept in the order in which they were added. Memory: allocates where rows are added or
 /// removed, and in the first step after that. Copies share what rows are and have their own
