@@ -170,7 +170,7 @@ void Groups::fill_groups(const Islands& islands, std::span<const BodyProps> prop
     members_[group.size++] = i;
     bodies[i].group = number;
     group.locked = group.locked || props[i].locks.any();
-    if (!activity[i].awake) activity[i].low_speed_time = 0.0;
+    if (!activity[i].awake) activity[i].stir();
     activity[i].awake = true;
   });
   std::size_t begin = 0;
@@ -198,14 +198,21 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     const Vec3 dw = bodies[i].w - before[i].twist.angular;
     return dv.norm() < share * rule.sleep_speed && dw.norm() < share * rule.sleep_spin;
   };
+  // Of its places, as what trembles moves nothing: pushed out of an overlap and falling back within
+  // each step it would have a speed.
+  const double way = rule.sleep_speed * rule.sleep_after;
+  const double turn = rule.sleep_spin * rule.sleep_after;
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
-    const bool slow = bodies[i].v.squaredNorm() < rule.sleep_speed * rule.sleep_speed &&
-                      bodies[i].w.squaredNorm() < rule.sleep_spin * rule.sleep_spin &&
-                      (sprung_[i] == 0 || is_steady(i));
-    activity[i].low_speed_time = slow ? activity[i].low_speed_time + dt : 0.0;
+    BodyActivity& own = activity[i];
+    own.moved += bodies[i].x - before[i].pose.position;
+    const Quat turn_now = bodies[i].q * before[i].pose.orientation.conjugate();
+    own.turned += (turn_now.w() < 0.0 ? -2.0 : 2.0) * turn_now.vec();
+    own.low_speed_time += dt;
+    const bool slow = own.moved.norm() <= way && own.turned.norm() <= turn;
+    if (!slow || (sprung_[i] != 0 && !is_steady(i))) own.stir();
     if (is_copy(copies, i)) continue;
     island.sleepy =
         island.sleepy && props[i].can_sleep && activity[i].low_speed_time >= rule.sleep_after;

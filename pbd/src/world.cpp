@@ -18,7 +18,7 @@ namespace {
 
 void wake_up(BodyActivity& activity) {
   activity.awake = true;
-  activity.low_speed_time = 0.0;
+  activity.stir();
 }
 
 }  // namespace
@@ -304,6 +304,8 @@ void World::resume(BodyId id, const BodyState& state, const BodyActivity& activi
                   activity.level, "a level of refinement");
   detail::require(activity.low_speed_time >= 0.0, "World::resume", "activity.low_speed_time",
                   activity.low_speed_time, ">= 0 s");
+  detail::require_finite(activity.moved, "World::resume", "activity.moved");
+  detail::require_finite(activity.turned, "World::resume", "activity.turned");
   if (!activity.awake) ++sleepers_moved_;
   states_[index] = state;
   activity_[index] = activity;

@@ -152,7 +152,7 @@ void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake
   if (!awake && !stays_asleep) ++world_.sleepers_moved_;
   world_.states_[slot] = state;
   if (world_.props_[slot].type != BodyType::Dynamic) return;
-  if (awake && !activity.awake) activity.low_speed_time = 0.0;
+  if (awake && !activity.awake) activity.stir();
   activity.awake = awake;
 }
 

@@ -18,7 +18,7 @@ namespace tandem::pbd {
 namespace {
 
 constexpr std::uint32_t kSnapshotMagic = 0x53444e54;  // "TNDS"
-constexpr std::uint32_t kSnapshotVersion = 9;
+constexpr std::uint32_t kSnapshotVersion = 10;
 
 /// Bytes before the state, and after it: see snapshot().
 constexpr std::size_t kHeadBytes = 4 + 4 + 4 + 8 + 1;
@@ -46,7 +46,7 @@ void save_body(FieldWriter io, const BodyProps& props, const BodyActivity& activ
   props_fields(io, props);
   io(props.stable_id.has_value(), props.stable_id.value_or(0), props.origin);
   io(activity.awake, activity.level, std::uint32_t{activity.steps_at_lower_level},
-     activity.low_speed_time);
+     activity.low_speed_time, activity.moved, activity.turned);
   state_fields(io, state);
 }
 
@@ -57,7 +57,8 @@ void load_body(FieldReader io, BodyProps& props, BodyActivity& activity, BodySta
   io(named, id, props.origin);
   props.stable_id = named ? std::optional(id) : std::nullopt;
   std::uint32_t steps = 0;
-  io(activity.awake, activity.level, steps, activity.low_speed_time);
+  io(activity.awake, activity.level, steps, activity.low_speed_time, activity.moved,
+     activity.turned);
   activity.steps_at_lower_level = static_cast<std::uint16_t>(steps);
   state_fields(io, state);
 }
@@ -66,7 +67,8 @@ void load_body(FieldReader io, BodyProps& props, BodyActivity& activity, BodySta
 bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const BodyState& state) {
   const bool dynamic = props.type == BodyType::Dynamic;
   if (props.type > BodyType::Dynamic || activity.level > Groups::kMaxLevel ||
-      !(activity.low_speed_time >= 0.0) || dynamic != (props.inverse_mass > 0.0) ||
+      !(activity.low_speed_time >= 0.0) || !activity.moved.allFinite() ||
+      !activity.turned.allFinite() || dynamic != (props.inverse_mass > 0.0) ||
       !std::isfinite(props.mass) || !std::isfinite(props.inverse_mass) ||
       !props.inertia.allFinite() || !props.inverse_inertia.allFinite()) {
     return false;

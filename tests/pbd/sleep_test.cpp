@@ -66,6 +66,28 @@ TEST_CASE("sleep: the speed and the spin below which bodies rest are the applica
   }
 }
 
+TEST_CASE("sleep: what trembles about a place rests, and what creeps does not", "[pbd][sleep]") {
+  // On a rod of 1 cm, 0.2 mm to both sides at 31 rad/s: 6 mm/s at most.
+  World world;
+  auto& rods = world.add_block<DistanceJoints>();
+  const BodyId bob = world.add_body(ball_def(1.0, 0.005, Vec3(0.0, 0.0, -0.01)));
+  rods.add(world, {.b = bob, .rest_length = 0.01});
+  world.set_twist(bob, {Vec3(0.006, 0.0, 0.0), Vec3::Zero()});
+  Solver solver;
+  run(world, solver, 0.25);
+  CHECK(world.mechanical_energy() > -9.81 * 0.01 + 1e-5);  // of 1.8e-5 J: nothing brakes it
+  run(world, solver, 0.5);
+  CHECK_FALSE(world.awake(bob));
+
+  // Without friction, at 1.5 mm/s.
+  Mounted slider(weightless(), kDefaults);
+  slider.add_box(2.0, Vec3::Zero());
+  slider.add_joint(slider_joint_at(slider.world, {}, slider.body, Vec3::Zero(), Vec3::UnitX()));
+  slider.world.set_twist(slider.body, {Vec3(0.0015, 0.0, 0.0), Vec3::Zero()});
+  slider.run(10.0);
+  CHECK(slider.state().position[0] == Approx(0.015).epsilon(1e-6));
+}
+
 TEST_CASE("sleep: a motor that a limit or its load stops lets its body sleep", "[pbd][sleep]") {
   for (const bool at_limit : {true, false}) {
     Mounted m(WorldDef{}, kDefaults);

@@ -66,6 +66,8 @@ void write_activity(const pbd::BodyActivity& activity, MessageWriter& out) {
   out.put(activity.level);
   out.put(activity.steps_at_lower_level);
   out.put(activity.low_speed_time);
+  out.vec3(activity.moved);
+  out.vec3(activity.turned);
 }
 
 pbd::BodyActivity read_activity(MessageReader& in) {
@@ -74,6 +76,8 @@ pbd::BodyActivity read_activity(MessageReader& in) {
   activity.level = in.get<std::uint8_t>();
   activity.steps_at_lower_level = in.get<std::uint16_t>();
   activity.low_speed_time = in.get<double>();
+  activity.moved = in.vec3();
+  activity.turned = in.vec3();
   return activity;
 }
 

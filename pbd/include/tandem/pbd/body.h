@@ -102,6 +102,15 @@ struct TANDEM_API BodyActivity {
   std::uint16_t steps_at_lower_level =
       0;                        ///< steps in a row for which a lower level would have done
   double low_speed_time = 0.0;  ///< s for which it has been slow
+  Vec3 moved = Vec3::Zero();    ///< m, in that time
+  Vec3 turned = Vec3::Zero();   ///< rad, in that time, a rotation vector while it is small
+
+  /// From now on it is not known to be slow.
+  void stir() {
+    low_speed_time = 0.0;
+    moved.setZero();
+    turned.setZero();
+  }
 };
 
 /// The order in which bodies are taken wherever a result depends on one: those with a stable id by

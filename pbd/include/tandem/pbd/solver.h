@@ -35,8 +35,9 @@ struct TANDEM_API SolverOptions {
   bool refine = true;
   /// s: an island that rests on something for so long sleeps until it is disturbed; 0 = never.
   double sleep_after = 0.5;
-  double sleep_speed = 0.01;  ///< m/s: slower bodies may rest
-  double sleep_spin = 0.02;   ///< rad/s
+  /// m/s, rad/s: slower bodies may rest, in the mean over that time.
+  double sleep_speed = 1e-3;
+  double sleep_spin = 0.01;
   /// Threads that share the work of a stage, 1 to 64. The result has the same bits for any number.
   int threads = 1;
   /// Read the clock around each stage.
