@@ -3,6 +3,7 @@
 #include "tandem/collision/contact_source.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <typeinfo>
 #include <utility>
@@ -50,6 +51,7 @@ struct __attribute__((visibility("hidden"))) SceneState {
   std::vector<std::uint32_t> free;
   std::size_t sensor_count = 0;
   std::uint64_t added = 0;
+  std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
   bool order_is_old = true;
   bool natural_order = true;
   /// What is known was loaded, in the order of the world that comes with it.
@@ -183,6 +185,23 @@ std::uint32_t CollisionScene::slot_count() const {
   return static_cast<std::uint32_t>(impl_->colliders.size());
 }
 std::size_t CollisionScene::sensor_count() const { return impl_->sensor_count; }
+
+std::int32_t CollisionScene::new_group() {
+  Impl& m = *impl_;
+  std::vector<std::int32_t> taken;
+  for (const Collider& collider : m.colliders) {
+    if (collider.def.filter.group < 0) taken.push_back(collider.def.filter.group);
+  }
+  std::sort(taken.begin(), taken.end());
+  for (const std::int32_t group : taken) {
+    if (group == m.next_group) ++m.next_group;
+  }
+  if (m.next_group >= 0) {
+    pbd::detail::refuse("CollisionScene::new_group: number of groups", "at most 2^31", "more");
+  }
+  return m.next_group++;
+}
+
 const CollisionOptions& CollisionScene::options() const { return impl_->options; }
 const CollisionStats& CollisionScene::stats() const { return impl_->stats; }
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/scene.h"
 
+#include <set>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -272,6 +273,33 @@ TEST_CASE("scene: who has a group that it gave does not meet the others of that 
   CHECK_FALSE(touch(a, b));
   CHECK(touch(a, c));
   CHECK(touch(b, c));
+}
+
+TEST_CASE("scene: a new group is nobody's, whoever brought the others", "[scene][unit]") {
+  Scene first;
+  const std::int32_t least = first.new_group();
+  Scene scene;
+  const auto ball = [&](std::int32_t group) {
+    const BodyId body = scene.add(Sphere{0.1}, {.filter = {.group = group}});
+    const auto slots = scene.shapes().slot_count();
+    return std::pair(body, scene.shapes().collider_at(slots - 1));
+  };
+  // The application's own, which counts from the least as well.
+  ball(least);
+  const auto changed = ball(0);
+  scene.shapes().set_filter(changed.second, {.group = least + 1});
+  ball(least + 3);
+  ball(-1);
+  std::set<std::int32_t> others{least, least + 1, least + 3, -1};
+  for (int i = 0; i < 4; ++i) {
+    const std::int32_t given = scene.new_group();
+    CHECK(given < 0);
+    CHECK(others.insert(given).second);
+    scene.remove(ball(given).first);  // it is given once, used or not
+  }
+  collision::CollisionScene copy;
+  REQUIRE(copy.assign(scene.shapes()));
+  CHECK(others.insert(copy.new_group()).second);
 }
 
 TEST_CASE("scene: queries see bodies where they are, whoever moved them", "[scene][queries]") {

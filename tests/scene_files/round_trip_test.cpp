@@ -7,8 +7,10 @@
 
 #include "support/bodies.h"
 #include "support/catch.h"
+#include "tandem/pbd/contact.h"
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/random.h"
+#include "tandem/ragdoll.h"
 #include "tandem/scene_files.h"
 
 namespace round_trip_test {
@@ -148,6 +150,24 @@ TEST_CASE("scene files: names are written and read", "[scene_files]") {
   CHECK_FALSE(read.find("hook").valid());
   file.bodies[0].name = "\xff";
   CHECK(names(refusal([&] { write_scene(file); }), "names", "", "UTF-8"));
+}
+
+TEST_CASE("scene files: who was loaded meets who is made after that", "[scene_files]") {
+  Scene before({.gravity = Vec3::Zero()});
+  Ragdoll(before, {});
+  SceneFile file = parse_scene(write_scene(before), {.gravity = Vec3::Zero()});
+  Scene& scene = file.scene;
+  Ragdoll(scene, {.pose = {.position = {0.05, 0.0, 0.0}}});
+  scene.step(kStep);
+  const auto loaded = static_cast<std::uint32_t>(file.bodies.size());
+  REQUIRE(loaded == Ragdoll::kParts);
+  int between = 0;
+  for (const pbd::Contact& contact : scene.world().contacts()->contacts()) {
+    const auto& m = contact.manifold;
+    CHECK((m.body_a < loaded) != (m.body_b < loaded));  // no limb meets those of its own body
+    ++between;
+  }
+  CHECK(between >= 11);
 }
 
 TEST_CASE("scene files: rows that they cannot hold are not dropped", "[scene_files]") {

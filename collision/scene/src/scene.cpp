@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/scene.h"
 
-#include <limits>
 #include <utility>
 #include <variant>
 
@@ -104,7 +103,6 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
   std::optional<collision::ContactEvents> events;  ///< none: nobody has asked
   std::optional<collision::SceneQuery> query;      ///< likewise
   double pending = 0.0;                            ///< s, of steps that were too short to be made
-  std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
 };
 
 Scene::Scene(const SceneOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -126,7 +124,7 @@ BodyId Scene::add(std::span<const collision::CompoundPart> parts, const SolidDef
   });
 }
 
-std::int32_t Scene::new_group() { return impl_->next_group++; }
+std::int32_t Scene::new_group() { return impl_->shapes.new_group(); }
 
 Pose Scene::pose(BodyId body) const {
   Pose pose = impl_->world.pose(body);

@@ -106,6 +106,10 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   ColliderId collider_at(std::uint32_t index) const;
   std::uint32_t slot_count() const;
   std::size_t sensor_count() const;
+  /// A Filter::group, below 0, that no collider has and that was not given before: those who get it
+  /// do not meet each other. Looks at all colliders. What is given to a copy is not known here.
+  /// @throws std::invalid_argument once all of them are given, or in use
+  std::int32_t new_group();
 
   const CollisionOptions& options() const;
   /// Of the last collect().

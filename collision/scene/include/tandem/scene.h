@@ -82,8 +82,9 @@ class TANDEM_API Scene {
 
   BodyId add(const collision::Shape& shape, const SolidDef& def = {});
   BodyId add(std::span<const collision::CompoundPart> parts, const SolidDef& def = {});
-  /// A collision::Filter::group that nobody else is given: those who have it do not meet each
+  /// A collision::Filter::group that nobody else has or is given: those who get it do not meet each
   /// other. The first is the least number there is; they go up from there.
+  /// @see collision::CollisionScene::new_group
   std::int32_t new_group();
   /// With its shapes and joints.
   void remove(BodyId body) { world().remove_body(body); }

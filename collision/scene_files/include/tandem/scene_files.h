@@ -55,7 +55,8 @@ TANDEM_API SceneFile parse_scene(std::string_view text, const SceneOptions& opti
 TANDEM_API SceneFile load_scene(const std::filesystem::path& path,
                                 const SceneOptions& options = {});
 
-/// One more body, as the format has it in "bodies". @return with its name
+/// One more body, as the format has it in "bodies". Its group is a number of this scene: that of a
+/// text from elsewhere may be one that Scene::new_group() gave here. @return with its name
 TANDEM_API SceneFile::Body add_body(Scene& scene, std::string_view text,
                                     std::string_view name = "body");
 
