@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,80 @@ std::string document(const std::string& uri) {
 
 std::string embedded() {
   return document("data:application/octet-stream;base64," + base64(bytes_of(kPoints, kCorners)));
+}
+
+/// Corners of `triangles` apart from each other, all on a paraboloid.
+std::string apart(int triangles) {
+  std::vector<float> points;
+  for (int i = 0; i < triangles; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const float x = 0.001f * static_cast<float>(i) + (k == 1 ? 0.0005f : 0.0f);
+      const float y = k == 2 ? 0.0005f : 0.0f;
+      points.insert(points.end(), {x, y, x * x + y * y});
+    }
+  }
+  return bytes_of(points, {});
+}
+
+/// What of a document is there how often; primitives take buffers and indices in turn.
+struct Many {
+  int triangles = 1;  ///< in each buffer
+  int buffers = 1;
+  int meshes = 1;
+  int primitives = 1;    ///< of each mesh
+  int nodes = 1;         ///< of each mesh
+  bool indexed = false;  ///< each primitive has one triangle of all, else it has all
+  bool scaled = false;   ///< each node by another number
+};
+
+/// Its buffers are one file, mesh.bin, by several names; behind the points all corners in order.
+std::string document(const Many& many) {
+  const int points = 3 * many.triangles;
+  std::ostringstream out;
+  const auto list = [&](const char* name, int count, auto&& item) {
+    out << ",\"" << name << "\":[";
+    for (int i = 0; i < count; ++i) {
+      if (i > 0) out << ',';
+      item(i);
+    }
+    out << ']';
+  };
+  out << R"({"asset":{"version":"2.0"})";
+  list("buffers", many.buffers, [&](int i) {
+    out << R"({"uri":")" << (i % 2 == 0 ? "" : "./") << (i % 3 == 0 ? ".//" : "")
+        << R"(mesh.bin"})";
+  });
+  list("bufferViews", 2 * many.buffers, [&](int i) {
+    out << R"({"buffer":)" << i / 2 << R"(,"byteOffset":)" << (i % 2 == 0 ? 0 : 12 * points)
+        << R"(,"byteLength":)" << (i % 2 == 0 ? 12 : 2) * points << '}';
+  });
+  list("accessors", many.buffers + (many.indexed ? many.triangles : 0), [&](int i) {
+    if (i < many.buffers) {
+      out << R"({"bufferView":)" << 2 * i << R"(,"componentType":5126,"type":"VEC3","count":)"
+          << points << '}';
+    } else {
+      out << R"({"bufferView":1,"componentType":5123,"type":"SCALAR","count":3,"byteOffset":)"
+          << 6 * (i - many.buffers) << '}';
+    }
+  });
+  int next = 0;
+  list("meshes", many.meshes, [&](int) {
+    out << R"({"name":"")";
+    list("primitives", many.primitives, [&](int) {
+      out << R"({"attributes":{"POSITION":)" << next % many.buffers << '}';
+      if (many.indexed) out << R"(,"indices":)" << many.buffers + next % many.triangles;
+      out << '}';
+      ++next;
+    });
+    out << '}';
+  });
+  list("nodes", many.nodes * many.meshes, [&](int i) {
+    out << R"({"scale":[)" << (many.scaled ? 1 + i : 1)
+        << R"(,1,1],"extensions":{"KHR_physics_rigid_bodies":{"collider":{"geometry":{"mesh":)"
+        << i % many.meshes << "}}}}}";
+  });
+  out << '}';
+  return out.str();
 }
 
 TEST_CASE("gltf: boxes and hulls rest and a rod swings as the formulas say", "[gltf]") {
@@ -159,6 +234,61 @@ TEST_CASE("gltf: whatever is changed in a text, it is read or refused", "[gltf][
               "/nodes/0/children/1", "0", "one parent"));
   CHECK(names(refusal([] { parse_gltf(R"({"asset": {"version": "1.0"}})", {}); }), "/asset/version",
               "1.0", "2.x"));
+}
+
+TEST_CASE("gltf: what is alike is one shape", "[gltf]") {
+  const tandem::testing::Folder folder;
+  std::string indices(6000, '\0');
+  for (std::size_t i = 0; i < 3000; ++i) {
+    indices[2 * i] = static_cast<char>(i & 255);
+    indices[2 * i + 1] = static_cast<char>(i >> 8);
+  }
+  folder.write("mesh.bin", apart(1000) + indices);
+  const auto meshes = [&](const Many& many) {
+    SceneFile file = parse_gltf(document(many), folder.file(""));
+    std::vector<collision::Mesh> out;
+    for (std::uint32_t i = 0; i < file.scene.shapes().slot_count(); ++i) {
+      const collision::ColliderId id = file.scene.shapes().collider_at(i);
+      out.push_back(std::get<collision::Mesh>(file.scene.shapes().collider(id).shape));
+    }
+    return out;
+  };
+  // Two meshes by turns, three nodes each.
+  const auto shared = meshes({.triangles = 1000, .meshes = 2, .nodes = 3});
+  REQUIRE(shared.size() == 6);
+  CHECK(shared[0] == shared[2]);
+  CHECK(shared[0] == shared[4]);
+  CHECK(shared[1] == shared[5]);
+  CHECK(shared[0] != shared[1]);
+  const auto scaled = meshes({.triangles = 1000, .nodes = 2, .scaled = true});
+  REQUIRE(scaled.size() == 2);
+  CHECK(scaled[0] != scaled[1]);
+  CHECK(scaled[1]->bounds().max.x() == Approx(2.0 * scaled[0]->bounds().max.x()));
+  // Of positions that many meshes have in common, each takes its own.
+  const auto single = meshes({.triangles = 1000, .meshes = 1000, .indexed = true});
+  REQUIRE(single.size() == 1000);
+  for (const auto& mesh : single) REQUIRE(mesh->vertex_count() == 3);
+  CHECK(single[700]->bounds().min.x() == Approx(0.7));
+}
+
+TEST_CASE("gltf: what is made of a file is in proportion to it", "[gltf][errors]") {
+  const tandem::testing::Folder folder;
+  constexpr int kTriangles = 3000;
+  folder.write("mesh.bin", apart(kTriangles));
+  const auto message = [&](Many many) {
+    many.triangles = kTriangles;
+    return refusal([&] { parse_gltf(document(many), folder.file("")); });
+  };
+  CHECK(message({}).empty());
+  CHECK(message({.nodes = 1000}).empty());
+  CHECK(message({.nodes = 50, .scaled = true}).empty());
+  // 108 kB of corners, 400 times.
+  const std::string rule = "corners of triangles";
+  CHECK(names(message({.primitives = 400}), "/meshes/0/primitives/", "{...}", rule));
+  CHECK(names(message({.nodes = 400, .scaled = true}), "/geometry/mesh", "is 0", rule));
+  CHECK(names(message({.meshes = 400}), "mesh", "is ", rule));
+  // A file is one, by however many names.
+  CHECK(names(message({.buffers = 400, .meshes = 400}), "mesh", "is ", rule));
 }
 
 }  // namespace gltf_test

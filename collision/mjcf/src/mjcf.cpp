@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <memory>
 
 #include "read_bytes.h"
@@ -121,13 +122,15 @@ class MjcfReader {
   }
 
   /// MuJoCo's contacts are those of hulls, too.
-  collision::Hull hull(int mesh) const {
+  collision::Hull hull(int mesh) {
+    collision::Hull& known = hulls_[mesh];
+    if (known != nullptr) return known;
     std::vector<Vec3> points;
     for (int v = 0; v < m_.mesh_vertnum[mesh]; ++v) {
       const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + v);
       points.emplace_back(p[0], p[1], p[2]);
     }
-    return collision::ConvexHull::make(points);
+    return known = collision::ConvexHull::make(points);
   }
 
   void joint(int b) {
@@ -252,6 +255,7 @@ class MjcfReader {
   std::vector<Pose> frames_;  ///< world, by body
   std::vector<BodyId> ids_;
   std::vector<std::int32_t> groups_;  ///< of trees; 0: of the world
+  std::map<int, collision::Hull> hulls_;
 };
 
 /// MuJoCo's own answer to an error is to write a file, wait for a key and end the process.

@@ -24,8 +24,9 @@ struct Solid {
 
 class GltfReader {
  public:
-  GltfReader(const Place& document, SceneFile& out, const std::filesystem::path& folder)
-      : document_(document), out_(out), colliders_(document, folder) {}
+  GltfReader(const Place& document, SceneFile& out, const std::filesystem::path& folder,
+             std::size_t bytes)
+      : document_(document), out_(out), colliders_(document, folder, bytes) {}
 
   void run() {
     if (document_.has("nodes")) {
@@ -258,7 +259,7 @@ SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
   if (asset.at("version").text().rfind("2.", 0) != 0) asset.at("version").refuse("2.x");
   std::optional<SceneFile> out;
   at.guard([&] { out.emplace(SceneFile{.scene = Scene(options)}); });
-  scene_files::GltfReader(at, *out, folder).run();
+  scene_files::GltfReader(at, *out, folder, text.size()).run();
   out->warnings = std::move(reading.warnings);
   return std::move(*out);
 }

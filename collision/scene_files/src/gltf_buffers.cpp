@@ -43,7 +43,15 @@ std::size_t component_size(std::int64_t type) {
   return type == 5125 || type == 5126 ? 4 : 0;
 }
 
-double component(const char* from, std::int64_t type) {
+std::size_t whole(const Place& at, const char* key) {
+  if (!at.has(key)) return 0;
+  return static_cast<std::size_t>(at.at(key).integer(0, static_cast<std::int64_t>(kMaxSceneBytes)));
+}
+
+}  // namespace
+
+double GltfAccessor::at(std::size_t element, std::size_t component) const {
+  const char* from = data + element * stride + component * component_size(type);
   switch (type) {
     case 5120:
       return load<std::int8_t>(from);
@@ -60,35 +68,38 @@ double component(const char* from, std::int64_t type) {
   }
 }
 
-std::size_t whole(const Place& at, const char* key) {
-  if (!at.has(key)) return 0;
-  return static_cast<std::size_t>(at.at(key).integer(0, static_cast<std::int64_t>(kMaxSceneBytes)));
+GltfBuffers::Bytes GltfBuffers::file(const Place& uri, const std::string& name) {
+  const std::filesystem::path path(name);
+  bool inside = path.is_relative() && name.find(':') == std::string::npos;
+  for (const auto& part : path) inside = inside && part != "..";
+  if (!inside) uri.refuse("the name of a file in the document's folder or below");
+  Bytes& known = files_[path.lexically_normal()];
+  if (known == nullptr) {
+    known = std::make_shared<const std::string>(read_bytes(folder_ / path));
+    file_bytes_ += known->size();
+  }
+  return known;
 }
-
-}  // namespace
 
 const std::string& GltfBuffers::bytes(const Place& index) {
   const Place list = document_.at("buffers");
   const Place buffer = list.pick(index);
-  const auto [found, fresh] = buffers_.try_emplace(index.value().get<std::int64_t>());
-  if (!fresh) return found->second;
+  Bytes& known = buffers_[index.value().get<std::int64_t>()];
+  if (known != nullptr) return *known;
   const Place uri = buffer.at("uri");
   const std::string text = uri.text();
   if (text.rfind("data:", 0) == 0) {
     const std::size_t start = text.find(";base64,");
     if (start == std::string::npos) uri.refuse("a file's name, or data in base64");
-    found->second = decode_base64(std::string_view(text).substr(start + 8), uri);
+    known = std::make_shared<const std::string>(
+        decode_base64(std::string_view(text).substr(start + 8), uri));
   } else {
-    const std::filesystem::path path(text);
-    bool inside = path.is_relative() && text.find(':') == std::string::npos;
-    for (const auto& part : path) inside = inside && part != "..";
-    if (!inside) uri.refuse("the name of a file in the document's folder or below");
-    found->second = read_bytes(folder_ / path);
+    known = file(uri, text);
   }
-  return found->second;
+  return *known;
 }
 
-std::vector<double> GltfBuffers::numbers(const Place& index, const char* type, std::size_t width) {
+GltfAccessor GltfBuffers::accessor(const Place& index, const char* type, std::size_t width) {
   const Place accessors = document_.at("accessors");
   const Place accessor = accessors.pick(index);
   if (accessor.at("type").text() != type) accessor.at("type").refuse('"' + std::string(type) + '"');
@@ -110,53 +121,7 @@ std::vector<double> GltfBuffers::numbers(const Place& index, const char* type, s
   if (count == 0 || stride < packed || offset + (count - 1) * stride + packed > length) {
     accessor.refuse("of at least one element, and within its view");
   }
-  std::vector<double> out;
-  out.reserve(count * width);
-  for (std::size_t i = 0; i < count; ++i) {
-    const char* element = data.data() + start + offset + i * stride;
-    for (std::size_t k = 0; k < width; ++k) out.push_back(component(element + k * size, kind));
-  }
-  return out;
-}
-
-void GltfBuffers::add(const Place& primitive, Mesh& out) {
-  if (primitive.has("mode") && primitive.at("mode").value() != 4) {
-    return primitive.at("mode").warn("only triangles (4) are read");
-  }
-  const auto first = static_cast<std::uint32_t>(out.points.size());
-  const Place attributes = primitive.at("attributes");
-  const std::vector<double> points = numbers(attributes.at("POSITION"), "VEC3", 3);
-  for (std::size_t i = 0; i < points.size(); i += 3) {
-    out.points.emplace_back(points[i], points[i + 1], points[i + 2]);
-  }
-  const std::size_t count = points.size() / 3;
-  std::vector<double> corners;
-  if (primitive.has("indices")) {
-    corners = numbers(primitive.at("indices"), "SCALAR", 1);
-  } else {
-    for (std::size_t i = 0; i < count; ++i) corners.push_back(static_cast<double>(i));
-  }
-  if (corners.size() % 3 != 0) primitive.refuse("of three corners for each triangle");
-  for (std::size_t i = 0; i < corners.size(); i += 3) {
-    collision::TriangleMesh::Triangle triangle;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double corner = corners[i + k];
-      if (!(corner >= 0.0 && corner < static_cast<double>(count))) {
-        primitive.at("indices").refuse("below the number of positions");
-      }
-      triangle[k] = first + static_cast<std::uint32_t>(corner);
-    }
-    out.triangles.push_back(triangle);
-  }
-}
-
-GltfBuffers::Mesh GltfBuffers::mesh(const Place& index) {
-  const Place meshes = document_.at("meshes");
-  const Place mesh = meshes.pick(index);
-  const Place primitives = mesh.at("primitives");
-  Mesh out;
-  for (std::size_t i = 0; i < primitives.size(); ++i) add(primitives.at(i), out);
-  return out;
+  return {data.data() + start + offset, count, stride, kind};
 }
 
 }  // namespace tandem::scene_files

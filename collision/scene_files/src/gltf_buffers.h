@@ -4,36 +4,46 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
-#include <vector>
 
 #include "place.h"
 
 namespace tandem::scene_files {
 
-/// The corners and triangles of a glTF document's meshes. Buffers are read when they are asked for.
+/// The numbers that a glTF accessor names, where they lie in their buffer.
+struct GltfAccessor {
+  const char* data = nullptr;  ///< of the first element; lives as long as the GltfBuffers
+  std::size_t count = 0;       ///< elements
+  std::size_t stride = 0;      ///< bytes from one to the next
+  std::int64_t type = 0;       ///< of components, by glTF's number
+
+  double at(std::size_t element, std::size_t component) const;
+};
+
+/// Buffers of a glTF document. They are read when they are asked for, each file once.
 class GltfBuffers {
  public:
   /// @param folder  of files that the document names; nothing outside it is read
   GltfBuffers(const Place& document, std::filesystem::path folder)
       : document_(document), folder_(std::move(folder)) {}
 
-  struct Mesh {
-    std::vector<Vec3> points;
-    std::vector<collision::TriangleMesh::Triangle> triangles;
-  };
-  /// All primitives of the mesh that `index` names.
-  Mesh mesh(const Place& index);
+  /// @param type  what its elements must be      @param width  components of each
+  GltfAccessor accessor(const Place& index, const char* type, std::size_t width);
+  /// Bytes of all files that were read.
+  std::size_t file_bytes() const { return file_bytes_; }
 
  private:
-  /// Numbers of an accessor, `width` for each of its elements.
-  std::vector<double> numbers(const Place& index, const char* type, std::size_t width);
+  using Bytes = std::shared_ptr<const std::string>;
+
   const std::string& bytes(const Place& index);
-  void add(const Place& primitive, Mesh& out);
+  Bytes file(const Place& uri, const std::string& name);
 
   const Place& document_;
   std::filesystem::path folder_;
-  std::map<std::int64_t, std::string> buffers_;
+  std::map<std::int64_t, Bytes> buffers_;
+  std::map<std::filesystem::path, Bytes> files_;  ///< by their place in the folder
+  std::size_t file_bytes_ = 0;
 };
 
 }  // namespace tandem::scene_files

@@ -29,27 +29,17 @@ void GltfColliders::add(const Place& at, const GltfFrame& frame, bool sensor, co
 
 bool GltfColliders::shape(const Place& geometry, const Vec3& scale, collision::ColliderDef& def) {
   if (geometry.has("shape")) return implicit(geometry.at("shape"), scale, def);
-  GltfBuffers::Mesh mesh;
-  if (geometry.has("mesh")) {
-    mesh = buffers_.mesh(geometry.at("mesh"));
-  } else {
-    const Place nodes = document_.at("nodes");
-    const Place node_index = geometry.at("node");
-    const Place node = nodes.pick(node_index);
-    if (node.has("children")) node_index.warn("what hangs on the node is not part of the shape");
-    mesh = buffers_.mesh(node.at("mesh"));
-  }
-  for (Vec3& point : mesh.points) point = point.cwiseProduct(scale);
-  if (scale.prod() < 0.0) {
-    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  }
   bool hull = false;
   if (geometry.has("convexHull")) read(geometry.at("convexHull"), hull);
-  if (hull) {
-    def.shape = collision::ConvexHull::make(mesh.points);
-  } else {
-    def.shape = collision::TriangleMesh::make(mesh.points, mesh.triangles);
+  if (geometry.has("mesh")) {
+    def.shape = meshes_.shape(geometry.at("mesh"), scale, hull);
+    return true;
   }
+  const Place nodes = document_.at("nodes");
+  const Place node_index = geometry.at("node");
+  const Place node = nodes.pick(node_index);
+  if (node.has("children")) node_index.warn("what hangs on the node is not part of the shape");
+  def.shape = meshes_.shape(node.at("mesh"), scale, hull);
   return true;
 }
 
@@ -130,6 +120,11 @@ void GltfColliders::filter(const Place& index, collision::Filter& out) {
   const Place physics = extensions.at(kGltfPhysics);
   const Place filters = physics.at("collisionFilters");
   const Place filter = filters.pick(index);
+  const auto [known, fresh] = filters_.try_emplace(index.value().get<std::int64_t>());
+  if (!fresh) {
+    out = known->second;
+    return;
+  }
   const auto bits = [&](const char* key) {
     std::uint32_t sum = 0;
     const Place names = filter.at(key);
@@ -146,6 +141,7 @@ void GltfColliders::filter(const Place& index, collision::Filter& out) {
   if (filter.has("collisionSystems")) out.category = bits("collisionSystems");
   if (filter.has("collideWithSystems")) out.mask = bits("collideWithSystems");
   if (filter.has("notCollideWithSystems")) out.mask &= ~bits("notCollideWithSystems");
+  known->second = out;
 }
 
 }  // namespace tandem::scene_files

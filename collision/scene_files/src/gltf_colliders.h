@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gltf_buffers.h"
+#include "gltf_meshes.h"
 
 namespace tandem::scene_files {
 
@@ -25,8 +25,9 @@ Quat gltf_about_x(double angle);
 /// Colliders and triggers of glTF nodes, with their materials and filters.
 class GltfColliders {
  public:
-  GltfColliders(const Place& document, const std::filesystem::path& folder)
-      : document_(document), buffers_(document, folder) {}
+  /// @param bytes  of the document
+  GltfColliders(const Place& document, const std::filesystem::path& folder, std::size_t bytes)
+      : document_(document), meshes_(document, folder, bytes) {}
 
   /// Appends what it is, placed from the body's frame; nothing where that is not known, with a
   /// warning.
@@ -41,9 +42,10 @@ class GltfColliders {
   void filter(const Place& index, collision::Filter& out);
 
   const Place& document_;
-  GltfBuffers buffers_;
+  GltfMeshes meshes_;
   std::map<std::string, std::uint32_t> systems_;
   std::map<std::int64_t, collision::Material> materials_;
+  std::map<std::int64_t, collision::Filter> filters_;
 };
 
 }  // namespace tandem::scene_files

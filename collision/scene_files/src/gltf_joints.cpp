@@ -105,12 +105,14 @@ std::vector<std::int32_t> GltfJoints::groups(std::size_t bodies) {
   return group;
 }
 
-pbd::SixDofJointDef GltfJoints::describe(std::size_t description) const {
+pbd::SixDofJointDef GltfJoints::describe(std::size_t description) {
+  const auto [known, fresh] = known_.try_emplace(description);
+  pbd::SixDofJointDef& def = known->second;
+  if (!fresh) return def;
   const Place extensions = document_.at("extensions");
   const Place physics = extensions.at("KHR_physics_rigid_bodies");
   const Place list = physics.at("physicsJoints");
   const Place joint = list.at(description);
-  pbd::SixDofJointDef def;
   if (joint.has("limits")) {
     const Place limits = joint.at("limits");
     for (std::size_t i = 0; i < limits.size(); ++i) read_limit(limits.at(i), def);

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,11 +32,13 @@ class GltfJoints {
   void build();
 
  private:
-  pbd::SixDofJointDef describe(std::size_t description) const;
+  /// Read when it is asked for first: many nodes may name one.
+  pbd::SixDofJointDef describe(std::size_t description);
 
   const Place& document_;
   SceneFile& out_;
   std::vector<Joined> joined_;
+  std::map<std::size_t, pbd::SixDofJointDef> known_;
 };
 
 }  // namespace tandem::scene_files

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "gltf_meshes.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace tandem::scene_files {
+
+/// A corner that nothing shares takes a byte of the file at least, and is held twice: as it was
+/// read, and in its shape. Beyond that, files may name their meshes again at other scales: 2^20
+/// corners are a thousand rocks of 350 triangles, no two of one size.
+void GltfMeshes::count(const Place& at, std::size_t corners) {
+  corners_ += corners;
+  const std::size_t most = 2 * (bytes_ + buffers_.file_bytes()) + (std::size_t{1} << 20);
+  if (corners_ > most) {
+    at.refuse("of a file whose meshes, at all their scales, have at most " + std::to_string(most) +
+              " corners of triangles");
+  }
+}
+
+void GltfMeshes::add(const Place& primitive, Mesh& out) {
+  if (primitive.has("mode") && primitive.at("mode").value() != 4) {
+    return primitive.at("mode").warn("only triangles (4) are read");
+  }
+  const Place attributes = primitive.at("attributes");
+  const GltfAccessor points = buffers_.accessor(attributes.at("POSITION"), "VEC3", 3);
+  const bool indexed = primitive.has("indices");
+  GltfAccessor indices;
+  if (indexed) indices = buffers_.accessor(primitive.at("indices"), "SCALAR", 1);
+  const std::size_t size = indexed ? indices.count : points.count;
+  if (size % 3 != 0) primitive.refuse("of three corners for each triangle");
+  count(primitive, size);
+  std::vector<std::uint32_t> corners(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double corner = indexed ? indices.at(i, 0) : static_cast<double>(i);
+    if (!(corner >= 0.0 && corner < static_cast<double>(points.count))) {
+      primitive.at("indices").refuse("below the number of positions");
+    }
+    corners[i] = static_cast<std::uint32_t>(corner);
+  }
+  // Primitives may share their positions: of these it takes its own, in their order.
+  std::vector<std::uint32_t> used = corners;
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  const std::size_t first = out.points.size();
+  for (const std::uint32_t point : used) {
+    out.points.emplace_back(points.at(point, 0), points.at(point, 1), points.at(point, 2));
+  }
+  const auto place = [&](std::uint32_t corner) {
+    const auto at = std::lower_bound(used.begin(), used.end(), corner);
+    return static_cast<std::uint32_t>(first + static_cast<std::size_t>(at - used.begin()));
+  };
+  for (std::size_t i = 0; i < size; i += 3) {
+    out.triangles.push_back({place(corners[i]), place(corners[i + 1]), place(corners[i + 2])});
+  }
+}
+
+const GltfMeshes::Mesh& GltfMeshes::mesh(const Place& index) {
+  const Place meshes = document_.at("meshes");
+  const Place mesh = meshes.pick(index);
+  const auto [known, fresh] = meshes_.try_emplace(index.value().get<std::int64_t>());
+  if (fresh) {
+    const Place primitives = mesh.at("primitives");
+    for (std::size_t i = 0; i < primitives.size(); ++i) add(primitives.at(i), known->second);
+  }
+  return known->second;
+}
+
+collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool hull) {
+  const Mesh& read = mesh(index);
+  // By bits, as these are in order whatever the numbers are.
+  const auto bits = [&](int axis) { return std::bit_cast<std::uint64_t>(scale[axis]); };
+  const Key key{index.value().get<std::int64_t>(), {bits(0), bits(1), bits(2)}, hull};
+  if (const auto known = shapes_.find(key); known != shapes_.end()) return known->second;
+  count(index, 3 * read.triangles.size());
+  std::vector<Vec3> points = read.points;
+  for (Vec3& point : points) point = point.cwiseProduct(scale);
+  collision::Shape& out = shapes_[key];
+  if (hull) {
+    out = collision::ConvexHull::make(points);
+  } else if (scale.prod() > 0.0) {
+    out = collision::TriangleMesh::make(points, read.triangles);
+  } else {
+    std::vector<collision::TriangleMesh::Triangle> mirrored = read.triangles;
+    for (auto& triangle : mirrored) std::swap(triangle[1], triangle[2]);
+    out = collision::TriangleMesh::make(points, mirrored);
+  }
+  return out;
+}
+
+}  // namespace tandem::scene_files

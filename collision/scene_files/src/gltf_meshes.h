@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "gltf_buffers.h"
+
+namespace tandem::scene_files {
+
+/// Shapes of a glTF document's meshes. Those alike are one shape, which is shared.
+class GltfMeshes {
+ public:
+  /// @param bytes  of the document, by which what is made of it is bounded
+  GltfMeshes(const Place& document, const std::filesystem::path& folder, std::size_t bytes)
+      : document_(document), buffers_(document, folder), bytes_(bytes) {}
+
+  /// Of all primitives of the mesh that `index` names.
+  /// @param hull  their convex hull, else the surface
+  collision::Shape shape(const Place& index, const Vec3& scale, bool hull);
+
+ private:
+  struct Mesh {
+    std::vector<Vec3> points;
+    std::vector<collision::TriangleMesh::Triangle> triangles;
+  };
+  /// Mesh, bits of its scale, and whether it is a hull.
+  using Key = std::tuple<std::int64_t, std::array<std::uint64_t, 3>, bool>;
+
+  const Mesh& mesh(const Place& index);
+  void add(const Place& primitive, Mesh& out);
+  void count(const Place& at, std::size_t corners);
+
+  const Place& document_;
+  GltfBuffers buffers_;
+  std::size_t bytes_;
+  std::size_t corners_ = 0;  ///< of all triangles that were read or made so far
+  std::map<std::int64_t, Mesh> meshes_;
+  std::map<Key, collision::Shape> shapes_;
+};
+
+}  // namespace tandem::scene_files
