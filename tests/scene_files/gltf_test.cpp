@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -196,8 +197,25 @@ TEST_CASE("gltf: buffers are files beside it, and nothing else", "[gltf][errors]
   folder.write("mesh.bin", bytes);
   folder.write("scene.gltf", document("mesh.bin"));
   CHECK(load_scene(folder.file("scene.gltf")).bodies.size() == 4);
-  for (const char* uri : {"../mesh.bin", "/etc/hostname", "a/../../mesh.bin", "http://x/mesh.bin",
-                          "data:x;base64,!", "data:x,y", "nothing.bin"}) {
+  folder.write("my mesh 100%.bin", bytes);
+  std::filesystem::create_directory(folder.file("a"));
+  folder.write("a/k\u00f6rper.bin", bytes);
+  for (const char* uri : {"my%20mesh%20100%25.bin", "my mesh 100%25.bin", "a/k%C3%B6rper.bin",
+                          "a%2fk%c3%b6rper.bin"}) {
+    CAPTURE(uri);
+    CHECK(parse_gltf(document(uri), folder.file("")).bodies.size() == 4);
+  }
+  // What is decoded is decoded once, before it is looked at.
+  std::filesystem::create_directory(folder.file("inner"));
+  for (const char* uri : {"../mesh.bin", "%2e%2e/mesh.bin", "..%2Fmesh.bin", "%2e./mesh%2ebin"}) {
+    CAPTURE(uri);
+    CHECK(names(refusal([&] { parse_gltf(document(uri), folder.file("inner")); }), "/buffers/0/uri",
+                "mesh", "folder or below"));
+  }
+  for (const char* uri :
+       {"../mesh.bin", "/etc/hostname", "a/../../mesh.bin", "http://x/mesh.bin", "mesh%2520.bin",
+        "mesh.bin%00", "mesh.bin%", "mesh.bin%4", "%+1mesh.bin", "%2Fetc/hostname",
+        "http%3A//x/mesh.bin", "data:x;base64,!", "data:x,y", "nothing.bin"}) {
     CAPTURE(uri);
     CHECK_THROWS_AS(parse_gltf(document(uri), folder.file("")), SceneFileError);
   }

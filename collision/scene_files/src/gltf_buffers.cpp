@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "gltf_buffers.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cstring>
 
 #include "read_bytes.h"
@@ -27,6 +29,29 @@ std::string decode_base64(std::string_view text, const Place& at) {
     out += static_cast<char>(held >> bits & 0xffu);
   }
   return out;
+}
+
+/// A URI as the name that it stands for: %20 is a space.
+std::string decode_percent(const Place& uri) {
+  std::string text = uri.text();
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    char c = text[i];
+    if (c == '%') {
+      const char* const digits = text.data() + i + 1;
+      const char* const end = digits + std::min<std::size_t>(2, text.size() - i - 1);
+      unsigned char byte = 0;
+      const std::from_chars_result read = std::from_chars(digits, end, byte, 16);
+      if (read.ec != std::errc() || read.ptr != digits + 2 || byte == 0) {
+        uri.refuse("of two hexadecimal digits behind each %, and without %00");
+      }
+      c = static_cast<char>(byte);
+      i += 2;
+    }
+    text[size++] = c;
+  }
+  text.resize(size);
+  return text;
 }
 
 template <class Number>
@@ -87,7 +112,7 @@ const std::string& GltfBuffers::bytes(const Place& index) {
   Bytes& known = buffers_[index.value().get<std::int64_t>()];
   if (known != nullptr) return *known;
   const Place uri = buffer.at("uri");
-  const std::string text = uri.text();
+  const std::string text = decode_percent(uri);
   if (text.rfind("data:", 0) == 0) {
     const std::size_t start = text.find(";base64,");
     if (start == std::string::npos) uri.refuse("a file's name, or data in base64");
