@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include "add_whole.h"
 #include "tandem/pbd/math.h"
 #include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
@@ -49,25 +51,30 @@ Car::Car(Scene& scene, const CarDef& def) : scene_(&scene), def_(def) {
   check(def);
   // Wheels pass through the chassis.
   if (def_.filter.group == 0) def_.filter.group = scene.new_group();
-  chassis_ =
-      scene.add(Box{def.half_extents}, {.mass = def.mass, .pose = def.pose, .filter = def_.filter});
-  const Quat& upright = def.pose.orientation;
-  const Quat across = pbd::exp_map(-0.5 * std::numbers::pi * Vec3::UnitX());  // z becomes y
-  for (int i = 0; i < kWheels; ++i) {
-    const Vec3 at = def.pose.to_world(hub(i));
-    wheels_[i] = scene.add(Cylinder{def.wheel_radius, 0.5 * def.wheel_width},
-                           {.mass = def.wheel_mass,
-                            .pose = {at, upright * across},
-                            .material = {.friction = def.friction},
-                            .filter = def_.filter});
-    defs_[i] = pbd::wheel_joint_at(scene.world(), chassis_, wheels_[i], at, upright * Vec3::UnitY(),
-                                   upright * Vec3::UnitZ());
-    defs_[i].suspension = {.freedom = pbd::Freedom::Limited,
-                           .lower = -def.travel,
-                           .upper = def.travel,
-                           .spring = {.stiffness = def.stiffness, .damping = def.damping}};
-    joints_[i] = scene.add_joint(defs_[i]);
-  }
+  std::vector<BodyId> parts;
+  detail::add_whole(scene, parts, [&] {
+    chassis_ = scene.add(Box{def.half_extents},
+                         {.mass = def.mass, .pose = def.pose, .filter = def_.filter});
+    parts.push_back(chassis_);
+    const Quat& upright = def.pose.orientation;
+    const Quat across = pbd::exp_map(-0.5 * std::numbers::pi * Vec3::UnitX());  // z becomes y
+    for (int i = 0; i < kWheels; ++i) {
+      const Vec3 at = def.pose.to_world(hub(i));
+      wheels_[i] = scene.add(Cylinder{def.wheel_radius, 0.5 * def.wheel_width},
+                             {.mass = def.wheel_mass,
+                              .pose = {at, upright * across},
+                              .material = {.friction = def.friction},
+                              .filter = def_.filter});
+      parts.push_back(wheels_[i]);
+      defs_[i] = pbd::wheel_joint_at(scene.world(), chassis_, wheels_[i], at,
+                                     upright * Vec3::UnitY(), upright * Vec3::UnitZ());
+      defs_[i].suspension = {.freedom = pbd::Freedom::Limited,
+                             .lower = -def.travel,
+                             .upper = def.travel,
+                             .spring = {.stiffness = def.stiffness, .damping = def.damping}};
+      joints_[i] = scene.add_joint(defs_[i]);
+    }
+  });
 }
 
 /// m, where the wheel is in the frame of the chassis, springs at ease.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "add_whole.h"
 #include "particle.h"
 #include "tandem/pbd/validate.h"
 
@@ -47,16 +48,18 @@ Cloth::Cloth(Scene& scene, const ClothDef& def)
   detail::ParticleKind kind{def.radius, def.damping, def.material, def.filter};
   detail::check(kind, kKind);
   if (kind.filter.group == 0) kind.filter.group = scene.new_group();
-  const double dx = def.width / (def.columns - 1), dy = def.height / (def.rows - 1);
-  for (int row = 0; row < def.rows; ++row) {
-    for (int column = 0; column < def.columns; ++column) {
-      const double area = dx * dy * share_at(column, def.columns) * share_at(row, def.rows);
-      particles_.push_back(detail::add_particle(
-          scene, kind, def.pose.to_world(Vec3(column * dx, row * dy, 0.0)), def.density * area));
+  detail::add_whole(scene, particles_, [&] {
+    const double dx = def.width / (def.columns - 1), dy = def.height / (def.rows - 1);
+    for (int row = 0; row < def.rows; ++row) {
+      for (int column = 0; column < def.columns; ++column) {
+        const double area = dx * dy * share_at(column, def.columns) * share_at(row, def.rows);
+        particles_.push_back(detail::add_particle(
+            scene, kind, def.pose.to_world(Vec3(column * dx, row * dy, 0.0)), def.density * area));
+      }
     }
-  }
-  add_strands();
-  if (def.bending > 0.0) add_bending();
+    add_strands();
+    if (def.bending > 0.0) add_bending();
+  });
 }
 
 BodyId Cloth::particle(int column, int row) const {
@@ -156,6 +159,7 @@ void Cloth::tether() {
     const auto columns = static_cast<std::size_t>(def_.columns);
     return Vec3(static_cast<double>(i % columns) * dx, static_cast<double>(i / columns) * dy, 0.0);
   };
+  std::vector<pbd::ClothTetherDef> tethers;
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     double nearest = std::numeric_limits<double>::infinity();
     std::uint32_t to = 0;
@@ -166,8 +170,16 @@ void Cloth::tether() {
       to = k;
     }
     if (!(nearest > 0.0) || !std::isfinite(nearest)) continue;
-    detail::cloth_of(*world_).add(
-        *world_, pbd::ClothTetherDef{.a = particles_[to], .b = particles_[i], .length = nearest});
+    tethers.push_back({.a = particles_[to], .b = particles_[i], .length = nearest});
+  }
+  if (tethers.empty()) return;
+  pbd::ClothBlock& cloth = detail::cloth_of(*world_);
+  std::vector<pbd::ClothRowId> added;
+  try {
+    for (const pbd::ClothTetherDef& tether : tethers) added.push_back(cloth.add(*world_, tether));
+  } catch (...) {
+    for (const pbd::ClothRowId id : added) cloth.remove(id);
+    throw;
   }
 }
 
@@ -200,17 +212,31 @@ BodyId Cloth::add_handle(double u, double v, double reach, double share) {
     const double left = world_->props(mean.points[i]).mass - mean.weights[i];
     pbd::detail::require(left > 0.0, "Cloth", "share", share, "less than other handles have left");
   }
-  for (std::size_t i = 1; i < mean.points.size(); ++i) {
-    world_->set_mass(mean.points[i], world_->props(mean.points[i]).mass - mean.weights[i]);
-    mean.weights[i] /= mass;
+  std::vector<double> taken(mean.weights.begin() + 1, mean.weights.end());
+  for (std::size_t i = 1; i < mean.points.size(); ++i) mean.weights[i] /= mass;
+  const BodyId handle =
+      world_->add_body({.pose = {.position = at / mass},
+                        .mass = mass,
+                        .inertia = mass * pbd::Mat3::Identity(),  // it never turns
+                        .linear_damping = def_.damping,
+                        .locks = {.angular = {true, true, true}}});
+  mean.points[0] = handle;
+  std::vector<pbd::BodyProps> before;
+  try {
+    detail::cloth_of(*world_).add(*world_, mean);
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      const BodyId particle = mean.points[i + 1];
+      before.push_back(world_->props(particle));
+      world_->set_mass(particle, before.back().mass - taken[i]);
+    }
+  } catch (...) {
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      world_->set_mass(mean.points[i + 1], before[i].mass, before[i].inertia);
+    }
+    world_->remove_body(handle);
+    throw;
   }
-  mean.points[0] = world_->add_body({.pose = {.position = at / mass},
-                                     .mass = mass,
-                                     .inertia = mass * pbd::Mat3::Identity(),  // it never turns
-                                     .linear_damping = def_.damping,
-                                     .locks = {.angular = {true, true, true}}});
-  detail::cloth_of(*world_).add(*world_, mean);
-  return mean.points[0];
+  return handle;
 }
 
 }  // namespace tandem

@@ -23,18 +23,12 @@ void check(const ParticleKind& kind, std::string_view name) {
 }
 
 BodyId add_particle(Scene& scene, const ParticleKind& kind, const Vec3& position, double mass) {
-  pbd::World& world = scene.world();
-  const double inertia = 0.4 * mass * kind.radius * kind.radius;  // of a ball; it never turns
-  const BodyId id = world.add_body({.pose = {.position = position},
-                                    .mass = mass,
-                                    .inertia = inertia * pbd::Mat3::Identity(),
-                                    .linear_damping = kind.damping,
-                                    .locks = {.angular = {true, true, true}}});
-  scene.shapes().add(world, {.body = id,
-                             .shape = collision::Sphere{kind.radius},
-                             .material = kind.material,
-                             .filter = kind.filter});
-  return id;
+  return scene.add(collision::Sphere{kind.radius}, {.mass = mass,
+                                                    .pose = {.position = position},
+                                                    .material = kind.material,
+                                                    .filter = kind.filter,
+                                                    .linear_damping = kind.damping,
+                                                    .locks = {.angular = {true, true, true}}});
 }
 
 pbd::ClothBlock& cloth_of(pbd::World& world) {

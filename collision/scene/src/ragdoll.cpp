@@ -5,7 +5,9 @@
 #include "tandem/ragdoll.h"
 
 #include <cmath>
+#include <vector>
 
+#include "add_whole.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem {
@@ -111,20 +113,24 @@ Ragdoll::Ragdoll(Scene& scene, const RagdollDef& def) {
   check(def);
   collision::Filter filter = def.filter;
   if (filter.group == 0) filter.group = scene.new_group();
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const auto& [limb, hold] = kPieces[part];
-    const double side = is_right(part) ? -limb.side : limb.side;
-    const Vec3 middle = def.height * Vec3(0.0, side, 0.5 * (limb.top + limb.bottom));
-    bodies_[part] = scene.add(shape_of(limb, def.height),
-                              {.mass = limb.mass * def.mass,
-                               .pose = {def.pose.to_world(middle), def.pose.orientation},
-                               .material = def.material,
-                               .filter = filter,
-                               .user_data = def.user_data});
-    if (part == Part::Pelvis) continue;
-    joints_[part] =
-        scene.add_joint(joint_of(scene, def, hold, bodies_[hold.parent], bodies_[part], side));
-  }
+  std::vector<BodyId> parts;
+  detail::add_whole(scene, parts, [&] {
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const auto& [limb, hold] = kPieces[part];
+      const double side = is_right(part) ? -limb.side : limb.side;
+      const Vec3 middle = def.height * Vec3(0.0, side, 0.5 * (limb.top + limb.bottom));
+      bodies_[part] = scene.add(shape_of(limb, def.height),
+                                {.mass = limb.mass * def.mass,
+                                 .pose = {def.pose.to_world(middle), def.pose.orientation},
+                                 .material = def.material,
+                                 .filter = filter,
+                                 .user_data = def.user_data});
+      parts.push_back(bodies_[part]);
+      if (part == Part::Pelvis) continue;
+      joints_[part] =
+          scene.add_joint(joint_of(scene, def, hold, bodies_[hold.parent], bodies_[part], side));
+    }
+  });
 }
 
 }  // namespace tandem

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "add_whole.h"
 #include "particle.h"
 #include "tandem/pbd/validate.h"
 
@@ -55,30 +56,32 @@ Rope::Rope(Scene& scene, const RopeDef& def) : world_(&scene.world()), shapes_(&
   detail::ParticleKind kind{def.radius, def.damping, def.material, def.filter};
   detail::check(kind, kKind);
   if (kind.filter.group == 0) kind.filter.group = scene.new_group();
-  const double distance = (def.to - def.from).norm();
-  const double length = def.length.value_or(distance);
-  const Vec3 middle = lowest(def, length, world_->gravity());
-  const int pieces = def.particles - 1;
-  const double piece = length / pieces;
-  for (int i = 0; i <= pieces; ++i) {
-    const double t = 2.0 * i / pieces;
-    Vec3 at = def.from + 0.5 * t * (def.to - def.from);
-    if (length > distance) {
-      at = t <= 1.0 ? Vec3(def.from + t * (middle - def.from))
-                    : Vec3(middle + (t - 1.0) * (def.to - middle));
+  detail::add_whole(scene, particles_, [&] {
+    const double distance = (def.to - def.from).norm();
+    const double length = def.length.value_or(distance);
+    const Vec3 middle = lowest(def, length, world_->gravity());
+    const int pieces = def.particles - 1;
+    const double piece = length / pieces;
+    for (int i = 0; i <= pieces; ++i) {
+      const double t = 2.0 * i / pieces;
+      Vec3 at = def.from + 0.5 * t * (def.to - def.from);
+      if (length > distance) {
+        at = t <= 1.0 ? Vec3(def.from + t * (middle - def.from))
+                      : Vec3(middle + (t - 1.0) * (def.to - middle));
+      }
+      const double share = i == 0 || i == pieces ? 0.5 : 1.0;
+      particles_.push_back(detail::add_particle(scene, kind, at, share * def.mass / pieces));
     }
-    const double share = i == 0 || i == pieces ? 0.5 : 1.0;
-    particles_.push_back(detail::add_particle(scene, kind, at, share * def.mass / pieces));
-  }
-  detail::cloth_of(*world_).add(
-      *world_, pbd::StrandDef{.points = particles_,
-                              .lengths = std::vector<double>(particles_.size() - 1, piece),
-                              .compliance = def.compliance});
-  if (def.bending == 0.0) return;
-  for (std::size_t i = 2; i < particles_.size(); ++i) {
-    detail::add_bending(*world_, particles_[i - 2], particles_[i - 1], particles_[i],
-                        def.bending / (piece * piece * piece));
-  }
+    detail::cloth_of(*world_).add(
+        *world_, pbd::StrandDef{.points = particles_,
+                                .lengths = std::vector<double>(particles_.size() - 1, piece),
+                                .compliance = def.compliance});
+    if (def.bending == 0.0) return;
+    for (std::size_t i = 2; i < particles_.size(); ++i) {
+      detail::add_bending(*world_, particles_[i - 2], particles_[i - 1], particles_[i],
+                          def.bending / (piece * piece * piece));
+    }
+  });
 }
 
 pbd::ClothRowId Rope::attach(std::size_t particle, BodyId host) {

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // By itself: a program whose scenes have no joints links nothing of them.
+#include "add_whole.h"
 #include "tandem/scene.h"
 
 namespace tandem {
@@ -12,6 +13,12 @@ pbd::JointBlock& Scene::joints() {
     if (auto* const joints = dynamic_cast<pbd::JointBlock*>(block.get())) return *joints;
   }
   return world().add_block<pbd::JointBlock>();
+}
+
+pbd::JointId Scene::add_joint(const pbd::SixDofJointDef& def) {
+  pbd::JointId id;
+  detail::add_whole(*this, {}, [&] { id = joints().add(world(), def); });
+  return id;
 }
 
 }  // namespace tandem

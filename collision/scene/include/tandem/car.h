@@ -39,7 +39,7 @@ struct TANDEM_API CarDef {
 ///
 /// Five bodies and four pbd::WheelJointDef in the scene's joints; what it does is done by those and
 /// by the friction of the tyres. Who wants another vehicle makes one of the same joints.
-/// Errors: std::invalid_argument naming field, value and rule.
+/// Errors: std::invalid_argument naming field, value and rule; the scene is then as it was.
 /// @par Thread safety  As its scene.
 class TANDEM_API Car {
  public:

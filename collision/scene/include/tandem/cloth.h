@@ -39,7 +39,7 @@ struct TANDEM_API ClothDef {
 /// Threads both ways and diagonals are strands (pbd::StrandDef), each solved as a whole. Between
 /// its particles it touches nothing: they should lie closer than what is to be caught is thick.
 /// What the numbers mean does not depend on how many particles there are.
-/// Errors: std::invalid_argument naming field, value and rule.
+/// Errors: std::invalid_argument naming field, value and rule; the scene is then as it was.
 /// @par Thread safety  As its scene.
 class TANDEM_API Cloth {
  public:

@@ -29,7 +29,7 @@ struct TANDEM_API RagdollDef {
 ///
 /// Lengths and masses are those of [winter2009] Fig. 4.1 and Table 4.1, as shares of height and
 /// mass; feet belong to shins and hands to forearms. It stands upright at first, arms down.
-/// Errors: std::invalid_argument naming field, value and rule.
+/// Errors: std::invalid_argument naming field, value and rule; the scene is then as it was.
 /// @par Thread safety  As its scene.
 class TANDEM_API Ragdoll {
  public:

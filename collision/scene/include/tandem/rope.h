@@ -36,7 +36,7 @@ struct TANDEM_API RopeDef {
 /// It is one strand (pbd::StrandDef), which is solved as a whole with what hangs on it: a light
 /// rope holds a heavy crate. Between its particles it touches nothing: they should not lie further
 /// apart than what it is to hang over is thick. Errors: std::invalid_argument naming field, value
-/// and rule.
+/// and rule; the scene is then as it was.
 /// @par Thread safety  As its scene.
 class TANDEM_API Rope {
  public:

@@ -89,7 +89,7 @@ class TANDEM_API Scene {
   /// With its shapes and joints.
   void remove(BodyId body) { world().remove_body(body); }
   /// Of any kind: scene.add_joint(pbd::hinge_joint_at(scene.world(), frame, door, point, axis)).
-  pbd::JointId add_joint(const pbd::SixDofJointDef& def) { return joints().add(world(), def); }
+  pbd::JointId add_joint(const pbd::SixDofJointDef& def);
 
   /// Where the shape is, as SolidDef::pose. World::pose() is that of the centre of mass: another
   /// place for cones, and for hulls, meshes and compounds about another point.
