@@ -120,6 +120,7 @@ CollisionScene& CollisionScene::operator=(CollisionScene&&) noexcept = default;
 ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) {
   Impl& m = *impl_;
   check_def(world, def);
+  Collider made = make_collider(def, m.options);  // the def may be that of a collider here
   std::uint32_t index = 0;
   if (m.free.empty()) {
     index = static_cast<std::uint32_t>(m.colliders.size());
@@ -132,15 +133,14 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
     index = m.free.back();
     m.free.pop_back();
   }
-  const std::uint32_t generation = m.colliders[index].generation;
-  m.colliders[index] = make_collider(def, m.options);
-  m.colliders[index].generation = generation;
-  m.colliders[index].added = m.added++;
-  m.colliders[index].dynamic = world.all_props()[def.body.index].type == pbd::BodyType::Dynamic;
+  made.generation = m.colliders[index].generation;
+  made.added = m.added++;
+  made.dynamic = world.all_props()[made.def.body.index].type == pbd::BodyType::Dynamic;
+  if (made.def.sensor) ++m.sensor_count;
+  Collider& collider = m.colliders[index] = std::move(made);
   m.order_is_old = true;
-  m.broad.add(index, m.colliders[index]);
-  if (def.sensor) ++m.sensor_count;
-  return {index, generation};
+  m.broad.add(index, collider);
+  return {index, collider.generation};
 }
 
 void CollisionScene::remove(ColliderId id) {

@@ -34,18 +34,13 @@ WorldCopy::~WorldCopy() = default;
 WorldCopy::WorldCopy(WorldCopy&& other) noexcept
     : world_(std::move(other.world_)),
       contact_source_(std::move(other.contact_source_)),
-      filled_(std::exchange(other.filled_, false)) {
-  other.world_.contacts_ = nullptr;
-  other.world_.contact_source_ = nullptr;
-}
+      filled_(std::exchange(other.filled_, false)) {}
 
 WorldCopy& WorldCopy::operator=(WorldCopy&& other) noexcept {
   if (this == &other) return *this;
   world_ = std::move(other.world_);
   contact_source_ = std::move(other.contact_source_);
   filled_ = std::exchange(other.filled_, false);
-  other.world_.contacts_ = nullptr;
-  other.world_.contact_source_ = nullptr;
   return *this;
 }
 

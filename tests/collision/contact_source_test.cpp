@@ -235,4 +235,20 @@ TEST_CASE("contact_source: a collider or a filter that makes sleeping bodies ove
   }
 }
 
+TEST_CASE("contact_source: a collider may be made like another one of the scene",
+          "[collision][unit]") {
+  Fixture f;
+  const std::vector<tandem::pbd::Vec3> corners{
+      {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  const auto hull = ConvexHull::make(corners);
+  const ColliderId first = f.scene.add(
+      f.world, {.body = f.body({}), .shape = hull, .local = {.position = {1.0, 2.0, 3.0}}});
+  // Each time from where it was before there was room for one more.
+  for (int i = 0; i < 100; ++i) {
+    const ColliderId id = f.scene.add(f.world, f.scene.collider(first));
+    REQUIRE(std::get<Hull>(f.scene.collider(id).shape) == hull);
+    REQUIRE(f.scene.collider(id).local.position == tandem::pbd::Vec3(1.0, 2.0, 3.0));
+  }
+}
+
 }  // namespace contact_source_test

@@ -353,4 +353,43 @@ TEST_CASE("world: a moved world keeps its bodies and the references to its block
   CHECK(balls.size() == 1);
 }
 
+TEST_CASE("world: one that was moved from is empty, and may be used again", "[pbd][unit]") {
+  class NoTargets : public TargetSource {
+    void collect(const World&, double, const SolverOptions&, std::vector<PoseTarget>&) override {}
+  };
+  const auto fall = [](World& world) {
+    Solver solver;
+    for (int i = 0; i < 3; ++i) solver.step(world, 1.0 / 60.0);
+    return world.hash();
+  };
+  NoTargets targets;
+  for (const bool assigned : {false, true}) {
+    CAPTURE(assigned);
+    World world;
+    const BodyId low = world.add_body(ball_def(1.0, 0.5, Vec3::Zero()));
+    const BodyId high = world.add_body(ball_def(1.0, 0.5, Vec3(0.0, 0.0, 0.9)));
+    ToyContacts balls;
+    balls.ball_on_ball(low, 0.5, high, 0.5, {});
+    world.set_contact_source(&balls);
+    world.set_target_source(&targets);
+    fall(world);
+    REQUIRE(world.contacts()->contacts().size() == 1);
+    World other;
+    if (assigned) {
+      other = std::move(world);
+    } else {
+      const World made = std::move(world);
+      CHECK(made.contacts()->contacts().size() == 1);
+    }
+    CHECK(world.body_count() == 0);
+    CHECK(world.blocks().empty());
+    CHECK(world.contacts() == nullptr);
+    CHECK(world.contact_source() == nullptr);
+    CHECK(world.target_source() == nullptr);
+    World fresh;
+    for (World* each : {&world, &fresh}) each->add_body(ball_def(1.0, 0.5, Vec3::Zero()));
+    CHECK(fall(world) == fall(fresh));
+  }
+}
+
 }  // namespace world_test

@@ -100,6 +100,7 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   void set_filter(ColliderId id, const Filter& filter);
   void set_user_data(ColliderId id, std::uint64_t value);
   bool contains(ColliderId id) const;
+  /// The reference is good until the next add(), remove(), load() or assign().
   /// @throws std::invalid_argument where the id names no collider
   const ColliderDef& collider(ColliderId id) const;
   /// The collider in slot `index`, or an invalid id; indices are below slot_count().

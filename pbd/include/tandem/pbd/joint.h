@@ -62,6 +62,7 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   /// Change parameters; carried state stays. The bodies may not change.
   void set(const World& world, JointId id, const SixDofJointDef& def);
   void set_enabled(JointId id, bool enabled);
+  /// References to both are good until a joint is added, or the block loaded or assigned to.
   const SixDofJointDef& def(JointId id) const;
   const JointState& at(JointId id) const;
   /// rad, of a hinge, after the last step; counts turns. @throws for other joints, too

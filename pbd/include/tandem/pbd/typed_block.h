@@ -72,6 +72,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
 
   bool contains(ConstraintId id) const { return slots_.contains(id.index, id.generation); }
   void remove(ConstraintId id) { erase(checked(id)); }
+  /// References to both are good until a row is added, or the block loaded or assigned to.
   const C& at(ConstraintId id) const { return rows_[checked(id)]; }
   const Def& def(ConstraintId id) const { return rows_[checked(id)].def(); }
   /// Change parameters; carried state stays.

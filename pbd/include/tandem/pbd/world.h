@@ -30,6 +30,27 @@ struct TANDEM_API KinematicTarget {
   Pose pose;                ///< m, world
 };
 
+namespace detail {
+
+/// A pointer to what others own, or something else of the holder does: null in what was moved from.
+template <class T>
+class Borrowed {
+ public:
+  Borrowed(T* pointer = nullptr) : pointer_(pointer) {}
+  Borrowed(Borrowed&& other) noexcept : pointer_(std::exchange(other.pointer_, nullptr)) {}
+  Borrowed& operator=(Borrowed&& other) noexcept {
+    pointer_ = std::exchange(other.pointer_, nullptr);
+    return *this;
+  }
+  operator T*() const { return pointer_; }
+  T* operator->() const { return pointer_; }
+
+ private:
+  T* pointer_;
+};
+
+}  // namespace detail
+
 struct TANDEM_API WorldDef {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
 };
@@ -39,12 +60,14 @@ struct TANDEM_API WorldDef {
 ///
 /// Errors: all mutators throw std::invalid_argument naming field, value and rule, and leave the
 /// world as it was. Ids of removed bodies are refused the same way.
+/// References and spans that it returns are into its arrays: they are good until a body is added or
+/// removed, a block comes or goes, or restore().
 /// @par Thread safety  Distinct worlds: safe. One world: one thread at a time.
 class TANDEM_API World {
  public:
   explicit World(const WorldDef& def = {});
   ~World();
-  World(World&&) noexcept;
+  World(World&&) noexcept;  ///< the other one has no bodies, blocks and sources then
   World& operator=(World&&) noexcept;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -216,10 +239,10 @@ class TANDEM_API World {
   };
   std::vector<UserData> user_data_;  ///< by slot; those behind its end are 0
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
-  ContactBlock* contacts_ = nullptr;  ///< one of blocks_
-  ContactSource* contact_source_ = nullptr;
-  TargetSource* target_source_ = nullptr;
-  IslandCoupling* island_coupling_ = nullptr;
+  detail::Borrowed<ContactBlock> contacts_;  ///< one of blocks_
+  detail::Borrowed<ContactSource> contact_source_;
+  detail::Borrowed<TargetSource> target_source_;
+  detail::Borrowed<IslandCoupling> island_coupling_;
 };
 
 }  // namespace tandem::pbd
