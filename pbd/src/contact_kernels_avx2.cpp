@@ -1,13 +1,31 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Compiled for AVX2: nothing may come in that other sources compile without it.
+// Compiled for AVX2. The linker keeps one of all functions of a name, and takes them for equal:
+// what comes in here has no name that others know, or a machine without AVX may get it.
 #include "contact_kernels.h"
+
+namespace tandem::pbd {
+namespace {
+
+// Instruction sets of this source alone, and so are all functions that are made of them.
+struct Wide : xsimd::avx2 {};
+struct Half : xsimd::sse4_2 {};
+
+}  // namespace
+}  // namespace tandem::pbd
+
+namespace xsimd::types {
+
+XSIMD_DECLARE_SIMD_REGISTER_ALIAS(tandem::pbd::Wide, avx2);
+XSIMD_DECLARE_SIMD_REGISTER_ALIAS(tandem::pbd::Half, sse4_2);
+
+}  // namespace xsimd::types
 
 namespace tandem::pbd {
 
 const ContactKernels& avx2_kernels() {
-  static constexpr ContactKernels wide = kernel::kernels<xsimd::avx2, xsimd::sse4_2>();
+  static constexpr ContactKernels wide = kernel::kernels<Wide, Half>();
   return wide;
 }
 

@@ -4,6 +4,7 @@
 // Vectors of lanes, and bodies read into them. V is a batch of xsimd's, of 2 or 4 numbers.
 #pragma once
 
+#include <concepts>
 #include <xsimd/xsimd.hpp>
 
 #include "contact_rows.h"
@@ -86,9 +87,9 @@ struct Columns {
 };
 
 #if XSIMD_WITH_AVX2
-template <>
-struct Columns<xsimd::avx2> {
-  using V = xsimd::batch<double, xsimd::avx2>;
+template <std::derived_from<xsimd::avx2> A>
+struct Columns<A> {
+  using V = xsimd::batch<double, A>;
   V c0, c1, c2, c3;
 
   static V halves(const double* low, const double* high) {
