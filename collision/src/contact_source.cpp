@@ -338,7 +338,9 @@ bool CollisionScene::assign(const pbd::ContactSource& source) {
   if (other == nullptr) return false;
   if (other == this) return true;
   Impl& m = *impl_;
+  const std::int32_t next_group = std::max(m.next_group, other->impl_->next_group);
   static_cast<SceneState&>(m) = *other->impl_;
+  m.next_group = next_group;           // who was given one may still have it
   m.free.reserve(m.colliders.size());  // as add() does: removal needs no memory
   m.broad.assign(other->impl_->broad);
   m.contacts.assign(other->impl_->contacts);

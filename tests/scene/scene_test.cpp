@@ -300,6 +300,11 @@ TEST_CASE("scene: a new group is nobody's, whoever brought the others", "[scene]
   collision::CollisionScene copy;
   REQUIRE(copy.assign(scene.shapes()));
   CHECK(others.insert(copy.new_group()).second);
+  // Nor after going back to before it was given.
+  REQUIRE(copy.assign(scene.shapes()));
+  const std::int32_t given = scene.new_group();
+  REQUIRE(scene.shapes().assign(copy));
+  CHECK(scene.new_group() != given);
 }
 
 TEST_CASE("scene: queries see bodies where they are, whoever moved them", "[scene][queries]") {
