@@ -36,13 +36,14 @@ namespace detail {
 template <class T>
 class Borrowed {
  public:
+  // NOLINTNEXTLINE(google-explicit-constructor): it stands for the pointer
   Borrowed(T* pointer = nullptr) : pointer_(pointer) {}
   Borrowed(Borrowed&& other) noexcept : pointer_(std::exchange(other.pointer_, nullptr)) {}
   Borrowed& operator=(Borrowed&& other) noexcept {
     pointer_ = std::exchange(other.pointer_, nullptr);
     return *this;
   }
-  operator T*() const { return pointer_; }
+  operator T*() const { return pointer_; }  // NOLINT(google-explicit-constructor): likewise
   T* operator->() const { return pointer_; }
 
  private:
