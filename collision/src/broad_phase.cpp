@@ -3,6 +3,7 @@
 #include "broad_phase.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tandem::collision {
 namespace {
@@ -39,7 +40,10 @@ bool may_touch(const Collider& a, const Collider& b) {
 }
 
 void BroadPhase::add(std::uint32_t index, const Collider& collider) {
-  if (leaves_.size() <= index) leaves_.resize(index + 1, AabbTree::kNone);
+  if (leaves_.size() <= index) {
+    leaves_.resize(index + 1, AabbTree::kNone);
+    dropped_.resize(index + 1, 0);
+  }
   leaves_[index] = AabbTree::kNone;
   if (collider.is_half_space()) {
     const auto at = std::lower_bound(half_spaces_.begin(), half_spaces_.end(), index);
@@ -49,13 +53,24 @@ void BroadPhase::add(std::uint32_t index, const Collider& collider) {
 }
 
 void BroadPhase::look_again(std::uint32_t index) {
+  dropped_[index] = 1;
+  any_dropped_ = true;
+  unlink(index);
+  remember_plane(index, {});
+}
+
+void BroadPhase::drop_pairs() {
+  if (!any_dropped_) return;
+  drop_pairs([&](const ColliderPair&) { return false; });
+}
+
+void BroadPhase::drop_pairs(auto&& apart) {
   std::erase_if(pairs_, [&](const ColliderPair& pair) {
-    const bool gone = pair.low == index || pair.high == index;
+    const bool gone = dropped_[pair.low] != 0 || dropped_[pair.high] != 0 || apart(pair);
     if (gone) free_slots_.push_back(pair.cache);
     return gone;
   });
-  unlink(index);
-  remember_plane(index, {});
+  if (std::exchange(any_dropped_, false)) std::fill(dropped_.begin(), dropped_.end(), 0);
 }
 
 void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
@@ -106,6 +121,8 @@ void BroadPhase::reset() {
   tree_.clear();
   fixed_tree_.clear();
   pairs_.clear();
+  std::fill(dropped_.begin(), dropped_.end(), 0);
+  any_dropped_ = false;
   free_slots_.clear();
   cache_slots_ = 0;
 }
@@ -189,7 +206,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       has_moved_[i] = 1;
     }
   }
-  if (moved_.empty() && !plane_moves && all_finite) return;
+  if (moved_.empty() && !plane_moves && all_finite) return drop_pairs();
   if (plane_moves) {  // all boxes against the planes
     moved_.clear();
     for (std::uint32_t i = 0; i < colliders.size(); ++i) {
@@ -197,11 +214,9 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       has_moved_[i] = 1;
     }
   }
-  std::erase_if(pairs_, [&](const ColliderPair& pair) {
-    if (has_moved_[pair.low] == 0 && has_moved_[pair.high] == 0) return false;
-    const bool gone = !still_close(pair, colliders, dt);
-    if (gone) free_slots_.push_back(pair.cache);
-    return gone;
+  drop_pairs([&](const ColliderPair& pair) {
+    return (has_moved_[pair.low] != 0 || has_moved_[pair.high] != 0) &&
+           !still_close(pair, colliders, dt);
   });
   index_pairs();
   find(colliders, dt, workers);
@@ -286,6 +301,8 @@ void BroadPhase::assign(const BroadPhase& source) {
   planes_ = source.planes_;
   pairs_ = source.pairs_;
   found_.clear();
+  dropped_ = source.dropped_;
+  any_dropped_ = source.any_dropped_;
   free_slots_ = source.free_slots_;
   cache_slots_ = source.cache_slots_;
 }

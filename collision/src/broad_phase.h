@@ -38,6 +38,9 @@ class BroadPhase {
   /// Forget the collider's box and pairs, so that the next update() finds them anew.
   void look_again(std::uint32_t index);
 
+  /// The pairs of what was removed or is to be looked at again go in one pass: here, or in
+  /// update().
+  void drop_pairs();
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
   void update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
 
@@ -82,6 +85,8 @@ class BroadPhase {
   void unlink(std::uint32_t index);
   /// Place in half_spaces_, or its size.
   std::size_t plane_of(std::uint32_t index) const;
+  /// Likewise, with those that `apart` says of.
+  void drop_pairs(auto&& apart);
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
@@ -101,6 +106,8 @@ class BroadPhase {
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;
   std::vector<std::uint8_t> has_moved_;    ///< by collider
+  std::vector<std::uint8_t> dropped_;  ///< by collider: its pairs are to go
+  bool any_dropped_ = false;
   std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_
   std::vector<std::uint32_t> free_slots_;
   /// Of one worker.

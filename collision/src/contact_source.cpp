@@ -13,6 +13,7 @@
 #include "material_io.h"
 #include "motion_limit.h"
 #include "pair_contacts.h"
+#include "tandem/pbd/by_body.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
@@ -49,6 +50,7 @@ struct __attribute__((visibility("hidden"))) SceneState {
   CollisionStats stats;
   std::vector<Collider> colliders;
   std::vector<std::uint32_t> free;
+  pbd::ByBody by_body;  ///< colliders
   std::size_t sensor_count = 0;
   std::uint64_t added = 0;
   std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
@@ -145,6 +147,7 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
 
 void CollisionScene::remove(ColliderId id) {
   Impl& m = *impl_;
+  m.by_body.add(index, def.body.index);
   Collider& collider = m.colliders[m.checked(id, "remove")];
   if (collider.def.sensor) --m.sensor_count;
   m.broad.remove(id.index, collider);
@@ -156,6 +159,7 @@ void CollisionScene::remove(ColliderId id) {
 }
 
 void CollisionScene::set_material(ColliderId id, const Material& material) {
+  m.by_body.remove(id.index);
   Collider& collider = impl_->colliders[impl_->checked(id, "set_material")];
   std::string error;
   if (!material.validate(&error)) {
@@ -238,15 +242,14 @@ void CollisionScene::limit_motion(const pbd::World& world, std::span<const pbd::
 
 void CollisionScene::remove_body(pbd::BodyId body) {
   Impl& m = *impl_;
-  for (std::uint32_t i = 0; i < m.colliders.size(); ++i) {
-    if (m.colliders[i].alive && m.colliders[i].def.body == body) {
-      remove({i, m.colliders[i].generation});
-    }
+  for (const std::uint32_t i : m.by_body.rows_of(body.index)) {
+    if (m.colliders[i].def.body == body) remove({i, m.colliders[i].generation});
   }
 }
 
 void CollisionScene::save(pbd::ByteWriter& out) const {
-  const Impl& m = *impl_;
+  Impl& m = *impl_;
+  m.broad.drop_pairs();
   out.u32(kCacheMagic);
   out.u32(static_cast<std::uint32_t>(m.colliders.size()));
   for (std::uint32_t i = 0; i < m.colliders.size(); ++i) {

@@ -49,7 +49,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
 }  // namespace
 
 void BodyBuffer::aim_kinematic(World& world, double dt) {
-  for (const KinematicTarget& target : world.kinematic_targets_) {
+  for (const KinematicTarget& target : world.kinematic_targets()) {
     const Pose& pose = world.states_[target.index].pose;
     world.states_[target.index].twist = {
         (target.pose.position - pose.position) / dt,
@@ -183,7 +183,7 @@ void BodyBuffer::store_kinematic(World& world, double dt, StepReport& report) {
       refuse(world, i, report);
     }
   }
-  for (const KinematicTarget& target : world.kinematic_targets_) {
+  for (const KinematicTarget& target : world.kinematic_targets()) {
     world.states_[target.index] = {target.pose, {}};
   }
   world.kinematic_targets_.clear();

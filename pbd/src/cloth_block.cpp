@@ -37,6 +37,7 @@ bool ClothBlock::empty() const { return rows_->empty(); }
 
 /// To be changed: a copy of the world that has them as well keeps them as they are.
 ClothRows& ClothBlock::own_rows() {
+  by_body_.outdate();
   if (rows_.use_count() > 1) rows_ = std::make_shared<ClothRows>(*rows_);
   return *rows_;
 }
@@ -270,19 +271,28 @@ void ClothBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   });
 }
 
+/// The pairs of neighbours, made when they are first asked for after rows have changed.
+const ByBody& ClothBlock::neighbours() const {
+  by_body_.renew([&] {
+    std::uint32_t pair = 0;
+    rows_->for_neighbours([&](BodyId a, BodyId b) { by_body_.add(pair++, a.index, b.index); });
+  });
+  return by_body_;
+}
+
+void ClothBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const {
+  neighbours().for_rows(body, [&](std::uint32_t, std::uint32_t other) { joined.push_back(other); });
+}
+
 void ClothBlock::take_changed(std::vector<std::uint32_t>& bodies) {
   bodies.insert(bodies.end(), changed_.begin(), changed_.end());
   changed_.clear();
 }
 
 void ClothBlock::remove_body(BodyId body) {
-  bool named = false;
-  rows_->for_neighbours([&](BodyId a, BodyId b) {
-    if (a != body && b != body) return;
-    named = true;
-    changed_.push_back(a == body ? b.index : a.index);
-  });
-  if (!named) return;
+  const std::size_t before = changed_.size();
+  append_joined(body.index, changed_);
+  if (changed_.size() == before) return;
   own_rows().erase(
       carried_, [](std::uint64_t) { return false; }, [&](BodyId id) { return id == body; });
 }
@@ -310,6 +320,7 @@ void ClothBlock::load(ByteReader& in) {
   sweeps_ = static_cast<int>(in.u32());
   if (sweeps_ < 1 || sweeps_ > 100) in.fail();
   rows_ = std::make_shared<ClothRows>();
+  by_body_.outdate();
   rows_->load(in);
   carried_.assign(in.failed() ? 0 : rows_->number(), 0.0);
   for (double& value : carried_) {
@@ -336,6 +347,7 @@ bool ClothBlock::assign(const ConstraintBlock& source) {
   const auto* other = dynamic_cast<const ClothBlock*>(&source);
   if (other == nullptr) return false;
   rows_ = other->rows_;
+  by_body_.outdate();
   carried_ = other->carried_;
   changed_ = other->changed_;
   sweeps_ = other->sweeps_;

@@ -70,14 +70,16 @@ bool same_pair(const Manifold& old, const Manifold& m) {
 ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
 ContactBlock::~ContactBlock() = default;
 
-std::span<const Contact> ContactBlock::contacts() const { return impl_->contacts; }
+std::span<const Contact> ContactBlock::contacts() const { return impl_->kept(); }
 bool ContactBlock::any_friction() const { return impl_->any_friction; }
 bool ContactBlock::any_restitution() const { return impl_->any_restitution; }
-bool ContactBlock::empty() const { return impl_->contacts.empty(); }
+bool ContactBlock::empty() const { return impl_->kept().empty(); }
 
 void ContactBlock::configure(const ContactOptions& options) {
   impl_->options = options;
   impl_->kernels = &contact_kernels(options.lanes);
+  m.kept();
+  m.by_body.outdate();
 }
 
 void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
@@ -127,7 +129,8 @@ void ContactBlock::adopt(std::span<const Contact> contacts) {
   const auto by_key = [](const Contact& l, const Contact& r) {
     return l.manifold.key < r.manifold.key;
   };
-  std::vector<Contact>& own = impl_->contacts;
+  std::vector<Contact>& own = impl_->kept();
+  impl_->by_body.outdate();
   const auto old_end = static_cast<std::ptrdiff_t>(own.size());
   own.insert(own.end(), contacts.begin(), contacts.end());
   // What stands for a shape elsewhere has another version there.
@@ -364,28 +367,9 @@ void ContactBlock::end_step(const SubstepContext& ctx, std::span<double> wanted)
   m.refused_rows = m.refinement.want(m.contacts, m.sequence, m.options.extra_rows, ctx, wanted);
 }
 
-void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
-  bodies.insert(bodies.end(), impl_->changed.begin(), impl_->changed.end());
-  impl_->changed.clear();
-}
-
-void ContactBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
-  for (const Contact& contact : impl_->contacts) {
-    edges.push_back({.body_a = contact.manifold.body_a,
-                     .body_b = contact.manifold.body_b,
-                     .supports = contact.loaded()});
-  }
-}
-
-void ContactBlock::remove_body(BodyId body) {
-  std::erase_if(impl_->contacts, [&](const Contact& contact) {
-    return contact.manifold.body_a == body.index || contact.manifold.body_b == body.index;
-  });
-}
-
 BlockReport ContactBlock::report() const {
   return {.name = name(),
-          .rows = static_cast<int>(impl_->contacts.size()),
+          .rows = static_cast<int>(impl_->kept().size()),
           .extra_rows = impl_->extra_rows,
           .refined_rows = impl_->refined_rows,
           .refused_rows = impl_->refused_rows,

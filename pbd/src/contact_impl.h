@@ -15,6 +15,7 @@
 #include "contact_rows.h"
 #include "contact_statics.h"
 #include "contact_support.h"
+#include "tandem/pbd/by_body.h"
 
 namespace tandem::pbd {
 
@@ -28,10 +29,12 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 2;   ///< blocks of rows
   static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
 
-  std::vector<Contact> contacts;         ///< by ascending key
+  std::vector<Contact> contacts;         ///< by ascending key; between steps see kept()
   std::vector<std::uint32_t> old_place;  ///< where each was in the last step, or kNone
   std::vector<std::uint32_t> sequence;   ///< contacts by Manifold::order; empty where it is by key
   std::vector<std::pair<std::uint64_t, std::uint32_t>> ranks;  ///< scratch of put_in_sequence()
+  ByBody by_body;                                              ///< contacts; see named()
+  bool gone = false;                   ///< some contacts name no bodies any more
   std::vector<std::uint32_t> changed;  ///< bodies that lost a load, until the next step
   std::vector<ContactRows> room_for_rows;
   std::span<ContactRows> rows;       ///< of the group that is solved, by place in the order
@@ -61,6 +64,23 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   bool any_friction = false;
   bool any_restitution = false;
 
+  /// The contacts without those of bodies that have been removed since the last step.
+  std::vector<Contact>& kept() {
+    if (!gone) return contacts;
+    gone = false;
+    std::erase_if(contacts, [](const Contact& c) { return c.manifold.body_a == BodyId::kNone; });
+    by_body.outdate();
+    return contacts;
+  }
+  /// Made when it is first asked for after a step.
+  const ByBody& named() {
+    by_body.renew([&] {
+      for (std::uint32_t k = 0; k < contacts.size(); ++k) {
+        by_body.add(k, contacts[k].manifold.body_a, contacts[k].manifold.body_b);
+      }
+    });
+    return by_body;
+  }
   /// A contact without a successor: what it held up has to wake.
   void note_lost(const Contact& lost) {
     if (!lost.loaded() || !(lost.warm_start_scale > 0.0)) return;

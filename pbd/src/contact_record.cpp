@@ -134,7 +134,7 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
   out.u32(static_cast<std::uint32_t>(impl_->open_rows));
   out.f64(impl_->residual);
-  out.u32(static_cast<std::uint32_t>(impl_->contacts.size()));
+  out.u32(static_cast<std::uint32_t>(impl_->kept().size()));
   FieldWriter io(out);
   for (const Contact& contact : impl_->contacts) {
     name_fields(io, contact.manifold);
@@ -144,6 +144,8 @@ void ContactBlock::save(ByteWriter& out) const {
 
 void ContactBlock::load(ByteReader& in) {
   impl_->contacts.clear();
+  impl_->by_body.outdate();
+  impl_->gone = false;
   impl_->changed.clear();
   const std::uint32_t changed = in.u32();
   for (std::uint32_t k = 0; k < changed && !in.failed(); ++k) impl_->changed.push_back(in.u32());
@@ -166,7 +168,8 @@ void ContactBlock::load(ByteReader& in) {
 
 bool ContactBlock::fits(const World& world) const {
   const auto is_there = [&](std::uint32_t body) { return world.body_at(body).valid(); };
-  return std::all_of(impl_->contacts.begin(), impl_->contacts.end(), [&](const Contact& contact) {
+  const std::vector<Contact>& contacts = impl_->kept();
+  return std::all_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
     return is_there(contact.manifold.body_a) && is_there(contact.manifold.body_b);
   });
 }
@@ -182,6 +185,8 @@ bool ContactBlock::assign(const ConstraintBlock& source) {
   Impl& m = *impl_;
   const Impl& from = *other->impl_;
   m.contacts = from.contacts;
+  m.gone = from.gone;
+  m.by_body.outdate();
   m.changed = from.changed;
   m.options = from.options;
   m.extra_rows = from.extra_rows;

@@ -79,16 +79,18 @@ JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
   impl_->dirty = true;
   impl_->note_change(record);
   ++impl_->count;
+  auto index = static_cast<std::uint32_t>(impl_->records.size());
   if (!impl_->free.empty()) {
-    const std::uint32_t index = impl_->free.back();
+    index = impl_->free.back();
     impl_->free.pop_back();
     impl_->records[index] = record;
-    return {index, impl_->generations[index]};
+  } else {
+    impl_->records.push_back(record);
+    impl_->generations.push_back(0);
+    impl_->free.reserve(impl_->records.size());
   }
-  impl_->records.push_back(record);
-  impl_->generations.push_back(0);
-  impl_->free.reserve(impl_->records.size());
-  return {static_cast<std::uint32_t>(impl_->records.size() - 1), 0};
+  impl_->by_body.add(index, def.a.index, def.b.index);
+  return {index, impl_->generations[index]};
 }
 
 bool JointBlock::contains(JointId id) const { return impl_->contains(id); }
@@ -296,6 +298,12 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
     bool actuated = false;
     for (int c = 0; force_driven && c < kCone; ++c) actuated = actuated || motor_runs(record, c);
     // What comes back to where its joint wants it does not rest on its way.
+void JointBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const {
+  impl_->named().for_rows(body, [&](std::uint32_t row, std::uint32_t other) {
+    if (impl_->records[row].active() && other != BodyId::kNone) joined.push_back(other);
+  });
+}
+
     actuated = actuated || record.gap.closes();
     edges.push_back({.body_a = record.def.a.index,
                      .body_b = record.def.b.index,
@@ -305,10 +313,7 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
 }
 
 void JointBlock::remove_body(BodyId body) {
-  for (std::uint32_t i = 0; i < impl_->records.size(); ++i) {
-    const JointRecord& record = impl_->records[i];
-    if (record.alive && (record.def.a == body || record.def.b == body)) impl_->erase(i);
-  }
+  for (const std::uint32_t row : impl_->named().rows_of(body.index)) impl_->erase(row);
 }
 
 BlockReport JointBlock::report() const {
@@ -332,6 +337,7 @@ void JointBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->free.size()));
   for (const std::uint32_t index : impl_->free) out.u32(index);
   out.u32(static_cast<std::uint32_t>(impl_->changed.size()));
+  impl_->by_body.outdate();  // not yet: what the bytes name may be no body
   for (const std::uint32_t body : impl_->changed) out.u32(body);
 }
 

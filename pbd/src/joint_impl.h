@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "joint_system.h"
+#include "tandem/pbd/by_body.h"
 #include "tandem/pbd/joint.h"
 
 namespace tandem::pbd {
@@ -29,11 +30,21 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
   }
   void erase(std::uint32_t index) {
     note_change(records[index]);
+    by_body.remove(index);
     records[index].alive = false;
     ++generations[index];
     free.push_back(index);
     --count;
     dirty = true;
+  }
+
+  const ByBody& named() {
+    by_body.renew([&] {
+      for (std::uint32_t i = 0; i < records.size(); ++i) {
+        if (records[i].alive) by_body.add(i, records[i].def.a.index, records[i].def.b.index);
+      }
+    });
+    return by_body;
   }
 
   /// The coordinates as they are into `c`; the ends of the joint where the caller wants them.
@@ -107,6 +118,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
   std::vector<std::uint32_t> generations;
   std::vector<std::uint32_t> free;
   JointSystem system;
+  ByBody by_body;  ///< records; see named()
   int count = 0;
   bool gaps = false;  ///< some joint has one to close in this step
   bool dirty = true;

@@ -72,7 +72,7 @@ void World::remove_body(BodyId id) {
   for (const auto& block : blocks_) block->remove_body(id);
   activity_[index] = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
-  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
+  kinematic_targets_.remove(index);
   if (props_[index].stable_id) by_stable_id_.erase(*props_[index].stable_id);
   order_is_old_ = true;
   props_[index] = {};
@@ -149,9 +149,9 @@ void World::set_kinematic_target(BodyId id, const Pose& pose) {
   check_pose(pose, "World::set_kinematic_target");
   detail::require(props_[index].type == BodyType::Kinematic, "World::set_kinematic_target", "id",
                   id.index, "a kinematic body");
-  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
-  kinematic_targets_.push_back({index, pose});
-  kinematic_targets_.back().pose.orientation.normalize();
+  KinematicTarget target{index, pose};
+  target.pose.orientation.normalize();
+  kinematic_targets_.set(target);
 }
 
 void World::set_damping(BodyId id, double linear, double angular) {
@@ -187,7 +187,7 @@ void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
   props.inertia = made.inertia;
   props.inverse_inertia = made.inverse_inertia;
   props.principal = made.principal;
-  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
+  kinematic_targets_.remove(index);
   wake(id);
   wake_joined(index);
 }
@@ -211,7 +211,7 @@ void World::set_type(BodyId id, BodyType type) {
   props.inverse_inertia.setZero();
   props.principal = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
-  std::erase_if(kinematic_targets_, [&](const KinematicTarget& t) { return t.index == index; });
+  kinematic_targets_.remove(index);
   if (type == BodyType::Static) states_[index].twist = {};
   wake(id);
 }
@@ -318,12 +318,9 @@ void World::wake(BodyId id) {
 }
 
 void World::wake_joined(std::uint32_t index) {
-  std::vector<ConstraintEdge> edges;
-  for (const auto& block : blocks_) block->append_edges(edges);
-  for (const auto& edge : edges) {
-    if (edge.body_a == index && edge.body_b != BodyId::kNone) wake_up(activity_[edge.body_b]);
-    if (edge.body_b == index && edge.body_a != BodyId::kNone) wake_up(activity_[edge.body_a]);
-  }
+  joined_.clear();
+  for (const auto& block : blocks_) block->append_joined(index, joined_);
+  for (const std::uint32_t body : joined_) wake_up(activity_[body]);
 }
 
 void World::set_gravity(const Vec3& gravity) {
@@ -377,25 +374,6 @@ Correction World::correction(BodyId id) const {
 
 bool World::in_contact(BodyId id) const {
   return in_contact_[checked_index(id, "in_contact")] != 0;
-}
-
-double World::kinetic_energy() const {
-  double energy = 0.0;
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (props_[i].inverse_mass == 0.0) continue;
-    const Vec3 w_l = states_[i].pose.orientation.conjugate() * states_[i].twist.angular;
-    energy += 0.5 * (props_[i].mass * states_[i].twist.linear.squaredNorm() +
-                     w_l.dot(props_[i].inertia * w_l));
-  }
-  return energy;
-}
-
-double World::mechanical_energy() const {
-  double energy = kinetic_energy();
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    energy -= props_[i].mass * props_[i].gravity_scale * gravity_.dot(states_[i].pose.position);
-  }
-  return energy;
 }
 
 }  // namespace tandem::pbd

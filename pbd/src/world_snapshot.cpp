@@ -112,19 +112,20 @@ bool load_wrenches(ByteReader& in, std::uint32_t slots, std::vector<Wrench>& wre
   return true;
 }
 
-bool load_targets(ByteReader& in, std::span<const BodyProps> props,
-                  std::vector<KinematicTarget>& targets) {
+bool load_targets(ByteReader& in, std::span<const BodyProps> props, KinematicTargets& targets) {
   const std::uint32_t count = in.u32();
   if (in.failed() || count > props.size()) return false;
-  targets.assign(count, {});
+  targets.clear();
   FieldReader io(in);
-  for (KinematicTarget& target : targets) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    KinematicTarget target;
     target_fields(io, target);
     if (target.index >= props.size() || props[target.index].type != BodyType::Kinematic ||
         !target.pose.position.allFinite() ||
         !(std::abs(target.pose.orientation.norm() - 1.0) < 1e-3)) {
       return false;
     }
+    targets.set(target);
   }
   return true;
 }
@@ -161,8 +162,8 @@ std::vector<std::byte> World::snapshot() const {
   slots_.save_free(out);
   out.u32(static_cast<std::uint32_t>(wrenches_.size()));
   for (const Wrench& wrench : wrenches_) wrench_fields(io, wrench);
-  out.u32(static_cast<std::uint32_t>(kinematic_targets_.size()));
-  for (const KinematicTarget& target : kinematic_targets_) target_fields(io, target);
+  out.u32(static_cast<std::uint32_t>(kinematic_targets().size()));
+  for (const KinematicTarget& target : kinematic_targets()) target_fields(io, target);
   out.u32(static_cast<std::uint32_t>(corrections_.size()));
   for (const Correction& correction : corrections_) correction_fields(io, correction);
   for (const auto& block : blocks_) block->save(out);

@@ -149,9 +149,7 @@ Vec3 Character::Impl::surface_normal(const CastHit& hit) const {
 Character::Impl::Motion Character::Impl::motion(BodyId id, double dt) const {
   const pbd::World& world = scene.world();
   const pbd::BodyState& state = world.state(id);
-  for (const pbd::KinematicTarget& target : world.kinematic_targets()) {
-    if (target.index == id.index) return {state.pose, target.pose};
-  }
+  if (const auto target = world.kinematic_target(id)) return {state.pose, *target};
   return {state.pose,
           {state.pose.position + dt * state.twist.linear,
            pbd::rotated(state.pose.orientation, dt * state.twist.angular)}};

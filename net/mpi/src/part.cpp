@@ -158,7 +158,7 @@ pbd::BodyId Part::add(const pbd::BodyDef& def, std::span<const collision::Collid
 }
 
 void Part::remove(std::uint32_t slot) {
-  // By their ids: World::remove_body() would look for them among all.
+  // Here, where they are known: PartContacts leaves them to this.
   for (const collision::ColliderId id : colliders_[slot]) shapes_.remove(id);
   colliders_[slot].clear();
   if (is_own(slot)) ++exchanged_;

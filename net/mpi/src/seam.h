@@ -40,6 +40,9 @@ class Seam final : public pbd::ConstraintBlock {
   void append_edges(std::vector<pbd::ConstraintEdge>& edges) const override {
     rows_.append_edges(edges);
   }
+  void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override {
+    rows_.append_joined(body, joined);
+  }
   void remove_body(pbd::BodyId body) override { rows_.remove_body(body); }
   pbd::BlockReport report() const override;
   void save(pbd::ByteWriter& out) const override { rows_.save(out); }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "tandem/pbd/by_body.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
 
@@ -100,6 +101,7 @@ class TANDEM_API ClothBlock final : public ConstraintBlock {
   void end_displacement(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx, std::span<double> wanted) override;
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
+  void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   void remove_body(BodyId body) override;
   BlockReport report() const override;
@@ -112,11 +114,13 @@ class TANDEM_API ClothBlock final : public ConstraintBlock {
  private:
   class Sweep;
   ClothRows& own_rows();
+  const ByBody& neighbours() const;
   int sweeps_now();
   void require_no_host(BodyId point, std::string_view kind) const;
   std::uint32_t take_scalars(std::size_t count, std::span<const BodyId> bodies);
 
   std::shared_ptr<ClothRows> rows_;     ///< shared by copies; changed where no copy has it
+  mutable ByBody by_body_;              ///< see neighbours()
   std::vector<double> carried_;         ///< m, by scalar of a row: what agreement left behind
   std::vector<std::uint32_t> changed_;  ///< bodies, until the next step
   int sweeps_ = 2;

@@ -172,6 +172,10 @@ class TANDEM_API ConstraintBlock {
 
   /// Append an edge for each row that is active, which names every body that it reads or moves.
   virtual void append_edges(std::vector<ConstraintEdge>& /*edges*/) const {}
+  /// Append the bodies at the other ends of those edges that name this one, where it is a body.
+  /// Asked for each body that is set or removed: what looks at all rows for that, as this does,
+  /// makes clearing a heap take as long as its square.
+  virtual void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const;
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
   /// A body is about to leave the world: drop the rows that name it.

@@ -115,6 +115,7 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   /// What carries a load supports.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void remove_body(BodyId body) override;
+  void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;

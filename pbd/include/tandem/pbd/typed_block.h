@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "tandem/pbd/by_body.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
@@ -67,6 +68,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     } else {
       rows_[index] = C(def);
     }
+    by_body_.add(index, rows_[index].body_a().index, rows_[index].body_b().index);
     return {index, slots_.generation(index)};
   }
 
@@ -170,10 +172,13 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     bodies.insert(bodies.end(), changed_.begin(), changed_.end());
     changed_.clear();
   }
+  void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override {
+    by_body().for_rows(body, [&](std::uint32_t row, std::uint32_t other) {
+      if (is_active(rows_[row]) && other != BodyId::kNone) joined.push_back(other);
+    });
+  }
   void remove_body(BodyId body) override {
-    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
-      if (slots_.alive(i) && (rows_[i].body_a() == body || rows_[i].body_b() == body)) erase(i);
-    }
+    for (const std::uint32_t row : by_body().rows_of(body.index)) erase(row);
   }
   BlockReport report() const override {
     BlockReport report{.name = C::kName, .rows = size()};
@@ -209,6 +214,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     const std::uint32_t size = in.u32();
     rows_.clear();
     slots_.clear();
+    by_body_.outdate();  // not yet: what the bytes name may be no body
     sequence_is_old_ = true;
     for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
       slots_.load_slot(in);
@@ -335,14 +341,24 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       if (id.valid()) changed_.push_back(id.index);
     }
   }
+  const ByBody& by_body() const {
+    by_body_.renew([&] {
+      for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+        if (slots_.alive(i)) by_body_.add(i, rows_[i].body_a().index, rows_[i].body_b().index);
+      }
+    });
+    return by_body_;
+  }
   void erase(std::uint32_t index) {
     changed(rows_[index].def());
     sequence_is_old_ = true;
+    by_body_.remove(index);
     slots_.release(index);
   }
 
   std::vector<C> rows_;
   Slots slots_;
+  mutable ByBody by_body_;
   std::vector<std::uint32_t> changed_;   ///< bodies, until the next step
   std::vector<std::uint32_t> sequence_;  ///< slots in the order of sweeps; empty = as they are
   std::vector<std::uint32_t> by_group_;  ///< slots

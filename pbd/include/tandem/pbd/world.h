@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/manifold.h"
+#include "tandem/pbd/kinematic_targets.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/slots.h"
 
@@ -23,12 +25,6 @@ class BodyBuffer;
 class ContactBlock;
 class IslandCoupling;
 class WorldCopy;
-
-/// Where a kinematic body is to be after the next step.
-struct TANDEM_API KinematicTarget {
-  std::uint32_t index = 0;  ///< slot
-  Pose pose;                ///< m, world
-};
 
 namespace detail {
 
@@ -125,7 +121,11 @@ class TANDEM_API World {
   /// where nothing was applied since the last one.
   std::span<const Wrench> wrenches() const { return wrenches_; }
   /// What set_kinematic_target() collected for the next step, at most one for each body.
-  std::span<const KinematicTarget> kinematic_targets() const { return kinematic_targets_; }
+  /// None where set_kinematic_target() has given it none for the next step.
+  std::optional<Pose> kinematic_target(BodyId id) const {
+    return kinematic_targets_.pose_of(checked_index(id, "kinematic_target"));
+  }
+  std::span<const KinematicTarget> kinematic_targets() const { return kinematic_targets_.all(); }
 
   /// Whether the body is solved; a sleeping one stands still until something disturbs its island.
   /// Every mutator that changes a body wakes it.
@@ -217,6 +217,7 @@ class TANDEM_API World {
   /// What snapshot() wrote after its head. @return false where it cannot be a world's
   bool read(ByteReader& in);
 
+  /// Wakes what rows hold to the body.
   Vec3 gravity_;
   double time_ = 0.0;
   std::vector<BodyState> states_;
@@ -231,14 +232,15 @@ class TANDEM_API World {
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
   std::vector<BodyActivity> activity_;    ///< by slot
   std::uint64_t sleepers_moved_ = 0;
-  std::vector<Wrench> wrenches_;  ///< by slot, for the next step; empty where none acts
-  std::vector<KinematicTarget> kinematic_targets_;  ///< for the next step
-  std::vector<std::uint8_t> displaced_;             ///< by slot, before the next step; empty = none
+  std::vector<Wrench> wrenches_;         ///< by slot, for the next step; empty where none acts
+  KinematicTargets kinematic_targets_;   ///< for the next step
+  std::vector<std::uint8_t> displaced_;  ///< by slot, before the next step; empty = none
   struct UserData {
     std::uint32_t generation = 0;  ///< of the body that it belongs to
     std::uint64_t value = 0;
   };
-  std::vector<UserData> user_data_;  ///< by slot; those behind its end are 0
+  std::vector<UserData> user_data_;    ///< by slot; those behind its end are 0
+  std::vector<std::uint32_t> joined_;  ///< scratch of wake_joined()
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   detail::Borrowed<ContactBlock> contacts_;  ///< one of blocks_
   detail::Borrowed<ContactSource> contact_source_;

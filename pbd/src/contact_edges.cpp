@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Which bodies contacts hold together, and what becomes of them as bodies go.
+#include "contact_impl.h"
+#include "tandem/pbd/contact.h"
+
+namespace tandem::pbd {
+
+void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
+  bodies.insert(bodies.end(), impl_->changed.begin(), impl_->changed.end());
+  impl_->changed.clear();
+}
+
+void ContactBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
+  for (const Contact& contact : impl_->kept()) {
+    edges.push_back({.body_a = contact.manifold.body_a,
+                     .body_b = contact.manifold.body_b,
+                     .supports = contact.loaded()});
+  }
+}
+
+void ContactBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const {
+  impl_->named().for_rows(body,
+                          [&](std::uint32_t, std::uint32_t other) { joined.push_back(other); });
+}
+
+// The list is put in order when it is looked at: many bodies may go at once.
+void ContactBlock::remove_body(BodyId body) {
+  Impl& m = *impl_;
+  m.named().for_rows(body.index, [&](std::uint32_t k, std::uint32_t) {
+    m.by_body.remove(k);
+    m.contacts[k].manifold.body_a = m.contacts[k].manifold.body_b = BodyId::kNone;
+    m.gone = true;
+  });
+}
+
+}  // namespace tandem::pbd
