@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "free_rotation.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -111,7 +110,10 @@ PrincipalAxes principal_axes(const Mat3& inertia) {
     }
   }
   std::array<int, 3> by_size{0, 1, 2};
-  std::stable_sort(by_size.begin(), by_size.end(), [&](int i, int j) { return a(i, i) < a(j, j); });
+  for (const std::size_t k : {0u, 1u, 0u}) {  // neighbours only: equal ones stay in order
+    const int i = by_size[k], j = by_size[k + 1];
+    if (a(j, j) < a(i, i)) std::swap(by_size[k], by_size[k + 1]);
+  }
   const auto [low, middle, high] = by_size;
   const double below = 1.0 / a(low, low) - 1.0 / a(middle, middle);
   const double above = 1.0 / a(middle, middle) - 1.0 / a(high, high);

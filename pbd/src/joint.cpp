@@ -101,18 +101,10 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   check_joint(world, def);
   detail::require(def.a == record.def.a, "joint", "a", def.a.index, "the body it was added with");
   detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
-  const std::uint32_t used = record.used;
-  const bool passive = record.passive;
-  const bool point = record.is_point();
-  const bool enabled = record.def.enabled;
   record.def = def;
   record.def.frame_a.basis.normalize();
   record.def.frame_b.basis.normalize();
   record.refresh();
-  if (passive != record.passive || point != record.is_point() || used != record.used ||
-      enabled != def.enabled) {
-    impl_->dirty = true;
-  }
   impl_->note_change(record);
 }
 
@@ -121,7 +113,6 @@ void JointBlock::set_enabled(JointId id, bool enabled) {
   record.def.enabled = enabled;
   impl_->note_change(record);
   if (enabled) record.state.broken = false;
-  impl_->dirty = true;
 }
 
 const SixDofJointDef& JointBlock::def(JointId id) const {
@@ -180,6 +171,7 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
     impl_->natural = ctx.order.natural();
   }
   impl_->system.sort_groups(ctx.bodies);
+  impl_->system.note_passive(impl_->records);
   for (JointRecord& record : impl_->records) {
     record.broke = false;
     record.twist_before = record.twist;
@@ -298,18 +290,18 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
     bool actuated = false;
     for (int c = 0; force_driven && c < kCone; ++c) actuated = actuated || motor_runs(record, c);
     // What comes back to where its joint wants it does not rest on its way.
-void JointBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const {
-  impl_->named().for_rows(body, [&](std::uint32_t row, std::uint32_t other) {
-    if (impl_->records[row].active() && other != BodyId::kNone) joined.push_back(other);
-  });
-}
-
     actuated = actuated || record.gap.closes();
     edges.push_back({.body_a = record.def.a.index,
                      .body_b = record.def.b.index,
                      .actuated = actuated,
                      .force_driven = force_driven});
   }
+}
+
+void JointBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const {
+  impl_->named().for_rows(body, [&](std::uint32_t row, std::uint32_t other) {
+    if (impl_->records[row].active() && other != BodyId::kNone) joined.push_back(other);
+  });
 }
 
 void JointBlock::remove_body(BodyId body) {
@@ -337,7 +329,6 @@ void JointBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->free.size()));
   for (const std::uint32_t index : impl_->free) out.u32(index);
   out.u32(static_cast<std::uint32_t>(impl_->changed.size()));
-  impl_->by_body.outdate();  // not yet: what the bytes name may be no body
   for (const std::uint32_t body : impl_->changed) out.u32(body);
 }
 
@@ -346,6 +337,7 @@ void JointBlock::load(ByteReader& in) {
   impl_->records.clear();
   impl_->generations.clear();
   impl_->free.clear();
+  impl_->by_body.outdate();  // not yet: what the bytes name may be no body
   impl_->count = 0;
   std::vector<std::uint8_t> alive;
   for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {

@@ -14,45 +14,53 @@ namespace {
 
 constexpr std::string_view kKind = "joint";
 
-void check_frame(const JointFrame& frame, const std::string& field) {
-  detail::require_finite(frame.anchor, kKind, field + ".anchor");
-  detail::require_unit(frame.basis, kKind, field + ".basis");
+/// What a check is of, put into words where it fails: joints are set within steps.
+struct JointField {
+  std::string_view name;
+  int place = -1;              ///< of "name[place]"; none where it is negative
+  std::string_view part = {};  ///< ".part", or nothing
+
+  JointField operator/(std::string_view of_it) const { return {name, place, of_it}; }
+  std::string text() const {
+    std::string text(name);
+    if (place >= 0) text.append("[").append(std::to_string(place)).append("]");
+    if (!part.empty()) text.append(".").append(part);
+    return text;
+  }
+};
+
+void demand(bool ok, const JointField& field, double value, std::string_view rule) {
+  if (!ok) detail::require(ok, kKind, field.text(), value, rule);
 }
 
-void check_at_least_0(double value, const std::string& field) {
-  detail::require(value >= 0.0 && std::isfinite(value), kKind, field, value, "finite and >= 0");
+void check_at_least_0(double value, const JointField& field) {
+  demand(value >= 0.0 && std::isfinite(value), field, value, "finite and >= 0");
 }
 
-void check_compliance(double value, const std::string& field) {
+void check_compliance(double value, const JointField& field) {
   const bool ok = value == 0.0 || (value >= kMinCompliance && std::isfinite(value));
-  detail::require(ok, kKind, field, value, "0, or finite and at least 1e-100");
+  demand(ok, field, value, "0, or finite and at least 1e-100");
 }
 
-void check_axis(const JointAxis& axis, const std::string& field) {
-  check_compliance(axis.compliance, field + ".compliance");
-  check_at_least_0(axis.damping, field + ".damping");
-  check_at_least_0(axis.spring.stiffness, field + ".spring.stiffness");
-  check_at_least_0(axis.spring.damping, field + ".spring.damping");
-  detail::require(std::isfinite(axis.spring.rest), kKind, field + ".spring.rest", axis.spring.rest,
-                  "finite");
-  detail::require(std::isfinite(axis.motor.target), kKind, field + ".motor.target",
-                  axis.motor.target, "finite");
-  detail::require(axis.motor.max_force > 0.0, kKind, field + ".motor.max_force",
-                  axis.motor.max_force, "> 0");
-  detail::require(axis.motor.max_speed > 0.0, kKind, field + ".motor.max_speed",
-                  axis.motor.max_speed, "> 0");
+void check_axis(const JointAxis& axis, const JointField& field) {
+  check_compliance(axis.compliance, field / "compliance");
+  check_at_least_0(axis.damping, field / "damping");
+  check_at_least_0(axis.spring.stiffness, field / "spring.stiffness");
+  check_at_least_0(axis.spring.damping, field / "spring.damping");
+  demand(std::isfinite(axis.spring.rest), field / "spring.rest", axis.spring.rest, "finite");
+  demand(std::isfinite(axis.motor.target), field / "motor.target", axis.motor.target, "finite");
+  demand(axis.motor.max_force > 0.0, field / "motor.max_force", axis.motor.max_force, "> 0");
+  demand(axis.motor.max_speed > 0.0, field / "motor.max_speed", axis.motor.max_speed, "> 0");
   if (axis.freedom == Freedom::Limited) {
-    detail::require(axis.lower < kUnlimited, kKind, field + ".lower", axis.lower,
-                    "a number below infinity");
-    detail::require(axis.upper > -kUnlimited, kKind, field + ".upper", axis.upper,
-                    "a number above -infinity");
-    detail::require(axis.upper >= axis.lower, kKind, field + ".upper", axis.upper, ">= lower");
+    demand(axis.lower < kUnlimited, field / "lower", axis.lower, "a number below infinity");
+    demand(axis.upper > -kUnlimited, field / "upper", axis.upper, "a number above -infinity");
+    demand(axis.upper >= axis.lower, field / "upper", axis.upper, ">= lower");
   }
   if (axis.freedom == Freedom::Locked) {
-    detail::require(axis.motor.mode == MotorMode::Off, kKind, field + ".motor.mode",
-                    static_cast<double>(axis.motor.mode), "off on a locked axis");
-    detail::require(axis.spring.stiffness == 0.0 && axis.spring.damping == 0.0, kKind,
-                    field + ".spring.stiffness", axis.spring.stiffness, "0 on a locked axis");
+    demand(axis.motor.mode == MotorMode::Off, field / "motor.mode",
+           static_cast<double>(axis.motor.mode), "off on a locked axis");
+    demand(axis.spring.stiffness == 0.0 && axis.spring.damping == 0.0, field / "spring.stiffness",
+           axis.spring.stiffness, "0 on a locked axis");
   }
 }
 
@@ -146,7 +154,7 @@ SliderJointDef::operator SixDofJointDef() const {
 
 WheelJointDef::operator SixDofJointDef() const {
   detail::require_finite(Vec3::Constant(steer), kKind, "steer");
-  check_at_least_0(brake, "brake");
+  check_at_least_0(brake, {"brake"});
   SixDofJointDef six = base(*this);
   six.angular.fill(locked(angular_compliance, angular_damping));
   six.linear[2] = suspension;
@@ -191,24 +199,24 @@ void check_joint(const World& world, const SixDofJointDef& def) {
   if (def.a.valid()) detail::require_body(world, def.a, kKind, "a");
   detail::require_body(world, def.b, kKind, "b");
   detail::require(def.a != def.b, kKind, "b", def.b.index, "another body than a");
-  check_frame(def.frame_a, "frame_a");
-  check_frame(def.frame_b, "frame_b");
-  for (std::size_t i = 0; i < 3; ++i) {
-    check_axis(def.linear[i], "linear[" + std::to_string(i) + "]");
-    check_axis(def.angular[i], "angular[" + std::to_string(i) + "]");
+  detail::require_finite(def.frame_a.anchor, kKind, "frame_a.anchor");
+  detail::require_unit(def.frame_a.basis, kKind, "frame_a.basis");
+  detail::require_finite(def.frame_b.anchor, kKind, "frame_b.anchor");
+  detail::require_unit(def.frame_b.basis, kKind, "frame_b.basis");
+  for (int i = 0; i < 3; ++i) {
+    check_axis(def.linear[static_cast<std::size_t>(i)], {"linear", i});
+    check_axis(def.angular[static_cast<std::size_t>(i)], {"angular", i});
   }
-  detail::require(def.cone > 0.0, kKind, "cone", def.cone, "> 0");
-  if (def.cone < kUnlimited) {
-    for (std::size_t i = 1; i < 3; ++i) {
-      detail::require(def.angular[i].freedom == Freedom::Free, kKind,
-                      "angular[" + std::to_string(i) + "].freedom",
-                      static_cast<double>(def.angular[i].freedom), "free where a cone limits");
-    }
+  demand(def.cone > 0.0, {"cone"}, def.cone, "> 0");
+  for (int i = 1; i < 3 && def.cone < kUnlimited; ++i) {
+    const Freedom freedom = def.angular[static_cast<std::size_t>(i)].freedom;
+    demand(freedom == Freedom::Free, {"angular", i, "freedom"}, static_cast<double>(freedom),
+           "free where a cone limits");
   }
-  check_compliance(def.cone_compliance, "cone_compliance");
-  check_at_least_0(def.cone_damping, "cone_damping");
-  check_at_least_0(def.break_force, "break_force");
-  check_at_least_0(def.break_torque, "break_torque");
+  check_compliance(def.cone_compliance, {"cone_compliance"});
+  check_at_least_0(def.cone_damping, {"cone_damping"});
+  check_at_least_0(def.break_force, {"break_force"});
+  check_at_least_0(def.break_torque, {"break_torque"});
 }
 
 }  // namespace tandem::pbd

@@ -130,6 +130,7 @@ void JointGraph::place_nodes(std::span<const Edge> edges, const JointElimination
     if (i < edges.size()) {
       node.joint = edges[i].joint;
       node.rows = edges[i].rows;
+      node.point = edges[i].point;
       if (edges[i].a != kNone) node.slot_a = part.body + plan.local(edges[i].a);
       if (edges[i].b != kNone) node.slot_b = part.body + plan.local(edges[i].b);
     } else {

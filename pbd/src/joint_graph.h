@@ -11,7 +11,8 @@ namespace tandem::pbd {
 class JointElimination;
 
 /// The plan of a sparse block elimination over joints: which blocks there are, in which order they
-/// are eliminated, and which block each elimination changes. Made anew when joints come or go.
+/// are eliminated, and which block each elimination changes. Made anew when joints come or go; how
+/// much room for rows it has beyond those that there are is of no matter to any number.
 ///
 /// A node is a joint (its rows) or a hub: a body of so many joints that joining each of them with
 /// each other would cost more than keeping the body's six unknowns. Two joints are neighbours where
@@ -38,6 +39,7 @@ class JointGraph {
     std::uint32_t update = 0;  ///< into updates(), (count + 1) count / 2 of them
     std::uint32_t right = 0;   ///< into the right-hand side
     int rows = 0;              ///< at most
+    bool point = false;        ///< see Edge
   };
   /// A neighbour that is eliminated later, and the block (its rows x the node's) between the two.
   struct Later {

@@ -121,6 +121,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
   ByBody by_body;  ///< records; see named()
   int count = 0;
   bool gaps = false;  ///< some joint has one to close in this step
+  /// Joints have come or gone; for what else ends a plan see JointSystem::fits().
   bool dirty = true;
   bool natural = true;  ///< the order that the system was built with: slots
 };

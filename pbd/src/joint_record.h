@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <span>
@@ -51,6 +52,8 @@ struct JointRecord {
   /// The settings of coordinate c, 0 to 6.
   JointAxis axis(int c) const;
   int rows() const { return std::popcount(used); }
+  /// How many rows a plan has room for: with that of a motor which is switched on meanwhile.
+  int room() const { return is_point() ? rows() : std::min(rows() + 1, kCoordinates); }
   /// Three rows of a point and no others.
   bool is_point() const { return point && used == 7u; }
   void save(ByteWriter& out) const;

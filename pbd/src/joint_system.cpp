@@ -17,6 +17,9 @@ std::uint32_t movable(BodyId id, std::span<const SolverBody> bodies) {
   return id.valid() && bodies[id.index].inv_mass > 0.0 ? id.index : JointGraph::kNone;
 }
 
+/// Whether it may have rows.
+bool is_planned(const JointRecord& record) { return record.active() && record.used != 0; }
+
 /// Velocities stand half a substep behind poses (leapfrog), so that between substeps of different
 /// length gravity acts for half of either. Joints find their own forces; without this a chain that
 /// is given more substeps while it falls loses energy each time.
@@ -41,12 +44,12 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
   std::vector<JointGraph::Edge> edges;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const JointRecord& r = records[i];
-    if (!r.active() || r.used == 0) continue;
+    if (!is_planned(r)) continue;
     // Known to the graph by their places in the order.
     edges.push_back({.joint = static_cast<std::uint32_t>(i),
                      .a = order.rank(movable(r.def.a, bodies)),
                      .b = order.rank(movable(r.def.b, bodies)),
-                     .rows = r.rows(),
+                     .rows = r.room(),
                      .point = r.is_point(),
                      .turns_a = !r.def.a.valid() || bodies[r.def.a.index].turns_freely,
                      .turns_b = bodies[r.def.b.index].turns_freely});
@@ -72,6 +75,39 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
     data_.slots[s].turns_freely = bodies[body].turns_freely;
     data_.slots[s].primary = std::exchange(seen[body], 1) == 0;
   }
+  data_.values.assign(data_.graph.value_count(), 0.0);
+  data_.right.assign(data_.graph.right_count(), 0.0);
+}
+
+bool JointSystem::fits(std::span<const JointRecord> records,
+                       std::span<const SolverBody> bodies) const {
+  std::size_t planned = 0;
+  for (const JointGraph::Node& node : data_.graph.nodes()) {
+    if (node.joint == JointGraph::kNone) continue;
+    const JointRecord& record = records[node.joint];
+    if (!is_planned(record) || record.is_point() != node.point || record.rows() > node.rows)
+      return false;
+    ++planned;
+    const SixDofJointDef& def = record.def;
+    if ((movable(def.a, bodies) == JointGraph::kNone) != (node.slot_a == JointGraph::kNone))
+      return false;
+    if ((movable(def.b, bodies) == JointGraph::kNone) != (node.slot_b == JointGraph::kNone))
+      return false;
+  }
+  for (const JointRecord& record : records) {
+    if (is_planned(record) && (movable(record.def.a, bodies) != JointGraph::kNone ||
+                               movable(record.def.b, bodies) != JointGraph::kNone)) {
+      --planned;
+    }
+  }
+  if (planned != 0) return false;
+  for (std::size_t s = 0; s < data_.slots.size(); ++s) {
+    if (bodies[data_.graph.bodies()[s]].turns_freely != data_.slots[s].turns_freely) return false;
+  }
+  return true;
+}
+
+void JointSystem::note_passive(std::span<const JointRecord> records) {
   passive_.assign(data_.graph.parts().size(), 1);
   for (std::size_t p = 0; p < passive_.size(); ++p) {
     const JointGraph::Part& part = data_.graph.parts()[p];
@@ -80,25 +116,6 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
       if (joint != JointGraph::kNone && !records[joint].passive) passive_[p] = 0;
     }
   }
-  data_.values.assign(data_.graph.value_count(), 0.0);
-  data_.right.assign(data_.graph.right_count(), 0.0);
-}
-
-bool JointSystem::fits(std::span<const JointRecord> records,
-                       std::span<const SolverBody> bodies) const {
-  for (const JointGraph::Node& node : data_.graph.nodes()) {
-    if (node.joint == JointGraph::kNone) continue;
-    if (!records[node.joint].active()) return false;  // it broke
-    const SixDofJointDef& def = records[node.joint].def;
-    if ((movable(def.a, bodies) == JointGraph::kNone) != (node.slot_a == JointGraph::kNone))
-      return false;
-    if ((movable(def.b, bodies) == JointGraph::kNone) != (node.slot_b == JointGraph::kNone))
-      return false;
-  }
-  for (std::size_t s = 0; s < data_.slots.size(); ++s) {
-    if (bodies[data_.graph.bodies()[s]].turns_freely != data_.slots[s].turns_freely) return false;
-  }
-  return true;
 }
 
 void JointSystem::sort_groups(std::span<const SolverBody> bodies) {

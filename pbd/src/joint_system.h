@@ -16,8 +16,12 @@ class JointSystem {
   /// joints are taken by the order of their bodies, else by slot.
   void build(std::span<const JointRecord> records, std::span<const SolverBody> bodies,
              const BodyOrder& order);
-  /// Whether the plan still fits which bodies can move.
+  /// Whether the plan still fits: the joints that are active, which of their bodies can move, and
+  /// rows that it has room for.
+  /// @pre no joint has come or gone since build()
   bool fits(std::span<const JointRecord> records, std::span<const SolverBody> bodies) const;
+  /// Find which parts store or supply no energy.
+  void note_passive(std::span<const JointRecord> records);
   /// Sort parts by group for for_parts().
   void sort_groups(std::span<const SolverBody> bodies);
 

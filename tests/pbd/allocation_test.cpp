@@ -196,3 +196,35 @@ TEST_CASE("allocation: to set a body that others touch makes none", "[pbd][regre
     CHECK(allocations == 0);
   }
 }
+
+TEST_CASE("allocation: a motor that is switched on or off makes none", "[pbd][regression]") {
+  World world;
+  auto& joints = world.add_block<JointBlock>();
+  std::vector<std::pair<JointId, HingeJointDef>> hinges;
+  BodyId before;
+  for (int i = 0; i < 20; ++i) {
+    const BodyId link = world.add_body(ball_def(1.0, 0.1, Vec3(0.3 * i, 0.0, 0.0)));
+    const Vec3 at(0.3 * i - 0.15, 0.0, 0.0);
+    const HingeJointDef def = hinge_joint_at(world, before, link, at, Vec3::UnitY());
+    hinges.emplace_back(joints.add(world, def), def);
+    before = link;
+  }
+  Solver solver;
+  for (int k = 0; k < 10; ++k) solver.step(world, kFrame);
+  const auto set_motors = [&](bool run) {
+    for (auto& [id, def] : hinges) {
+      def.axis.motor.mode = run ? MotorMode::Velocity : MotorMode::Off;
+      joints.set(world, id, def);
+    }
+  };
+  set_motors(true);
+  solver.step(world, kFrame);  // room for the list of what was changed
+  allocations = 0;
+  counting = true;
+  for (int k = 0; k < 20; ++k) {
+    set_motors(k % 2 == 1);
+    solver.step(world, kFrame);
+  }
+  counting = false;
+  CHECK(allocations == 0);
+}
