@@ -195,7 +195,8 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       remember_plane(i, {});
       has_moved_[i] = 1;
     } else if (c.is_half_space()) {
-      const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.travel_within(dt), dt)};
+      // The length of the step is of no matter to one that stands.
+      const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.travel_within(dt), 0.0)};
       const Aabb before = fat_box(i);
       const bool still =
           plane.min == before.min && plane.max == before.max && c.motion.twist.angular.isZero(0.0);
@@ -300,9 +301,9 @@ void BroadPhase::assign(const BroadPhase& source) {
   half_spaces_ = source.half_spaces_;
   planes_ = source.planes_;
   pairs_ = source.pairs_;
-  found_.clear();
   dropped_ = source.dropped_;
   any_dropped_ = source.any_dropped_;
+  found_.clear();
   free_slots_ = source.free_slots_;
   cache_slots_ = source.cache_slots_;
 }

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -37,10 +38,10 @@ class BroadPhase {
 
   /// Forget the collider's box and pairs, so that the next update() finds them anew.
   void look_again(std::uint32_t index);
-
   /// The pairs of what was removed or is to be looked at again go in one pass: here, or in
   /// update().
   void drop_pairs();
+
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
   void update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
 
@@ -55,6 +56,8 @@ class BroadPhase {
   }
   /// Pairs that the last update() added; empty where it had nothing to do.
   const std::vector<ColliderPair>& found() const { return found_; }
+  /// Boxes that the last update() looked up among the others.
+  std::size_t searches() const { return moved_.size(); }
   /// Slots in use or free; a pair's `cache` is below this.
   std::uint32_t cache_slots() const { return cache_slots_; }
   /// Of a half-space: what its reach depended on in the last step.
@@ -82,11 +85,11 @@ class BroadPhase {
     const std::uint32_t leaf = leaves_[index] & ~kFixed;
     return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
   }
+  /// Likewise, with those that `apart` says of.
+  void drop_pairs(auto&& apart);
   void unlink(std::uint32_t index);
   /// Place in half_spaces_, or its size.
   std::size_t plane_of(std::uint32_t index) const;
-  /// Likewise, with those that `apart` says of.
-  void drop_pairs(auto&& apart);
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
@@ -101,13 +104,13 @@ class BroadPhase {
   AabbTree fixed_tree_;                     ///< of all others
   std::vector<std::uint32_t> leaves_;       ///< by collider
   std::vector<std::uint32_t> half_spaces_;  ///< ascending
-  std::vector<Aabb> planes_;                ///< of half_spaces_: normal; offset, motion, step
+  std::vector<Aabb> planes_;                ///< of half_spaces_: normal; offset, motion
   std::vector<ColliderPair> pairs_;
+  std::vector<std::uint8_t> dropped_;  ///< by collider: its pairs are to go
+  bool any_dropped_ = false;
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;
   std::vector<std::uint8_t> has_moved_;    ///< by collider
-  std::vector<std::uint8_t> dropped_;  ///< by collider: its pairs are to go
-  bool any_dropped_ = false;
   std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_
   std::vector<std::uint32_t> free_slots_;
   /// Of one worker.

@@ -102,6 +102,7 @@ void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
   stats = {.colliders = colliders.size() - free.size(),
            .pairs = broad.pairs().size(),
            .queries = contacts.queries(),
+           .searches = broad.searches(),
            .recycled = contacts.recycled(),
            .manifolds = found.size()};
   for (const pbd::Manifold& manifold : found) {

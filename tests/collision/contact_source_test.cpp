@@ -275,4 +275,17 @@ TEST_CASE("contact_source: to remove a body is no work over the others",
   CHECK(allocations(6) == allocations(20));
 }
 
+TEST_CASE("contact_source: beside a plane at rest the length of steps is of no matter",
+          "[collision][regression]") {
+  Fixture f;
+  f.fixed(HalfSpace{});
+  for (int i = 0; i < 30; ++i) f.add(Box{0.5, 0.5, 0.5}, at(2.0 * i, 0.0, 0.5));
+  CHECK(f.collect().size() == 30);
+  CHECK(f.scene.stats().searches == 30);
+  for (const double dt : {1.0 / 60.0, 1.0 / 50.0, 1.0 / 90.0, 1.0 / 61.0}) {
+    CHECK(f.collect(dt).size() == 30);
+    CHECK(f.scene.stats().searches == 0);
+  }
+}
+
 }  // namespace contact_source_test

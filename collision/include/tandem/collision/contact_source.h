@@ -64,6 +64,7 @@ struct TANDEM_API CollisionOptions {
 /// What the last collect() did.
 struct TANDEM_API CollisionStats {
   std::size_t colliders = 0;
+  std::size_t searches = 0;  ///< boxes that were looked up among the others
   std::size_t pairs = 0;     ///< whose fat boxes overlap
   std::size_t queries = 0;   ///< asked of the narrow phase (one for each candidate triangle)
   std::size_t recycled = 0;  ///< pairs that needed none
