@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact_gravity.h"
 #include "contact_impl.h"
 #include "tandem/pbd/bytes.h"
 #include "tandem/pbd/world.h"
@@ -26,10 +27,6 @@ double push_slop(const SubstepContext& ctx) {
   return ctx.last || ctx.substep % 2 == 1 ? kPushSlop : kPushSlopBetween;
 }
 
-/// m/s^2: carried impulses may grow by what holds a body that weighs as much as the contact's
-/// effective mass, in this gravity at least.
-constexpr double kMinGravity = 1.0;
-
 /// Sweeps that hold displacements against contacts. With one, a light body that its target pulls
 /// under a heavy one is pressed into the ground: pile, profile 5, seeds 831 to 834, three of four
 /// runs lost a cube through it, and the deepest overlap was 73 to 94 mm; with four none did, 37 to
@@ -38,11 +35,6 @@ constexpr int kHoldSweeps = 4;
 
 /// m, at which turning counts beside moving where one number stands for both.
 constexpr double kLeverArm = 0.1;
-
-/// See SubstepRule::growth.
-double growth_of(const SubstepContext& ctx) {
-  return std::max(ctx.gravity.norm(), kMinGravity) * ctx.h;
-}
 
 /// What is known of a contact at the end of a step.
 void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double& worst) {
@@ -78,8 +70,6 @@ bool ContactBlock::empty() const { return impl_->kept().empty(); }
 void ContactBlock::configure(const ContactOptions& options) {
   impl_->options = options;
   impl_->kernels = &contact_kernels(options.lanes);
-  m.kept();
-  m.by_body.outdate();
 }
 
 void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
@@ -88,6 +78,8 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
     std::sort(manifolds.begin(), manifolds.end(), by_key);
   }
   Impl& m = *impl_;
+  m.kept();
+  m.by_body.outdate();
   m.any_friction = m.any_restitution = false;
   m.old_place.resize(manifolds.size());
   std::size_t left = m.contacts.size();
@@ -224,14 +216,14 @@ void ContactBlock::Impl::renew_rows(const SubstepContext& ctx) {
 
 void ContactBlock::begin_substep(const SubstepContext& ctx) {
   Impl& m = *impl_;
-  const double weight = ctx.gravity.norm() * ctx.h;  // m/s, what gravity adds in a substep
+  const double fall = fall_of(ctx);
   const SubstepRule rule{.h = ctx.h,
                          .first = ctx.substep == 0,
                          .push_speed = m.options.push_speed,
-                         .push_slop = push_slop(ctx) * weight * ctx.h,
+                         .push_slop = push_slop(ctx) * fall * ctx.h,
                          .warm_start_gap = m.options.warm_start_gap,
-                         .bounce_speed = m.options.restitution_threshold * weight,
-                         .growth = growth_of(ctx)};
+                         .bounce_speed = m.options.restitution_threshold * fall,
+                         .growth = fall};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (ctx.substep == 0) {
     m.turned = false;
@@ -270,10 +262,9 @@ double ContactBlock::project(const SubstepContext& ctx) {
     m.kernels->solve(m.rows[k], ContactPass::Motion, normal_friction_iterations(first_substep),
                      kAllLanes, numbers);
   });
-  const ContactConvergence::Rule rule{
-      .tolerance = m.options.resting_tolerance * ctx.gravity.norm() * ctx.h,
-      .rows = m.rows_to_sweep(m.refined.group, ctx),
-      .first_substep = first_substep};
+  const ContactConvergence::Rule rule{.tolerance = m.options.resting_tolerance * fall_of(ctx),
+                                      .rows = m.rows_to_sweep(m.refined.group, ctx),
+                                      .first_substep = first_substep};
   const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
                                                *m.kernels, ctx.bodies, *ctx.workers);
   m.extra_rows += swept;
@@ -299,7 +290,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
     fastest = std::max(fastest, body.v_push.squaredNorm() + rim * rim);
   }
   // What moves less than the slop presses nothing into anything.
-  const double slop = kPushSlop * ctx.gravity.norm() * ctx.h;  // m/s
+  const double slop = kPushSlop * fall_of(ctx);  // m/s
   const int sweeps = fastest > slop * slop ? kHoldSweeps : 1;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   for (int i = 0; i < sweeps; ++i) {
@@ -330,7 +321,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
   if (!ctx.last) return;
-  const double growth = growth_of(ctx);
+  const double growth = fall_of(ctx);
   const auto finish = [&](const ContactRows& rows, std::size_t lane) {
     Contact& contact = impl_->contacts[rows.contact[lane]];
     const double load = rows.load(lane);

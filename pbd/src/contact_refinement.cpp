@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact_gravity.h"
+
 namespace tandem::pbd {
 namespace {
 
@@ -31,8 +33,8 @@ int rounded_up(double wanted, int least) {
 int ContactRefinement::want(std::span<const Contact> contacts,
                             std::span<const std::uint32_t> sequence, int budget,
                             const SubstepContext& ctx, std::span<double> wanted) {
-  const double gravity = ctx.gravity.norm();
-  if (!(gravity > 0.0)) return 0;
+  const double gravity = gravity_of(ctx);
+  const double topples = ctx.gravity.norm();  // what floats does not
   loads_.assign(ctx.bodies.size(), {});
   for (std::uint32_t rank = 0; rank < ctx.bodies.size(); ++rank) {
     const SolverBody& body = ctx.bodies[ctx.order.slot(rank)];
@@ -58,7 +60,7 @@ int ContactRefinement::want(std::span<const Contact> contacts,
     const ManifoldPoint& point = contact.manifold.points[0];
     const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
                                     : point.anchor_b_l.norm() + contact.manifold.radius_b;
-    island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / gravity)));
+    island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / topples)));
   }
   double asked = 0.0;  // rows of all further substeps
   for (Load& island : loads_) {

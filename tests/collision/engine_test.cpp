@@ -296,4 +296,47 @@ TEST_CASE("engine: a block of boxes that falls solves no step many times as much
 }
 
 }  // namespace
+// Without gravity there is no weight to measure by.
+TEST_CASE("engine: what floats and is squeezed is solved", "[collision][regression]") {
+  Fixture f;
+  f.world.set_contact_source(&f.scene);
+  f.world.set_gravity(Vec3::Zero());
+  std::vector<BodyId> row;
+  for (int i = 0; i < 10; ++i) row.push_back(f.add(Box{0.1, 0.1, 0.1}, at(0.2 * i, 0.0, 0.0)));
+  pbd::Solver solver({.sleep_after = 0.0});
+  for (int k = 0; k < 120; ++k) {
+    f.world.apply_force(row.front(), Vec3(10.0, 0.0, 0.0));
+    f.world.apply_force(row.back(), Vec3(-10.0, 0.0, 0.0));
+    const pbd::StepReport& report = solver.step(f.world, kDt);
+    if (k < 60) continue;
+    CAPTURE(k);
+    for (const pbd::BlockReport& block : report.blocks) {
+      CHECK(block.extra_rows == 0);
+      CHECK(block.open_rows == 0);
+      CHECK(block.residual < 1e-4);
+    }
+  }
+}
+
+TEST_CASE("engine: what floats bounces, but for what hardly moves", "[collision][analytic]") {
+  for (const double speed : {10.0, 1.0, 0.1, 1e-4}) {
+    Fixture f;
+    f.world.set_contact_source(&f.scene);
+    f.world.set_gravity(Vec3::Zero());
+    const BodyId a = f.add(Sphere{0.5}, at(0.0, 0.0, 0.0));
+    const BodyId b = f.add(Sphere{0.5}, at(1.0 + 0.1 * speed, 0.0, 0.0));
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      f.scene.set_material(f.scene.collider_at(i), {.friction = 0.0, .restitution = 1.0});
+    }
+    f.world.set_twist(b, {Vec3(-speed, 0.0, 0.0), Vec3::Zero()});
+    pbd::Solver solver({.sleep_after = 0.0});
+    for (int k = 0; k < 30; ++k) solver.step(f.world, kDt);
+    CAPTURE(speed);
+    const double expected = speed > 0.01 ? speed : 0.5 * speed;
+    CHECK(f.world.twist(a).linear.x() == Approx(-expected).epsilon(1e-6));
+    CHECK(f.world.twist(a).linear.x() + f.world.twist(b).linear.x() ==
+          Approx(-speed).epsilon(1e-9));
+  }
+}
+
 }  // namespace tandem::collision::testing::engine_test

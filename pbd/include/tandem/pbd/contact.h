@@ -32,7 +32,8 @@ struct TANDEM_API ContactOptions {
   /// was done and what was left.
   int extra_rows = 24000;
   double resting_tolerance = 0.01;
-  /// Impacts slower than this many times |gravity| * h do not bounce.
+  /// Impacts slower than this many times what gravity adds in a substep do not bounce. Here and
+  /// above gravity is 1 m/s^2 at least: what floats comes to rest as well.
   double restitution_threshold = 2.0;
   /// Rows that are solved at once by vector instructions, 2 or 4; 0: as many as the processor can.
   /// The bits are the same.
@@ -114,8 +115,8 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   /// What carries a load supports.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
-  void remove_body(BodyId body) override;
   void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override;
+  void remove_body(BodyId body) override;
   BlockReport report() const override;
   void save(ByteWriter& out) const override;
   void load(ByteReader& in) override;
