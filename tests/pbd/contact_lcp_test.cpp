@@ -4,6 +4,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <random>
 
 #include "support/catch.h"
@@ -110,6 +113,32 @@ TEST_CASE("contact: the points of a manifold are solved as trying all sets does"
       // What is solved beside it has no say.
       CHECK(solve(p, p) == d);
     }
+  }
+}
+
+TEST_CASE("contact: what is solved beside a manifold has no say in the sign of a zero",
+          "[pbd][lcp]") {
+  std::mt19937 random(5);
+  const auto bits = [](const Vec4& d) {
+    std::array<std::uint64_t, 4> out;
+    for (std::size_t i = 0; i < 4; ++i) {
+      out[i] = std::bit_cast<std::uint64_t>(d[static_cast<Eigen::Index>(i)]);
+    }
+    return out;
+  };
+  for (int trial = 0; trial < 500; ++trial) {
+    Problem p(random, 4, 6);
+    const Vec4 diagonal = p.B.diagonal();
+    if (trial % 2 == 0) p.B = diagonal.asDiagonal();
+    const Problem some(random, 2, 6);  // not all of its four points carry a load
+    for (int i = 0; i < 4; ++i) {
+      const auto draw = random();
+      p.z[i] = (draw & 1u) != 0 ? 1.0 : 0.0;
+      p.e[i] = (draw & 2u) != 0 ? 0.0 : -0.0;
+      if (p.z[i] == 0.0) p.e[i] = (draw & 4u) != 0 ? -1e-320 : -1.0;
+    }
+    CAPTURE(trial);
+    CHECK(bits(solve(p, p)) == bits(solve(p, some)));
   }
 }
 
