@@ -14,6 +14,7 @@
 #include "motion_limit.h"
 #include "pair_contacts.h"
 #include "tandem/pbd/by_body.h"
+#include "tandem/pbd/change_count.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::collision {
@@ -49,9 +50,10 @@ struct __attribute__((visibility("hidden"))) SceneState {
   CollisionOptions options;
   CollisionStats stats;
   std::vector<Collider> colliders;
-  std::vector<std::uint32_t> free;
   pbd::ByBody by_body;  ///< colliders
+  std::vector<std::uint32_t> free;
   std::size_t sensor_count = 0;
+  pbd::ChangeCount changes;
   std::uint64_t added = 0;
   std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
   bool order_is_old = true;
@@ -100,9 +102,9 @@ void CollisionScene::Impl::update_order(const pbd::World& world) {
 
 void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
   stats = {.colliders = colliders.size() - free.size(),
+           .searches = broad.searches(),
            .pairs = broad.pairs().size(),
            .queries = contacts.queries(),
-           .searches = broad.searches(),
            .recycled = contacts.recycled(),
            .manifolds = found.size()};
   for (const pbd::Manifold& manifold : found) {
@@ -118,7 +120,11 @@ CollisionScene::CollisionScene(const CollisionOptions& options) {
 }
 CollisionScene::~CollisionScene() = default;
 CollisionScene::CollisionScene(CollisionScene&&) noexcept = default;
-CollisionScene& CollisionScene::operator=(CollisionScene&&) noexcept = default;
+CollisionScene& CollisionScene::operator=(CollisionScene&& other) noexcept {
+  if (impl_ != nullptr && other.impl_ != nullptr) other.impl_->changes = impl_->changes;
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 
 ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) {
   Impl& m = *impl_;
@@ -142,25 +148,27 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   if (made.def.sensor) ++m.sensor_count;
   Collider& collider = m.colliders[index] = std::move(made);
   m.order_is_old = true;
+  m.changes.note();
+  m.by_body.add(index, collider.def.body.index);
   m.broad.add(index, collider);
   return {index, collider.generation};
 }
 
 void CollisionScene::remove(ColliderId id) {
   Impl& m = *impl_;
-  m.by_body.add(index, def.body.index);
   Collider& collider = m.colliders[m.checked(id, "remove")];
   if (collider.def.sensor) --m.sensor_count;
   m.broad.remove(id.index, collider);
+  m.by_body.remove(id.index);
   const std::uint32_t generation = collider.generation + 1;
   m.order_is_old = true;
+  m.changes.note();
   collider = {};
   collider.generation = generation;
   m.free.push_back(id.index);
 }
 
 void CollisionScene::set_material(ColliderId id, const Material& material) {
-  m.by_body.remove(id.index);
   Collider& collider = impl_->colliders[impl_->checked(id, "set_material")];
   std::string error;
   if (!material.validate(&error)) {
@@ -172,6 +180,7 @@ void CollisionScene::set_material(ColliderId id, const Material& material) {
 void CollisionScene::set_filter(ColliderId id, const Filter& filter) {
   impl_->colliders[impl_->checked(id, "set_filter")].def.filter = filter;
   impl_->broad.look_again(id.index);
+  impl_->changes.note();
 }
 
 void CollisionScene::set_user_data(ColliderId id, std::uint64_t value) {
@@ -207,6 +216,7 @@ std::int32_t CollisionScene::new_group() {
   return m.next_group++;
 }
 
+std::uint64_t CollisionScene::changes() const { return impl_->changes.value(); }
 const CollisionOptions& CollisionScene::options() const { return impl_->options; }
 const CollisionStats& CollisionScene::stats() const { return impl_->stats; }
 
@@ -275,6 +285,7 @@ void CollisionScene::save(pbd::ByteWriter& out) const {
 
 bool CollisionScene::Impl::load(pbd::ByteReader& in) {
   order_is_old = true;
+  changes.note();
   restored = true;
   if (in.u32() != kCacheMagic || in.u32() != colliders.size()) return false;
   for (std::uint32_t i = 0; i < colliders.size(); ++i) {

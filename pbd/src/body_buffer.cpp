@@ -160,6 +160,7 @@ void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, S
     }
   }
   store_kinematic(world, dt, report);
+  world.placements_.note();
   if (world.contacts_ != nullptr) mark_contacts(world);
 }
 

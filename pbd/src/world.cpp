@@ -57,6 +57,7 @@ BodyId World::add_body(const BodyDef& def) {
   props_[index] = make_props(def);
   if (def.stable_id) by_stable_id_.emplace(*def.stable_id, index);
   order_is_old_ = true;
+  placements_.note();
   states_[index].pose = def.pose;
   states_[index].pose.orientation.normalize();
   states_[index].twist = def.type == BodyType::Static ? Twist{} : def.twist;
@@ -75,6 +76,7 @@ void World::remove_body(BodyId id) {
   kinematic_targets_.remove(index);
   if (props_[index].stable_id) by_stable_id_.erase(*props_[index].stable_id);
   order_is_old_ = true;
+  placements_.note();
   props_[index] = {};
   states_[index] = {};
   slots_.release(index);
@@ -121,6 +123,7 @@ void World::set_pose(BodyId id, const Pose& pose) {
   const std::uint32_t index = checked_index(id, "set_pose");
   check_pose(pose, "World::set_pose");
   wake(id);
+  placements_.note();
   states_[index].pose = pose;
   states_[index].pose.orientation.normalize();
 }
@@ -307,6 +310,11 @@ void World::resume(BodyId id, const BodyState& state, const BodyActivity& activi
   detail::require_finite(activity.moved, "World::resume", "activity.moved");
   detail::require_finite(activity.turned, "World::resume", "activity.turned");
   if (!activity.awake) ++sleepers_moved_;
+  const Pose& before = states_[index].pose;
+  if (before.position != state.pose.position ||
+      before.orientation.coeffs() != state.pose.orientation.coeffs()) {
+    placements_.note();
+  }
   states_[index] = state;
   activity_[index] = activity;
 }

@@ -65,6 +65,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.gravity_ = from.gravity_;
   to.time_ = from.time_;
   to.states_ = from.states_;
+  to.placements_.note();
   to.props_ = from.props_;
   to.slots_.assign(from.slots_);
   // Assignment may make each node of a map anew.
@@ -146,6 +147,7 @@ void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake
   const bool stays_asleep = !activity.awake && !awake && equal(world_.states_[slot], state);
   if (!awake && !stays_asleep) ++world_.sleepers_moved_;
   world_.states_[slot] = state;
+  world_.placements_.note();
   if (world_.props_[slot].type != BodyType::Dynamic) return;
   if (awake && !activity.awake) activity.stir();
   activity.awake = awake;

@@ -195,6 +195,7 @@ void World::restore(std::span<const std::byte> bytes) {
 }
 
 bool World::read(ByteReader& in) {
+  placements_.note();
   gravity_ = in.vec3();
   time_ = in.f64();
   const std::uint32_t slots = in.u32();

@@ -102,7 +102,9 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
   collision::ContactEventOptions event_options;
   std::optional<collision::ContactEvents> events;  ///< none: nobody has asked
   std::optional<collision::SceneQuery> query;      ///< likewise
-  double pending = 0.0;                            ///< s, of steps that were too short to be made
+  /// World::placements() and CollisionScene::changes() that `query` has seen.
+  std::pair<std::uint64_t, std::uint64_t> queried;
+  double pending = 0.0;  ///< s, of steps that were too short to be made
 };
 
 Scene::Scene(const SceneOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -157,8 +159,11 @@ const collision::ContactEvents& Scene::events() {
 }
 
 const collision::SceneQuery& Scene::query() {
+  const std::pair now(impl_->world.placements(), impl_->shapes.changes());
+  if (impl_->query && impl_->queried == now) return *impl_->query;
   if (!impl_->query) impl_->query.emplace();
   impl_->query->update(impl_->world, impl_->shapes);
+  impl_->queried = now;
   return *impl_->query;
 }
 

@@ -112,6 +112,8 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   /// do not meet each other. Looks at all colliders. What is given to a copy is not known here.
   /// @throws std::invalid_argument once all of them are given, or in use
   std::int32_t new_group();
+  /// Another number than before where a collider may have come or gone, or meets others.
+  std::uint64_t changes() const;
 
   const CollisionOptions& options() const;
   /// Of the last collect().

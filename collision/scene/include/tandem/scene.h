@@ -105,8 +105,8 @@ class TANDEM_API Scene {
   /// What began, ended and hit in the last step. The first call has all that touches begin; a scene
   /// that is never asked does not look.
   const collision::ContactEvents& events();
-  /// Rays, casts, overlaps and nearest points, with all bodies where they are now: for several
-  /// questions at once, keep it.
+  /// Rays, casts, overlaps and nearest points, with all bodies where they are now. It looks at them
+  /// all where one has come, gone or been put elsewhere since it was asked for last.
   const collision::SceneQuery& query();
 
   // The parts. world().contact_source() stays shapes().

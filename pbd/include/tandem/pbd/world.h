@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "tandem/pbd/body.h"
+#include "tandem/pbd/change_count.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
-#include "tandem/pbd/manifold.h"
 #include "tandem/pbd/kinematic_targets.h"
+#include "tandem/pbd/manifold.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/slots.h"
 
@@ -120,11 +121,11 @@ class TANDEM_API World {
   /// By slot: the sum of what apply_force() and apply_torque() collected for the next step. Empty
   /// where nothing was applied since the last one.
   std::span<const Wrench> wrenches() const { return wrenches_; }
-  /// What set_kinematic_target() collected for the next step, at most one for each body.
   /// None where set_kinematic_target() has given it none for the next step.
   std::optional<Pose> kinematic_target(BodyId id) const {
     return kinematic_targets_.pose_of(checked_index(id, "kinematic_target"));
   }
+  /// What set_kinematic_target() collected for the next step, at most one for each body.
   std::span<const KinematicTarget> kinematic_targets() const { return kinematic_targets_.all(); }
 
   /// Whether the body is solved; a sleeping one stands still until something disturbs its island.
@@ -142,6 +143,9 @@ class TANDEM_API World {
   /// Another number than before where WorldCopy::set_state() or resume() has moved a body and let
   /// it sleep: a contact source that passes over sleeping bodies looks at all of them then.
   std::uint64_t sleepers_moved() const { return sleepers_moved_; }
+  /// Another number than before where a body may have come, gone or been put elsewhere, by a step
+  /// or by hand: who remembers where bodies are need not look at them all to see that they are.
+  std::uint64_t placements() const { return placements_.value(); }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
   std::span<const BodyProps> all_props() const { return props_; }
@@ -213,11 +217,11 @@ class TANDEM_API World {
   void add_wrench(std::uint32_t index, const Wrench& wrench, const char* what);
   /// N s and N m s about the centre of mass, likewise.
   void add_impulse(std::uint32_t index, const Wrench& impulse, const char* what);
+  /// Wakes what rows hold to the body.
   void wake_joined(std::uint32_t index);
   /// What snapshot() wrote after its head. @return false where it cannot be a world's
   bool read(ByteReader& in);
 
-  /// Wakes what rows hold to the body.
   Vec3 gravity_;
   double time_ = 0.0;
   std::vector<BodyState> states_;
@@ -232,6 +236,7 @@ class TANDEM_API World {
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
   std::vector<BodyActivity> activity_;    ///< by slot
   std::uint64_t sleepers_moved_ = 0;
+  ChangeCount placements_;
   std::vector<Wrench> wrenches_;         ///< by slot, for the next step; empty where none acts
   KinematicTargets kinematic_targets_;   ///< for the next step
   std::vector<std::uint8_t> displaced_;  ///< by slot, before the next step; empty = none
