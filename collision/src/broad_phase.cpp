@@ -3,7 +3,6 @@
 #include "broad_phase.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace tandem::collision {
 namespace {
@@ -57,20 +56,6 @@ void BroadPhase::look_again(std::uint32_t index) {
   any_dropped_ = true;
   unlink(index);
   remember_plane(index, {});
-}
-
-void BroadPhase::drop_pairs() {
-  if (!any_dropped_) return;
-  drop_pairs([&](const ColliderPair&) { return false; });
-}
-
-void BroadPhase::drop_pairs(auto&& apart) {
-  std::erase_if(pairs_, [&](const ColliderPair& pair) {
-    const bool gone = dropped_[pair.low] != 0 || dropped_[pair.high] != 0 || apart(pair);
-    if (gone) free_slots_.push_back(pair.cache);
-    return gone;
-  });
-  if (std::exchange(any_dropped_, false)) std::fill(dropped_.begin(), dropped_.end(), 0);
 }
 
 void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
@@ -207,7 +192,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       has_moved_[i] = 1;
     }
   }
-  if (moved_.empty() && !plane_moves && all_finite) return drop_pairs();
+  if (moved_.empty() && !plane_moves && all_finite) return;
   if (plane_moves) {  // all boxes against the planes
     moved_.clear();
     for (std::uint32_t i = 0; i < colliders.size(); ++i) {

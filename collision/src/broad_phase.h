@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -38,15 +39,15 @@ class BroadPhase {
 
   /// Forget the collider's box and pairs, so that the next update() finds them anew.
   void look_again(std::uint32_t index);
-  /// The pairs of what was removed or is to be looked at again go in one pass: here, or in
-  /// update().
-  void drop_pairs();
 
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
   void update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
 
-  std::vector<ColliderPair>& pairs() { return pairs_; }
-  const std::vector<ColliderPair>& pairs() const { return pairs_; }
+  /// Without those of what was removed since, or is to be looked at again.
+  std::vector<ColliderPair>& pairs() {
+    if (any_dropped_) drop_pairs([](const ColliderPair&) { return false; });
+    return pairs_;
+  }
   /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
   /// @param moving  false leaves out colliders of dynamic bodies
   void query(const Aabb& box, bool moving, std::vector<std::uint32_t>& stack, auto&& visit) const {
@@ -85,8 +86,16 @@ class BroadPhase {
     const std::uint32_t leaf = leaves_[index] & ~kFixed;
     return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
   }
-  /// Likewise, with those that `apart` says of.
-  void drop_pairs(auto&& apart);
+  /// All that are to go, and those that `apart` says of, in one pass.
+  void drop_pairs(auto&& apart) {
+    std::erase_if(pairs_, [&](const ColliderPair& pair) {
+      const bool gone = dropped_[pair.low] != 0 || dropped_[pair.high] != 0 || apart(pair);
+      if (gone) free_slots_.push_back(pair.cache);
+      return gone;
+    });
+    if (any_dropped_) std::fill(dropped_.begin(), dropped_.end(), std::uint8_t{0});
+    any_dropped_ = false;
+  }
   void unlink(std::uint32_t index);
   /// Place in half_spaces_, or its size.
   std::size_t plane_of(std::uint32_t index) const;

@@ -260,7 +260,6 @@ void CollisionScene::remove_body(pbd::BodyId body) {
 
 void CollisionScene::save(pbd::ByteWriter& out) const {
   Impl& m = *impl_;
-  m.broad.drop_pairs();
   out.u32(kCacheMagic);
   out.u32(static_cast<std::uint32_t>(m.colliders.size()));
   for (std::uint32_t i = 0; i < m.colliders.size(); ++i) {
