@@ -6,6 +6,10 @@
 # Results are part of the contract between peers: no fused multiply-add that the source did not ask
 # for, whatever the machine.
 add_compile_options(-ffp-contract=off)
+# Eigen asks for it on ARM, in products of matrices, where the compiler says that there is one.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
+  add_compile_options(-U__ARM_FEATURE_FMA)
+endif()
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
 # Definitions are written Def{.mass = 2.0}; what is not named has its default.
 add_compile_options(-Wno-missing-field-initializers)

@@ -5,14 +5,15 @@
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
 #   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
-#     [--with-cluster] [--with-python] [--with-robots] [--with-web]
+#     [--with-cluster] [--with-python] [--with-robots] [--with-web] [--with-cross]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
 # what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI, TANDEM_WITH_NATS and
 # their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
 # need, with --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with
-# --with-web what the package for browsers is built and tested with (docs/web.md); all is built without
-# it, too, and shows or does less.
+# --with-web what the package for browsers is built and tested with (docs/web.md), with --with-cross what
+# benchmarks/determinism/cross.sh builds for ARM and Windows with and runs it on; all is built without it, too,
+# and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
 
@@ -34,6 +35,8 @@ for argument in "$@"; do
     --with-robots)
       packages+=(liburdfdom-dev libtinyxml-dev libmujoco-dev libqhull-dev python3-jsonschema) ;;
     --with-view) with_view ;;
+    --with-cross)
+      packages+=(g++-aarch64-linux-gnu qemu-user g++-mingw-w64-x86-64-posix wine wine64 dpkg-dev clang) ;;
     --with-web)
       packages+=(emscripten node-acorn dpkg-dev clang)
       command -v node >/dev/null || packages+=(nodejs)

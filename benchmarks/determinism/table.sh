@@ -4,9 +4,16 @@
 #
 # Builds the program `determinism` with g++ and with clang, takes that for WebAssembly where it is built (preset
 # web), runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
-#   benchmarks/determinism/table.sh [what determinism takes: scenes, --steps N]
+#   benchmarks/determinism/table.sh [--cross] [what determinism takes: scenes, --steps N]
+# --cross: for ARM and for Windows as well, on emulators (cross.sh), ten minutes more
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+cross=false
+if [[ ${1-} == --cross ]]; then
+  cross=true
+  shift
+fi
 
 for compiler in g++ clang++; do
   cmake --preset release -B "build/determinism_$compiler" -DCMAKE_CXX_COMPILER=$compiler \
@@ -25,6 +32,11 @@ names="g++, SSE2|g++, AVX2|clang"
 if [[ -f build/web/bin/determinism.js ]]; then
   node build/web/bin/determinism.js "$@" >"$results/4"
   names+="|wasm"
+fi
+if $cross; then
+  benchmarks/determinism/cross.sh aarch64-linux "$@" >"$results/5"
+  benchmarks/determinism/cross.sh x86_64-windows "$@" >"$results/6"
+  names+="|ARM|Windows"
 fi
 
 echo "| scene | steps | hash | ${names//|/ | } |"
