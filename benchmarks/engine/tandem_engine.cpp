@@ -22,9 +22,13 @@ struct ToShape {
   collision::Shape operator()(const PlaneShape& s) const {
     return collision::HalfSpace{s.normal, s.offset};
   }
+  collision::Shape operator()(const CylinderShape& s) const {
+    return collision::Cylinder{s.radius, s.half_height};
+  }
   collision::Shape operator()(const MeshShape& s) const {
     return collision::TriangleMesh::make(s->vertices, s->triangles);
   }
+  collision::Shape operator()(const HullShape& s) const { return collision::ConvexHull::make(*s); }
 };
 
 pbd::SolverOptions solver_options(const Settings& settings) {
@@ -61,6 +65,7 @@ class TandemEngine final : public Engine {
   std::string name() const override { return "tandem"; }
   void step(double dt) override { report_ = &solver_.step(world_, dt); }
   pbd::BodyState state(int body) const override { return world_.state(id(body)); }
+  bool awake(int body) const override { return world_.awake(id(body)); }
   void set_twist(int body, const Twist& twist) override { world_.set_twist(id(body), twist); }
   void set_pose(int body, const Pose& pose) override { world_.set_pose(id(body), pose); }
   void touching(std::vector<std::pair<int, int>>& out) const override {

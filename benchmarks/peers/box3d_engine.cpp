@@ -7,7 +7,11 @@
 #include <box3d/box3d.h>
 #include <box3d/collision.h>
 
+#include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "demos/engine/engine.h"
 
@@ -38,6 +42,8 @@ class Box3dEngine final : public Engine {
  public:
   Box3dEngine(const Scene& scene, const Settings& settings)
       : substeps_(settings.substeps.value_or(kSamplesSubsteps)) {
+    // What it says, as of hulls that it refuses, goes where it does not mix with results.
+    b3SetLogFcn([](const char* message) { std::fprintf(stderr, "box3d: %s\n", message); });
     b3WorldDef def = b3DefaultWorldDef();
     def.gravity = b3(scene.gravity);
     def.enableSleep = settings.sleeping;
@@ -67,6 +73,7 @@ class Box3dEngine final : public Engine {
     return state;
   }
   EngineStats stats() const override { return {.stage_s = {}, .substeps = substeps_}; }
+  bool awake(int body) const override { return b3Body_IsAwake(id(body)); }
   void set_twist(int body, const Twist& twist) override {
     b3Body_SetLinearVelocity(id(body), b3(twist.linear));
     b3Body_SetAngularVelocity(id(body), b3(twist.angular));
@@ -99,6 +106,18 @@ class Box3dEngine final : public Engine {
           {0.0f, 0.0f, -half}, {0.0f, 0.0f, half}, static_cast<float>(s.radius)};
       b3CreateCapsuleShape(body, &def, &capsule);
     }
+    /// A prism of 24 sides: Box3D has no round one.
+    void operator()(const CylinderShape& s) const {
+      std::vector<Vec3> corners;
+      for (int i = 0; i < 24; ++i) {
+        const double turn = 2.0 * std::numbers::pi * i / 24.0;
+        for (const double z : {-s.half_height, s.half_height}) {
+          corners.emplace_back(s.radius * std::cos(turn), s.radius * std::sin(turn), z);
+        }
+      }
+      add_hull(corners);
+    }
+    void operator()(const HullShape& s) const { add_hull(*s); }
     void operator()(const PlaneShape& s) const {
       b3Transform slab{};
       slab.p = b3(s.normal * (s.offset - 1.0));
@@ -121,6 +140,17 @@ class Box3dEngine final : public Engine {
       mesh.identifyEdges = true;
       engine.meshes_.push_back(b3CreateMesh(&mesh, nullptr, 0));
       b3CreateMeshShape(body, &def, engine.meshes_.back(), {1.0f, 1.0f, 1.0f});
+    }
+    void add_hull(const std::vector<Vec3>& corners) const {
+      std::vector<b3Vec3> points;
+      for (const Vec3& corner : corners) points.push_back(b3(corner));
+      const int count = static_cast<int>(points.size());
+      b3HullData* hull = b3CreateHull(points.data(), count, count);
+      // It refuses more than 128 edges, which no hull of 44 corners has.
+      if (hull == nullptr) hull = b3CreateHull(points.data(), count, 44);
+      if (hull == nullptr) throw std::invalid_argument("box3d: it refuses this hull");
+      b3CreateHullShape(body, &def, hull);
+      b3DestroyHull(hull);
     }
   };
 
@@ -157,8 +187,9 @@ class Box3dEngine final : public Engine {
   }
 
   void add_joint(const SceneJoint& joint) {
+    if (joint.kind == JointKind::Hinge && !joint.limited && !joint.driven) return add_hinge(joint);
     if (joint.kind != JointKind::Ball || joint.compliance > 0.0) {
-      throw std::invalid_argument("box3d: this adapter has rigid ball joints only");
+      throw std::invalid_argument("box3d: this adapter has rigid ball joints and free hinges only");
     }
     b3SphericalJointDef def = b3DefaultSphericalJointDef();
     def.base.bodyIdA = id(joint.a);
@@ -166,6 +197,24 @@ class Box3dEngine final : public Engine {
     def.base.localFrameA.p = b3(joint.anchor_a_l);
     def.base.localFrameB.p = b3(joint.anchor_b_l);
     b3CreateSphericalJoint(world_, &def);
+  }
+
+  /// About z of its frames.
+  void add_hinge(const SceneJoint& joint) {
+    const Quat frame_w = Quat::FromTwoVectors(Vec3::UnitZ(), joint.axis_w);
+    const auto local = [&](int body, const Vec3& anchor_l) {
+      b3Transform frame{};
+      frame.p = b3(anchor_l);
+      const Quat turn = body < 0 ? Quat(Quat::Identity()) : state(body).pose.orientation;
+      frame.q = b3(Quat(turn.conjugate() * frame_w));
+      return frame;
+    };
+    b3RevoluteJointDef def = b3DefaultRevoluteJointDef();
+    def.base.bodyIdA = id(joint.a);
+    def.base.bodyIdB = id(joint.b);
+    def.base.localFrameA = local(joint.a, joint.anchor_a_l);
+    def.base.localFrameB = local(joint.b, joint.anchor_b_l);
+    b3CreateRevoluteJoint(world_, &def);
   }
 
   int substeps_;

@@ -33,6 +33,15 @@ struct SetShape {
     body.radius = s.radius;
     body.half = s.half_height;
   }
+  void operator()(const CylinderShape& s) const {
+    body.form = jolt::Form::Cylinder;
+    body.radius = s.radius;
+    body.half = s.half_height;
+  }
+  void operator()(const HullShape& s) const {
+    body.form = jolt::Form::Hull;
+    for (const Vec3& v : *s) body.vertices.push_back(plain(v));
+  }
   void operator()(const PlaneShape& s) const {
     body.form = jolt::Form::Plane;
     body.size = plain(s.normal);
@@ -70,8 +79,15 @@ class JoltEngine final : public Engine {
                 .sleeping = settings.sleeping}) {
     for (const SceneBody& body : scene.bodies) world_.add(plain(body));
     for (const SceneJoint& joint : scene.joints) {
+      if (joint.kind == JointKind::Hinge && !joint.limited && !joint.driven) {
+        const Pose& b = scene.bodies[static_cast<std::size_t>(joint.b)].pose;
+        world_.add_hinge(joint.a, joint.b, plain(b.to_world(joint.anchor_b_l)),
+                         plain(joint.axis_w));
+        continue;
+      }
       if (joint.kind != JointKind::Ball || joint.compliance > 0.0) {
-        throw std::invalid_argument("jolt: this adapter has rigid ball joints only");
+        throw std::invalid_argument(
+            "jolt: this adapter has rigid ball joints and free hinges only");
       }
       world_.add_ball(joint.a, plain(joint.anchor_a_l), joint.b, plain(joint.anchor_b_l));
     }
@@ -90,6 +106,7 @@ class JoltEngine final : public Engine {
     return state;
   }
   EngineStats stats() const override { return {.stage_s = {}, .substeps = substeps_}; }
+  bool awake(int body) const override { return world_.awake(body); }
   void set_twist(int body, const Twist& twist) override {
     world_.set_twist(body, plain(twist.linear), plain(twist.angular));
   }

@@ -8,10 +8,13 @@
 #include <Jolt/Physics/Body/BodyCreationSettings.h>
 #include <Jolt/Physics/Collision/Shape/BoxShape.h>
 #include <Jolt/Physics/Collision/Shape/CapsuleShape.h>
+#include <Jolt/Physics/Collision/Shape/ConvexHullShape.h>
+#include <Jolt/Physics/Collision/Shape/CylinderShape.h>
 #include <Jolt/Physics/Collision/Shape/MeshShape.h>
 #include <Jolt/Physics/Collision/Shape/PlaneShape.h>
 #include <Jolt/Physics/Collision/Shape/RotatedTranslatedShape.h>
 #include <Jolt/Physics/Collision/Shape/SphereShape.h>
+#include <Jolt/Physics/Constraints/HingeConstraint.h>
 #include <Jolt/Physics/Constraints/PointConstraint.h>
 #include <Jolt/Physics/PhysicsSystem.h>
 #include <Jolt/RegisterTypes.h>
@@ -79,6 +82,19 @@ void register_once() {
   static_cast<void>(done);
 }
 
+/// Jolt's capsules and cylinders lie along y.
+JPH::ShapeRefC along_z(const JPH::Shape* shape) {
+  return new JPH::RotatedTranslatedShape(
+      JPH::Vec3::sZero(), JPH::Quat::sRotation(JPH::Vec3::sAxisX(), 0.5f * JPH::JPH_PI), shape);
+}
+
+/// @throws std::invalid_argument  in Jolt's words
+JPH::ShapeRefC created(const JPH::ShapeSettings& settings) {
+  const JPH::ShapeSettings::ShapeResult made = settings.Create();
+  if (made.HasError()) throw std::invalid_argument("jolt: " + std::string(made.GetError()));
+  return made.Get();
+}
+
 JPH::ShapeRefC shape_of(const Body& body) {
   const float radius = static_cast<float>(body.radius);
   switch (body.form) {
@@ -91,12 +107,17 @@ JPH::ShapeRefC shape_of(const Body& body) {
     }
     case Form::Sphere:
       return new JPH::SphereShape(radius);
-    case Form::Capsule: {
-      // Jolt's lies along y.
-      const JPH::ShapeRefC capsule = new JPH::CapsuleShape(static_cast<float>(body.half), radius);
-      return new JPH::RotatedTranslatedShape(
-          JPH::Vec3::sZero(), JPH::Quat::sRotation(JPH::Vec3::sAxisX(), 0.5f * JPH::JPH_PI),
-          capsule);
+    case Form::Capsule:
+      return along_z(new JPH::CapsuleShape(static_cast<float>(body.half), radius));
+    case Form::Cylinder: {
+      const float half = static_cast<float>(body.half);
+      return along_z(new JPH::CylinderShape(half, radius,
+                                            std::min({JPH::cDefaultConvexRadius, half, radius})));
+    }
+    case Form::Hull: {
+      JPH::Array<JPH::Vec3> points;
+      for (const Vector& v : body.vertices) points.push_back(jph(v));
+      return created(JPH::ConvexHullShapeSettings(points));
     }
     case Form::Plane:
       return new JPH::PlaneShape(JPH::Plane(jph(body.size), -radius));
@@ -108,9 +129,7 @@ JPH::ShapeRefC shape_of(const Body& body) {
       }
       JPH::IndexedTriangleList triangles;
       for (const auto& t : body.triangles) triangles.push_back({t[0], t[1], t[2], 0});
-      const auto made = JPH::MeshShapeSettings(std::move(vertices), std::move(triangles)).Create();
-      if (made.HasError()) throw std::invalid_argument("jolt: " + std::string(made.GetError()));
-      return made.Get();
+      return created(JPH::MeshShapeSettings(std::move(vertices), std::move(triangles)));
     }
   }
   return new JPH::SphereShape(0.5f);  // collides with nothing
@@ -137,6 +156,10 @@ struct World::Impl {
     system.SetPhysicsSettings(settings);
   }
   JPH::BodyInterface& bodies() { return system.GetBodyInterfaceNoLock(); }
+  /// @param i  -1: the world
+  JPH::Body& body(int i) const {
+    return i < 0 ? JPH::Body::sFixedToWorld : *made[static_cast<std::size_t>(i)];
+  }
 
   Layers layers;
   LayerAndTree layer_and_tree;
@@ -196,8 +219,15 @@ void World::add_ball(int a, const Vector& anchor_a_l, int b, const Vector& ancho
   settings.mSpace = JPH::EConstraintSpace::LocalToBodyCOM;
   settings.mPoint1 = JPH::RVec3(jph(anchor_a_l));
   settings.mPoint2 = JPH::RVec3(jph(anchor_b_l));
-  JPH::Body& body_a = a < 0 ? JPH::Body::sFixedToWorld : *impl_->made[static_cast<std::size_t>(a)];
-  impl_->system.AddConstraint(settings.Create(body_a, *impl_->made[static_cast<std::size_t>(b)]));
+  impl_->system.AddConstraint(settings.Create(impl_->body(a), impl_->body(b)));
+}
+
+void World::add_hinge(int a, int b, const Vector& point_w, const Vector& axis_w) {
+  JPH::HingeConstraintSettings settings;
+  settings.mPoint1 = settings.mPoint2 = JPH::RVec3(jph(point_w));
+  settings.mHingeAxis1 = settings.mHingeAxis2 = jph(axis_w);
+  settings.mNormalAxis1 = settings.mNormalAxis2 = jph(axis_w).GetNormalizedPerpendicular();
+  impl_->system.AddConstraint(settings.Create(impl_->body(a), impl_->body(b)));
 }
 
 void World::ready() { impl_->system.OptimizeBroadPhase(); }
@@ -221,6 +251,10 @@ State World::state(int body) const {
     state.angular = from(b.GetAngularVelocity());
   }
   return state;
+}
+
+bool World::awake(int body) const {
+  return impl_->made[static_cast<std::size_t>(body)]->IsActive();
 }
 
 void World::set_pose(int body, const Vector& position, const Rotation& orientation) {

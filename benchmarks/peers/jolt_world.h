@@ -25,14 +25,14 @@ struct State {
   Vector linear, angular;  ///< m/s, rad/s
 };
 
-enum class Form { None, Box, Sphere, Capsule, Plane, Mesh };
+enum class Form { None, Box, Sphere, Capsule, Cylinder, Plane, Mesh, Hull };
 
 struct Body {
   Form form = Form::None;
   Vector size;          ///< m: half extents of a box; normal of a plane
-  double radius = 0.0;  ///< m: of a sphere and a capsule; offset of a plane
-  double half = 0.0;    ///< m: half length of a capsule's segment, along z
-  std::vector<Vector> vertices;
+  double radius = 0.0;  ///< m: of what is round; offset of a plane
+  double half = 0.0;    ///< m: half length of a capsule's segment or of a cylinder, along z
+  std::vector<Vector> vertices;  ///< of a mesh; of a hull
   std::vector<std::array<std::uint32_t, 3>> triangles;
   bool dynamic = true;
   bool collides = true;
@@ -61,11 +61,14 @@ class World {
   void add(const Body& body);
   /// @param a  index of a body, -1: the world
   void add_ball(int a, const Vector& anchor_a_l, int b, const Vector& anchor_b_l);
+  /// About an axis (unit) through a point (m) as the bodies stand now. @param a  as above
+  void add_hinge(int a, int b, const Vector& point_w, const Vector& axis_w);
   /// To be called once, when all has been added.
   void ready();
   /// @throws std::runtime_error where Jolt's buffers were too small for all contacts
   void step(double dt);
   State state(int body) const;
+  bool awake(int body) const;
   void set_pose(int body, const Vector& position, const Rotation& orientation);
   void set_twist(int body, const Vector& linear, const Vector& angular);
 

@@ -97,6 +97,10 @@ class PhysxEngine final : public Engine {
     return state;
   }
   EngineStats stats() const override { return {.stage_s = {}, .substeps = substeps_}; }
+  bool awake(int body) const override {
+    const auto* moving = bodies_[static_cast<std::size_t>(body)]->is<physx::PxRigidDynamic>();
+    return moving != nullptr && !moving->isSleeping();
+  }
   void set_twist(int body, const Twist& twist) override {
     auto& moving = *bodies_[static_cast<std::size_t>(body)]->is<physx::PxRigidDynamic>();
     moving.setLinearVelocity(px(twist.linear));
@@ -115,6 +119,10 @@ class PhysxEngine final : public Engine {
 
     physx::PxShape* add(const physx::PxGeometry& geometry) const {
       return physx::PxRigidActorExt::createExclusiveShape(body, geometry, material);
+    }
+    template <class Other>
+    physx::PxShape* operator()(const Other&) const {
+      throw std::invalid_argument("physx: this adapter has neither cylinders nor hulls");
     }
     physx::PxShape* operator()(const NoShape&) const { return nullptr; }
     physx::PxShape* operator()(const BoxShape& s) const {

@@ -64,6 +64,9 @@ class BulletEngine final : public Engine {
     return state;
   }
   EngineStats stats() const override { return {.stage_s = {}, .substeps = substeps_}; }
+  bool awake(int body) const override {
+    return bodies_[static_cast<std::size_t>(body)]->isActive();
+  }
   void set_twist(int body, const Twist& twist) override {
     btRigidBody& b = *bodies_[static_cast<std::size_t>(body)];
     b.setLinearVelocity(bt(twist.linear));
@@ -111,6 +114,15 @@ class BulletEngine final : public Engine {
       std::unique_ptr<btCollisionShape> operator()(const CapsuleShape& s) const {
         return std::make_unique<btCapsuleShapeZ>(static_cast<btScalar>(s.radius),
                                                  static_cast<btScalar>(2.0 * s.half_height));
+      }
+      std::unique_ptr<btCollisionShape> operator()(const CylinderShape& s) const {
+        return std::make_unique<btCylinderShapeZ>(bt(Vec3(s.radius, s.radius, s.half_height)));
+      }
+      std::unique_ptr<btCollisionShape> operator()(const HullShape& s) const {
+        auto hull = std::make_unique<btConvexHullShape>();
+        for (const Vec3& point : *s) hull->addPoint(bt(point), false);
+        hull->recalcLocalAabb();
+        return hull;
       }
       std::unique_ptr<btCollisionShape> operator()(const PlaneShape& s) const {
         return std::make_unique<btStaticPlaneShape>(bt(s.normal), static_cast<btScalar>(s.offset));

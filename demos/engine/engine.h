@@ -42,6 +42,8 @@ class Engine {
   virtual void step(double dt) = 0;
   virtual pbd::BodyState state(int body) const = 0;
   virtual EngineStats stats() const { return {}; }
+  /// Where Settings::sleeping let it fall asleep: whether it has not.
+  virtual bool awake(int body) const = 0;
   virtual void set_twist(int body, const Twist& twist) = 0;
   /// Puts a body somewhere else; its velocity knows nothing of it.
   virtual void set_pose(int body, const Pose& pose) = 0;

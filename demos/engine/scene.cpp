@@ -31,7 +31,13 @@ struct Inertia {
         mc * (r * r / 4.0 + l * l / 12.0) + mb * (0.4 * r * r + l * l / 4.0 + 3.0 / 8.0 * l * r);
     return {across, across, mc * r * r / 2.0 + mb * 0.4 * r * r};
   }
+  Vec3 operator()(const CylinderShape& c) const {
+    const double r2 = c.radius * c.radius;
+    const double across = mass * (r2 / 4.0 + c.half_height * c.half_height / 3.0);
+    return {across, across, mass * r2 / 2.0};
+  }
   Vec3 operator()(const PlaneShape&) const { return Vec3::Zero(); }
+  Vec3 operator()(const HullShape&) const { return Vec3::Zero(); }
   Vec3 operator()(const MeshShape&) const { return Vec3::Zero(); }
 };
 

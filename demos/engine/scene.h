@@ -33,6 +33,11 @@ struct CapsuleShape {
   double radius = 0.25;      ///< m
   double half_height = 0.5;  ///< m
 };
+/// Round about z.
+struct CylinderShape {
+  double radius = 0.5;       ///< m
+  double half_height = 0.5;  ///< m
+};
 /// Solid behind the plane normal . x = offset.
 struct PlaneShape {
   Vec3 normal = Vec3::UnitZ();
@@ -44,11 +49,13 @@ struct MeshData {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 using MeshShape = std::shared_ptr<const MeshData>;
+/// Corners of a convex solid, m; its centre of mass is at the origin.
+using HullShape = std::shared_ptr<const std::vector<Vec3>>;
 /// No shape: the body touches nothing.
 struct NoShape {};
 
-using SceneShape =
-    std::variant<NoShape, BoxShape, SphereShape, CapsuleShape, PlaneShape, MeshShape>;
+using SceneShape = std::variant<NoShape, BoxShape, SphereShape, CapsuleShape, CylinderShape,
+                                PlaneShape, MeshShape, HullShape>;
 
 struct SceneBody {
   SceneShape shape;
@@ -103,7 +110,8 @@ struct Scene {
   int frames() const;
 };
 
-/// Principal moments (kg m^2) of the homogeneous shape of this mass; of a ball of 1 m for NoShape.
+/// Principal moments (kg m^2) of the homogeneous shape of this mass; of a ball of 1 m for NoShape;
+/// zero for planes, meshes and hulls.
 Vec3 principal_inertia(const SceneShape& shape, double mass);
 
 /// The seven scenes of the comparison between engines. cliff: 1000 balls over a step of 8192

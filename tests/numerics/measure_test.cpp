@@ -26,6 +26,7 @@ class Still final : public Engine {
   tandem::pbd::BodyState state(int body) const override {
     return states[static_cast<std::size_t>(body)];
   }
+  bool awake(int /*body*/) const override { return false; }
   void set_twist(int /*body*/, const Twist& /*twist*/) override {}
   void set_pose(int /*body*/, const Pose& /*pose*/) override {}
   void touching(std::vector<std::pair<int, int>>& /*out*/) const override {}
