@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "everyday/any_world.h"
 #include "everyday/ground.h"
 #include "everyday/group.h"
 
@@ -39,8 +40,10 @@ collision::Shape shape_of(Thing thing, double size) {
 }
 
 /// Gaps of half an edge; the first hangs `phase` of a step's way at impact higher.
-void column(Tally& tally, Thing thing, double size, double phase, double bound) {
-  Scene scene;
+void column(Tally& tally, const bench::MakeEngine& peer, Thing thing, double size, double phase,
+            double bound) {
+  const auto world = make_world(peer);
+  AnyWorld& scene = *world;
   scene.add(Box{1.0, 1.0, 0.5},
             {.type = BodyType::Static, .pose = {.position = Vec3(0.0, 0.0, -0.5)}});
   const double higher = phase * kFrame * std::sqrt(kGravity * size);
@@ -72,7 +75,7 @@ void column(Tally& tally, Thing thing, double size, double phase, double bound) 
 
 }  // namespace
 
-std::vector<Group> column_groups() {
+std::vector<Group> column_groups(const bench::MakeEngine& peer) {
   std::vector<Group> groups;
   for (const Thing thing : {Thing::Cube, Thing::Ball, Thing::Cylinder}) {
     for (const auto& [size, bound] : {std::pair{0.016, 0.3}, {0.03, 0.2}, {0.05, 0.1}}) {
@@ -81,7 +84,8 @@ std::vector<Group> column_groups() {
                         [=](Tally& tally, Extent extent) {
                           const int phases = extent == Extent::Full ? 12 : 2;
                           for (int i = 0; i < phases; ++i) {
-                            column(tally, thing, size, static_cast<double>(i) / phases, bound);
+                            column(tally, peer, thing, size, static_cast<double>(i) / phases,
+                                   bound);
                           }
                         },
                         true});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "everyday/any_world.h"
 #include "everyday/ground.h"
 #include "everyday/group.h"
 #include "tandem/pbd/math.h"
@@ -15,14 +16,15 @@ namespace {
 
 /// A bat of 1.2 m on an upright hinge; the ball lies `phase` of a step's turn off a whole number of
 /// steps.
-bool bat_hits(double spin, double phase, double ball_radius) {
-  Scene scene({.gravity = Vec3::Zero()});
+bool bat_hits(const bench::MakeEngine& peer, double spin, double phase, double ball_radius) {
+  const auto world = make_world(peer, {.gravity = Vec3::Zero()});
+  AnyWorld& scene = *world;
   const Vec3 half(0.6, 0.03, 0.03);
   const BodyId bat =
       scene.add(Box{half},
                 {.pose = {.position = Vec3(0.6, 0.0, 0.0)},
                  .twist = {.linear = Vec3(0.0, 0.6 * spin, 0.0), .angular = Vec3(0.0, 0.0, spin)}});
-  scene.add_joint(pbd::hinge_joint_at(scene.world(), BodyId{}, bat, Vec3::Zero(), Vec3::UnitZ()));
+  scene.add_hinge(bat, Vec3::Zero(), Vec3::UnitZ());
   const double step = spin * kFrame;
   const double angle = 0.3 + step * (1.0 + phase);
   const BodyId ball = scene.add(
@@ -30,21 +32,22 @@ bool bat_hits(double spin, double phase, double ball_radius) {
       {.density = 300.0, .pose = {.position = 0.95 * Vec3(std::cos(angle), std::sin(angle), 0.0)}});
   const int steps = static_cast<int>(std::ceil((angle + 0.3) / step)) + 1;
   for (int i = 0; i < steps; ++i) scene.step(kFrame);
-  return scene.world().twist(ball).linear.norm() > 1.0;
+  return scene.twist(ball).linear.norm() > 1.0;
 }
 
-void bat(Tally& tally, Extent extent, double spin, int allowed) {
+void bat(Tally& tally, Extent extent, const bench::MakeEngine& peer, double spin, int allowed) {
   const int phases = extent == Extent::Full ? 24 : 6;
   for (int i = 0; i < phases; ++i) {
     const double phase = static_cast<double>(i) / phases;
-    tally.failed("missed", !bat_hits(spin, phase, 0.03), allowed, told({{"phase", phase}}));
+    tally.failed("missed", !bat_hits(peer, spin, phase, 0.03), allowed, told({{"phase", phase}}));
   }
 }
 
 /// Whether it ends beyond a wall of 1 cm. @param tilt  rad or so, of its turn at random
-bool goes_through(const collision::Shape& shape, double speed, double spin, double tilt,
-                  pbd::SplitMix64& random) {
-  Scene scene;
+bool goes_through(const bench::MakeEngine& peer, const collision::Shape& shape, double speed,
+                  double spin, double tilt, pbd::SplitMix64& random) {
+  const auto world = make_world(peer);
+  AnyWorld& scene = *world;
   scene.add(Box{0.005, 20.0, 20.0}, {.type = BodyType::Static});
   SolidDef def;
   def.pose.position = Vec3(-2.0 - speed * kFrame * random.unit(), 0.0, 0.0);
@@ -59,25 +62,27 @@ bool goes_through(const collision::Shape& shape, double speed, double spin, doub
   return !(scene.pose(body).position.x() < 0.0);
 }
 
-void wall(Tally& tally, Extent extent, const collision::Shape& shape, double speed, int allowed) {
+void wall(Tally& tally, Extent extent, const bench::MakeEngine& peer, const collision::Shape& shape,
+          double speed, int allowed) {
   for (const double spin : {0.0, 20.0}) {
     pbd::SplitMix64 random(8);
     for (int i = 0; i < (extent == Extent::Full ? 60 : 10); ++i) {
       // Of 60, for each spin; every second one comes nearly face on.
       const double tilt = i % 2 == 0 ? 3.0 : 0.1;
-      tally.failed(told({{"through, spin", spin}}), goes_through(shape, speed, spin, tilt, random),
-                   allowed, told({{"case", i}, {"tilt", tilt}}));
+      tally.failed(told({{"through, spin", spin}}),
+                   goes_through(peer, shape, speed, spin, tilt, random), allowed,
+                   told({{"case", i}, {"tilt", tilt}}));
     }
   }
 }
 
 }  // namespace
 
-std::vector<Group> fast_groups() {
+std::vector<Group> fast_groups(const bench::MakeEngine& peer) {
   std::vector<Group> groups;
   for (const auto& [spin, allowed] : {std::pair{30, 0}, {60, 0}, {120, 1}}) {
     groups.push_back({"E8", "bat at " + std::to_string(spin) + " rad/s", "none",
-                      [=](Tally& tally, Extent extent) { bat(tally, extent, spin, allowed); },
+                      [=](Tally& tally, Extent extent) { bat(tally, extent, peer, spin, allowed); },
                       true});
   }
   const std::vector<std::pair<std::string, collision::Shape>> shapes = {
@@ -89,7 +94,8 @@ std::vector<Group> fast_groups() {
     for (const auto& [speed, allowed] : {std::pair{100, 1}, {500, 2}}) {
       groups.push_back(
           {"E8", name + " at " + std::to_string(speed) + " m/s", "wall of 1 cm",
-           [=](Tally& tally, Extent extent) { wall(tally, extent, shape, speed, allowed); }, true});
+           [=](Tally& tally, Extent extent) { wall(tally, extent, peer, shape, speed, allowed); },
+           true});
     }
   }
   return groups;

@@ -44,26 +44,25 @@ collision::Shape level_mesh(double low, double high, double reach, int columns, 
   return collision::TriangleMesh::make(corners, triangles);
 }
 
-BodyId add_ground(Scene& scene, Ground ground, double friction, double reach) {
+Solid level_ground(Ground ground, double friction, double reach) {
   SolidDef def{.type = BodyType::Static, .material = {.friction = friction}};
   // No corner of a cell below the origin.
   const Vec3 aside(0.0123 * reach, 0.0071 * reach, 0.0);
   constexpr int kCells = 32;
   switch (ground) {
     case Ground::HalfSpace:
-      return scene.add(HalfSpace{}, def);
+      return {HalfSpace{}, def};
     case Ground::Box:
       def.pose.position = Vec3(0.0, 0.0, -0.25 * reach);
-      return scene.add(Box{reach, reach, 0.25 * reach}, def);
+      return {Box{reach, reach, 0.25 * reach}, def};
     case Ground::Mesh:
       def.pose.position = aside;
-      return scene.add(level_mesh(-reach, reach, reach, kCells, kCells), def);
+      return {level_mesh(-reach, reach, reach, kCells, kCells), def};
     case Ground::Field: {
       def.pose.position = aside - Vec3(reach, reach, 0.0);
       const std::vector<double> heights((kCells + 1) * (kCells + 1), 0.0);
       const double spacing = 2.0 * reach / kCells;
-      return scene.add(
-          collision::HeightField::make(kCells + 1, kCells + 1, spacing, spacing, heights), def);
+      return {collision::HeightField::make(kCells + 1, kCells + 1, spacing, spacing, heights), def};
     }
     case Ground::Hull: {
       std::vector<Vec3> corners;
@@ -71,7 +70,7 @@ BodyId add_ground(Scene& scene, Ground ground, double friction, double reach) {
         corners.emplace_back((i & 1) != 0 ? reach : -reach, (i & 2) != 0 ? reach : -reach,
                              (i & 4) != 0 ? 0.0 : -0.5 * reach);
       }
-      return scene.add(collision::ConvexHull::make(corners), def);
+      return {collision::ConvexHull::make(corners), def};
     }
   }
   return {};

@@ -18,9 +18,21 @@ inline constexpr std::array kGrounds = {Ground::HalfSpace, Ground::Box, Ground::
                                         Ground::Hull};
 std::string name_of(Ground ground);
 
+/// A static body, to be added to a world.
+struct Solid {
+  collision::Shape shape;
+  SolidDef def;
+};
 /// Level ground with its top at z = 0, as far as `reach` (m) from the origin. Meshes and fields
 /// have cells of a 16th of it, none with a corner at the origin.
-BodyId add_ground(Scene& scene, Ground ground, double friction, double reach);
+Solid level_ground(Ground ground, double friction, double reach);
+
+/// @tparam World  Scene or AnyWorld
+template <class World>
+BodyId add_ground(World& world, Ground ground, double friction, double reach) {
+  const Solid solid = level_ground(ground, friction, reach);
+  return world.add(solid.shape, solid.def);
+}
 
 /// A level mesh or field over x from `low` to `high` and y from -reach to reach, at z = 0.
 collision::Shape level_mesh(double low, double high, double reach, int columns, int rows);

@@ -2,11 +2,20 @@
 // Copyright (c) 2026 The Tandem authors
 #include "everyday/group.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
 namespace tandem::everyday {
+namespace {
+
+void append(std::vector<Group>& all, std::vector<Group> groups) {
+  all.insert(all.end(), std::make_move_iterator(groups.begin()),
+             std::make_move_iterator(groups.end()));
+}
+
+}  // namespace
 
 Line& Tally::line(const std::string& measure, const std::string& unit) {
   for (Line& line : lines_) {
@@ -45,12 +54,19 @@ void Tally::failed(const std::string& measure, bool failed, int allowed, const s
 }
 
 std::vector<Group> all_groups() {
+  std::vector<Group> all = peer_groups({});
+  for (const auto part : {joint_groups, stand_groups, rope_groups}) append(all, part());
+  std::stable_sort(all.begin(), all.end(), [](const Group& a, const Group& b) {
+    return std::stoi(a.kind.substr(1)) < std::stoi(b.kind.substr(1));
+  });
+  return all;
+}
+
+std::vector<Group> peer_groups(const bench::MakeEngine& peer) {
   std::vector<Group> all;
-  for (const auto part : {seam_groups, rest_groups, spin_groups, joint_groups, column_groups,
-                          fast_groups, stand_groups, rope_groups, sleep_groups}) {
-    auto groups = part();
-    all.insert(all.end(), std::make_move_iterator(groups.begin()),
-               std::make_move_iterator(groups.end()));
+  for (const auto part :
+       {seam_groups, rest_groups, spin_groups, column_groups, fast_groups, sleep_groups}) {
+    append(all, part(peer));
   }
   return all;
 }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "demos/engine/engine.h"
+
 /// Small scenes that users of any engine build, each over many neighbours: other sizes, angles,
 /// speeds, phases within a step, grounds. The bound is what physics says, at the engine's default
 /// setting.
@@ -59,17 +61,21 @@ struct Group {
   bool quick = false;  ///< has cases for Extent::Quick
 };
 
-std::vector<Group> seam_groups();    // E1
-std::vector<Group> rest_groups();    // E2, E3
-std::vector<Group> spin_groups();    // E4
-std::vector<Group> joint_groups();   // E5
-std::vector<Group> column_groups();  // E7
-std::vector<Group> fast_groups();    // E8
-std::vector<Group> stand_groups();   // E9, E10
-std::vector<Group> rope_groups();    // E12
-std::vector<Group> sleep_groups();   // E14
-/// All of the above, in that order.
+// Those that any engine may run; peer: empty is Tandem.
+std::vector<Group> seam_groups(const bench::MakeEngine& peer);    // E1
+std::vector<Group> rest_groups(const bench::MakeEngine& peer);    // E2, E3
+std::vector<Group> spin_groups(const bench::MakeEngine& peer);    // E4
+std::vector<Group> column_groups(const bench::MakeEngine& peer);  // E7
+std::vector<Group> fast_groups(const bench::MakeEngine& peer);    // E8
+std::vector<Group> sleep_groups(const bench::MakeEngine& peer);   // E14
+// Those of Tandem alone.
+std::vector<Group> joint_groups();  // E5
+std::vector<Group> stand_groups();  // E9, E10
+std::vector<Group> rope_groups();   // E12
+/// All of the above, by kind.
 std::vector<Group> all_groups();
+/// Those that the engine may run. A group throws std::invalid_argument where it lacks a shape.
+std::vector<Group> peer_groups(const bench::MakeEngine& peer);
 
 std::vector<Line> run_group(const Group& group, Extent extent,
                             std::vector<std::string>* beyond = nullptr);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "everyday/any_world.h"
 #include "everyday/ground.h"
 #include "everyday/group.h"
 #include "tandem/pbd/random.h"
@@ -67,8 +68,8 @@ Points scanned_parcel(pbd::SplitMix64& random, double size, double error) {
 }
 
 /// Drops it by a tenth of its size; what is left of its motion and how deep it lies.
-void check_rest(Tally& tally, Ground ground, const Points& points, double size,
-                const std::string& which) {
+void check_rest(Tally& tally, const bench::MakeEngine& peer, Ground ground, const Points& points,
+                double size, const std::string& which) {
   const auto hull = collision::ConvexHull::make(points);
   const double time = 5.0 * std::max(1.0, std::sqrt(size));
   double lowest = HUGE_VAL;
@@ -76,18 +77,18 @@ void check_rest(Tally& tally, Ground ground, const Points& points, double size,
   const SolidDef def{.pose = {.position = Vec3(0.0, 0.0, 0.1 * size - lowest)}};
   bool asleep = false;
   {
-    Scene scene;
+    const auto world = make_world(peer);
+    AnyWorld& scene = *world;
     add_ground(scene, ground, 0.5, 10.0 * size);
     const BodyId body = scene.add(hull, def);
     for (double t = 0.0; t < time && !asleep; t += kFrame) {
       scene.step(kFrame);
-      asleep = !scene.world().awake(body);
+      asleep = !scene.awake(body);
     }
   }
   tally.failed("awake", !asleep, 0, which);
-  SceneOptions options;
-  options.solver.sleep_after = 0.0;
-  Scene scene(options);
+  const auto world = make_world(peer, {.sleeping = false});
+  AnyWorld& scene = *world;
   add_ground(scene, ground, 0.5, 10.0 * size);
   const BodyId body = scene.add(hull, def);
   double spin = 0.0;
@@ -95,57 +96,57 @@ void check_rest(Tally& tally, Ground ground, const Points& points, double size,
   for (double t = 0.0; t < time + 1.0; t += kFrame) {
     scene.step(kFrame);
     if (t < time) continue;
-    spin = std::max(spin, scene.world().twist(body).angular.norm());
+    spin = std::max(spin, scene.twist(body).angular.norm());
     deep = std::max(deep, depth_below(scene.pose(body), hull->points()));
   }
   tally.at_most("spin, sleep off", spin, 1e-3, "rad/s", which);
   tally.at_most("depth", 1e3 * deep, std::max(0.3, size), "mm", which);
 }
 
-void random_hulls(Tally& tally, Extent extent, Ground ground) {
+void random_hulls(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   const bool full = extent == Extent::Full;
   for (const double size : full ? std::vector{0.02, 0.1, 0.3, 1.0, 10.0} : std::vector{0.3}) {
     for (const int count : full ? std::vector{6, 12, 30, 60, 128} : std::vector{12, 60}) {
       pbd::SplitMix64 random(2);
       for (int i = 0; i < (full ? 20 : 3); ++i) {
         const Points points = random_points(random, count, size);
-        check_rest(tally, ground, points, size,
+        check_rest(tally, peer, ground, points, size,
                    told({{"size", size}, {"points", count}, {"hull", i}}));
       }
     }
   }
 }
 
-void bumpy_cubes(Tally& tally, Extent extent, Ground ground) {
+void bumpy_cubes(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   const bool full = extent == Extent::Full;
   for (const double size : full ? std::vector{0.02, 0.1, 1.0, 10.0} : std::vector{1.0}) {
     for (const double bump : full ? std::vector{1e-5, 1e-4, 3e-4, 1e-3, 1e-2} : std::vector{1e-4}) {
       pbd::SplitMix64 random(3);
       for (int i = 0; i < (full ? 5 : 2); ++i) {
         const Points points = bumpy_cube(random, size, bump);
-        check_rest(tally, ground, points, size,
+        check_rest(tally, peer, ground, points, size,
                    told({{"size", size}, {"bump", bump}, {"cube", i}}));
       }
     }
   }
 }
 
-void scans(Tally& tally, Extent extent, Ground ground) {
+void scans(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   pbd::SplitMix64 random(4);
   for (int i = 0; i < (extent == Extent::Full ? 20 : 2); ++i) {
-    check_rest(tally, ground, scanned_tin(random, 0.1, 2e-4), 0.1, told({{"tin", i}}));
-    check_rest(tally, ground, scanned_parcel(random, 0.4, 5e-4), 0.4, told({{"parcel", i}}));
+    check_rest(tally, peer, ground, scanned_tin(random, 0.1, 2e-4), 0.1, told({{"tin", i}}));
+    check_rest(tally, peer, ground, scanned_parcel(random, 0.4, 5e-4), 0.4, told({{"parcel", i}}));
   }
 }
 
 }  // namespace
 
-std::vector<Group> rest_groups() {
+std::vector<Group> rest_groups(const bench::MakeEngine& peer) {
   std::vector<Group> groups;
   const auto add = [&](const char* kind, const char* name, auto run) {
     for (const Ground ground : kGrounds) {
       groups.push_back({kind, name, name_of(ground),
-                        [=](Tally& tally, Extent extent) { run(tally, extent, ground); },
+                        [=](Tally& tally, Extent extent) { run(tally, extent, peer, ground); },
                         ground == Ground::HalfSpace || ground == Ground::Box});
     }
   };

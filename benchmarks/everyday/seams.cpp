@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "everyday/any_world.h"
 #include "everyday/ground.h"
 #include "everyday/group.h"
 
@@ -92,14 +93,14 @@ collision::Shape junction() {
   return collision::TriangleMesh::make(corners, triangles);
 }
 
-void add_box(Scene& scene, const SolidDef& base, double low, double high) {
+void add_box(AnyWorld& scene, const SolidDef& base, double low, double high) {
   SolidDef def = base;
   def.pose.position = Vec3(0.5 * (low + high), 0.0, -0.5);
   scene.add(Box{0.5 * (high - low), kReach, 0.5}, def);
 }
 
 /// The seam is at x = 0.
-void add_seam(Scene& scene, Seam seam, double friction) {
+void add_seam(AnyWorld& scene, Seam seam, double friction) {
   SolidDef def{.type = seam == Seam::Kinematic ? BodyType::Kinematic : BodyType::Static,
                .material = {.friction = friction}};
   switch (seam) {
@@ -142,9 +143,10 @@ struct Crossing {
 };
 
 /// @param end  m, where it is over; or where it stands still
-Crossing cross(const Mover& mover, Seam seam, double friction, double speed, double from,
-               double end) {
-  Scene scene;
+Crossing cross(const bench::MakeEngine& peer, const Mover& mover, Seam seam, double friction,
+               double speed, double from, double end) {
+  const auto world = make_world(peer);
+  AnyWorld& scene = *world;
   add_seam(scene, seam, friction);
   SolidDef def{.material = {.friction = friction}};
   def.pose = {.position = Vec3(from, 0.013, mover.height), .orientation = mover.turn};
@@ -156,7 +158,7 @@ Crossing cross(const Mover& mover, Seam seam, double friction, double speed, dou
   const double longest = 60.0 + 3.0 * (end - from) / speed;
   for (double t = 0.0; t < longest; t += kFrame) {
     scene.step(kFrame);
-    const double now = scene.world().twist(body).linear.x();
+    const double now = scene.twist(body).linear.x();
     const Vec3 place = scene.pose(body).position;
     if (std::abs(now - speed) > std::abs(result.speed - speed)) result.speed = now;
     result.hop = std::max(result.hop, std::abs(place.z() - mover.height));
@@ -166,7 +168,8 @@ Crossing cross(const Mover& mover, Seam seam, double friction, double speed, dou
   return result;
 }
 
-void check_crossing(Tally& tally, Extent extent, const Mover& mover, Seam seam) {
+void check_crossing(Tally& tally, Extent extent, const bench::MakeEngine& peer, const Mover& mover,
+                    Seam seam) {
   const std::vector<double> speeds =
       extent == Extent::Full ? std::vector{0.1, 0.5, 2.0, 5.0, 10.0} : std::vector{2.0};
   const int phases = extent == Extent::Full ? 12 : 2;
@@ -177,7 +180,7 @@ void check_crossing(Tally& tally, Extent extent, const Mover& mover, Seam seam) 
           -(1.2 * kSize + speed * kFrame * (2.0 + phase / static_cast<double>(phases)));
       const double end = (seam == Seam::Tiles ? 8 * kTile : 0.0) + 1.5 * kSize + 0.1 * speed;
       const double friction = mover.rolls ? 0.5 : 0.0;
-      const Crossing one = cross(mover, seam, friction, speed, from, end);
+      const Crossing one = cross(peer, mover, seam, friction, speed, from, end);
       const std::string which = told({{"speed", speed}, {"phase", phase}});
       tally.at_most("speed", 100.0 * std::abs(one.speed / speed - 1.0), bound, "%", which);
       tally.at_most("hop", 1e3 * one.hop, 1.0, "mm", which);
@@ -186,16 +189,17 @@ void check_crossing(Tally& tally, Extent extent, const Mover& mover, Seam seam) 
 }
 
 /// With friction it comes to rest where it does on one box.
-void check_stop(Tally& tally, Extent extent, const Mover& mover, Seam seam) {
+void check_stop(Tally& tally, Extent extent, const bench::MakeEngine& peer, const Mover& mover,
+                Seam seam) {
   const std::vector<double> speeds =
       extent == Extent::Full ? std::vector{1.0, 3.0, 6.0} : std::vector{3.0};
   const int phases = extent == Extent::Full ? 12 : 1;
   for (const double speed : speeds) {
     const double way = speed * speed / (2.0 * 0.5 * kGravity);
-    const double plain = cross(mover, Seam::One, 0.5, speed, 0.0, kReach).way;
+    const double plain = cross(peer, mover, Seam::One, 0.5, speed, 0.0, kReach).way;
     for (int phase = 0; phase < phases; ++phase) {
       const double from = -way * (0.2 + 0.6 * phase / std::max(1, phases - 1));
-      const double off = std::abs(cross(mover, seam, 0.5, speed, from, kReach).way - plain);
+      const double off = std::abs(cross(peer, mover, seam, 0.5, speed, from, kReach).way - plain);
       tally.at_most("stopping distance", 1e3 * off, std::max(1.0, 10.0 * plain), "mm",
                     told({{"speed", speed}, {"phase", phase}}));
     }
@@ -204,15 +208,15 @@ void check_stop(Tally& tally, Extent extent, const Mover& mover, Seam seam) {
 
 }  // namespace
 
-std::vector<Group> seam_groups() {
+std::vector<Group> seam_groups(const bench::MakeEngine& peer) {
   std::vector<Group> groups;
   for (const Seam seam :
        {Seam::Boxes, Seam::Kinematic, Seam::Meshes, Seam::Fields, Seam::Junction, Seam::Tiles}) {
     for (const Mover& mover : movers()) {
       groups.push_back({"E1", mover.name, name_of(seam),
                         [=](Tally& tally, Extent extent) {
-                          check_crossing(tally, extent, mover, seam);
-                          if (mover.flat) check_stop(tally, extent, mover, seam);
+                          check_crossing(tally, extent, peer, mover, seam);
+                          if (mover.flat) check_stop(tally, extent, peer, mover, seam);
                         },
                         seam == Seam::Boxes || seam == Seam::Meshes});
     }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "everyday/any_world.h"
 #include "everyday/ground.h"
 #include "everyday/group.h"
 #include "everyday/piles.h"
@@ -16,7 +17,7 @@
 namespace tandem::everyday {
 namespace {
 
-using Build = std::function<void(Scene&, std::vector<BodyId>&, pbd::SplitMix64&)>;
+using Build = std::function<void(AnyWorld&, std::vector<BodyId>&, pbd::SplitMix64&)>;
 
 constexpr int kWindow = 15;        // steps over which poses tell a speed
 constexpr double kBlow = 0.1;      // m/s: faster is a blow
@@ -24,7 +25,7 @@ constexpr double kLate = 6.0;      // s after the last blow
 constexpr double kLongest = 30.0;  // s, of a scene in which the blows do not end
 
 /// Steps until all sleep or are late.
-void watch(Tally& tally, Scene& scene, const std::vector<BodyId>& bodies,
+void watch(Tally& tally, AnyWorld& scene, const std::vector<BodyId>& bodies,
            const std::string& which) {
   std::vector<std::vector<Vec3>> places;
   std::vector<bool> was_awake(bodies.size(), true);
@@ -41,7 +42,7 @@ void watch(Tally& tally, Scene& scene, const std::vector<BodyId>& bodies,
     awake = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const double speed = (scene.pose(bodies[i]).position - before[i]).norm() / window;
-      const bool is_awake = scene.world().awake(bodies[i]);
+      const bool is_awake = scene.awake(bodies[i]);
       if (is_awake) ++awake;
       if (speed > kBlow) last_blow = (k + 1) * kFrame;
       if (was_awake[i] && !is_awake) moving = std::max(moving, speed);
@@ -61,7 +62,7 @@ Quat any_turn(pbd::SplitMix64& random) {
 /// Rains bodies from `make` in layers of 9.
 template <class Make>
 Build rain(int count, double size, Make make) {
-  return [=](Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {
+  return [=](AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {
     for (int i = 0; i < count; ++i) {
       const Vec3 place(1.3 * size * (i % 3 - 1) + 0.1 * size * random.unit(),
                        1.3 * size * (i / 3 % 3 - 1) + 0.1 * size * random.unit(),
@@ -83,7 +84,7 @@ collision::Shape stone(pbd::SplitMix64& random) {
 
 /// @param push  m/s, of the first one
 Build dominoes(double push) {
-  return [=](Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
+  return [=](AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
     for (int i = 0; i < 40; ++i) {
       SolidDef def{.pose = {.position = Vec3(0.025 * (i - 20), 0.0, 0.025)}};
       if (i == 0)
@@ -93,14 +94,14 @@ Build dominoes(double push) {
   };
 }
 
-void cards(Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
+void cards(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
   for (const Pose& pose : house_of_cards()) {
     bodies.push_back(scene.add(Box{kCardHalf}, {.pose = pose, .material = {.friction = 0.6}}));
   }
 }
 
 /// Ten pins, upright; a ball runs into them.
-void pins(Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {
+void pins(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {
   for (int row = 0; row < 4; ++row) {
     for (int i = 0; i <= row; ++i) {
       bodies.push_back(
@@ -115,7 +116,7 @@ void pins(Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {
 }
 
 /// A pyramid of cans.
-void cans(Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
+void cans(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
   for (int row = 0; row < 4; ++row) {
     for (int i = 0; i < 4 - row; ++i) {
       bodies.push_back(
@@ -127,7 +128,7 @@ void cans(Scene& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
 
 }  // namespace
 
-std::vector<Group> sleep_groups() {
+std::vector<Group> sleep_groups(const bench::MakeEngine& peer) {
   const auto cube = [](pbd::SplitMix64&) { return collision::Shape(Box{0.1, 0.1, 0.1}); };
   const auto can = [](pbd::SplitMix64&) { return collision::Shape(Cylinder{0.033, 0.06}); };
   const std::vector<std::pair<std::string, Build>> scenes = {
@@ -148,7 +149,8 @@ std::vector<Group> sleep_groups() {
                         [=](Tally& tally, Extent extent) {
                           for (int seed = 0; seed < (extent == Extent::Full ? 3 : 1); ++seed) {
                             pbd::SplitMix64 random(static_cast<std::uint64_t>(seed));
-                            Scene scene;
+                            const auto world = make_world(peer);
+                            AnyWorld& scene = *world;
                             add_ground(scene, ground, 0.6, 10.0);
                             std::vector<BodyId> bodies;
                             build(scene, bodies, random);

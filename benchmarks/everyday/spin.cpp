@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "everyday/any_world.h"
 #include "everyday/ground.h"
 #include "everyday/group.h"
 
@@ -31,20 +32,20 @@ struct Motion {
   double gain = 0.0;          ///< J, over the start
 };
 
-Motion run(const Rod& rod, Ground ground, const Pose& pose, const pbd::Twist& twist,
-           double seconds) {
-  Scene scene;
+Motion run(const bench::MakeEngine& peer, const Rod& rod, Ground ground, const Pose& pose,
+           const pbd::Twist& twist, double seconds) {
+  const auto world = make_world(peer);
+  AnyWorld& scene = *world;
   add_ground(scene, ground, 0.5, 100.0);
   scene.add(shape_of(rod), {.pose = pose, .twist = twist});
-  const pbd::World& world = scene.world();
-  const double start = world.mechanical_energy();
-  Motion motion{.most_kinetic = world.kinetic_energy()};
+  const double start = scene.mechanical_energy();
+  Motion motion{.most_kinetic = scene.kinetic_energy()};
   for (double t = 0.0; t < seconds; t += kFrame) {
     scene.step(kFrame);
     // Later kinetic energy may be what is wrong, so it counts as far as what there was at the start
     // allows.
-    motion.gain = std::max(motion.gain, world.mechanical_energy() - start);
-    motion.most_kinetic = std::max(motion.most_kinetic, std::min(world.kinetic_energy(), start));
+    motion.gain = std::max(motion.gain, scene.mechanical_energy() - start);
+    motion.most_kinetic = std::max(motion.most_kinetic, std::min(scene.kinetic_energy(), start));
     if (!std::isfinite(motion.gain)) return {1.0, HUGE_VAL};
   }
   return motion;
@@ -62,7 +63,7 @@ std::vector<double> phases_of(Extent extent, int count) {
 }
 
 /// Rolls along y with some yaw; length over radius from 2 to 200.
-void rolling(Tally& tally, Extent extent, Ground ground) {
+void rolling(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   std::vector<Rod> rods = {{false, 0.005, 0.6}};
   if (extent == Extent::Full) {
     rods = {{false, 0.005, 0.6}, {false, 0.0035, 0.18}, {false, 0.0125, 1.5}, {false, 0.02, 1.2},
@@ -81,7 +82,7 @@ void rolling(Tally& tally, Extent extent, Ground ground) {
           const Vec3 along = Quat(Eigen::AngleAxisd(phase, Vec3::UnitZ())) * Vec3::UnitX();
           const pbd::Twist twist{.linear = speed * across,
                                  .angular = -speed / rod.radius * along + yaw * Vec3::UnitZ()};
-          note(tally, run(rod, ground, pose, twist, 3.0),
+          note(tally, run(peer, rod, ground, pose, twist, 3.0),
                told({{"radius", rod.radius},
                      {"length", rod.length},
                      {"speed", speed},
@@ -94,7 +95,7 @@ void rolling(Tally& tally, Extent extent, Ground ground) {
 }
 
 /// Thrown by 3 m/s, turning end over end and about a slant axis.
-void thrown(Tally& tally, Extent extent, Ground ground) {
+void thrown(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   const std::vector<double> spins =
       extent == Extent::Full ? std::vector{10.0, 40.0, 80.0, 150.0} : std::vector{40.0};
   for (const double spin : spins) {
@@ -105,41 +106,42 @@ void thrown(Tally& tally, Extent extent, Ground ground) {
           .orientation = Quat(Eigen::AngleAxisd(turn, Vec3(0.3, 1.0, 0.2).normalized())) * kAlongX};
       const Vec3 axis = Vec3(std::cos(turn), std::sin(turn), 0.5).normalized();
       const pbd::Twist twist{.linear = Vec3(3.0, 0.0, 0.0), .angular = spin * axis};
-      note(tally, run({false, 0.02, 1.2}, ground, pose, twist, 3.0),
+      note(tally, run(peer, {false, 0.02, 1.2}, ground, pose, twist, 3.0),
            told({{"spin", spin}, {"phase", phase}}));
     }
   }
 }
 
 /// A roller of 20 x 60 cm dropped while it spins about its own axis.
-void dropped(Tally& tally, Extent extent, Ground ground) {
+void dropped(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   for (const double phase : phases_of(extent, 60)) {
     const Quat tilt(Eigen::AngleAxisd(0.6 * (phase - 0.5), Vec3::UnitY()));
     const Pose pose{.position = Vec3(0.0, 0.0, 0.4 + 0.05 * phase), .orientation = tilt * kAlongX};
     const pbd::Twist twist{.angular = 200.0 * (tilt * Vec3::UnitX())};
-    note(tally, run({false, 0.1, 0.6}, ground, pose, twist, 3.0), told({{"phase", phase}}));
+    note(tally, run(peer, {false, 0.1, 0.6}, ground, pose, twist, 3.0), told({{"phase", phase}}));
   }
 }
 
 /// What is left of 1 m/s after 5 s.
-void dowel(Tally& tally, Extent extent, Ground ground) {
+void dowel(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   for (const double phase : phases_of(extent, 12)) {
-    Scene scene;
+    const auto world = make_world(peer);
+    AnyWorld& scene = *world;
     add_ground(scene, ground, 0.5, 100.0);
     SolidDef def{.pose = {.position = Vec3(0.0, phase * kFrame, 0.005), .orientation = kAlongX}};
     def.twist = {.linear = Vec3(0.0, 1.0, 0.0), .angular = Vec3(-200.0, 0.0, 0.5)};
     const BodyId body = scene.add(Cylinder{0.005, 0.3}, def);
     for (int i = 0; i < 300; ++i) scene.step(kFrame);
-    tally.at_most("speed changed in 5 s",
-                  100.0 * std::abs(1.0 - scene.world().twist(body).linear.norm()), 3.0, "%",
-                  told({{"phase", phase}}));
+    tally.at_most("speed changed in 5 s", 100.0 * std::abs(1.0 - scene.twist(body).linear.norm()),
+                  3.0, "%", told({{"phase", phase}}));
   }
 }
 
 /// Torque-free: the axis goes round the angular momentum at |L| / I_across.
-void precession(Tally& tally, Extent /*extent*/) {
+void precession(Tally& tally, const bench::MakeEngine& peer) {
   for (const double spin : {20.0, 60.0, 200.0}) {
-    Scene scene({.gravity = Vec3::Zero()});
+    const auto world = make_world(peer, {.gravity = Vec3::Zero()});
+    AnyWorld& scene = *world;
     SolidDef def{.pose = {.orientation = kAlongX}};
     const Vec3 axis = Vec3::UnitX();
     def.twist.angular = spin * axis + 0.5 * Vec3::UnitY();
@@ -159,12 +161,12 @@ void precession(Tally& tally, Extent /*extent*/) {
 
 }  // namespace
 
-std::vector<Group> spin_groups() {
+std::vector<Group> spin_groups(const bench::MakeEngine& peer) {
   std::vector<Group> groups;
   const auto add = [&](const char* name, auto run) {
     for (const Ground ground : kGrounds) {
       groups.push_back({"E4", name, name_of(ground),
-                        [=](Tally& tally, Extent extent) { run(tally, extent, ground); },
+                        [=](Tally& tally, Extent extent) { run(tally, extent, peer, ground); },
                         ground == Ground::Box || ground == Ground::Mesh});
     }
   };
@@ -172,7 +174,8 @@ std::vector<Group> spin_groups() {
   add("thrown rods", thrown);
   add("rollers dropped at 200 rad/s", dropped);
   add("dowel rolls at 1 m/s", dowel);
-  groups.push_back({"E4", "rod in free precession", "none", precession, true});
+  groups.push_back({"E4", "rod in free precession", "none",
+                    [=](Tally& tally, Extent) { precession(tally, peer); }, true});
   return groups;
 }
 
