@@ -29,6 +29,13 @@ mkdir -p "$out"
 # Exit code 1 says that a bound does not hold; that belongs into the report.
 "$binaries/numerics" --csv "$out/numerics.csv" >"$out/numerics.txt" || [[ $? -eq 1 ]]
 tail -n 1 "$out/numerics.txt"
+"$binaries/everyday" --json "$out/everyday.json" >"$out/everyday.txt" 2>"$out/everyday.log" || [[ $? -eq 1 ]]
+tail -n 1 "$out/everyday.log"
+for engine in bullet64 jolt box3d physx_pgs physx_tgs; do
+  # An engine that this build has not is refused.
+  "$binaries/everyday" --engine $engine --json "$out/everyday_$engine.json" >"$out/everyday_$engine.txt" \
+    2>"$out/everyday_$engine.log" || rm -f "$out/everyday_$engine.json"
+done
 if [[ -x $binaries/kernels ]]; then
   "$binaries/kernels" --benchmark_format=json >"$out/kernels.json" 2>/dev/null
 fi

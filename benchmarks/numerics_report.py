@@ -5,6 +5,8 @@
 
     benchmarks/measure.sh build/release/bin results          measures, then runs this
     python3 benchmarks/numerics_report.py results            this alone
+
+Where the folder of results lacks the files of a section, the page keeps what it has of it.
 """
 import argparse
 import csv
@@ -16,6 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE / "work_precision"), str(HERE / "peers")]
 
+import everyday.report as everyday
 import must_hold
 import pages
 import results as runs
@@ -176,20 +179,16 @@ def kernel_lines(path):
     return lines
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("results", type=Path)
-    parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
-    args = parser.parse_args()
-    points = runs.read(args.results / "work_precision.csv")
-    rows = read_csv(args.results / "numerics.csv")
-    machine = json.loads((args.results / "machine.json").read_text())
+def compared(results):
+    """What stands before the first section, and the sections that compare engines over seven scenes."""
+    points = runs.read(results / "work_precision.csv")
+    rows = read_csv(results / "numerics.csv")
+    machine = json.loads((results / "machine.json").read_text())
     # Measured here where the build had them, else on the day when they were measured last.
     peers, peers_machine = points, machine
     if not any(p.engine in runs.PEERS for p in points):
         peers = runs.read(HERE / "data" / "peers.csv")
         peers_machine = json.loads((HERE / "data" / "peers.json").read_text())
-
     out = ["# Numerics", "",
            "Written by `benchmarks/measure.sh` from what it measured: run that again instead of "
            "editing here.", "", *machine_lines(machine), "",
@@ -205,25 +204,69 @@ def main():
            "At the default settings; in brackets the spread over the repeats:", "",
            *default_lines(points), "",
            "## Beside Jolt, Box3D and PhysX", "", *peer_lines(peers, peers_machine), "",
-           "## Where Tandem is worse", "", *worse_lines(points, rows, peers), "",
-           "## The numerics set", "",
-           "`benchmarks/numerics`, at the default settings over 10 s. \"no\" = outside the bound.",
-           "", *numerics_lines(rows), ""]
-    if (args.results / "kernels.json").exists():
-        out += ["## Kernels", "", *kernel_lines(args.results / "kernels.json"), ""]
-    # Measured with perf and by hand.
-    out += ["## Where the time goes", "", (HERE / "data" / "time.md").read_text()]
-    pages.write(args.docs / "numerics.md", "\n".join(out))
-    figure = args.results / "work_precision.svg"
+           "## Where Tandem is worse", "", *worse_lines(points, rows, peers), ""]
+    return out, peers
+
+
+def numerics_set(results):
+    return ["## The numerics set", "",
+            "`benchmarks/numerics`, at the default settings over 10 s. \"no\" = outside the bound.", "",
+            *numerics_lines(read_csv(results / "numerics.csv")), ""]
+
+
+def kernels(results):
+    return ["## Kernels", "", *kernel_lines(results / "kernels.json"), ""]
+
+
+def time_section(_):
+    """Measured with perf and by hand."""
+    return ["## Where the time goes", "", (HERE / "data" / "time.md").read_text()]
+
+
+COMPARED = ("", "## What must hold", "## Error against run time", "## Beside Jolt, Box3D and PhysX",
+            "## Where Tandem is worse")
+# The other sections in the page's order.
+SECTIONS = {"## The numerics set": numerics_set, everyday.HEADING: everyday.section, "## Kernels": kernels,
+            "## Where the time goes": time_section}
+
+
+def draw(peers, results, docs):
+    figure = results / "work_precision.svg"
     if figure.exists():
-        shutil.copyfile(figure, args.docs / "work_precision.svg")
+        shutil.copyfile(figure, docs / "work_precision.svg")
     try:
         import chart
     except ImportError:
         print("no matplotlib in this Python, so engines.svg is as it was: see peers/chart.py")
     else:
-        chart.draw(peers, args.docs)
-    print(f"wrote {args.docs / 'numerics.md'}")
+        chart.draw(peers, docs)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
+    args = parser.parse_args()
+    page = args.docs / "numerics.md"
+    before = pages.sections(page)
+
+    def kept(heading):
+        print(f"not measured, as it was: {heading or 'head of the page'}")
+        return [*before.get(heading, "").rstrip("\n").split("\n"), ""]
+
+    try:
+        out, peers = compared(args.results)
+    except FileNotFoundError:
+        out = [line for heading in COMPARED for line in kept(heading)]
+    else:
+        draw(peers, args.results, args.docs)
+    for heading, section in SECTIONS.items():
+        try:
+            out += section(args.results)
+        except FileNotFoundError:
+            out += kept(heading)
+    pages.write(page, "\n".join(out))
+    print(f"wrote {page}")
     return 0
 
 

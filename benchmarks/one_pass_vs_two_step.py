@@ -16,7 +16,6 @@ keeps what it has of it.
 import argparse
 import importlib
 import os
-import re
 import sys
 import time
 from pathlib import Path
@@ -45,13 +44,6 @@ Written by `benchmarks/one_pass_vs_two_step.py` from what it measured: run that 
 """
 
 
-def _sections(page):
-    """Text of each section of a page, by its first line."""
-    text = page.read_text() if page.exists() else ""
-    parts = re.split(r"^(?=## )", text, flags=re.MULTILINE)[1:]
-    return {part.split("\n", 1)[0]: part for part in parts}
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("binaries", type=Path, help="folder of the programs")
@@ -69,7 +61,7 @@ def main():
     importlib.import_module("demo_runs").first_seed = args.first_seed
     args.out.mkdir(parents=True, exist_ok=True)
     page = args.docs / "one-pass-vs-two-step.md"
-    texts, before = [HEAD], _sections(page)
+    texts, before = [HEAD], pages.sections(page)
     for name, heading in SECTIONS.items():
         section = importlib.import_module(name)
         if not args.report and name in args.sections:

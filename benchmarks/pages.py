@@ -16,6 +16,13 @@ def _cells(line):
     return [cell.strip() for cell in line.strip().strip("|").split("|")]
 
 
+def sections(path):
+    """Text of each section of a page, by its first line; what stands before the first by ""."""
+    path = Path(path)
+    parts = re.split(r"^(?=## )", path.read_text() if path.exists() else "", flags=re.MULTILINE)
+    return {"": parts[0]} | {part.split("\n", 1)[0]: part for part in parts[1:]}
+
+
 def write(path, text):
     """Write a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name,
     called after the heading that they stand under; the page links to them. Files that `text` links to
