@@ -35,7 +35,7 @@ The same scenes in other engines (`--engine`), each at its defaults, but without
 is run for Tandem alone. No body is marked as fast (bullet, linear cast). Jolt and Box3D hold spin at 47 rad/s: what
 rolls or spins faster gains no energy, and slows down. In Box3D the half-space is a slab of 400 m and a cylinder a prism
 of 24 sides, and hulls with more than 128 edges keep 44 corners. Jolt rounds what is convex by up to 50 mm and lets it
-sink by 20 mm; its bodies fall asleep by the way they made, not by speed."""
+sink by 20 mm, which counts as a hop and as depth; its bodies fall asleep by the way they made, not by speed."""
 
 
 def number(value):
