@@ -40,6 +40,7 @@ void hinge(Tally& tally, const Arm& arm, double length) {
   def.frame_b = {.anchor = Vec3(-0.5 * length, 0.0, 0.0), .basis = def.frame_a.basis};
   def.axis = {
       .freedom = pbd::Freedom::Limited, .lower = arm.lower * kDegree, .upper = arm.upper * kDegree};
+  def.start = arm.start * kDegree;  // poses do not tell turns
   const pbd::JointId joint = scene.add_joint(def);
   double fastest = 0.0;
   for (int i = 0; i < 180 && fastest < kHopeless; ++i) {

@@ -23,7 +23,6 @@ constexpr std::string_view kE1 =
 constexpr std::string_view kE2 = "some rock from edge to edge for longer than that";
 constexpr std::string_view kE3 =
     "of a scan some faces lie on the ground that no tolerance makes one";
-constexpr std::string_view kE5 = "the angle is told a whole turn off";
 constexpr std::string_view kE10 =
     "plates that begin 10 mm inside each other are pushed apart; with 5 mm of overlap left alone "
     "four of ten houses stand";
@@ -43,7 +42,6 @@ constexpr Known kKnown[] = {
     {"E1", "hull of a box", "ten boxes", "speed", kE1},
     {"E2", "hulls of random points", "", "", kE2},
     {"E3", "scanned tins and parcels", "", "", kE3},
-    {"E5", "hinges beyond half a turn", "", "angle off", kE5},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
     {"E14", "heap of 60 cubes", "", "", kE14},
     {"E14", "heap of 200 cubes", "", "", kE14},

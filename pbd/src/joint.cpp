@@ -43,6 +43,15 @@ void clear_load(JointState& state) {
   state.load.fill(0.0);
 }
 
+/// A body as it stands before a step; for the invalid id, the world.
+SolverBody standing(const World& world, BodyId id) {
+  SolverBody body;
+  if (!id.valid()) return body;
+  body.x = world.pose(id).position;
+  body.q = world.pose(id).orientation;
+  return body;
+}
+
 /// Whether the motor of a coordinate moves the joint on.
 bool motor_runs(const JointRecord& record, int c) {
   constexpr double kArrived = 1e-6;  // m or rad
@@ -76,6 +85,7 @@ JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
   record.def.frame_b.basis.normalize();
   record.alive = true;
   record.refresh();
+  record.start(standing(world, def.a), standing(world, def.b));
   impl_->dirty = true;
   impl_->note_change(record);
   ++impl_->count;
@@ -104,7 +114,10 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   record.def = def;
   record.def.frame_a.basis.normalize();
   record.def.frame_b.basis.normalize();
+  const int turned = record.turning;
   record.refresh();
+  if (record.turning != turned)
+    record.twist = record.state.position[static_cast<std::size_t>(record.turn(0))];
   impl_->note_change(record);
 }
 
@@ -237,10 +250,9 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     if (!record.alive) continue;
     JointState& state = record.state;
     double c[kCoordinates] = {};
-    const std::uint32_t used = record.used;
-    record.used = ~0u;  // all coordinates are reported
-    impl_->place(record, ctx.bodies, c);
-    record.used = used;
+    const SolverBody ground;
+    const SolverBody& body_a = body_of(record.def.a, ctx.bodies, ground);
+    all_coordinates(record, body_a, ctx.bodies[record.def.b.index], record.twist, c);
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (!std::all_of(c, c + kCoordinates, is_finite) || !state.force.allFinite() ||
         !state.torque.allFinite()) {
@@ -251,15 +263,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       clear_load(state);
       continue;
     }
-    for (std::size_t i = 0; i < 6; ++i) state.position[i] = c[i];
-    if (record.point) {
-      const BodyId a = record.def.a;
-      const Quat q = a.valid() ? ctx.bodies[a.index].q : Quat(Quat::Identity());
-      Eigen::Map<Vec3>{state.position.data()} =
-          (q * record.def.frame_a.basis).conjugate() * Vec3(c[0], c[1], c[2]);
-    }
-    state.swing = c[kCone];
-    record.twist = c[kTwist];
+    record.tell(body_a, c);
     state.residual = 0.0;
     if ((!record.active() && !record.broke) || !Impl::is_solved(record, ctx.bodies)) {
       clear_load(state);

@@ -142,6 +142,7 @@ HingeJointDef::operator SixDofJointDef() const {
   SixDofJointDef six = base(*this);
   six.angular.fill(locked(angular_compliance, angular_damping));
   six.angular[0] = axis;
+  six.start = start;
   return six;
 }
 
@@ -217,6 +218,7 @@ void check_joint(const World& world, const SixDofJointDef& def) {
   check_at_least_0(def.cone_damping, {"cone_damping"});
   check_at_least_0(def.break_force, {"break_force"});
   check_at_least_0(def.break_torque, {"break_torque"});
+  demand(std::isfinite(def.start), {"start"}, def.start, "finite");
 }
 
 }  // namespace tandem::pbd

@@ -18,7 +18,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   io(def.a, def.b, def.frame_a.anchor, def.frame_a.basis, def.frame_b.anchor, def.frame_b.basis);
   for (auto& axis : def.linear) axis_fields(io, axis);
   for (auto& axis : def.angular) axis_fields(io, axis);
-  io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque,
+  io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque, def.start,
      def.enabled);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
      record.energy_excess, record.h);
@@ -41,6 +41,13 @@ JointAxis JointRecord::axis(int c) const {
 }
 
 void JointRecord::refresh() {
+  const auto locks = [&](int axis) {
+    return def.angular[static_cast<std::size_t>(axis % 3)].freedom == Freedom::Locked;
+  };
+  turning = 0;
+  for (int axis = 1; axis < 3; ++axis) {
+    if (!locks(axis) && locks(axis + 1) && locks(axis + 2)) turning = axis;
+  }
   used = 0;
   passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
@@ -64,20 +71,47 @@ void JointRecord::refresh() {
 
 void coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b, double near,
                  double* c) {
+  if (record.is_point()) {
+    Eigen::Map<Vec3>{c} = JointPlace::of(record.def, a, b).d;
+  } else {
+    all_coordinates(record, a, b, near, c);
+  }
+}
+
+void all_coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b,
+                     double near, double* c) {
   const SixDofJointDef& def = record.def;
   const JointPlace place = JointPlace::of(def, a, b);
-  if (record.point) {
-    Eigen::Map<Vec3>{c} = place.d;
-    if ((record.used >> 3) == 0) return;
-  }
+  if (record.point) Eigen::Map<Vec3>{c} = place.d;
   const Quat basis_a = a.q * def.frame_a.basis;
   if (!record.point) Eigen::Map<Vec3>{c} = basis_a.conjugate() * place.d;
-  const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
-  c[kTwist] =
-      def.angular[0].freedom == Freedom::Locked ? turn.twist : nearest_turn(turn.twist, near);
-  c[4] = turn.swing(1);
-  c[5] = turn.swing(2);
-  c[kCone] = turn.phi;
+  const Quat rel = basis_a.conjugate() * (b.q * def.frame_b.basis);
+  const JointTurn turn = JointTurn::of(turned_axes(rel, record.turning));
+  const bool locked = record.turning_axis().freedom == Freedom::Locked;
+  c[record.turn(0)] = locked ? turn.twist : nearest_turn(turn.twist, near);
+  c[record.turn(1)] = turn.swing(1);
+  c[record.turn(2)] = turn.swing(2);
+  c[kCone] = record.turning == 0 ? turn.phi : JointTurn::of(rel).phi;
+}
+
+void JointRecord::tell(const SolverBody& a, const double* c) {
+  std::copy_n(c, 6, state.position.begin());
+  if (point) {
+    Eigen::Map<Vec3>{state.position.data()} =
+        (a.q * def.frame_a.basis).conjugate() * Vec3(c[0], c[1], c[2]);
+  }
+  state.swing = c[kCone];
+  twist = c[turn(0)];
+}
+
+void JointRecord::start(const SolverBody& a, const SolverBody& b) {
+  double c[kCoordinates] = {};
+  all_coordinates(*this, a, b, def.start, c);
+  const JointAxis& axis = turning_axis();
+  double& angle = c[turn(0)];
+  if (axis.freedom == Freedom::Limited)
+    angle = turn_within(angle, def.start, axis.lower, axis.upper);
+  tell(a, c);
 }
 
 void JointRecord::forgive(const SolverBody& a, const SolverBody& b) {
@@ -90,12 +124,12 @@ void JointRecord::find_gap(const SolverBody& a, const SolverBody& b, bool displa
   double c[kCoordinates] = {};
   coordinates(*this, a, b, twist, c);
   const double most = state.residual + JointGap::kTolerance;
-  const JointAxis& turn = def.angular[0];
-  if (turn.freedom == Freedom::Limited && (h == 0.0 || violation(turn, c[kTwist]) > most)) {
-    twist = c[kTwist] = turn_within(c[kTwist], twist, turn.lower, turn.upper);
-  }
+  const JointAxis& axis = turning_axis();
+  double& angle = c[turn(0)];
+  if (axis.freedom == Freedom::Limited && violation(axis, angle) > most)
+    twist = angle = turn_within(angle, twist, axis.lower, axis.upper);
   for_bits(used, [&](int i) {
-    const double violated = residual_of(axis(i), c[i]);
+    const double violated = residual_of(this->axis(i), c[i]);
     if (!displaced && !gap.is_open() && !(std::abs(violated) > most)) return;
     displacement_residual[i] = violated;
     if (!displaced && std::abs(violated) > most) gap.open(std::abs(violated));
@@ -136,7 +170,8 @@ void JointRecord::load(ByteReader& in) {
   }
   refresh();
   bool finite = state.force.allFinite() && state.torque.allFinite();
-  for (const double value : {twist, gap.least, energy_excess, h, state.swing, state.residual}) {
+  for (const double value :
+       {twist, def.start, gap.least, energy_excess, h, state.swing, state.residual}) {
     finite = finite && std::isfinite(value);
   }
   const auto check = [&](const auto& values) {

@@ -20,7 +20,7 @@ struct JointRecord {
   /// What agreement and later rows left of each coordinate.
   std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
-  double twist = 0.0;                        ///< rad, counting turns
+  double twist = 0.0;                        ///< rad, about axis `turning`, counting turns
   JointGap gap;                              ///< of its displacement_residual
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it
   /// comes second in a part with loops. See limit_energy_gain().
@@ -30,18 +30,26 @@ struct JointRecord {
   bool broke = false;         ///< in this step
   Vec3 spin = Vec3::Zero();   ///< rad/s, of b against a when the step began
   std::uint32_t used = 0;     ///< bit per coordinate that may get a row
+  int turning = 0;            ///< the angular axis that is free alone; 0 (x) where none is
   bool point = false;         ///< all displacements locked alike: rows along the world's axes
   bool passive = true;        ///< nothing in it stores or supplies energy
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
-  /// Recompute `used`, `point` and `passive` from the definition; what is not used keeps no
-  /// residual.
+  /// Recompute `used`, `turning`, `point` and `passive` from the definition; what is not used keeps
+  /// no residual.
   void refresh();
+  /// The coordinate of turns about `turning` (0), and of the axes that follow it (1, 2).
+  int turn(int i) const { return kTwist + (turning + i) % 3; }
+  const JointAxis& turning_axis() const { return def.angular[static_cast<std::size_t>(turning)]; }
+  /// All coordinates into the state.
+  void tell(const SolverBody& a, const double* c);
+  /// The bodies of a joint that is new stand like that: it takes the turn within its limits.
+  void start(const SolverBody& a, const SolverBody& b);
   /// What is violated is what agreement has left.
   void forgive(const SolverBody& a, const SolverBody& b);
-  /// Before the step: what somebody has put elsewhere since the last one becomes gap, and a joint
-  /// that is new takes the turn within its limits.
+  /// Before the step: what somebody has put elsewhere since the last one becomes gap, on the turn
+  /// that lies within its limits.
   /// @param displaced  all that is violated is what agreement did
   void find_gap(const SolverBody& a, const SolverBody& b, bool displaced);
   /// Displacement channel: set `bound` to where the rows may be at the end of it (s), and the
@@ -60,9 +68,12 @@ struct JointRecord {
   void load(ByteReader& in);
 };
 
-/// Coordinates of a joint as its bodies stand now; twist within half a turn of `near`.
+/// Coordinates of a joint as its bodies stand now, those about `turning` within half a turn of
+/// `near`; of points, displacements alone.
 void coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b, double near,
                  double* c);
+void all_coordinates(const JointRecord& record, const SolverBody& a, const SolverBody& b,
+                     double near, double* c);
 
 /// The body of an id; `ground`, which nothing moves, where that stands for the world.
 inline const SolverBody& body_of(BodyId id, std::span<const SolverBody> bodies,

@@ -42,7 +42,9 @@ struct JointPlace {
   }
 };
 
-/// Rotation of frame b in frame a, as twist and swing.
+/// Rotation of frame b in frame a, as twist and swing. Beyond half a turn of swing there is no
+/// telling it from twist, so what turns about one axis alone has that as its x: see
+/// JointRecord::turning.
 struct JointTurn {
   double twist;  ///< rad, -pi to pi
   double phi;    ///< rad, 0 to pi
@@ -74,6 +76,12 @@ struct JointTurn {
     return u[axis] * u + scale * Vec3::UnitX().cross(u)[axis] * e.cross(u);
   }
 };
+
+/// The same rotation where `axis` is called x, and those that follow it y and z.
+inline Quat turned_axes(const Quat& rel, int axis) {
+  const Vec3 v = rel.vec();
+  return {rel.w(), v[axis], v[(axis + 1) % 3], v[(axis + 2) % 3]};
+}
 
 /// What a row of the linear system stands for: (c - target) + at (lambda - offset) = 0.
 struct Segment {

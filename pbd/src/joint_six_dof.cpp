@@ -31,12 +31,15 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
     }
   }
   if ((record.used >> 3) != 0) {
-    const JointTurn turn = JointTurn::of(basis_a.conjugate() * (b.q * def.frame_b.basis));
+    const Quat rel = basis_a.conjugate() * (b.q * def.frame_b.basis);
+    const JointTurn turn = JointTurn::of(turned_axes(rel, record.turning));
+    Mat3 named;  // the axes as `turn` names them
+    for (int i = 0; i < 3; ++i) named.col(i) = axes.col((record.turning + i) % 3);
     rows.dir.rightCols<4>().setZero();
-    rows.arm_b.col(kTwist) = axes * turn.twist_gradient();
-    rows.arm_b.col(4) = axes * turn.swing_gradient(1);
-    rows.arm_b.col(5) = axes * turn.swing_gradient(2);
-    rows.arm_b.col(kCone) = axes * turn.u;
+    rows.arm_b.col(record.turn(0)) = named * turn.twist_gradient();
+    rows.arm_b.col(record.turn(1)) = named * turn.swing_gradient(1);
+    rows.arm_b.col(record.turn(2)) = named * turn.swing_gradient(2);
+    rows.arm_b.col(kCone) = named * turn.u;  // has no row unless x is x
     rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
   }
 }
@@ -147,8 +150,8 @@ void begin(const JointPart& part) {
     rows.flips.fill(0);
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
-    if ((record.used >> kTwist & 1u) != 0 && part.progress.channel == JointChannel::Real)
-      record.twist = c[kTwist];
+    if ((record.used >> record.turn(0) & 1u) != 0 && part.progress.channel == JointChannel::Real)
+      record.twist = c[record.turn(0)];
     take_gradients(node, rows, record, a, b);
     node.pull_a = node.pull_b = 0.0;
     node.add_pull(plan, ctx.h * ctx.h * record.state.force);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 #include <string>
+#include <tuple>
 
 #include "support/bodies.h"
 #include "support/catch.h"
@@ -71,6 +72,24 @@ TEST_CASE("mjcf: a rod swings, a box rests and a spring sags as the formulas say
   CHECK((scene.pose(file.find("flag")).position - cart).isApprox(Vec3(0.0, 0.0, 0.2), 1e-3));
   REQUIRE(file.warnings.size() == 1);
   CHECK(file.warnings[0].find("pull") != std::string::npos);
+}
+
+TEST_CASE("mjcf: a joint starts on the turn within its range", "[mjcf]") {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  for (const auto& [range, angle, rest] : {std::tuple{"350 372", 360.0, 360.0},
+                                           {"30 330", 0.0, 30.0},
+                                           {"60 320", 360.0, 320.0},
+                                           {"-720 720", 0.0, 0.0}}) {
+    INFO(range);
+    SceneFile file = parse_mjcf(
+        "<mujoco><option gravity='0 0 0'/><worldbody><body><joint name='j' "
+        "axis='0 1 0' limited='true' range='" +
+        std::string(range) + "'/><geom size='0.1'/></body></worldbody></mujoco>");
+    const pbd::JointId id = file.find_joint("j");
+    CHECK(file.scene.joints().hinge_angle(id) == Approx(angle * kDegree).margin(1e-12));
+    for (int i = 0; i < 60; ++i) file.scene.step(1.0 / 60.0);
+    CHECK(file.scene.joints().hinge_angle(id) == Approx(rest * kDegree).margin(1e-6));
+  }
 }
 
 TEST_CASE("mjcf: what is none, or cannot be, is refused", "[mjcf][errors]") {

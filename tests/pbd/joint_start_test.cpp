@@ -161,7 +161,8 @@ TEST_CASE("joint start: what is violated closes at a bounded speed and leaves no
 
 /// A hinge along y through the middle of the world, and an arm of 0.6 m at an angle from x.
 struct Arm : Mounted {
-  Arm(double lower, double upper, double angle, const WorldDef& def = {}) : Mounted(def) {
+  Arm(double lower, double upper, double angle, const WorldDef& def = {}, double start = 0.0)
+      : Mounted(def) {
     const Quat turn = exp_map(angle * Vec3::UnitY());
     add_box(1.0, turn * Vec3(0.6, 0.0, 0.0), turn);
     HingeJointDef hinge;
@@ -169,6 +170,7 @@ struct Arm : Mounted {
     hinge.frame_a.basis = hinge.frame_b.basis = exp_map(0.5 * std::numbers::pi * Vec3::UnitZ());
     hinge.frame_b.anchor = Vec3(-0.6, 0.0, 0.0);
     hinge.axis = limit(lower, upper);
+    hinge.start = start;
     add_joint(hinge);
   }
   double angle() const { return joints->hinge_angle(joint); }
@@ -185,8 +187,36 @@ TEST_CASE("joint start: a hinge takes the turn that lies within its limits", "[p
   for (const Case& c : kCases) {
     INFO("[" << c.lower << ", " << c.upper << "] at " << c.at);
     Arm arm(c.lower * kDegree, c.upper * kDegree, c.at * kDegree, weightless());
+    // Told as it is added: on the turn that it goes on with.
+    const double told = arm.angle();
+    CHECK(std::remainder(told - c.at * kDegree, 2.0 * std::numbers::pi) ==
+          Approx(0.0).margin(1e-12));
+    CHECK(std::abs(told - c.is * kDegree) < 60.1 * kDegree);
     arm.run(1.5, [&] { CHECK(arm.world.twist(arm.body).angular.norm() < 1e-6); });
     CHECK(arm.angle() == Approx(c.is * kDegree).margin(1e-6));
+  }
+}
+
+TEST_CASE("joint start: of turns within its limits a hinge takes the one it is told",
+          "[pbd][joint]") {
+  struct Case {
+    double lower, upper, at, start, is;  // degrees
+  };
+  const Case kCases[] = {{-720, 720, 400, 400, 400},    {-720, 720, 40, 400, 400},
+                         {-720, 720, 40, -300, -320},   {-720, 720, 40, 700, 400},
+                         {-720, 720, 181, 181, 181},    {170, 190, 181, 900, 181},
+                         {-1e9, 1e9, 10, 36000, 36010}, {350, 1000, 355, 800, 715}};
+  for (const Case& c : kCases) {
+    INFO("[" << c.lower << ", " << c.upper << "] at " << c.at << ", told " << c.start);
+    Arm arm(c.lower * kDegree, c.upper * kDegree, c.at * kDegree, weightless(), c.start * kDegree);
+    CHECK(arm.angle() == Approx(c.is * kDegree).margin(1e-9));
+    arm.run(0.5);
+    CHECK(arm.angle() == Approx(c.is * kDegree).margin(1e-9));
+    World other;
+    const auto& joints = other.add_block<JointBlock>();
+    other.restore(arm.world.snapshot());
+    CHECK(joints.hinge_angle(joint_ids(joints)[0]) == arm.angle());
+    CHECK(joints.def(joint_ids(joints)[0]).start == c.start * kDegree);
   }
 }
 

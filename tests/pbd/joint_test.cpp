@@ -19,7 +19,8 @@ namespace {
 JointAxis lock() { return {.freedom = Freedom::Locked}; }
 
 /// Coordinates of frame b in frame a, written down again: displacement along the axes of a, then
-/// twist and swing by taking the rotation apart as swing times twist about x.
+/// twist and swing by taking the rotation apart as swing times twist about x, or about the axis
+/// that is free alone.
 Eigen::Matrix<double, 7, 1> coordinates_of(const Pose& a, const Pose& b,
                                            const SixDofJointDef& def) {
   Eigen::Matrix<double, 7, 1> c;
@@ -27,15 +28,22 @@ Eigen::Matrix<double, 7, 1> coordinates_of(const Pose& a, const Pose& b,
   const Quat qb = b.orientation * def.frame_b.basis;
   c.head<3>() = qa.conjugate() * (b.to_world(def.frame_b.anchor) - a.to_world(def.frame_a.anchor));
   const Quat rel = qa.conjugate() * qb;
-  const Vec3 e = rel * Vec3::UnitX();
-  const double angle = std::acos(std::clamp(e.x(), -1.0, 1.0));
-  Vec3 axis = Vec3::UnitX().cross(e);
+  const auto locks = [&](Eigen::Index i) {
+    return def.angular[static_cast<std::size_t>(i % 3)].freedom == Freedom::Locked;
+  };
+  Eigen::Index about = 0;
+  for (Eigen::Index i = 1; i < 3; ++i) {
+    if (!locks(i) && locks(i + 1) && locks(i + 2)) about = i;
+  }
+  const Vec3 x = Vec3::Unit(about);
+  const Vec3 e = rel * x;
+  const double angle = std::acos(std::clamp(e.dot(x), -1.0, 1.0));
+  Vec3 axis = x.cross(e);
   if (axis.norm() > 0.0) axis.normalize();
   const Quat swing = turn(angle * axis);
   const Quat twist = swing.conjugate() * rel;
-  c[3] = 2.0 * std::atan(twist.x() / twist.w());
-  c[4] = angle * axis.y();
-  c[5] = angle * axis.z();
+  c.segment<3>(3) = angle * axis;
+  c[3 + about] = 2.0 * std::atan(twist.vec()[about] / twist.w());
   c[6] = angle;
   return c;
 }

@@ -191,6 +191,48 @@ TEST_CASE("gltf: boxes and hulls rest and a rod swings as the formulas say", "[g
   CHECK(scene.pose(file.find("stone")).position.z() == Approx(0.3 / std::sqrt(3.0)).margin(2e-3));
 }
 
+TEST_CASE("gltf: a joint about any axis starts on the turn within its limits, and turns on",
+          "[gltf]") {
+  for (const int axis : {0, 1, 2}) {
+    INFO("axis " << axis);
+    const std::string locked = axis == 0 ? "[1,2]" : axis == 1 ? "[0,2]" : "[0,1]";
+    // The frame is turned by 181 degrees in the body: past 170 degrees, so not by -179. A motor
+    // turns it at 3 rad/s.
+    const double half = 0.5 * 181.0 * std::numbers::pi / 180.0;
+    double q[3] = {};
+    q[axis] = -std::sin(half);
+    std::ostringstream text;
+    text.precision(17);
+    text << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,2]}],
+      "extensionsUsed":["KHR_physics_rigid_bodies"],
+      "extensions":{"KHR_physics_rigid_bodies":{"physicsJoints":[{"limits":[
+        {"linearAxes":[0,1,2],"min":0,"max":0},{"angularAxes":)"
+         << locked << R"(,"min":0,"max":0},{"angularAxes":[)" << axis
+         << R"(],"min":2.9671,"max":40}],"drives":[{"type":"angular","axis":)" << axis
+         << R"(,"mode":"force","velocityTarget":3}]}]}},
+      "nodes":[{"name":"body","rotation":[)"
+         << q[0] << ',' << q[1] << ',' << q[2] << ',' << std::cos(half)
+         << R"(],"children":[1],"extensions":{"KHR_physics_rigid_bodies":
+          {"motion":{"mass":1,"inertiaDiagonal":[1,1,1]}}}},
+        {"extensions":{"KHR_physics_rigid_bodies":{"joint":{"connectedNode":2,"joint":0}}}},
+        {"name":"frame"}]})";
+    SceneFile file = parse_gltf(text.str(), {});
+    REQUIRE(file.joints.size() == 1);
+    const auto angle = [&] {
+      const auto& joints = file.scene.joints();
+      return std::abs(joints.at(file.joints[0].joint).position[3 + static_cast<std::size_t>(axis)]);
+    };
+    CHECK(angle() == Approx(2.0 * half).margin(1e-5));
+    double fastest = 0.0;
+    for (int i = 0; i < 60 * 5; ++i) {
+      file.scene.step(1.0 / 60.0);
+      fastest = std::max(fastest, file.scene.world().twist(file.bodies[0].body).angular.norm());
+    }
+    CHECK(fastest == Approx(3.0).margin(1e-6));
+    CHECK(angle() == Approx(2.0 * half + 15.0).margin(1e-5));
+  }
+}
+
 TEST_CASE("gltf: buffers are files beside it, and nothing else", "[gltf][errors]") {
   const tandem::testing::Folder folder;
   const std::string bytes = bytes_of(kPoints, kCorners);

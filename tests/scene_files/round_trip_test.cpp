@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <cstdlib>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -137,6 +138,38 @@ TEST_CASE("scene files: what is written is read as the same bits of motion",
   }
   // Written in the middle of its motion, it is where it was.
   CHECK(write_scene(parse_scene(write_scene(made)).scene) == write_scene(made));
+}
+
+TEST_CASE("scene files: a hinge is read on the turn that it was written on", "[scene_files]") {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  struct Case {
+    double lower, upper, at;  // degrees
+  };
+  for (const Case& c : {Case{170, 190, 181}, {0, 270, 200}, {-720, 720, 400}, {-720, 720, -170}}) {
+    CAPTURE(c.lower, c.upper, c.at);
+    Scene scene({.gravity = Vec3::Zero()});
+    const Quat turn(Eigen::AngleAxisd(c.at * kDegree, Vec3::UnitX()));
+    pbd::HingeJointDef def{.b = scene.add(Box{0.1, 0.1, 0.1}, {.pose = {{0, 0, 0}, turn}})};
+    def.axis = {
+        .freedom = pbd::Freedom::Limited, .lower = c.lower * kDegree, .upper = c.upper * kDegree};
+    def.start = c.at * kDegree;
+    const pbd::JointId id = scene.add_joint(def);
+    // Once as it was added, once after it has moved on.
+    for (const double spin : {0.0, 1.0}) {
+      scene.world().set_twist(def.b, {.angular = {spin, 0.0, 0.0}});
+      for (int i = 0; i < 3; ++i) scene.step(kStep);
+      const double angle = scene.joints().hinge_angle(id);
+      CHECK(angle == Approx(c.at * kDegree + 3.0 * kStep * spin));
+      SceneFile read = parse_scene(write_scene(scene));
+      const pbd::JointId other = pbd::joint_ids(read.scene.joints())[0];
+      CHECK(read.scene.joints().hinge_angle(other) == Approx(angle).margin(1e-12));
+      read.scene.step(kStep);
+      scene.step(kStep);
+      CHECK(read.scene.joints().hinge_angle(other) ==
+            Approx(scene.joints().hinge_angle(id)).margin(1e-12));
+      scene.world().set_twist(def.b, {});
+    }
+  }
 }
 
 TEST_CASE("scene files: names are written and read", "[scene_files]") {

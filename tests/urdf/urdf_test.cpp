@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <tuple>
 
 #include "support/bodies.h"
 #include "support/catch.h"
@@ -65,6 +66,25 @@ TEST_CASE("urdf: an arm swings in the time that the formula says, and a lift res
   REQUIRE(turns > 5);
   CHECK((last - first) / (turns - 1) == Approx(period).epsilon(2e-3));
   CHECK(scene.pose(file.find("box")).position.z() == Approx(0.75).margin(1e-3));
+}
+
+TEST_CASE("urdf: a joint starts on the turn within its limits", "[urdf]") {
+  for (const auto& [limits, angle, rest] :
+       {std::tuple{"lower='6.1' upper='6.5'", 2.0 * std::numbers::pi, 2.0 * std::numbers::pi},
+        {"lower='0.2' upper='4'", 0.0, 0.2},
+        {"lower='2' upper='4.2'", 0.0, 2.0},
+        {"lower='2.4' upper='4.4'", 2.0 * std::numbers::pi, 4.4}}) {
+    INFO(limits);
+    SceneFile file = parse_urdf(
+        "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia "
+        "ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link><joint name='j' "
+        "type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/><limit " +
+        std::string(limits) + " effort='1' velocity='1'/></joint></robot>");
+    const pbd::JointId id = file.find_joint("j");
+    CHECK(file.scene.joints().hinge_angle(id) == Approx(angle).margin(1e-12));
+    for (int i = 0; i < 60; ++i) file.scene.step(1.0 / 60.0);
+    CHECK(file.scene.joints().hinge_angle(id) == Approx(rest).margin(1e-6));
+  }
 }
 
 TEST_CASE("urdf: what Tandem has not is told", "[urdf]") {

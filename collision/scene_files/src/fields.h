@@ -149,6 +149,7 @@ void fields(auto& io, pbd::SixDofJointDef& def) {
   io("cone", def.cone);
   io("coneCompliance", def.cone_compliance);
   io("coneDamping", def.cone_damping);
+  io("start", def.start);
   io("enabled", def.enabled);
 }
 
@@ -175,6 +176,7 @@ void fields(auto& io, pbd::BallJointDef& def) {
 void fields(auto& io, pbd::HingeJointDef& def) {
   short_fields(io, def);
   io("axis", def.axis);
+  io("start", def.start);
 }
 
 void fields(auto& io, pbd::SliderJointDef& def) {

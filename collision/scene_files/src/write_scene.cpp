@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <map>
+#include <numbers>
 #include <unordered_map>
 
 #include "exact.h"
@@ -122,6 +123,15 @@ void check_rows(const pbd::World& world) {
   }
 }
 
+/// rad: where a joint is that is read again. Poses tell the rest where no angle is beyond half a
+/// turn, as one at most can be.
+double turns(const pbd::JointState& state) {
+  for (std::size_t i = 3; i < 6; ++i) {
+    if (std::abs(state.position[i]) > std::numbers::pi) return state.position[i];
+  }
+  return 0.0;
+}
+
 json write_joints(const pbd::World& world, std::span<const SceneFile::Joint> named,
                   const std::unordered_map<std::uint32_t, std::size_t>& places) {
   json list = json::array();
@@ -131,7 +141,8 @@ json write_joints(const pbd::World& world, std::span<const SceneFile::Joint> nam
     const auto* joints = dynamic_cast<const pbd::JointBlock*>(block.get());
     if (joints == nullptr) continue;
     for (const pbd::JointId id : pbd::joint_ids(*joints)) {
-      const pbd::SixDofJointDef& def = joints->def(id);
+      pbd::SixDofJointDef def = joints->def(id);
+      def.start = turns(joints->at(id));
       json joint = write(def);
       joint["type"] = "sixDof";
       if (def.a.valid()) joint["a"] = places.at(def.a.index);

@@ -15,11 +15,12 @@ namespace tandem::pbd {
 
 using JointId = ConstraintId;
 
-/// What a joint did in the last step.
+/// What a joint did in the last step; before the first one its position alone, as it was added.
 struct TANDEM_API JointState {
   /// Coordinates of frame b in frame a: three displacements (m), then twist about x and the swing
   /// components about y and z (rad). Twist counts turns unless it is locked; swing is the rotation
-  /// vector that carries the x axis of a to that of b, so it ends at pi.
+  /// vector that carries the x axis of a to that of b, so it ends at pi. Where y or z is free alone
+  /// that axis has x's part: it counts turns.
   std::array<double, 6> position{};
   double swing = 0.0;            ///< rad, >= 0, angle between the x axes: what the cone limits
   std::array<double, 6> load{};  ///< N and N m, of each coordinate, on body b
@@ -65,9 +66,10 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   /// References to both are good until a joint is added, or the block loaded or assigned to.
   const SixDofJointDef& def(JointId id) const;
   const JointState& at(JointId id) const;
-  /// rad, of a hinge, after the last step; counts turns. @throws for other joints, too
+  /// rad, of a hinge, as it was added, then after the last step; counts turns. @throws for other
+  /// joints, too
   double hinge_angle(JointId id) const;
-  /// m, of a slider, after the last step. @throws for other joints, too
+  /// m, of a slider, likewise. @throws for other joints, too
   double slider_position(JointId id) const;
   int size() const;
 

@@ -69,6 +69,9 @@ struct TANDEM_API SixDofJointDef {
   double cone_damping = 0.0;     ///< N m s/rad, >= 0; without effect where the cone is rigid
   double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
   double break_torque = 0.0;     ///< N m, likewise
+  /// rad: a joint is added on the turn that lies within its limits, and of several on the one
+  /// nearest to this.
+  double start = 0.0;
   bool enabled = true;
 };
 
@@ -116,6 +119,7 @@ struct TANDEM_API HingeJointDef {
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
   JointAxis axis;                   ///< rad, N m
+  double start = 0.0;               ///< rad, as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
