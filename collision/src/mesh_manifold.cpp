@@ -57,13 +57,12 @@ RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uin
   const double depth = std::max(0.0, -axis.separation);
   const double tolerance = a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
   const bool is_front = cosine > kIsFront;
-  const bool allowed =
-      is_front || (cosine > kRegionSlop &&
-                   normal_allowed(mesh, index, -(pose.rotation.transpose() * axis.normal)));
   if (is_front || front.separation >= axis.separation - tolerance) {
     RawManifold flat = front_manifold(a, t, reach);
-    if (flat.count > 0 || is_front) return flat;
+    if (flat.count > 0) return flat;
   }
+  const bool allowed = cosine > kRegionSlop &&
+                       normal_allowed(mesh, index, -(pose.rotation.transpose() * axis.normal));
   if (allowed) return build_manifold(a, t, axis, reach);
   if (-front.separation <= kMaxReprojection * depth + kMaxReprojectionSize * a.size) {
     return front_manifold(a, t, reach);

@@ -128,7 +128,11 @@ void PairContacts::collect_pairs(const Step& step, std::size_t begin, std::size_
     const bool low = step.colliders[pair.low].dynamic;
     if (low == step.colliders[pair.high].dynamic) continue;
     const auto count = static_cast<std::uint32_t>(out.size()) - first;
-    worker.fixed.push_back({low ? pair.low : pair.high, low ? pair.high : pair.low, first, count});
+    worker.fixed.push_back({.part = low ? pair.low : pair.high,
+                            .fixed = low ? pair.high : pair.low,
+                            .first = first,
+                            .count = count,
+                            .cache = pair.cache});
   }
 }
 
@@ -174,6 +178,11 @@ void PairContacts::collect(std::span<const Collider> colliders, std::span<Collid
     join_chunks(out);
   }
   seams_.drop_covered(colliders, workers, out);
+  // Another place is covered when the part has gone on: what is kept of an edge from before the
+  // seam must not be taken for what lies beyond it.
+  for (const FixedNeighbour& neighbour : seams_.neighbours()) {
+    if (neighbour.covered) caches_[neighbour.cache].margin = 0.0f;
+  }
 }
 
 std::size_t PairContacts::queries() const {

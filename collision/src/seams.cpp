@@ -6,10 +6,10 @@
 #include <atomic>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "collider_query.h"
 #include "sphere_contact.h"
-#include "surface_memory.h"
 #include "tandem/collision/height_field.h"
 
 namespace tandem::collision {
@@ -20,8 +20,11 @@ namespace {
 constexpr double kOut = 0.05;
 /// Share of the part's size by which tiles may differ in height and yet be one floor.
 constexpr double kFlush = 1e-3;
+/// Share of the distance to its own collider by which another one must be nearer to a point: above
+/// rounding, so that of two that lie in one plane and overlap one keeps its points.
+constexpr double kNearer = 1.0 - 1e-8;
 /// m: how much longer the way to a face may be than its height, for a point above the face.
-constexpr double kPlumb = 1e-9;
+constexpr double kPlumb = 1e-11;
 /// Parts that one worker takes at a time.
 constexpr std::size_t kPartGrain = 16;
 
@@ -59,6 +62,23 @@ Foot foot_on_surface(const Vec3& point, const Collider& c, const Surface& surfac
   return foot;
 }
 
+/// The faces decide where the point is inside: for one on a face, a search that does not know the
+/// faces may lead out of the other side of the hull.
+Foot foot_on_hull(const Vec3& point, const Collider& c, const ConvexHull& hull, double limit) {
+  const Vec3 p = c.rotation.transpose() * (point - c.position) - hull.centre();
+  Foot face;
+  face.distance = -HUGE_VAL;
+  for (const ConvexHull::Face& f : hull.faces()) {
+    const double height = f.normal.dot(p) - f.offset;
+    if (height > face.distance) face = {f.normal, height};
+  }
+  face.out = c.rotation * face.out;
+  if (face.distance <= kPlumb) return face;
+  SurfaceHit hit;
+  if (!nearest_on_collider(c, point_core(Vec3::Zero()), point, limit, hit)) return {};
+  return {hit.normal, hit.distance};
+}
+
 /// @param limit  m: what is further away may be left out
 Foot foot_on(const Vec3& point, const Collider& c, double limit,
              std::vector<std::uint32_t>& triangles) {
@@ -66,9 +86,10 @@ Foot foot_on(const Vec3& point, const Collider& c, double limit,
     return foot_on_surface(point, c, **mesh, limit, triangles);
   if (const auto* field = std::get_if<Field>(&c.def.shape))
     return foot_on_surface(point, c, **field, limit, triangles);
-  SurfaceHit hit;
-  if (!nearest_on_collider(c, point_core(Vec3::Zero()), point, limit, hit)) return {};
-  return {hit.normal, hit.distance - hit.depth};
+  if (const auto* hull = std::get_if<Hull>(&c.def.shape))
+    return foot_on_hull(point, c, **hull, limit);
+  const SphereContact at = sphere_contact(point, c);
+  return {-at.normal, at.distance - at.radius_b};
 }
 
 /// Whether the triangles that have the point p reach above a plane through `on_plane`.
@@ -119,13 +140,13 @@ bool covers(const Collider& cover, const Contact& contact, std::vector<std::uint
   if (!(foot.distance < 2.0 * step)) return false;
   // Points of a curved side lie beside the surface by a little: its distance is not quite the step.
   const double own = foot_on(further, contact.fixed, 2.0 * step, triangles).distance;
-  if (!(foot.distance < kIsFront * own)) return false;
+  if (!(foot.distance < kNearer * own)) return false;
   return !stands_out(contact.point, contact.fixed, further - foot.distance * foot.out, foot.out,
                      kFlush * contact.part.size, triangles);
 }
 
-/// Takes the points away that one of the neighbours covers.
-void drop_points(std::span<const Collider> colliders, std::span<const FixedNeighbour> neighbours,
+/// Takes the points away that one of the neighbours covers. @return whether there were any
+bool drop_points(std::span<const Collider> colliders, std::span<const FixedNeighbour> neighbours,
                  const FixedNeighbour& own, pbd::Manifold& m,
                  std::vector<std::uint32_t>& triangles) {
   const Collider& part = colliders[own.part];
@@ -144,7 +165,7 @@ void drop_points(std::span<const Collider> colliders, std::span<const FixedNeigh
         });
     if (!covered) m.points[kept++] = point;
   }
-  m.count = kept;
+  return std::exchange(m.count, kept) != kept;
 }
 
 /// End of the neighbours of the same part, from `begin` on.
@@ -186,13 +207,13 @@ void Seams::drop_covered(std::span<const Collider> colliders, pbd::Workers& work
   workers.for_chunks(kept, kPartGrain, [&](std::size_t from, std::size_t to, int w) {
     std::vector<std::uint32_t>& triangles = triangles_[static_cast<std::size_t>(w)];
     for (std::size_t i = from; i < to; ++i) {
-      const FixedNeighbour& own = neighbours_[i];
+      FixedNeighbour& own = neighbours_[i];
       std::size_t begin = i;
       while (begin > 0 && neighbours_[begin - 1].part == own.part) --begin;
       const auto around = std::span<const FixedNeighbour>(neighbours_)
                               .subspan(begin, end_of_part(neighbours_, begin) - begin);
       for (std::uint32_t k = own.first; k < own.first + own.count; ++k) {
-        drop_points(colliders, around, own, manifolds[k], triangles);
+        if (drop_points(colliders, around, own, manifolds[k], triangles)) own.covered = true;
         if (manifolds[k].count == 0) empty = true;
       }
     }

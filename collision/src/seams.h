@@ -18,6 +18,8 @@ struct FixedNeighbour {
   std::uint32_t fixed = 0;  ///< the other one
   std::uint32_t first = 0;  ///< into the list of manifolds
   std::uint32_t count = 0;
+  std::uint32_t cache = 0;  ///< the pair's slot, see ColliderPair
+  bool covered = false;     ///< drop_covered() took a point away
 };
 
 /// Takes contacts with edges and sides away that the surface of a neighbour covers, so that tiles
@@ -34,6 +36,8 @@ class Seams {
   /// Remove covered points from `manifolds`, and manifolds that have none left.
   void drop_covered(std::span<const Collider> colliders, pbd::Workers& workers,
                     std::vector<pbd::Manifold>& manifolds);
+  /// After drop_covered(): of parts that have several.
+  std::span<const FixedNeighbour> neighbours() const { return neighbours_; }
 
  private:
   std::vector<FixedNeighbour> neighbours_;
