@@ -77,6 +77,17 @@ struct Candidates {
       face(-towards * n, owner, bias);
     }
   }
+  /// Puts the best face of one in the place of the other's where it is about as good.
+  void prefer_faces_of(FaceOwner owner) {
+    if (!has_face || best_face.owner == owner) return;
+    const ContactAxis other = std::exchange(best_face, {});
+    has_face = false;
+    faces_of(owner == FaceOwner::A ? a : b, owner, kRoundTolerance);
+    const double tolerance =
+        kFaceShare * std::max(0.0, -other.separation) + kFaceSize * std::min(a.size, b.size);
+    if (!has_face || best_face.separation < other.separation - tolerance) best_face = other;
+    has_face = true;
+  }
   void cross(const Vec3& u, const Vec3& v, double bias) {
     const Vec3 n = u.cross(v);
     const double length = n.norm();
@@ -234,7 +245,7 @@ ContactAxis front_axis(const ConvexCore& a, const ConvexCore& b) {
 }
 
 ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction,
-                        const Vec3* hint) {
+                        const Vec3* hint, FaceOwner ground) {
   const bool known = direction.status == Direction::Status::Found;
   const Vec3& n = direction.normal;
   const bool round = a.radius + b.radius > 0.0;
@@ -244,6 +255,7 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
   c.faces_of(a, FaceOwner::A, tie);
   c.faces_of(b, FaceOwner::B, tie);
   if (b.kind == CoreKind::Triangle) c.face(-b.front, FaceOwner::B, tie);
+  if (ground != FaceOwner::None) c.prefer_faces_of(ground);
   // Where the cores overlap no direction is better than 0, and a face this near to it is taken.
   const bool shallow = !known && !round && c.has_face &&
                        c.best_face.separation >= -kFaceSize * std::min(a.size, b.size);

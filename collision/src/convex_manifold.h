@@ -29,8 +29,11 @@ struct ContactAxis {
 /// products are searched (overlapping cores: see fcl_bridge.cpp), and from the best of them the
 /// neighbourhood where a side is curved.
 /// @param hint  the last step's normal, or null: shapes with many edges are then searched around it
+/// @param ground  whose faces count first among those that separate about as well: what lies on
+///   several tiles, tilted by rounding, is borne along the one normal of all of them. A hull that
+///   slid over ten tiles along its own face went faster by 4 %.
 ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Direction& direction,
-                        const Vec3* hint = nullptr);
+                        const Vec3* hint = nullptr, FaceOwner ground = FaceOwner::None);
 
 /// The axis across the given face of a triangle b alone.
 ContactAxis front_axis(const ConvexCore& a, const ConvexCore& b);

@@ -112,7 +112,10 @@ Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cac
   }
   const Vec3* hint = cache.patches != nullptr ? &before : nullptr;
   const ConvexCore b = moved_by(now, moved);
-  out = build_manifold(a, b, choose_axis(a, b, direction, hint), reach);
+  const FaceOwner ground = pair.a->dynamic == pair.b->dynamic ? FaceOwner::None
+                           : pair.a->dynamic                  ? FaceOwner::B
+                                                              : FaceOwner::A;
+  out = build_manifold(a, b, choose_axis(a, b, direction, hint, ground), reach);
   return moved;
 }
 
