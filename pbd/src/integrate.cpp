@@ -24,11 +24,16 @@ constexpr double kSlowTorque = 2e-5;
 /// whose moments are as good as equal: what rows take for a blow goes by their ratio.
 constexpr double kStale = 0.02;
 
-/// rad/s at which the angular momentum turns in the body's frame; 0 where it hardly does.
-double tumbling(const SolverBody& body, const BodyProps& props) {
+/// Whether the spin of a body may change by itself.
+bool may_tumble(const SolverBody& body, const BodyProps& props) {
   const Vec3& moments = props.principal.moments;
-  if (moments.x() == moments.y() && moments.y() == moments.z()) return 0.0;
-  if (!(body.w.squaredNorm() > kSlowSpin * kSlowSpin) || props.locks.any()) return 0.0;
+  return !(moments.x() == moments.y() && moments.y() == moments.z()) &&
+         dot(body.w, body.w) > kSlowSpin * kSlowSpin && !props.locks.any();
+}
+
+/// rad/s at which the angular momentum turns in the body's frame; 0 where it hardly does.
+/// @pre may_tumble()
+[[gnu::noinline]] double tumbling(const SolverBody& body, const BodyProps& props) {
   const Vec3 w_l = rotate(body.q.conjugate(), body.w);
   const Mat3& inertia = props.inertia;
   const double x = w_l.x(), y = w_l.y(), z = w_l.z();
@@ -47,6 +52,26 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
   body.q = free_rotation(body.q, props.principal, w_l, h);
   body.w = rotate(body.q, w_l);
   body.w_applied = body.w;
+}
+
+/// Turns a body whose spin changes by itself, and what it is pushed by.
+/// @param rate  rad/s, see tumbling()
+[[gnu::noinline]] void tumble(SolverBody& body, const BodyProps& props, double rate, double h) {
+  spin_freely(body, props, h);
+  const Vec3& moments = props.principal.moments;
+  body.stale += rate * h * moments.maxCoeff() / moments.minCoeff();
+  body.reoriented = body.stale > kStale;
+  const Vec3 pushed = h * body.w_push;
+  body.w_push.setZero();
+  if (!pushed.isZero(0.0)) {
+    const Quat turn = exp_map(pushed);
+    body.q = turned_by(turn, body.q);
+    // What is pushed takes its spin along: left where it was, it would be another energy.
+    body.w = body.w_applied = rotate(turn, body.w);
+  }
+  if (!body.reoriented) return;
+  refresh_inertia(body, props);
+  body.stale = 0.0;
 }
 
 /// Whether the inertia is not the same about all axes.
@@ -115,33 +140,21 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
   }
   if (props.linear_damping > 0.0) body.v *= portable::exp(-props.linear_damping * h);
   if (props.angular_damping > 0.0) body.w *= portable::exp(-props.angular_damping * h);
-  if (body.projected && tumbling(body, props) > 0.0) spin_freely(body, props, h);
+  if (body.projected && may_tumble(body, props) && tumbling(body, props) > 0.0)
+    spin_freely(body, props, h);
   if (props.locks.any()) enforce_locks(body, props.locks);
 }
 
-void advance_pose(SolverBody& body, const BodyProps& props, double h) {
+[[gnu::flatten]] void advance_pose(SolverBody& body, const BodyProps& props, double h) {
   body.x += h * (body.v - body.v_applied + body.v_push);
   body.v_applied = body.v;
-  Vec3 turn = h * body.w_push;
-  const double rate = body.projected ? 0.0 : tumbling(body, props);  // rad/s
-  if (rate > 0.0) {
-    spin_freely(body, props, h);
-    const Vec3& moments = props.principal.moments;
-    body.stale += rate * h * moments.maxCoeff() / moments.minCoeff();
-    body.reoriented = body.stale > kStale;
-  } else {
-    turn += h * (body.w - body.w_applied);
-    body.w_applied = body.w;
-  }
   body.v_push.setZero();
+  const double rate = !body.projected && may_tumble(body, props) ? tumbling(body, props) : 0.0;
+  if (rate > 0.0) return tumble(body, props, rate, h);
+  const Vec3 turn = h * body.w_push + h * (body.w - body.w_applied);
+  body.w_applied = body.w;
   body.w_push.setZero();
   if (!turn.isZero(0.0)) body.q = rotated_about(body.q, turn);
-  if (!(rate > 0.0)) return;
-  // What is pushed takes its spin along: left where it was, it would be another energy.
-  if (!turn.isZero(0.0)) body.w = body.w_applied = rotate(exp_map(turn), body.w);
-  if (!body.reoriented) return;
-  refresh_inertia(body, props);
-  body.stale = 0.0;
 }
 
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {

@@ -11,9 +11,9 @@
 
 namespace tandem::pbd {
 
-/// As rotated(), without a root where q has unit length but for rounding.
-inline Quat rotated_about(const Quat& q, const Vec3& r) {
-  Quat result = exp_map(r) * q;
+/// The product, kept at unit length; without a root where q has that but for rounding.
+inline Quat turned_by(const Quat& turn, const Quat& q) {
+  Quat result = turn * q;
   const double excess = result.squaredNorm() - 1.0;
   if (std::abs(excess) < 1e-8) {
     result.coeffs() *= 1.0 - 0.5 * excess;  // the next term is below 1e-16
@@ -22,6 +22,9 @@ inline Quat rotated_about(const Quat& q, const Vec3& r) {
   }
   return result;
 }
+
+/// As rotated().
+inline Quat rotated_about(const Quat& q, const Vec3& r) { return turned_by(exp_map(r), q); }
 
 /// Inverse inertia in the world at the orientation q: of the axes that are not locked, as if a
 /// torque about the others were always met by an equal one.

@@ -124,12 +124,13 @@ void Solver::Impl::project() {
 
 void Solver::Impl::advance_poses() {
   const double h = context_.h;
+  const bool locked = group_->locked;
   for_group([&](SolverBody& body, std::uint32_t i) {
-    const AxisLocks& locks = world_->props_[i].locks;
-    if (locks.any()) enforce_locks(body, locks);
-    advance_pose(body, world_->props_[i], h);
+    const BodyProps& props = world_->props_[i];
+    if (locked) enforce_locks(body, props.locks);
+    advance_pose(body, props, h);
     if (projects_ && body.reoriented) bodies_.keep_inertia(i);
-    if (locks.any()) restore_locked(body, locks, world_->states_[i].pose.position);
+    if (locked) restore_locked(body, props.locks, world_->states_[i].pose.position);
   });
   clock_.stop(Stage::Integrate);
 }
