@@ -202,20 +202,27 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   // each step it would have a speed.
   const double way = rule.sleep_speed * rule.sleep_after;
   const double turn = rule.sleep_spin * rule.sleep_after;
+  const auto stays = [&](const SolverBody& body, const Pose& from, BodyActivity& own) {
+    own.moved += body.x - from.position;
+    if (!(own.moved.squaredNorm() <= way * way)) return false;
+    const Quat turn_now = body.q * from.orientation.conjugate();
+    own.turned += (turn_now.w() < 0.0 ? -2.0 : 2.0) * turn_now.vec();
+    return own.turned.squaredNorm() <= turn * turn;
+  };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     BodyActivity& own = activity[i];
-    own.moved += bodies[i].x - before[i].pose.position;
-    const Quat turn_now = bodies[i].q * before[i].pose.orientation.conjugate();
-    own.turned += (turn_now.w() < 0.0 ? -2.0 : 2.0) * turn_now.vec();
-    own.low_speed_time += dt;
-    const bool slow = own.moved.norm() <= way && own.turned.norm() <= turn;
-    if (!slow || (sprung_[i] != 0 && !is_steady(i))) own.stir();
+    const bool rests = rule.sleep_after > 0.0 && stays(bodies[i], before[i].pose, own) &&
+                       (sprung_[i] == 0 || is_steady(i));
+    if (rests) {
+      own.low_speed_time += dt;
+    } else {
+      own.stir();
+    }
     if (is_copy(copies, i)) continue;
-    island.sleepy =
-        island.sleepy && props[i].can_sleep && activity[i].low_speed_time >= rule.sleep_after;
+    island.sleepy = island.sleepy && props[i].can_sleep && own.low_speed_time >= rule.sleep_after;
   }
   if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
   for (std::uint32_t i = 0; i < count; ++i) {
