@@ -88,19 +88,19 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
     fastest = most(fastest, xsimd::select(there[i], xsimd::abs(e[i]), zero));
   }
   const V slowest = V(-1e-9) * fastest;
-  const auto at_least_none = [&](const Four<V>& d) {
-    return Four<V>{{most(d[0], -z[0]), most(d[1], -z[1]), most(d[2], -z[2]), most(d[3], -z[3])}};
+  // Both ways below have the same bits, signs of zeros too: it depends on the width who else is
+  // asked, and with that which way is taken.
+  const auto unsigned_zeros = [&](const Four<V>& d) {
+    return Four<V>{{d[0] + zero, d[1] + zero, d[2] + zero, d[3] + zero}};
   };
   if (xsimd::all((loaded[0] & loaded[1]) & (loaded[2] & loaded[3]))) {
-    // What rests on four points each: the first round below, without what it leaves open, and to
-    // the same bits, signs of zeros too: it depends on the width who else is asked.
-    const Four<V> d =
-        solve_symmetric<V>({ridged * B.m00, B.m10, ridged * B.m11, B.m20, B.m21, ridged * B.m22,
-                            B.m30, B.m31, B.m32, ridged * B.m33},
-                           {{-(e[0] + zero), -(e[1] + zero), -(e[2] + zero), -(e[3] + zero)}});
+    // What rests on four points each: the first round below, without what it leaves open.
+    const Four<V> d = solve_symmetric<V>({ridged * B.m00, B.m10, ridged * B.m11, B.m20, B.m21,
+                                          ridged * B.m22, B.m30, B.m31, B.m32, ridged * B.m33},
+                                         {{-e[0], -e[1], -e[2], -e[3]}});
     const Mask<V> pulls = ((z[0] + d[0] < zero) | (z[1] + d[1] < zero)) |
                           ((z[2] + d[2] < zero) | (z[3] + d[3] < zero));
-    if (xsimd::none(pulls)) return at_least_none(d);
+    if (xsimd::none(pulls)) return unsigned_zeros(d);
   }
   Four<V> out{{zero, zero, zero, zero}};
   Mask<V> wrong = zero == zero;
@@ -138,7 +138,8 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
     wrong = wrong & exchanged;
     if (xsimd::none(wrong)) break;
   }
-  return at_least_none(out);
+  for (std::size_t i = 0; i < 4; ++i) out[i] = most(out[i], -z[i]);
+  return unsigned_zeros(out);
 }
 
 }  // namespace tandem::pbd::kernel
