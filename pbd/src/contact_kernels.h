@@ -42,8 +42,13 @@ constexpr ContactKernels kernels() {
   ContactKernels out;
   out.prepare = [](ContactRows& rows, LaneMask asked, BodyNumbers bodies) {
     for_batches<A, Half>(asked & lanes_in_use(rows), [&]<class B>(std::size_t at) {
-      rows.faces ? prepare<B, true>(rows, at, asked, bodies)
-                 : prepare<B, false>(rows, at, asked, bodies);
+      if (asked == kAllLanes) {
+        rows.faces ? prepare<B, true, true>(rows, at, asked, bodies)
+                   : prepare<B, false, true>(rows, at, asked, bodies);
+      } else {
+        rows.faces ? prepare<B, true, false>(rows, at, asked, bodies)
+                   : prepare<B, false, false>(rows, at, asked, bodies);
+      }
     });
   };
   out.begin = [](ContactRows& rows, const SubstepRule& rule, BodyNumbers bodies,

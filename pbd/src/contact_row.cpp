@@ -60,6 +60,39 @@ void repeat_first(std::size_t count, Members&... members) {
   return turns ? rotate(body.q, anchor_l) : anchor_l;
 }
 
+/// See set_arms().
+/// @param t1, t2  of tangent_frame()
+void place_arms(const Contact& contact, std::span<const SolverBody> bodies, const Vec3& t1,
+                const Vec3& t2, ContactRows& rows, std::size_t lane) {
+  const Manifold& m = contact.manifold;
+  const ContactArms arms = arms_of(m, bodies[m.body_a], bodies[m.body_b]);
+  // Friction acts at the centre of pressure of the carried forces.
+  const auto& f = contact.force;
+  const double total = (f[0] + f[1]) + (f[2] + f[3]);
+  Vec3 arm_a = Vec3::Zero();
+  Vec3 arm_b = Vec3::Zero();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+    const double weight = total > 0.0 ? f[i] / total : 1.0 / m.count;
+    arm_a += weight * arms.a[i];
+    arm_b += weight * arms.b[i];
+  }
+  set_vector(rows.arm_a, lane, arm_a);
+  set_vector(rows.arm_b, lane, arm_b);
+  if (!rows.faces) return;
+  const std::array<double, 4> self_stress =
+      m.count == 4 ? self_stress_of(arms, m.normal) : std::array<double, 4>{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool there = i < static_cast<std::size_t>(m.count);
+    const Vec3 from_centre = there ? Vec3(arms.a[i] - arm_a) : Vec3(Vec3::Zero());
+    const double s = t2.dot(from_centre);
+    const double r = -t1.dot(from_centre);
+    rows.s[i][lane] = s;
+    rows.r[i][lane] = r;
+    rows.reach[i][lane] = std::sqrt(s * s + r * r);
+    rows.self_stress[i][lane] = self_stress[i];
+  }
+}
+
 }  // namespace
 
 BodyNumbers numbers_of(std::span<SolverBody> bodies) {
@@ -146,41 +179,15 @@ void set_row(const Contact& contact, std::span<const SolverBody> bodies, const V
   rows.slide[1][lane] = contact.carried_friction.dot(t2);
   rows.twist[lane] = contact.carried_twist;
   rows.points[lane] = m.count;
-  set_arms(contact, bodies, rows, lane);
+  place_arms(contact, bodies, t1, t2, rows, lane);
 }
 
 void set_arms(const Contact& contact, std::span<const SolverBody> bodies, ContactRows& rows,
               std::size_t lane) {
-  const Manifold& m = contact.manifold;
-  const ContactArms arms = arms_of(m, bodies[m.body_a], bodies[m.body_b]);
-  // Friction acts at the centre of pressure of the carried forces.
-  const auto& f = contact.force;
-  const double total = (f[0] + f[1]) + (f[2] + f[3]);
-  Vec3 arm_a = Vec3::Zero();
-  Vec3 arm_b = Vec3::Zero();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
-    const double weight = total > 0.0 ? f[i] / total : 1.0 / m.count;
-    arm_a += weight * arms.a[i];
-    arm_b += weight * arms.b[i];
-  }
-  set_vector(rows.arm_a, lane, arm_a);
-  set_vector(rows.arm_b, lane, arm_b);
-  if (!rows.faces) return;
   Vec3 t1;
   Vec3 t2;
-  tangent_frame(m.normal, t1, t2);
-  const std::array<double, 4> self_stress =
-      m.count == 4 ? self_stress_of(arms, m.normal) : std::array<double, 4>{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const bool there = i < static_cast<std::size_t>(m.count);
-    const Vec3 from_centre = there ? Vec3(arms.a[i] - arm_a) : Vec3(Vec3::Zero());
-    const double s = t2.dot(from_centre);
-    const double r = -t1.dot(from_centre);
-    rows.s[i][lane] = s;
-    rows.r[i][lane] = r;
-    rows.reach[i][lane] = std::sqrt(s * s + r * r);
-    rows.self_stress[i][lane] = self_stress[i];
-  }
+  tangent_frame(contact.manifold.normal, t1, t2);
+  place_arms(contact, bodies, t1, t2, rows, lane);
 }
 
 void repeat_first_row(ContactRows& rows) {

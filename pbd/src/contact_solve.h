@@ -15,13 +15,14 @@ namespace tandem::pbd::kernel {
 /// is not affected.
 inline constexpr double kEvenness = 0.1;
 
-template <class A, bool faces>
+/// @tparam all  whether all rows are asked
+template <class A, bool faces, bool all>
 [[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, LaneMask asked,
                               BodyNumbers bodies) {
   using V = xsimd::batch<double, A>;
   const Mask<V> meant = lanes_of<V>(asked, at);
   const auto put = [&](const V& value, Lanes& lanes) {
-    store(xsimd::select(meant, value, load<V>(lanes, at)), lanes, at);
+    store(all ? value : xsimd::select(meant, value, load<V>(lanes, at)), lanes, at);
   };
   const Pair<A> pair(rows, at, bodies);
   Responses<V> m{};
