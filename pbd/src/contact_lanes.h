@@ -67,17 +67,20 @@ V most(const V& x, const V& y) {
   return xsimd::select(x > y, x, y);
 }
 
-/// Numbers 0 to 3 of V::size bodies, number by number.
+/// Where the numbers of each lane of a batch begin.
+template <class A>
+using From = std::array<const double*, xsimd::batch<double, A>::size>;
+
+/// Four numbers of each lane, from number `n` on, number by number.
 template <class A>
 struct Columns {
   using V = xsimd::batch<double, A>;
   V c0, c1, c2, c3;
 
-  [[gnu::always_inline]] static Columns read(const std::array<const double*, kLanes>& from,
-                                             std::size_t at) {
+  [[gnu::always_inline]] static Columns read(const From<A>& from, std::size_t n) {
     static_assert(V::size == 2);
-    const V p = V::load_unaligned(from[at]), q = V::load_unaligned(from[at + 1]);
-    const V r = V::load_unaligned(from[at] + 2), s = V::load_unaligned(from[at + 1] + 2);
+    const V p = V::load_unaligned(from[0] + n), q = V::load_unaligned(from[1] + n);
+    const V r = V::load_unaligned(from[0] + n + 2), s = V::load_unaligned(from[1] + n + 2);
     return {zip_lo(p, q), zip_hi(p, q), zip_lo(r, s), zip_hi(r, s)};
   }
   /// Two numbers of lane i of this batch.
@@ -95,10 +98,10 @@ struct Columns<A> {
   static V halves(const double* low, const double* high) {
     return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(low)), _mm_loadu_pd(high), 1);
   }
-  [[gnu::always_inline]] static Columns read(const std::array<const double*, kLanes>& from,
-                                             std::size_t) {
-    const V p = halves(from[0], from[2]), q = halves(from[1], from[3]);
-    const V r = halves(from[0] + 2, from[2] + 2), s = halves(from[1] + 2, from[3] + 2);
+  [[gnu::always_inline]] static Columns read(const From<A>& from, std::size_t n) {
+    const V p = halves(from[0] + n, from[2] + n), q = halves(from[1] + n, from[3] + n);
+    const V r = halves(from[0] + n + 2, from[2] + n + 2);
+    const V s = halves(from[1] + n + 2, from[3] + n + 2);
     return {_mm256_unpacklo_pd(p, q), _mm256_unpackhi_pd(p, q), _mm256_unpacklo_pd(r, s),
             _mm256_unpackhi_pd(r, s)};
   }
@@ -117,9 +120,9 @@ class Side {
 
   Side(const std::array<std::uint32_t, kLanes>& index, std::size_t at, BodyNumbers bodies)
       : at_(at), first_(bodies.of_velocities(velocities)) {
-    for (std::size_t i = 0; i < kLanes; ++i) from_[i] = bodies.of(index[i]);
-    linear_ = Columns<A>::read(from(first_), at);
-    angular_ = Columns<A>::read(from(first_ + 4), at);
+    for (std::size_t i = 0; i < V::size; ++i) from_[i] = bodies.of(index[at + i]);
+    linear_ = read(first_);
+    angular_ = read(first_ + 4);
   }
 
   V3<V> v() const { return {linear_.c0, linear_.c1, linear_.c2}; }
@@ -129,19 +132,19 @@ class Side {
   V inv_mass() const { return properties().c2; }
   /// 1/(kg m^2), world
   Sym3<V> inv_inertia() const {
-    const auto second = Columns<A>::read(from(8), at_);  // yx, zx, xy, yy
-    const auto third = Columns<A>::read(from(12), at_);  // zy, xz, yz, zz
+    const auto second = read(8);  // yx, zx, xy, yy
+    const auto third = read(12);  // zy, xz, yz, zz
     return {properties().c3, second.c2, third.c1, second.c3, third.c2, third.c3};
   }
 
   /// m
   V3<V> x() const {
-    const auto x = Columns<A>::read(from(BodyNumbers::kX), at_);
+    const auto x = read(BodyNumbers::kX);
     return {x.c0, x.c1, x.c2};
   }
   /// A vector (world) in the frames of the bodies.
   V3<V> to_local(const V3<V>& v) const {
-    const auto q = Columns<A>::read(from(BodyNumbers::kQ), at_);
+    const auto q = read(BodyNumbers::kQ);
     const V3<V> u{q.c0, q.c1, q.c2};
     const V3<V> t = V(2.0) * cross(v, u);
     return v + q.c3 * t + cross(t, u);
@@ -159,7 +162,7 @@ class Side {
   void write(unsigned moves) const {
     for (std::size_t i = 0; i < V::size; ++i) {
       if ((moves >> (at_ + i) & 1u) == 0) continue;
-      double* to = from_[at_ + i] + first_;
+      double* to = from_[i] + first_;
       Columns<A>::write(linear_.c0, linear_.c1, i, to);
       Columns<A>::write(linear_.c2, linear_.c3, i, to + 2);
       Columns<A>::write(angular_.c0, angular_.c1, i, to + 4);
@@ -167,21 +170,21 @@ class Side {
   }
 
  private:
-  std::array<const double*, kLanes> from(std::size_t numbers) const {
-    std::array<const double*, kLanes> out;
-    for (std::size_t i = 0; i < kLanes; ++i) out[i] = from_[i] + numbers;
-    return out;
+  [[gnu::always_inline]] Columns<A> read(std::size_t n) const {
+    From<A> from;
+    for (std::size_t i = 0; i < V::size; ++i) from[i] = from_[i];
+    return Columns<A>::read(from, n);
   }
   /// w_y, w_z, 1/m and the inertia's xx.
   Columns<A> properties() const {
     if constexpr (velocities == Velocities::Now) {
       return angular_;
     } else {
-      return Columns<A>::read(from(4), at_);
+      return read(4);
     }
   }
 
-  std::array<double*, kLanes> from_;
+  std::array<double*, V::size> from_;
   std::size_t at_;
   std::size_t first_;  ///< number of the first velocity
   Columns<A> linear_;

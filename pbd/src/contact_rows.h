@@ -157,9 +157,7 @@ struct AnchorNumbers {
   static constexpr std::size_t kPoint = 7;
   const double* first = nullptr;
   std::size_t stride = 0;  ///< numbers, from contact to contact
-  const double* of(std::uint32_t contact, std::size_t point) const {
-    return first + contact * stride + point * kPoint;
-  }
+  const double* of(std::uint32_t contact) const { return first + contact * stride; }
 };
 
 /// What is done with four rows at once. All widths give the same bits: lanes know nothing of each

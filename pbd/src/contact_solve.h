@@ -109,14 +109,14 @@ template <class A, bool faces>
   const bool elastic = xsimd::any(restitution > zero);
   V fastest = zero;
   Mask<V> penetrating = zero != zero, bounces = zero != zero;
+  From<A> from;
+  for (std::size_t lane = 0; lane < V::size; ++lane)
+    from[lane] = anchors.of(rows.contact[at + lane]);
   for (std::size_t i = 0; i < points; ++i) {
     const Mask<V> there = count > V(static_cast<double>(i));
-    std::array<const double*, kLanes> from;
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      from[lane] = anchors.of(rows.contact[lane], i);
-    const auto first = Columns<A>::read(from, at);  // of a, and x of b
-    for (const double*& numbers : from) numbers += 4;
-    const auto second = Columns<A>::read(from, at);
+    const std::size_t point = i * AnchorNumbers::kPoint;
+    const auto first = Columns<A>::read(from, point);  // of a, and x of b
+    const auto second = Columns<A>::read(from, point + 4);
     const V3<V> anchor_a{first.c0, first.c1, first.c2}, anchor_b{first.c3, second.c0, second.c1};
     const V gap = apart + dot(n_b, anchor_b) - dot(n_a, anchor_a);
     const V opened = most(V(kPushGain) * gap / h, V(-rule.push_speed));
