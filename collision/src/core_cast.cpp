@@ -10,9 +10,6 @@
 namespace tandem::collision {
 namespace {
 
-/// Of the collider's least extent: a body that rests or is pushed into something never comes so
-/// far that its core touches.
-constexpr double kCoreShare = 0.25;
 constexpr int kMaxSteps = 32;
 /// Share by which triangles are larger than they are, so that a path through an edge hits one.
 constexpr double kSeam = 1e-6;
@@ -91,10 +88,7 @@ CoreHit cast_on_surface(const Vec3& from, const Vec3& path, double radius, const
 
 }  // namespace
 
-double core_radius(const Collider& c) { return kCoreShare * c.size; }
-
-Vec3 core_centre(const Collider& c, const pbd::Pose& body) {
-  if (c.local_identity && c.kind != Kind::Polytope) return body.position;
+Vec3 placed_core_centre(const Collider& c, const pbd::Pose& body) {
   Vec3 middle = Vec3::Zero();
   if (const auto* hull = std::get_if<Hull>(&c.def.shape)) middle = (*hull)->centre();
   return body.to_world(c.def.local.position + c.local_rotation() * middle);

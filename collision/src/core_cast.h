@@ -9,10 +9,18 @@
 
 namespace tandem::collision {
 
+/// Of the collider's least extent: a body that rests or is pushed into something never comes so
+/// far that its core touches.
+inline constexpr double kCoreShare = 0.25;
+
 /// m: radius of the ball in the middle of a collider that must not get through anything.
-double core_radius(const Collider& c);
-/// m, world: where that ball is when the body is at `body`.
-Vec3 core_centre(const Collider& c, const pbd::Pose& body);
+inline double core_radius(const Collider& c) { return kCoreShare * c.size; }
+/// m, world: where that ball is when the body is at `body`; of what lies anyhow in it.
+Vec3 placed_core_centre(const Collider& c, const pbd::Pose& body);
+/// The same. Most lie as their body does.
+inline Vec3 core_centre(const Collider& c, const pbd::Pose& body) {
+  return c.local_identity && c.kind != Kind::Polytope ? body.position : placed_core_centre(c, body);
+}
 
 inline bool lies_before(const Vec3& l, const Vec3& r) {
   return std::lexicographical_compare(l.data(), l.data() + 3, r.data(), r.data() + 3);

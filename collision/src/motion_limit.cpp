@@ -3,6 +3,8 @@
 #include "motion_limit.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -57,14 +59,17 @@ Vec3 axis_of(const Collider& c, const pbd::Pose& body) {
   return pbd::rotate(body.orientation, Vec3(c.local_rotation().col(2)));
 }
 
-/// rad, how far it turns, of large turns a little less: of what is round its axis.
-double turned(const Collider& c, const pbd::Pose& to) {
+/// rad^2, how far it turns, of large turns a little less: of what is round its axis.
+double turned_squared(const Collider& c, const pbd::Pose& to) {
   const pbd::Quat& before = c.body.orientation;
-  if (is_round(c)) return (axis_of(c, to) - axis_of(c, c.body)).norm();
-  const double chord = std::min((to.orientation.coeffs() - before.coeffs()).norm(),
-                                (to.orientation.coeffs() + before.coeffs()).norm());
-  return 2.0 * chord;
+  if (is_round(c)) return (axis_of(c, to) - axis_of(c, c.body)).squaredNorm();
+  const double chord2 = std::min((to.orientation.coeffs() - before.coeffs()).squaredNorm(),
+                                 (to.orientation.coeffs() + before.coeffs()).squaredNorm());
+  return 4.0 * chord2;
 }
+
+/// rad, likewise.
+double turned(const Collider& c, const pbd::Pose& to) { return std::sqrt(turned_squared(c, to)); }
 
 /// m, how far any point of what cannot be pushed moves in this step, at most.
 double fastest_obstacle(std::span<const Collider> colliders, std::span<const pbd::Pose> after) {
@@ -86,7 +91,6 @@ struct MotionLimiter::Step {
   const BroadPhase& broad;
   const pbd::World& world;
   std::span<const pbd::Pose> after;
-  double fastest;                         ///< m, how far any obstacle moves
   std::span<const std::uint8_t> pace;     ///< by collider: from kPaceIdle to kPaceSwift
   std::span<const std::uint8_t> chained;  ///< by body slot
 
@@ -120,15 +124,20 @@ using MotionStep = MotionLimiter::Step;
 
 /// Whether far points go further by turning than it is thick.
 bool swings(const Collider& c, const pbd::Pose& end) {
-  return c.kind != Kind::Sphere && turned(c, end) * c.reach > c.size;
+  return c.kind != Kind::Sphere && turned_squared(c, end) * (c.reach * c.reach) > c.size * c.size;
 }
 
-/// What is marked counts as swift however little it moves.
-std::uint8_t pace_of(const Collider& c, const pbd::Pose& end, bool bullet) {
+/// What is marked counts as swift however little it moves. There is nothing to look at where what
+/// is not guarded moves so little that no obstacle gets through the ball in its middle.
+/// @param fastest  m, how far any obstacle moves
+std::uint8_t pace_of(const Collider& c, const pbd::Pose& end, bool bullet, double fastest) {
   const double radius = core_radius(c);
   const Vec3 way = core_centre(c, end) - core_centre(c, c.body);
   if (swings(c, end) || (bullet && !way.isZero(0.0))) return kPaceSwift;
-  return way.squaredNorm() > radius * radius ? kPaceFast : kPaceSlow;
+  const double way2 = pbd::dot(way, way);
+  if (way2 > radius * radius) return kPaceFast;
+  const double left = radius - fastest;
+  return c.guarded == 0 && left >= 0.0 && way2 <= left * left ? kPaceIdle : kPaceSlow;
 }
 
 /// Where a body is at the end that is at `pose` when the obstacle is at `then`, and goes on with
@@ -212,14 +221,15 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   const double radius = core_radius(c);
   const Vec3 from = core_centre(c, c.body);
   const Vec3 to = core_centre(c, step.end(c));
-  const bool fast = step.pace[index] >= kPaceFast;
   if (!is_finite(step.end(c))) return;
-  if (!fast && c.guarded == 0 && (to - from).norm() + step.fastest <= radius) return;
   const bool swept = step.is_swept(index);
   const bool whole = swept && c.kind != Kind::Sphere;
-  const MotionPath path = step.path(c);
+  std::optional<MotionPath> known_path;
+  const auto path = [&]() -> const MotionPath& {
+    return known_path ? *known_path : known_path.emplace(step.path(c));
+  };
   const Aabb middle{from.cwiseMin(to), from.cwiseMax(to)};
-  const Aabb way = whole ? path.bounds(c.reach) : middle.expanded(radius);
+  const Aabb way = whole ? path().bounds(c.reach) : middle.expanded(radius);
   step.broad.query(way, swept && step.pace[index] == kPaceSwift, worker.stack,
                    [&](std::uint32_t other) {
                      const Collider& target = step.colliders[other];
@@ -230,14 +240,14 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
                        if (step.is_swept(other)) {
                          worker.pairs.push_back({index, other});
                        } else {
-                         sweep_shape(step, c, path, target, worker.arms, worker.limits);
+                         sweep_shape(step, c, path(), target, worker.arms, worker.limits);
                        }
                        return;
                      }
                      if (is_thin(target, c)) c.guarded = kGuardedSteps;
                      const bool turns = turned(target, step.end(target)) * target.reach > radius;
                      if (target.is_convex() && (whole || turns)) {
-                       sweep_shape(step, c, path, target, worker.arms, worker.limits);
+                       sweep_shape(step, c, path(), target, worker.arms, worker.limits);
                      } else {
                        cast_ball(step, c, target, worker.list, worker.limits);
                      }
@@ -352,7 +362,8 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
     worker.limits.clear();
     worker.pairs.clear();
   }
-  pace_.assign(colliders.size(), 0);
+  pace_.assign(colliders.size(), kPaceIdle);
+  const double fastest = fastest_obstacle(colliders, after);
   workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       Collider& c = colliders[i];
@@ -360,12 +371,11 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
       if (c.guarded > 0) --c.guarded;
       const std::uint32_t body = c.def.body.index;
       if (!world.awake_at(body)) continue;
-      pace_[i] = pace_of(c, after[body], world.all_props()[body].bullet);
+      pace_[i] = pace_of(c, after[body], world.all_props()[body].bullet, fastest);
     }
   });
   mark_chained(world);
-  const Step step{colliders, broad,   world, after, fastest_obstacle(colliders, after),
-                  pace_,     chained_};
+  const Step step{colliders, broad, world, after, pace_, chained_};
   workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
     for (std::size_t i = begin; i < end; ++i) {
       if (pace_[i] != kPaceIdle) {
