@@ -210,12 +210,6 @@ constexpr double kTurning = 0.5;
 /// 100 m/s takes 0.25 s in place of 0.46 (0.16 where it does not count at all).
 constexpr double kAlone = 4.0;
 
-/// The vector, shortened to a length.
-Vec3 at_most(double length, const Vec3& vector) {
-  const double norm = vector.norm();
-  return norm > length ? Vec3(length / norm * vector) : vector;
-}
-
 }  // namespace
 
 QueryPair order_pair(const Collider& one, const Collider& other) {
@@ -233,23 +227,29 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   reach.speculative = std::min(a.margins.speculative, b.margins.speculative);
   reach.recycle = std::min(a.margins.recycle, b.margins.recycle);
   reach.sweep = dt * (b.motion.twist.linear - a.motion.twist.linear);
+  double sweep2 = pbd::dot(reach.sweep, reach.sweep);
   // The contact lies on both, so it is no further from one than the way over the other.
   const double distance = (b.body.position - a.body.position).norm();
   const double arm_a = std::min(a.reach, distance + b.reach);
   const double arm_b = std::min(b.reach, distance + a.reach);
-  reach.turning = a.motion.turn * arm_a + b.motion.turn * arm_b;
-  double sweep = reach.sweep.norm();
-  const auto turning = [](const Collider& c, double arm) {
-    return c.kind == Kind::Sphere && c.local_identity ? 0.0 : c.motion.turn * arm;
-  };
-  if (turning(a, arm_a) + turning(b, arm_b) < kTurning * sweep) reach.way = reach.sweep;
+  const double turning_a = a.motion.turn * arm_a;
+  const double turning_b = b.motion.turn * arm_b;
+  reach.turning = turning_a + turning_b;
+  const auto is_ball = [](const Collider& c) { return c.kind == Kind::Sphere && c.local_identity; };
+  const double seen = (is_ball(a) ? 0.0 : turning_a) + (is_ball(b) ? 0.0 : turning_b);
+  if (seen < kTurning * std::sqrt(sweep2)) reach.way = reach.sweep;
   if (a.dynamic && b.dynamic) {
     const double most = kAlone * std::min(a.size, b.size);
-    reach.alone_a = at_most(most, dt * a.motion.twist.linear);
-    reach.alone_b = at_most(most, dt * b.motion.twist.linear);
-    sweep = std::max({sweep, reach.alone_a.norm(), reach.alone_b.norm()});
+    const auto alone = [&](const Collider& c, Vec3& way) {
+      way = dt * c.motion.twist.linear;
+      const double way2 = pbd::dot(way, way);
+      if (way2 > most * most) way *= most / std::sqrt(way2);
+      sweep2 = std::max(sweep2, std::min(way2, most * most));
+    };
+    alone(a, reach.alone_a);
+    alone(b, reach.alone_b);
   }
-  reach.margin = reach.speculative + sweep + reach.turning;
+  reach.margin = reach.speculative + std::sqrt(sweep2) + reach.turning;
   return reach;
 }
 
