@@ -52,24 +52,32 @@ struct Ball {
 };
 
 /// Whether the triangle is so near that its distance matters.
-bool in_reach(const Facet& facet, const Ball& ball, std::span<const PatchTrace> previous) {
-  const double height = facet.front.dot(ball.centre - facet.p);
+[[gnu::always_inline]] inline bool in_reach(const Vec3& p, const Vec3& q, const Vec3& r,
+                                            const Vec3& front, const Ball& ball,
+                                            std::span<const PatchTrace> previous) {
+  const double height = front.dot(ball.centre - p);
   if (height >= ball.limit) return false;
-  if (height < 0.0 && (height < -2.0 * ball.radius || !was_touched(previous, facet.front)))
-    return false;
+  if (height < 0.0 && (height < -2.0 * ball.radius || !was_touched(previous, front))) return false;
   for (int k = 0; k < 3; ++k) {
     const double high = ball.centre[k] + ball.limit;
     const double low = ball.centre[k] - ball.limit;
-    if (facet.p[k] > high && facet.q[k] > high && facet.r[k] > high) return false;
-    if (facet.p[k] < low && facet.q[k] < low && facet.r[k] < low) return false;
+    if (p[k] > high && q[k] > high && r[k] > high) return false;
+    if (p[k] < low && q[k] < low && r[k] < low) return false;
   }
   return true;
 }
 
 /// Adds the triangle, where it is near enough.
-void look_at(const Facet& facet, const Ball& ball, std::span<const PatchTrace> previous,
-             std::vector<SphereTouch>& near) {
-  if (!in_reach(facet, ball, previous)) return;
+template <class Surface>
+void look_at(const Surface& surface, std::uint32_t triangle, const Ball& ball,
+             std::span<const PatchTrace> previous, std::vector<SphereTouch>& near) {
+  const TriangleMesh::Triangle corners = surface.corners(triangle);
+  const Vec3& p = surface.vertex(corners[0]);
+  const Vec3& q = surface.vertex(corners[1]);
+  const Vec3& r = surface.vertex(corners[2]);
+  const Vec3& front = surface.normal(triangle);
+  if (!in_reach(p, q, r, front, ball, previous)) return;
+  const Facet facet{p, q, r, front, triangle};
   SphereTouch touch{.triangle = facet.number};
   if (!facet.touch(ball.centre, touch) || touch.distance >= ball.limit) return;
   bool met = true;
@@ -102,11 +110,9 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Vec3&
   std::vector<SphereTouch>& touches = scratch.touches;
   near.clear();
   touches.clear();
+  const Ball ball{centre, radius, limit, sweep};
   for (const std::uint32_t triangle : list.triangles) {
-    const TriangleMesh::Triangle corners = surface.corners(triangle);
-    const Facet facet{surface.vertex(corners[0]), surface.vertex(corners[1]),
-                      surface.vertex(corners[2]), surface.normal(triangle), triangle};
-    look_at(facet, {centre, radius, limit, sweep}, previous, near);
+    look_at(surface, triangle, ball, previous, near);
   }
   std::sort(near.begin(), near.end(), [](const SphereTouch& l, const SphereTouch& r) {
     return l.rank != r.rank ? l.rank < r.rank : l.triangle < r.triangle;
