@@ -27,19 +27,23 @@ class AabbTree {
   /// Calls visit(value) for each leaf whose box meets `box`, in no particular order.
   void query(const Aabb& box, std::vector<std::uint32_t>& stack, auto&& visit) const {
     stack.clear();
-    const auto push = [&](std::uint32_t index) {
-      if (nodes_[index].box.overlaps(box)) stack.push_back(index);
-    };
-    if (root_ != kNone) push(root_);
-    while (!stack.empty()) {
-      const Node& node = nodes_[stack.back()];
-      stack.pop_back();
+    const auto meets = [&](std::uint32_t index) { return nodes_[index].box.overlaps(box); };
+    if (root_ == kNone || !meets(root_)) return;
+    for (std::uint32_t at = root_;;) {
+      const Node& node = nodes_[at];
       if (node.leaf()) {
         visit(node.value());
       } else {
-        push(node.child[0]);
-        push(node.child[1]);
+        // Only what has to wait goes on the stack.
+        const bool first = meets(node.child[0]);
+        const bool second = meets(node.child[1]);
+        if (first && second) stack.push_back(node.child[0]);
+        at = second ? node.child[1] : node.child[0];
+        if (first || second) continue;
       }
+      if (stack.empty()) return;
+      at = stack.back();
+      stack.pop_back();
     }
   }
 
