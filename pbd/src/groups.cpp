@@ -44,6 +44,18 @@ bool is_copy(std::span<const std::uint8_t> copies, std::uint32_t body) {
   return body < copies.size() && copies[body] != 0;
 }
 
+/// Adds a step to the way of a body that has been slow so far.
+/// @param way   m, within which it is still slow     @param turn  rad, likewise
+/// @return whether it is
+bool keeps_near(const SolverBody& body, const Pose& from, double way, double turn,
+                BodyActivity& own) {
+  own.moved += body.x - from.position;
+  if (!(own.moved.squaredNorm() <= way * way)) return false;
+  const Quat turn_now = body.q * from.orientation.conjugate();
+  own.turned += (turn_now.w() < 0.0 ? -2.0 : 2.0) * turn_now.vec();
+  return own.turned.squaredNorm() <= turn * turn;
+}
+
 }  // namespace
 
 void Groups::arrange(const Rule& rule, const Islands& islands,
@@ -202,19 +214,13 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   // each step it would have a speed.
   const double way = rule.sleep_speed * rule.sleep_after;
   const double turn = rule.sleep_spin * rule.sleep_after;
-  const auto stays = [&](const SolverBody& body, const Pose& from, BodyActivity& own) {
-    own.moved += body.x - from.position;
-    if (!(own.moved.squaredNorm() <= way * way)) return false;
-    const Quat turn_now = body.q * from.orientation.conjugate();
-    own.turned += (turn_now.w() < 0.0 ? -2.0 : 2.0) * turn_now.vec();
-    return own.turned.squaredNorm() <= turn * turn;
-  };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     BodyActivity& own = activity[i];
-    const bool rests = rule.sleep_after > 0.0 && stays(bodies[i], before[i].pose, own) &&
+    const bool rests = rule.sleep_after > 0.0 &&
+                       keeps_near(bodies[i], before[i].pose, way, turn, own) &&
                        (sprung_[i] == 0 || is_steady(i));
     if (rests) {
       own.low_speed_time += dt;
