@@ -209,7 +209,6 @@ void ClothBlock::begin_substep(const SubstepContext& ctx) {
                       [&](std::uint32_t k, bool) { carried_[k] *= kCarriedDecay; });
   }
   sweep_->violations(*rows_, ctx.bodies, ctx.group, sweep_->bounds);
-  sweep_->begin_substep(*rows_, ctx, carried_);
   sweep_->clear_lambdas(*rows_, ctx);
 }
 

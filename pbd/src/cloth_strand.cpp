@@ -19,8 +19,8 @@ constexpr double kSlack = 1e-6;
 /// (rate h)^2, of the fastest swing of a strand, up to which its links may pull along where they
 /// would be without each other: beyond 2.2 that sets it swinging more and more.
 constexpr double kResolved = 1.0;
-/// Strain beyond which Newton's method begins too far away: of 200 ropes that a ball hits, one
-/// gains energy at 0.1, 31 without a bound.
+/// Strain beyond which Newton's method begins too far away: of 200 ropes that a ball hits, 31
+/// gain energy without a bound.
 constexpr double kFar = 0.05;
 /// Of the length of a link: how far it may be from it before another round of Newton's method, and
 /// how many rounds there are. With two, a rope of 61 particles and 1 m under 1000 kg tears.

@@ -41,19 +41,6 @@ bool ClothBlock::Sweep::hold_stretched(const ClothRows& rows, const SubstepConte
   return far;
 }
 
-void ClothBlock::Sweep::begin_substep(const ClothRows& rows, const SubstepContext& ctx,
-                                      std::span<const double> carried) {
-  if (!hold_stretched(rows, ctx, carried)) return;
-  double twice = 0.0;  // J
-  for (const std::uint32_t slot : touched_) {
-    const SolverBody& body = ctx.bodies[slot];
-    if (body.group != ctx.group || body.inv_mass == 0.0) continue;
-    twice += body.v.squaredNorm() / body.inv_mass +
-             body.w.dot(inverse_where_free(body.inv_inertia_w) * body.w);
-  }
-  stretched_.kinetic = ctx.h * ctx.h * twice;
-}
-
 void ClothBlock::Sweep::remember(const SubstepContext& ctx) {
   stretched_.start.resize(touched_.size());
   for (std::size_t i = 0; i < touched_.size(); ++i) {
@@ -104,7 +91,7 @@ double ClothBlock::Sweep::affordable(const SubstepContext& ctx) const {
     add(ctx.h * start.w + start.dtheta, stretched_.passive[i].turn, stretched_.full[i].turn,
         inverse_where_free(start.inv_inertia_w));
   }
-  const double left = std::max(0.0, std::min(before, stretched_.kinetic) - passive);
+  const double left = std::max(0.0, before - passive);
   if (!(a > 0.0)) return 0.0;
   // The larger root of a s^2 + b s - left = 0.
   const double s = (-b + std::sqrt(b * b + 4.0 * a * left)) / (2.0 * a);

@@ -23,9 +23,6 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   void begin_step(const ClothRows& rows, const SubstepContext& ctx, std::size_t scalars);
   /// Multipliers of the group start anew.
   void clear_lambdas(const ClothRows& rows, const SubstepContext& ctx);
-  /// Note the energy of what is stretched far. @param carried  m, by scalar: what agreement left
-  void begin_substep(const ClothRows& rows, const SubstepContext& ctx,
-                     std::span<const double> carried);
   /// So many sweeps over the rows of the group, there and back. @param held  m, by scalar
   /// @param led  points that lead do not give way
   void run(const ClothRows& rows, const SubstepContext& ctx, std::span<const double> held,
@@ -144,9 +141,6 @@ class __attribute__((visibility("hidden"))) ClothBlock::Sweep {
   struct {
     std::vector<SolverBody> start;
     std::vector<Moved> passive, full;
-    /// At the start of the substep, in the unit of affordable(): what contacts are started with
-    /// is no energy yet.
-    double kinetic = 0.0;
   } stretched_;  ///< by touched body: scratch of run_real()
   /// Of one strand, by row: direction, diagonal, what couples it to the next row, right-hand side.
   struct Row {
