@@ -18,8 +18,7 @@ struct Known {
 
 // Reasons, by kind.
 constexpr std::string_view kE1 =
-    "one case in sixty hops by 1.7 mm, and what two tiles bear side by side shares its friction by "
-    "sweeps";
+    "friction that slides goes along what would end the slip: over two tiles a cone begins to turn";
 constexpr std::string_view kE2 = "some rock from edge to edge for longer than that";
 constexpr std::string_view kE3 =
     "of a scan some faces lie on the ground that no tolerance makes one";
@@ -33,13 +32,7 @@ constexpr std::string_view kRolls =
 
 // The bounds stay as they are: what does not hold yet stands here, and leaves when it holds.
 constexpr Known kKnown[] = {
-    {"E1", "sphere slides", "", "hop", kE1},
-    {"E1", "sphere rolls", "", "hop", kE1},
-    {"E1", "lying capsule slides", "", "hop", kE1},
-    {"E1", "upright cylinder", "ten boxes", "speed", kE1},
-    {"E1", "cone", "ten boxes", "speed", kE1},
     {"E1", "cone", "", "stopping distance", kE1},
-    {"E1", "hull of a box", "ten boxes", "speed", kE1},
     {"E2", "hulls of random points", "", "", kE2},
     {"E3", "scanned tins and parcels", "", "", kE3},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
