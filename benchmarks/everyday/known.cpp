@@ -20,8 +20,6 @@ struct Known {
 constexpr std::string_view kE1 =
     "friction that slides goes along what would end the slip: over two tiles a cone begins to turn";
 constexpr std::string_view kE2 = "some rock from edge to edge for longer than that";
-constexpr std::string_view kE3 =
-    "of a scan some faces lie on the ground that no tolerance makes one";
 constexpr std::string_view kE10 =
     "plates that begin 10 mm inside each other are pushed apart; with 5 mm of overlap left alone "
     "four of ten houses stand";
@@ -34,7 +32,6 @@ constexpr std::string_view kRolls =
 constexpr Known kKnown[] = {
     {"E1", "cone", "", "stopping distance", kE1},
     {"E2", "hulls of random points", "", "", kE2},
-    {"E3", "scanned tins and parcels", "", "", kE3},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
     {"E14", "heap of 60 cubes", "", "", kE14},
     {"E14", "heap of 200 cubes", "", "", kE14},

@@ -277,7 +277,8 @@ static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& we
 
 /// Exchanges the first three points until none lies below their plane: those bear the weight, and a
 /// tilt does not change which they are. The fourth is the deepest, where that is none of them, or
-/// the one that the body tips on to first. Whether any was exchanged.
+/// the one that the body tips on to first. The deepest is never left out. Whether any was
+/// exchanged; then there are four.
 static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
                    const Vec3& weight) {
   bool changed = false;
@@ -294,10 +295,16 @@ static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
     exchange(points, lowest, normal, weight);
     changed = true;
   }
-  if (!changed) return false;
   const auto deeper = [](const RawPoint& l, const RawPoint& r) { return l.gap < r.gap; };
   auto first = static_cast<int>(std::min_element(points, points + count, deeper) - points);
-  double most = first < 3 ? -HUGE_VAL : HUGE_VAL;  // the deepest is never left out
+  if (!changed) {
+    // On a flat face that is tilted none lies below the plane of others.
+    RawPoint* const highest = std::max_element(points, points + 4, deeper);
+    const bool bears = points[first].gap < std::min_element(points, points + 4, deeper)->gap - slop;
+    if (bears) std::swap(*highest, points[first]);
+    return bears;
+  }
+  double most = first < 3 ? -HUGE_VAL : HUGE_VAL;
   for (int i = 3; i < count && most < HUGE_VAL; ++i) {
     const double outside = -shares(points, normal, points[i].on_b).minCoeff();
     const double score = outside / (std::max(0.0, above(points, normal, points[i])) + slop);
@@ -366,6 +373,14 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const V
     return std::max({outside(p0, p1, p.on_b), outside(p1, p2, p.on_b), outside(p2, p0, p.on_b)});
   });
   return settle(points, count, normal, kBearing * slop, weight) || fourth ? 4 : 3;
+}
+
+double least_left_out(const RawPoint* points, int chosen, int count, double slop) {
+  const auto lowest = [&](int from, int to, double start) {
+    for (int i = from; i < to; ++i) start = std::min(start, points[i].gap);
+    return start;
+  };
+  return lowest(chosen, count, HUGE_VAL) - lowest(0, chosen, 0.0) + kBearing * slop;
 }
 
 }  // namespace tandem::collision

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <tuple>
 
@@ -37,6 +38,9 @@ struct RawManifold {
   FaceOwner owner = FaceOwner::None;
   std::uint32_t cluster = 0;  ///< of a mesh: tells its manifolds apart
   int count = 0;
+  /// m: how far what was left out has to sink before it bears in place of the points; infinite
+  /// where nothing was.
+  double left_out = HUGE_VAL;
   std::array<RawPoint, kMaxPoints> points;
 
   RawManifold() = default;
@@ -47,6 +51,7 @@ struct RawManifold {
     owner = other.owner;
     cluster = other.cluster;
     count = other.count;
+    left_out = other.left_out;
     std::copy_n(other.points.begin(), count, points.begin());
     return *this;
   }
@@ -103,5 +108,8 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
 /// @param weight  m, centre of mass of the body that lies on the other
 int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
            const std::uint32_t* kept, int kept_count);
+
+/// RawManifold::left_out, of the points from `chosen` on that reduce() left.
+double least_left_out(const RawPoint* points, int chosen, int count, double slop);
 
 }  // namespace tandem::collision

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -26,6 +27,7 @@ struct ContactPatch {
   std::array<Vec3, 4> anchor_a_l;  ///< m, frame of body a
   std::array<Vec3, 4> anchor_b_l;  ///< m, frame of body b
   std::array<std::uint32_t, 4> features{};
+  float left_out = HUGE_VALF;  ///< m, see RawManifold
   std::uint16_t cluster = 0;
   std::uint8_t count = 0;
   bool in_a = false;

@@ -22,7 +22,7 @@ namespace {
 
 /// Colliders that one worker takes at a time.
 constexpr std::size_t kColliderGrain = 128;
-constexpr std::uint32_t kCacheMagic = 0x33434354;  // "TCC3"
+constexpr std::uint32_t kCacheMagic = 0x34434354;  // "TCC4"
 
 /// @throws std::invalid_argument naming field, value and rule
 void check_def(const pbd::World& world, const ColliderDef& def) {

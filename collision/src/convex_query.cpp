@@ -19,9 +19,12 @@ void reduce_like_before(RawManifold& manifold, double size, const Vec3& weight,
                         const PairCache& cache) {
   static constexpr std::array<std::uint32_t, 4> kNone{};
   const ContactPatch* before = cache.patches;
-  manifold.count = reduce(manifold.points.data(), manifold.count, manifold.normal, 1e-3 * size,
-                          weight, before != nullptr ? before->features.data() : kNone.data(),
-                          before != nullptr ? before->count : 0);
+  const double slop = 1e-3 * size;
+  const int count = reduce(manifold.points.data(), manifold.count, manifold.normal, slop, weight,
+                           before != nullptr ? before->features.data() : kNone.data(),
+                           before != nullptr ? before->count : 0);
+  manifold.left_out = least_left_out(manifold.points.data(), count, manifold.count, slop);
+  manifold.count = count;
 }
 
 /// Whether the library's direction is better than that of BoxPair: not where the boxes pass each

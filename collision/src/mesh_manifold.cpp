@@ -100,8 +100,11 @@ void finish_cluster(std::vector<RawPoint>& points, RawManifold& manifold, double
   std::array<std::uint32_t, 4> kept{};
   const int kept_count = before != nullptr ? before->count : 0;
   for (int i = 0; i < kept_count; ++i) kept[i] = before->features[i];
-  const int count = reduce(points.data(), static_cast<int>(points.size()), manifold.normal,
-                           1e-3 * size, weight, kept.data(), kept_count);
+  const auto all = static_cast<int>(points.size());
+  const double slop = 1e-3 * size;
+  const int count =
+      reduce(points.data(), all, manifold.normal, slop, weight, kept.data(), kept_count);
+  manifold.left_out = least_left_out(points.data(), count, all, slop);
   for (int i = 0; i < count; ++i) manifold.add(points[i]);
 }
 

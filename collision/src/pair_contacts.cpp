@@ -212,6 +212,7 @@ void PairContacts::save(pbd::ByteWriter& out, std::uint32_t slot) const {
     out.u8(p->in_a ? 1 : 0);
     out.f64(p->radius_a);
     out.f64(p->radius_b);
+    out.f32(p->left_out);
     out.u32(p->cluster);
     out.u8(p->count);
     for (int i = 0; i < p->count; ++i) {
@@ -247,11 +248,12 @@ bool PairContacts::load(pbd::ByteReader& in, std::uint32_t slot, bool boxes) {
     patch->in_a = in.u8() != 0;
     patch->radius_a = in.f64();
     patch->radius_b = in.f64();
+    patch->left_out = in.f32();
     const std::uint32_t cluster = in.u32();
     patch->cluster = static_cast<std::uint16_t>(cluster);
     patch->count = in.u8();
     if (in.failed() || patch->count > ContactPatch::kMaxPoints || cluster >= kMaxPatches ||
-        !patch->normal_l.allFinite()) {
+        !patch->normal_l.allFinite() || std::isnan(patch->left_out)) {
       patch->count = 0;
       return false;
     }

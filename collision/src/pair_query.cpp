@@ -72,6 +72,23 @@ bool moved_less(const Roles& r, const PairCache& cache, double limit, double max
   return half_sine <= max_sine && distance < limit;
 }
 
+/// Whether a point that was left out may bear by now: one that bears in no step sinks until it is
+/// looked at, and is pushed out then, which lifts what lies there. A scanned parcel of 0.4 m sank
+/// by 1.5 mm so and rocked at 0.14 rad/s for ever.
+bool left_out_may_bear(const QueryPair& pair, const Roles& r, const PairCache& cache) {
+  const auto& q = cache.orientation;
+  const Quat then(q[3], q[0], q[1], q[2]);
+  const Vec3 moved = relative_position(r) - cache.position;
+  const double turned =
+      2.0 * (then.conjugate() * relative_orientation(r)).vec().norm() * r.measured.reach;
+  for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
+    const bool in_frame = &r.frame == (p->in_a ? pair.a : pair.b);
+    const Vec3 normal = in_frame ? p->normal_l : pbd::rotate(then, p->normal_l);
+    if (std::abs(normal.dot(moved)) + turned > static_cast<double>(p->left_out)) return true;
+  }
+  return false;
+}
+
 /// Write the raw manifolds over the cache's patches, in their memory as far as it goes.
 class PatchWriter {
  public:
@@ -92,6 +109,8 @@ class PatchWriter {
     const double roll_b = b.kind == Kind::Cylinder ? rolling(b, -raw.normal) : 0.0;
     patch.radius_a = radius_of(a) + roll_a;
     patch.radius_b = radius_of(b) + roll_b;
+    // Not rounded up.
+    patch.left_out = std::nextafter(static_cast<float>(raw.left_out), 0.0f);
     patch.cluster = static_cast<std::uint16_t>(raw.cluster);
     patch.count = static_cast<std::uint8_t>(std::min<int>(raw.count, ContactPatch::kMaxPoints));
     const Vec3 to_a = origin - a.position - roll_a * raw.normal;
@@ -113,6 +132,7 @@ class PatchWriter {
     patch.normal_l = b.direction_to_body(normal);
     patch.radius_a = radius_of(a);
     patch.radius_b = 0.0;
+    patch.left_out = HUGE_VALF;
     patch.cluster = static_cast<std::uint16_t>(touch.cluster);
     patch.count = 1;
     patch.anchor_a_l[0] = a.def.local.position;
@@ -278,8 +298,10 @@ bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache&
   // The sine is within 1e-3 of itself for angles up to 0.1 rad, which is all that is asked.
   double distance = 0.0;
   // Within what was asked then lies all that matters now.
-  return moved_less(roles(pair), cache, reach.recycle, 0.5 * max_angle, distance) &&
-         distance + reach.margin <= static_cast<double>(cache.margin);
+  const Roles r = roles(pair);
+  return moved_less(r, cache, reach.recycle, 0.5 * max_angle, distance) &&
+         distance + reach.margin <= static_cast<double>(cache.margin) &&
+         !left_out_may_bear(pair, r, cache);
 }
 
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,

@@ -146,6 +146,19 @@ TEST_CASE("hull rest: scanned boxes and tins lie still", "[collision][property]"
   }
 }
 
+// Of the many corners on which one lies four bear, and the others sink if nobody looks at them.
+TEST_CASE("hull rest: parcels whose faces are scanned at many points lie still",
+          "[collision][property]") {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    Random random(seed);
+    std::vector<Hull> hulls;
+    for (int i = 0; i < 4; ++i) {
+      hulls.push_back(ConvexHull::make(scanned_box(random, Vec3(0.4, 0.28, 0.16), 5e-4)));
+    }
+    check_rest(hulls, 0.4, seed);
+  }
+}
+
 TEST_CASE("hull rest: points less than the tolerance outside are left out",
           "[collision][property]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
