@@ -140,6 +140,7 @@ void ContactBlock::adopt(std::span<const Contact> contacts) {
 
 void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  m.forget_loads(ctx);
   m.put_in_sequence();
   const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies);
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,

@@ -134,6 +134,7 @@ void ContactBlock::save(ByteWriter& out) const {
   out.u32(static_cast<std::uint32_t>(impl_->extra_rows));
   out.u32(static_cast<std::uint32_t>(impl_->open_rows));
   out.f64(impl_->residual);
+  out.f64(impl_->last_h);
   out.u32(static_cast<std::uint32_t>(impl_->kept().size()));
   FieldWriter io(out);
   for (const Contact& contact : impl_->contacts) {
@@ -152,6 +153,8 @@ void ContactBlock::load(ByteReader& in) {
   impl_->extra_rows = static_cast<int>(in.u32());
   impl_->open_rows = static_cast<int>(in.u32());
   impl_->residual = in.f64();
+  impl_->last_h = in.f64();
+  if (!(impl_->last_h >= 0.0)) in.fail();
   impl_->any_friction = false;
   impl_->any_restitution = false;
   const std::uint32_t size = in.u32();
@@ -192,6 +195,7 @@ bool ContactBlock::assign(const ConstraintBlock& source) {
   m.extra_rows = from.extra_rows;
   m.open_rows = from.open_rows;
   m.residual = from.residual;
+  m.last_h = from.last_h;
   m.any_friction = from.any_friction;
   m.any_restitution = from.any_restitution;
   return true;
