@@ -75,16 +75,19 @@ bool moved_less(const Roles& r, const PairCache& cache, double limit, double max
 /// Whether a point that was left out may bear by now: one that bears in no step sinks until it is
 /// looked at, and is pushed out then, which lifts what lies there. A scanned parcel of 0.4 m sank
 /// by 1.5 mm so and rocked at 0.14 rad/s for ever.
-bool left_out_may_bear(const QueryPair& pair, const Roles& r, const PairCache& cache) {
-  const auto& q = cache.orientation;
-  const Quat then(q[3], q[0], q[1], q[2]);
-  const Vec3 moved = relative_position(r) - cache.position;
-  const double turned =
-      2.0 * (then.conjugate() * relative_orientation(r)).vec().norm() * r.measured.reach;
+/// @param distance  m, as moved_less() has found it: no point has moved further
+bool left_out_may_bear(const QueryPair& pair, const Roles& r, const PairCache& cache,
+                       double distance) {
   for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
+    const auto left_out = static_cast<double>(p->left_out);
+    if (distance <= left_out) continue;
+    const auto& q = cache.orientation;
+    const Quat then(q[3], q[0], q[1], q[2]);
+    const double half_sine = (then.conjugate() * relative_orientation(r)).vec().norm();
     const bool in_frame = &r.frame == (p->in_a ? pair.a : pair.b);
     const Vec3 normal = in_frame ? p->normal_l : pbd::rotate(then, p->normal_l);
-    if (std::abs(normal.dot(moved)) + turned > static_cast<double>(p->left_out)) return true;
+    const double along = std::abs(normal.dot(relative_position(r) - cache.position));
+    if (along + 2.0 * half_sine * r.measured.reach > left_out) return true;
   }
   return false;
 }
@@ -301,7 +304,7 @@ bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache&
   const Roles r = roles(pair);
   return moved_less(r, cache, reach.recycle, 0.5 * max_angle, distance) &&
          distance + reach.margin <= static_cast<double>(cache.margin) &&
-         !left_out_may_bear(pair, r, cache);
+         !left_out_may_bear(pair, r, cache, distance);
 }
 
 std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache& cache,
