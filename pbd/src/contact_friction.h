@@ -4,6 +4,8 @@
 // Friction of manifolds: one block at the centre of pressure and one row of twist.
 #pragma once
 
+#include <array>
+
 #include "contact_lcp.h"
 
 namespace tandem::pbd::kernel {
@@ -27,28 +29,42 @@ struct FrictionLimit {
   V twist;  ///< N m s; the load's spread about its centre turns it into a moment
 };
 
-/// Cut the multipliers back to the ellipsoid at the point where friction dissipates most: a body
-/// that spins fast hardly resists being pushed. Two limits of their own would brake such a body
-/// twice over.
+/// V_1 and V_2 of F_1 and F_2, on average over directions: no direction answers by twice as much.
 template <class V>
-void keep_within(const TangentBlock<V>& k_tt, const V& determinant, const FrictionLimit<V>& limit,
-                 Slide<V>& f) {
+V mean_response(const TangentBlock<V>& k_tt) {
+  return V(0.5) * (k_tt.m11 + k_tt.m22);
+}
+
+/// Cut impulses that leave no slip back to the ellipsoid at the point where friction dissipates
+/// most: a body that spins fast hardly resists being pushed. Two limits of their own would brake
+/// such a body twice over.
+/// What is cut back goes against the slip, not along what would end it: beside the centre of mass
+/// these are two directions. A cone that slid over two tiles turned, and stopped 13 mm further.
+/// @param before  the impulses under which there is the slip, V_1 and V_2 in m/s
+/// @param f       those that leave none
+template <class V>
+void keep_within(const TangentBlock<V>& k_tt, const Slide<V>& before, const std::array<V, 2>& slip,
+                 const FrictionLimit<V>& limit, Slide<V>& f) {
   const V zero(0.0), one(1.0);
   const Mask<V> holds = limit.slide > zero;
   const Mask<V> twists = holds & (k_tt.mnn > zero) & (limit.twist > zero);
   f.f1 = xsimd::select(holds, f.f1, zero);
   f.f2 = xsimd::select(holds, f.f2, zero);
   f.tn = xsimd::select(twists, f.tn, zero);
+  const V v = xsimd::select(twists, f.tn / limit.twist, zero);
+  const V needed = xsimd::sqrt(f.f1 * f.f1 + f.f2 * f.f2) / limit.slide;
+  const Mask<V> slips = holds & (needed * needed + v * v > one);
+  if (xsimd::none(slips)) return;
+  const V m_slide = mean_response(k_tt);
+  f.f1 = xsimd::select(slips, before.f1 - slip[0] / m_slide, f.f1);
+  f.f2 = xsimd::select(slips, before.f2 - slip[1] / m_slide, f.f2);
   const V slide = xsimd::sqrt(f.f1 * f.f1 + f.f2 * f.f2);
   const V u = slide / limit.slide;
-  const V v = xsimd::select(twists, f.tn / limit.twist, zero);
-  const Mask<V> outside = holds & (u * u + v * v > one);
-  if (xsimd::none(outside)) return;
+  const Mask<V> outside = slips & (u * u + v * v > one);
   const Mask<V> bent = outside & (v != zero);
   V slide_scale = xsimd::select(outside, one / u, one);
   if (xsimd::any(bent)) {
     constexpr int kIterations = 10;
-    const V m_slide = (determinant + determinant) / (k_tt.m11 + k_tt.m22);
     const V p = m_slide * limit.slide * limit.slide;
     const V q = k_tt.mnn * limit.twist * limit.twist;
     // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is concave and nearly

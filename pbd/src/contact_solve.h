@@ -221,6 +221,12 @@ template <class A>
     V s1 = f1 - scale * (m.k_tt.m22 * v1 - m.k_tt.m12 * v2);
     V s2 = f2 - scale * (m.k_tt.m11 * v2 - m.k_tt.m12 * v1);
     const V limit = friction * z;
+    const Mask<V> slips = s1 * s1 + s2 * s2 > limit * limit;
+    if (xsimd::any(slips)) {
+      const V m_slide = mean_response(m.k_tt);
+      s1 = xsimd::select(slips, f1 - v1 / m_slide, s1);
+      s2 = xsimd::select(slips, f2 - v2 / m_slide, s2);
+    }
     const V length = xsimd::sqrt(s1 * s1 + s2 * s2);
     const V share = xsimd::select(length > limit, limit / length, V(1.0));
     s1 = xsimd::select(has_friction, xsimd::select(limit > zero, share * s1, zero), f1);
@@ -290,8 +296,7 @@ template <class A>
   const V slip_1 = dot(pair.t1, velocity), slip_2 = dot(pair.t2, velocity);
   const V spin_n = dot(pair.n, spin);
   const TangentBlock<V>& k_tt = m.k_tt;
-  const V determinant = k_tt.m11 * k_tt.m22 - k_tt.m12 * k_tt.m12;
-  const V scale = V(1.0) / determinant;
+  const V scale = V(1.0) / (k_tt.m11 * k_tt.m22 - k_tt.m12 * k_tt.m12);
   const V inverse_twist = xsimd::select(k_tt.mnn > zero, V(1.0) / k_tt.mnn, zero);
   const Four<V> reach{{load<V>(rows.reach[0], at), load<V>(rows.reach[1], at),
                        load<V>(rows.reach[2], at), load<V>(rows.reach[3], at)}};
@@ -321,7 +326,7 @@ template <class A>
     Slide<V> next{slide.f1 - scale * (k_tt.m22 * v1 - k_tt.m12 * v2),
                   slide.f2 - scale * (k_tt.m11 * v2 - k_tt.m12 * v1),
                   slide.tn - inverse_twist * wn};
-    keep_within<V>(k_tt, determinant, {friction * sum(z), friction * dot(z, reach)}, next);
+    keep_within<V>(k_tt, slide, {v1, v2}, {friction * sum(z), friction * dot(z, reach)}, next);
     next = {xsimd::select(has_friction, next.f1, slide.f1),
             xsimd::select(has_friction, next.f2, slide.f2),
             xsimd::select(has_friction, next.tn, slide.tn)};
