@@ -224,6 +224,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .push_slop = push_slop(ctx) * fall * ctx.h,
                          .warm_start_gap = m.options.warm_start_gap,
                          .bounce_speed = m.options.restitution_threshold * fall,
+                         .resting = m.options.resting_tolerance * fall,
                          .growth = fall};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   if (ctx.substep == 0) {

@@ -75,10 +75,7 @@ void strike(const ContactRows& rows, Blow& blow, std::size_t at, LaneMask asked,
   if constexpr (faces) {
     const Face<V> face(rows, at);
     const Sym4<V> B = face.mobility(m);
-    const V self_stress = dot(face.self_stress, z);
-    for (std::size_t i = 0; i < 4; ++i) {
-      e[i] = xsimd::select(meant & face.there[i], e[i] + self_stress * face.self_stress[i], zero);
-    }
+    for (std::size_t i = 0; i < 4; ++i) e[i] = xsimd::select(meant & face.there[i], e[i], zero);
     alone = {{B.m00 * z[0], B.m11 * z[1], B.m22 * z[2], B.m33 * z[3]}};
     dz = solve_lcp<V>(face.there, B, z, e);
     apply(sum(dz), dot(face.s, dz), dot(face.r, dz));

@@ -90,9 +90,9 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
 
   /// What a much shorter step ends with is what stopped the last of a motion, over its length: no
-  /// load. Awake contacts become new ones, whose loads ContactStatics guesses. Stacks of eight under
-  /// steps of 1e-12 to 0.2 s move by up to 60 % of an edge without; by less than 0.5 % for ratios
-  /// from 1.2 to 100.
+  /// load. Awake contacts become new ones, whose loads ContactStatics guesses. Stacks of eight
+  /// under steps of 1e-12 to 0.2 s move by up to 60 % of an edge without; by less than 0.5 % for
+  /// ratios from 1.2 to 100.
   void forget_loads(const SubstepContext& ctx) {
     constexpr double kMuchLonger = 10.0;
     const bool much_longer = last_h > 0.0 && ctx.h > kMuchLonger * last_h;

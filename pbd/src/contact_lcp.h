@@ -142,4 +142,23 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
   return unsigned_zeros(out);
 }
 
+/// Rigid points in a plane leave one combination of their loads open (two opposite corners up, two
+/// down). Unsettled it wanders until one point lets go, and a tall stack rocks itself over: where
+/// all four carry, they share as evenly as they can. Nothing is moved by that.
+/// @param u  the combination, of unit length, or zero
+template <class V>
+void share_evenly(const Mask<V>& asked, const Four<V>& u, Four<V>& z) {
+  const V zero(0.0), one(1.0);
+  const V uneven = dot(u, z);
+  V share = one;
+  Mask<V> carry = asked;
+  for (std::size_t i = 0; i < 4; ++i) {
+    carry = carry & (z[i] > zero);
+    const V less = uneven * u[i];
+    share = xsimd::select(less > z[i], least(share, z[i] / less), share);
+  }
+  const V moved = xsimd::select(carry, share * uneven, zero);
+  for (std::size_t i = 0; i < 4; ++i) z[i] = most(z[i] - moved * u[i], zero);
+}
+
 }  // namespace tandem::pbd::kernel

@@ -127,8 +127,7 @@ struct Face {
     }
   }
 
-  /// Response of the points' normal velocities to their impulses, self_stress combination included,
-  /// 1/kg.
+  /// Response of the points' normal velocities to their impulses, 1/kg.
   Sym4<V> mobility(const Responses<V>& m) const {
     // Responses of V_n, W_1 and W_2 to a unit impulse at each point.
     Four<V> v, w1, w2;
@@ -138,7 +137,7 @@ struct Face {
       w2[i] = m.n2 + m.w12 * s[i] + m.w22 * r[i];
     }
     const auto of = [&](std::size_t i, std::size_t j) {
-      return v[j] + s[i] * w1[j] + r[i] * w2[j] + self_stress[i] * self_stress[j];
+      return v[j] + s[i] * w1[j] + r[i] * w2[j];
     };
     return {of(0, 0), of(1, 0), of(1, 1), of(2, 0), of(2, 1),
             of(2, 2), of(3, 0), of(3, 1), of(3, 2), of(3, 3)};

@@ -13,23 +13,15 @@ namespace {
 
 double cross_component(const Vec3& n, const Vec3& a, const Vec3& b) { return n.dot(a.cross(b)); }
 
-/// Share of the size of a face below which its gaps differ by round-off.
-constexpr double kFlat = 1e-6;
-
 /// The combination u of four coplanar points with sum(u) = 0 and sum(u_i p_i) = 0, of unit length.
-/// u_i is the area of the triangle of the other three, signs alternating. Zero where a rigid body
-/// can not stand on all four, as their gaps do not lie in a plane, however it is tilted: drawn to
-/// an even share, the three that bear would be moved.
+/// u_i is the area of the triangle of the other three, signs alternating.
 std::array<double, 4> self_stress_of(const ContactArms& arms, const Vec3& normal) {
   const auto area = [&](std::size_t i, std::size_t j, std::size_t k) {
     return cross_component(normal, arms.b[j] - arms.b[i], arms.b[k] - arms.b[i]);
   };
   std::array<double, 4> u{area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
   const double norm = std::sqrt((u[0] * u[0] + u[1] * u[1]) + (u[2] * u[2] + u[3] * u[3]));
-  const auto& gap = arms.gap;
-  const double apart = (u[0] * gap[0] + u[1] * gap[1]) + (u[2] * gap[2] + u[3] * gap[3]);
-  const bool flat = std::abs(apart) <= kFlat * norm * std::sqrt(norm);
-  for (double& each : u) each = norm > 0.0 && flat ? each / norm : 0.0;
+  for (double& each : u) each = norm > 0.0 ? each / norm : 0.0;
   return u;
 }
 

@@ -70,7 +70,7 @@ struct alignas(64) ContactRows {
   LaneArray<4> s{};      ///< m, along t2 from the centre of pressure
   LaneArray<4> r{};      ///< m, against t1
   LaneArray<4> reach{};  ///< m, from the centre of pressure
-  /// Combination of the four impulses that changes no motion, times the root of its compliance.
+  /// Combination of the four impulses that changes no motion, of unit length.
   LaneArray<4> self_stress{};
   /// Of V_n, W_1, W_2 to F_n, T_1, T_2, beside k_nn; symmetric: n1, n2, 11, 12, 22
   LaneArray<5> k_nn_face{};
@@ -112,7 +112,11 @@ struct SubstepRule {
   double push_slop = 0.0;       ///< m, overlap that is left alone
   double warm_start_gap = 0.0;  ///< m, carried impulses of wider gaps are dropped
   double bounce_speed = 0.0;    ///< m/s, slower impacts do not bounce
-  double growth = 0.0;          ///< m/s: an effective mass times this may be carried on in any case
+  /// m/s: a gap that closes no faster is none. By turns opened and closed, while friction is
+  /// carried in part, such gaps rock what stands: a pyramid of 30 rows of 5 cm side by side fell
+  /// after 8 s.
+  double resting = 0.0;
+  double growth = 0.0;  ///< m/s: an effective mass times this may be carried on in any case
 };
 
 /// Carried impulses grow by this factor in a substep at most, beyond SubstepRule::growth: an impact
@@ -163,8 +167,7 @@ struct AnchorNumbers {
 /// What is done with four rows at once. All widths give the same bits: lanes know nothing of each
 /// other, and nothing is contracted.
 struct ContactKernels {
-  /// Responses, from frames, arms and the places of the points. `self_stress` comes as a unit
-  /// vector.
+  /// Responses, from frames, arms and the places of the points.
   /// @param asked  the rows meant
   void (*prepare)(ContactRows& rows, LaneMask asked, BodyNumbers bodies);
   /// Gaps and velocities of the substep's start, impulses as they are handed on to it. Friction is

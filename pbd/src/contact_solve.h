@@ -9,12 +9,6 @@
 
 namespace tandem::pbd::kernel {
 
-/// How strongly the four points of a face are drawn to sharing a load evenly, relative to their
-/// mobility. Rigid points leave the split open in one combination (two opposite corners up, two
-/// down); unsettled it wanders until one point lets go, and a tall stack rocks itself over. Motion
-/// is not affected.
-inline constexpr double kEvenness = 0.1;
-
 /// @tparam all  whether all rows are asked
 template <class A, bool faces, bool all>
 [[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, LaneMask asked,
@@ -41,12 +35,6 @@ template <class A, bool faces, bool all>
     for (std::size_t i = 0; i < tangent.size(); ++i) put(tangent[i], rows.k_tt_face[i]);
     const std::array<V, 7> coupling{m.tn_11, m.tn_12, m.tn_21, m.tn_22, m.tn_nn, m.tn_n1, m.tn_n2};
     for (std::size_t i = 0; i < coupling.size(); ++i) put(coupling[i], rows.k_tn_face[i]);
-    const Face<V> face(rows, at);
-    Face<V> plain = face;
-    for (V& self_stress : plain.self_stress.p) self_stress = V(0.0);
-    const Sym4<V> B = plain.mobility(m);
-    const V scale = xsimd::sqrt(V(kEvenness) * ((B.m00 + B.m11) + (B.m22 + B.m33)));
-    for (std::size_t i = 0; i < 4; ++i) put(scale * face.self_stress[i], rows.self_stress[i]);
   }
 }
 
@@ -120,7 +108,9 @@ template <class A, bool faces>
     const V3<V> anchor_a{first.c0, first.c1, first.c2}, anchor_b{first.c3, second.c0, second.c1};
     const V gap = apart + dot(n_b, anchor_b) - dot(n_a, anchor_a);
     const V opened = most(V(kPushGain) * gap / h, V(-rule.push_speed));
-    store(xsimd::select(gap > zero, gap / h, opened), rows.bias[i], at);
+    const V closes = gap / h;
+    const V asked = xsimd::select(closes > V(rule.resting), closes, zero);
+    store(xsimd::select(gap > zero, asked, opened), rows.bias[i], at);
     penetrating = penetrating | (there & (gap < V(-rule.push_slop)));
     impulse[i] = xsimd::select(gap < V(rule.warm_start_gap), share * impulse[i], zero);
     store(impulse[i], rows.impulse[i], at);
@@ -277,10 +267,7 @@ template <class A>
   active = active & meant;
   const V before = load<V>(rows.change, at);
   if (xsimd::none(active)) return store(xsimd::select(meant, zero, before), rows.change, at);
-  const V self_stress = dot(face.self_stress, z);
-  for (std::size_t i = 0; i < 4; ++i) {
-    e[i] = xsimd::select(active & face.there[i], e[i] + self_stress * face.self_stress[i], zero);
-  }
+  for (std::size_t i = 0; i < 4; ++i) e[i] = xsimd::select(active & face.there[i], e[i], zero);
   const Responses<V> m = responses<V, true>(rows, at);
   const Sym4<V> B = face.mobility(m);
   // How far the points are from 0 <= z _|_ e >= 0.
@@ -343,6 +330,7 @@ template <class A>
       e[i] += response[i] + (back_n + back_1 * face.s[i] + back_2 * face.r[i]);
     }
   }
+  share_evenly(active, face.self_stress, z);
   for (std::size_t i = 0; i < 4; ++i) store(z[i], rows.impulse[i], at);
   store(slide.f1, rows.slide[0], at);
   store(slide.f2, rows.slide[1], at);

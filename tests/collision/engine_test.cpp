@@ -214,8 +214,9 @@ TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are"
     const auto with = run(share);
     for (std::size_t i = 0; i < without.size(); ++i) {
       INFO("share " << share << ", body " << i);
-      // What is within the slop of overlaps, 8.5 um, may be opened in another sweep.
-      CHECK((with[i] - without[i]).norm() < 2e-5);
+      // What is within the slop of overlaps, 8.5 um, may be opened in another sweep, and each gap
+      // of 1.7 um is as good as none.
+      CHECK((with[i] - without[i]).norm() < 3e-5);
     }
   }
 }

@@ -25,6 +25,7 @@ using Mat4 = Eigen::Matrix4d;
 struct Problem {
   int count;
   Mat4 B = Mat4::Zero();
+  Vec4 u = Vec4::Zero();  ///< loads that move nothing, of unit length
   Vec4 z = Vec4::Zero();
   Vec4 e = Vec4::Zero();
 
@@ -74,6 +75,24 @@ Vec4 solve(const Problem& first, const Problem& other) {
   return out;
 }
 
+/// The loads as the kernel shares them.
+Vec4 share_evenly(const Problem& p) {
+  const auto four = [](const Vec4& value) {
+    kernel::Four<Batch> out;
+    for (int i = 0; i < 4; ++i) out[static_cast<std::size_t>(i)] = Batch(value[i]);
+    return out;
+  };
+  kernel::Four<Batch> z = four(p.z);
+  kernel::share_evenly(Batch(1.0) > Batch(0.0), four(p.u), z);
+  Vec4 out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    Lanes lanes;
+    kernel::store(z[i], lanes, 0);
+    out[static_cast<Eigen::Index>(i)] = lanes[0];
+  }
+  return out;
+}
+
 /// The answer by trying all sets of loaded points: the one that is right in all signs.
 Vec4 brute_force(const Problem& p) {
   for (unsigned set = 0; set < (1u << p.count); ++set) {
@@ -114,6 +133,52 @@ TEST_CASE("contact: the points of a manifold are solved as trying all sets does"
       CHECK(solve(p, p) == d);
     }
   }
+}
+
+TEST_CASE("contact: of four points in a plane as many bear as need, as evenly as they can",
+          "[pbd][lcp]") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  int even = 0;
+  int let_go = 0;
+  for (int trial = 0; trial < 5000; ++trial) {
+    Problem p(random, 4, 6);
+    Eigen::Matrix<double, 4, 3> places;  // of the points: v = places * (up, two turns)
+    for (int i = 0; i < 4; ++i) places.row(i) << 1.0, normal(random), normal(random);
+    Eigen::Matrix3d root = Eigen::Matrix3d::Identity();
+    for (int i = 0; i < 9; ++i) root(i / 3, i % 3) += 0.3 * normal(random);
+    p.B = places * (root * root.transpose()) * places.transpose();
+    p.e = places * Eigen::Vector3d(normal(random), normal(random), normal(random));
+    p.u = Eigen::FullPivLU<Eigen::Matrix<double, 3, 4>>(places.transpose()).kernel().col(0);
+    p.u.normalize();
+    const Problem other(random, 1 + trial % 4, 6);
+    // Repeated, as sweeps repeat it.
+    for (int sweep = 0; sweep < 60; ++sweep) {
+      const Vec4 d = solve(p, p);
+      CHECK(solve(p, other) == d);
+      p.z += d;
+      p.e += p.B * d;
+    }
+    CAPTURE(trial);
+    const double load = p.z.norm() + 1.0;
+    const double speed = p.B.norm() * load;
+    CHECK(p.z.minCoeff() >= -1e-12 * load);
+    CHECK(p.e.minCoeff() >= -1e-6 * speed);
+    CHECK(p.z.cwiseProduct(p.e).maxCoeff() <= 1e-6 * speed * load);
+    const Vec4 shared = share_evenly(p);
+    CHECK((p.B * (shared - p.z)).norm() <= 1e-12 * speed);
+    CHECK(shared.minCoeff() >= 0.0);
+    if (p.z.minCoeff() > 0.0) {
+      ++even;
+      const bool settled = std::abs(p.u.dot(shared)) <= 1e-12 * load;
+      CHECK((settled || shared.minCoeff() <= 1e-12 * load));
+    } else {
+      ++let_go;
+      CHECK(shared == p.z);
+    }
+  }
+  CHECK(even > 100);
+  CHECK(let_go > 100);
 }
 
 TEST_CASE("contact: what is solved beside a manifold has no say in the sign of a zero",

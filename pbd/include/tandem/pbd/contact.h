@@ -28,6 +28,7 @@ struct TANDEM_API ContactOptions {
   /// more than this, each gets a share. What they leave, a sixth of it, is for rows that one
   /// sweep has not solved: they are swept on, those first whose bodies still move most, until no
   /// normal velocity changes by more than `resting_tolerance` times what gravity adds in a substep.
+  /// A gap that closes no faster than that is none.
   /// Blows that pass from contact to contact may strike a sixth as well. BlockReport says what
   /// was done and what was left.
   int extra_rows = 24000;
