@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -34,8 +35,10 @@ class UdpDials {
       : options_(options), random_(random), peers_(peers), hooks_(std::move(hooks)) {}
 
   /// Keep trying to have a connection to whoever is there.
-  void add(const Address& address, std::int64_t now) {
-    dials_.push_back({.address = address, .due = now, .backoff = options_.backoff_min});
+  void add(const Address& address, std::int64_t now, std::size_t key) {
+    if (std::ranges::find(dials_, address, &Dial::address) != dials_.end()) return;
+    dials_.push_back(
+        {.address = address, .due = now, .backoff = options_.backoff_min, .attempts = key});
   }
   /// Try it no more.
   void remove(const Address& address) {

@@ -31,7 +31,10 @@ class UdpNode {
   UdpNode& operator=(const UdpNode&) = delete;
 
   /// Keep trying to have a connection to whoever is there.
-  void dial(const Address& address, std::int64_t now) { dials_.add(address, now); }
+  /// @param key  which session key is tried first, see Credentials::key
+  void dial(const Address& address, std::int64_t now, std::size_t key = 0) {
+    dials_.add(address, now, key);
+  }
   /// Dial no more by this path, and end what goes over it.
   void hang_up(std::uint64_t path, const std::string& reason, std::int64_t now);
   /// False where it was of no use to anybody.
@@ -72,7 +75,7 @@ class UdpNode {
   Credentials::Changed change_group(std::span<const std::byte> signed_change, std::int64_t now);
   /// Who this is and whom it lets in, with all that the organiser has said since (`group` is the
   /// number of his change that holds; 0: none).
-  const Credentials& credentials() const { return options_.handshake; }
+  const HandshakeConfig& credentials() const { return options_.handshake; }
 
   /// The connected peer `teller` says where a third one is.
   void told(consensus::PeerId teller, const KnownPeer& known, std::int64_t now);

@@ -125,7 +125,8 @@ class __attribute__((visibility("hidden"))) CellEvents::Impl {
             options.hub->impl(), Subjects(options.prefix, options.scene_hash, options.cells),
             options)),
         random(net::crypto::system_random()),
-        sealer(net::crypto::Secret(options.session_key), options.self, random) {
+        session_key(options.session_key),
+        sealer(options.self, 0, random) {
     random({reinterpret_cast<std::uint8_t*>(&source), sizeof source});
   }
 
@@ -162,6 +163,7 @@ class __attribute__((visibility("hidden"))) CellEvents::Impl {
   const CellEventOptions options;
   const std::shared_ptr<EventDesk> desk;
   net::crypto::Random random;
+  net::crypto::Secret session_key;
   GroupSealer sealer;
   std::uint64_t source = 0;
   std::uint64_t number = 0;
@@ -228,7 +230,8 @@ bool CellEvents::send(const pbd::Vec3& position, std::string_view topic,
                                                     .name = hex(event.source) + hex(event.number),
                                                     .sealed = {},
                                                     .at = Clock::now()});
-  impl_->sealer.seal(plain, said->sealed);
+  impl_->sealer.seal(plain, impl_->session_key, static_cast<std::int64_t>(event.number),
+                     said->sealed);
   {
     const std::scoped_lock lock(desk->mutex);
     desk->kept.push_back(said);

@@ -69,10 +69,9 @@ EventStore::EventStore(NatsHub::Impl& hub, const Subjects& subjects,
                        const CellEventOptions& options)
     : hub_(hub),
       subjects_(subjects),
+      session_key_(options.session_key),
       kept_(std::chrono::nanoseconds(options.kept).count()),
-      stream_(stream_name(subjects.base(), "events")) {
-  credentials_.session_key = net::crypto::Secret(options.session_key);
-}
+      stream_(stream_name(subjects.base(), "events")) {}
 
 bool EventStore::open() {
   const std::uint64_t now = hub_.life();
@@ -148,8 +147,7 @@ bool EventStore::read(const Cell& cell, EventLog& log,
     const std::span bytes(reinterpret_cast<const std::byte*>(natsMsg_GetData(made)),
                           static_cast<std::size_t>(natsMsg_GetDataLength(made)));
     // What was heard before is known by the numbers within, over all lives of a sender.
-    GroupOpener opener;
-    const auto opened = opener.open(bytes, credentials_);
+    const auto opened = open_group_record(bytes, session_key_);
     auto event = opened ? decode_event(opened->plain) : std::nullopt;
     if (!event || event->event.cell != cell) {
       ++refused_;

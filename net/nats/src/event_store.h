@@ -77,7 +77,7 @@ class __attribute__((visibility("hidden"))) EventStore {
 
   NatsHub::Impl& hub_;
   Subjects subjects_;
-  net::Credentials credentials_;
+  net::crypto::Secret session_key_;
   std::int64_t kept_;  ///< ns
   std::string stream_;
   NatsOwned<jsCtx> context_;

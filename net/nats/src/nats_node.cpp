@@ -17,13 +17,16 @@ using net::octets;
 
 namespace {
 
-constexpr std::size_t kSenderBytes = 8;              // before each datagram
-constexpr std::int64_t kFollowEvery = 50'000'000;    // ns
-constexpr std::int64_t kCoarsePeriod = 500'000'000;  // ns, of levels above 1
-constexpr std::int64_t kPartLife = 5'000'000'000;    // ns, of what was said of a part
-constexpr std::int64_t kPatience = 3'000'000'000;    // ns, for a handshake and a farewell
-constexpr std::size_t kMaxDeparted = 8;              // they are listed in each step
-constexpr std::size_t kMaxPackets = 1024;            // of summaries that nobody drains
+constexpr std::size_t kSenderBytes = 8;                // before each datagram
+constexpr std::int64_t kFollowEvery = 50'000'000;      // ns
+constexpr std::int64_t kCoarsePeriod = 500'000'000;    // ns, of levels above 1
+constexpr std::int64_t kPartLife = 5'000'000'000;      // ns, of what was said of a part
+constexpr std::int64_t kPatience = 3'000'000'000;      // ns, for a handshake and a farewell
+constexpr std::int64_t kInviteAgain = 15'000'000'000;  // ns, the same one
+constexpr std::size_t kMaxInvited = 32;                // in that time
+constexpr std::int64_t kDoubt = 1'000'000'000;         // ns, to be heard under a new session key
+constexpr std::size_t kMaxDeparted = 8;                // they are listed in each step
+constexpr std::size_t kMaxPackets = 1024;              // of summaries that nobody drains
 
 net::UdpNodeOptions options_of(const NatsOptions& options, const DirectSocket* direct,
                                std::int64_t now, std::int64_t correction) {
@@ -54,12 +57,15 @@ NatsNode::NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std
       subjects_(options.prefix, options.member.scene_hash, options.cells),
       hub_(std::move(hub)),
       steady_(std::move(steady)),
+      correction_(correction),
       node_(options_of(options, hub_->impl().direct(), now, correction), crypto::system_random(),
             [this](std::span<const std::byte> datagram, const net::Address& to) {
               send(datagram, to);
             }),
       hood_(options.cells, options.member.self),
-      direct_{.nearest = Nearest(options.direct_peers, options.cells.slack), .hear = nullptr} {
+      direct_{.nearest = Nearest(options.direct_peers, options.cells.slack), .hear = nullptr},
+      seal_{.sealer = GroupSealer(self_, node_.credentials().incarnation, crypto::system_random()),
+            .opener = GroupOpener(now + correction)} {
   if (options.speaker) speaking_.secret.emplace(*options.speaker);
   for (const TrustedSpeaker& each : options.speakers)
     speaking_.trusted[each.peer] = each.public_key;
@@ -152,16 +158,44 @@ void NatsNode::on_datagram(const Inbox::Message& message) {
   (void)node_.on_path(std::span(message.bytes).subspan(kSenderBytes), from, last_);
 }
 
+GroupOpener::Opened NatsNode::open(const Inbox::Message& message) {
+  const auto connected = [this](PeerId peer) -> std::optional<std::uint64_t> {
+    const net::UdpPeers::Record* record = node_.table().record(peer);
+    if (record == nullptr || record->connection == nullptr) return std::nullopt;
+    return record->incarnation;
+  };
+  const auto out =
+      seal_.opener.open(message.bytes, node_.credentials(), last_ + correction_, connected);
+  if (out.heard == GroupOpener::Heard::Elsewhen) invite(out.sender, out.key);
+  return out;
+}
+
+void NatsNode::invite(PeerId peer, std::size_t key) {
+  if (peer == self_ || node_.table().attached(peer) != nullptr) return;
+  std::erase_if(invited_,
+                [this](const auto& entry) { return last_ - entry.second > kInviteAgain; });
+  if (invited_.size() >= kMaxInvited || !invited_.emplace(peer, last_).second) return;
+  amiss_.emplace(peer, last_);
+  node_.dial(net::path_address(peer), last_, key);
+}
+
+void NatsNode::heed_group_change(std::int64_t now) {
+  if (seal_.group == node_.credentials().group) return;
+  seal_.group = node_.credentials().group;
+  hood_.doubt([this](PeerId peer) { return node_.table().attached(peer) == nullptr; },
+              now - Neighbourhood::kForget + kDoubt);
+}
+
 void NatsNode::on_presence(const Inbox::Message& message) {
-  const auto opened = seal_.opener.open(message.bytes, node_.credentials());
-  if (!opened) return;
-  const auto presence = decode_presence(opened->plain);
+  const auto opened = open(message);
+  if (opened.heard != GroupOpener::Heard::Now) return;
+  const auto presence = decode_presence(opened.plain);
   if (!presence) {
     ++seal_.unbelieved;
-  } else if (opened->sender == self_) {
+  } else if (opened.sender != self_) {
+    hood_.hear(opened.sender, *presence, last_);
+  } else if (seal_.sealer.has_sealed(message.bytes)) {
     load_.heard(presence->sent, steady_());
-  } else {
-    hood_.hear(opened->sender, *presence, last_);
   }
 }
 
@@ -176,32 +210,30 @@ bool NatsNode::is_believed(PeerId sender, const Summary& summary,
 }
 
 void NatsNode::on_summary(const Inbox::Message& message) {
-  const auto opened = seal_.opener.open(message.bytes, node_.credentials());
-  if (!opened || opened->sender == self_) return;
-  const auto summary = decode_summary(opened->plain);
+  const auto opened = open(message);
+  if (opened.heard != GroupOpener::Heard::Now || opened.sender == self_) return;
+  const auto summary = decode_summary(opened.plain);
   if (!summary || summary->cell.level >= cells_.levels ||
-      !is_believed(opened->sender, *summary, opened->plain)) {
+      !is_believed(opened.sender, *summary, opened.plain)) {
     ++seal_.unbelieved;
     return;
   }
   const Cell cell = summary->cell;
-  levels_[static_cast<std::size_t>(cell.level) - 1].speaker.hear(cell, opened->sender, last_);
+  levels_[static_cast<std::size_t>(cell.level) - 1].speaker.hear(cell, opened.sender, last_);
   if (cell.level + 1 < cells_.levels) {
     Level& above = levels_[static_cast<std::size_t>(cell.level)];
     if (above.of_within == parent_of(cell)) above.people[cell] = {summary->people, last_};
   }
   if (summaries_.size() < NatsTransport::kMaxSummaries) {
-    summaries_.push_back({cell,
-                          opened->sender,
-                          summary->people,
-                          {summary->content.begin(), summary->content.end()}});
+    summaries_.push_back(
+        {cell, opened.sender, summary->people, {summary->content.begin(), summary->content.end()}});
   } else {
     std::rotate(summaries_.begin(), summaries_.begin() + 1, summaries_.end());
     summaries_.back() = {
-        cell, opened->sender, summary->people, {summary->content.begin(), summary->content.end()}};
+        cell, opened.sender, summary->people, {summary->content.begin(), summary->content.end()}};
   }
   if (summary->content.empty() || packets_.size() >= kMaxPackets) return;
-  packets_.push_back({.from = opened->sender,
+  packets_.push_back({.from = opened.sender,
                       .bytes = {summary->content.begin(), summary->content.end()},
                       .received = node_.session_now(last_)});
 }
@@ -230,6 +262,7 @@ void NatsNode::follow(std::int64_t now) {
     if (self_ < peer) node_.dial(net::path_address(peer), now);
   }
   for (const PeerId peer : changes.part) node_.hang_up(peer, "too far away", now);
+  heed_group_change(now);
   reconcile(now);
   if (direct_.hear != nullptr) {
     node_.table().prefer_direct(direct_.nearest.choose(hood_.met_peers(), hood_.position()), now);
@@ -260,21 +293,16 @@ void NatsNode::reconcile(std::int64_t now) {
   for (const auto& [peer, position] : hood_.met_peers()) {
     if (node_.table().attached(peer) == nullptr) unlike.push_back(peer);
   }
+  for (const auto& [peer, at] : invited_) {
+    const bool asked = amiss_.contains(peer) && node_.table().attached(peer) == nullptr;
+    if (asked && !hood_.is_met(peer)) unlike.push_back(peer);
+  }
   for (const PeerId peer : unlike) note(peer);
   amiss_ = std::move(amiss);
 }
 
-void NatsNode::renew_seal() {
-  const net::Credentials& credentials = node_.credentials();
-  if (seal_.sealer != nullptr && seal_.group == credentials.group) return;
-  seal_.sealer =
-      std::make_unique<GroupSealer>(credentials.session_key, self_, crypto::system_random());
-  seal_.group = credentials.group;
-}
-
 void NatsNode::publish_sealed(const std::string& subject, std::span<const std::byte> plain) {
-  renew_seal();
-  seal_.sealer->seal(plain, seal_.sealed);
+  seal_.sealer.seal(plain, node_.credentials().session_key, last_ + correction_, seal_.sealed);
   hub_->impl().publish(subject, seal_.sealed);
 }
 

@@ -63,9 +63,9 @@ class NatsNode {
 
   /// What is sealed for all of the group, and opened.
   struct Seal {
-    std::unique_ptr<GroupSealer> sealer;
-    std::uint64_t group = 0;  ///< that `sealer` is for
+    GroupSealer sealer;
     GroupOpener opener;
+    std::uint64_t group = 0;        ///< change that counted last
     std::uint64_t unbelieved = 0;   ///< opened, and not to be believed
     std::vector<std::byte> plain;   ///< scratch
     std::vector<std::byte> sealed;  ///< scratch
@@ -96,10 +96,15 @@ class NatsNode {
   void listen_directly();
   void on_datagram(const Inbox::Message& message);
   void on_direct(const Inbox::Message& message);
+  GroupOpener::Opened open(const Inbox::Message& message);
   void on_presence(const Inbox::Message& message);
   void on_summary(const Inbox::Message& message);
   bool is_believed(PeerId sender, const Summary& summary, std::span<const std::byte> plain) const;
   void follow(std::int64_t now);
+  /// Ask a member who may be there, and of whom nothing is believed, for a connection.
+  void invite(PeerId peer, std::size_t key);
+  /// Of whoever is not connected only what is said under a new session key counts.
+  void heed_group_change(std::int64_t now);
   /// The node's connections and those that the neighbourhood wants come to the same.
   void reconcile(std::int64_t now);
   void say_where(std::int64_t now);
@@ -108,13 +113,13 @@ class NatsNode {
   std::uint32_t people_of(Level& level, const Cell& cell, std::int64_t now);
   NatsOwned<natsSubscription> subscribe(const std::string& subject, Inbox::Kind kind);
   void publish_sealed(const std::string& subject, std::span<const std::byte> plain);
-  void renew_seal();
 
   CellOptions cells_;
   PeerId self_;
   Subjects subjects_;
   std::shared_ptr<NatsHub> hub_;
   std::function<std::int64_t()> steady_;
+  std::int64_t correction_;  ///< ns: the system clock at the start less the own one
   Speaking speaking_;
 
   std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
@@ -130,6 +135,7 @@ class NatsNode {
   std::int64_t last_ = INT64_MIN;  ///< of the newest thing that the node was told
   Due due_;
   std::map<PeerId, std::int64_t> amiss_;    ///< whose connection is not as wanted, since when
+  std::map<PeerId, std::int64_t> invited_;  ///< when
   std::vector<consensus::Packet> packets_;  ///< of summaries
   std::vector<CellSummary> summaries_;
 };

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -40,6 +41,13 @@ class Neighbourhood {
   void lose(PeerId peer) {
     contacts_.erase(peer);
     std::erase_if(met_, [peer](const NearPeer& each) { return each.peer == peer; });
+  }
+  /// Those whom `doubted` names are taken to have been silent since `then`.
+  template <class Doubted>
+  void doubt(const Doubted& doubted, std::int64_t then) {
+    for (auto& [peer, contact] : contacts_) {
+      if (doubted(peer)) contact.heard = std::min(contact.heard, then);
+    }
   }
   bool is_met(PeerId peer) const {
     const auto at = contacts_.find(peer);
