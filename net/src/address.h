@@ -51,6 +51,15 @@ inline Address path_address(std::uint64_t number) {
 inline bool is_path(const Address& address) { return address.port == 0 && address.ip[7] == 1; }
 inline std::uint64_t path_number(const Address& address) { return relayed_peer(address); }
 
+/// What one customer of a provider has: the first 24 bits of IPv4, the first 48 of IPv6. One peer
+/// where it stands for one.
+inline Address network_of(const Address& address) {
+  Address out{.ip = address.ip};
+  if (is_relayed(address) || is_path(address)) return out;
+  std::fill(out.ip.begin() + (is_v4(address) ? 15 : 6), out.ip.end(), std::uint8_t{0});
+  return out;
+}
+
 /// Of one host, as far as can be seen: no group, not "any", with a port.
 inline bool is_host(const Address& address) {
   if (address.port == 0) return false;

@@ -21,7 +21,7 @@ static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceByte
 }  // namespace
 
 UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions& options,
-                             bool confirmed, std::int64_t now)
+                             bool began_here, std::int64_t now)
     : session_(session),
       options_(options),
       sealer_(session.send, session.remote.receiver, now, options.rekey),
@@ -29,7 +29,7 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       channels_(options.channels, options.max_datagram),
       rate_(options.congestion, now),
       clock_turns_(now),
-      confirmed_(confirmed),
+      began_here_(began_here),
       last_heard_(now),
       last_sent_(now - options.idle_timeout),  // the first packet tells the other end at once
       keep_alive_(std::min(options.idle_timeout,
@@ -74,12 +74,11 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
            plain_);
     return seal(now);
   }
-  if (now - last_heard_ > options_.idle_timeout) {
-    close("connection lost: nothing heard for " +
-          std::to_string(options_.idle_timeout / 1'000'000) + " ms");
+  if (now - last_heard_ > patience()) {
+    close("connection lost: nothing heard for " + std::to_string(patience() / 1'000'000) + " ms");
     return {};
   }
-  if (!confirmed_) return {};
+  if (!may_send()) return {};
   channels_.on_time(now);
   rate_.update(channels_.take_feedback(), channels_.rtt(), now);
   Pacer& pacer = rate_.pacer();
@@ -97,7 +96,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
   // Acknowledgements alone are small and do not wait: late ones would look like loss.
   if (clock != nullptr) clock_turns_.begin(now);
   const bool tells_clock = clock != nullptr && clock_turns_.is_due_alone(now);
-  const bool must = tells_clock || now >= channels_.ack_due() || now - last_sent_ >= keep_alive_;
+  const bool must = tells_clock || now >= channels_.ack_due() || now - last_sent_ >= keep_alive();
   const bool content = channels_.has_content(now);
   const bool ready = pacer.ready(now);
   if (content && !ready) rate_.hold_back();
@@ -118,10 +117,9 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
 std::int64_t UdpConnection::next_due(std::int64_t now) {
   if (state_ == State::Closed) return INT64_MAX;
   if (state_ == State::Leaving) return goodbyes_.due;
-  if (!confirmed_) return std::max(now, last_heard_ + options_.idle_timeout + 1);
-  std::int64_t due =
-      std::min({channels_.ack_due(), last_sent_ + keep_alive_,
-                last_heard_ + options_.idle_timeout + 1, clock_turns_.next_due(now)});
+  if (!may_send()) return std::max(now, last_heard_ + patience() + 1);
+  std::int64_t due = std::min({channels_.ack_due(), last_sent_ + keep_alive(),
+                               last_heard_ + patience() + 1, clock_turns_.next_due(now)});
   if (channels_.rtt().any()) {
     due = std::min(due, std::max(channels_.mtu().next_due(), rate_.pacer().next(now)));
   }
@@ -210,7 +208,7 @@ void UdpConnection::read(std::int64_t now) {
 
 void UdpConnection::leave(const std::string& reason, std::int64_t now) {
   if (state_ != State::Open) return;
-  if (!confirmed_) return close(reason);
+  if (!may_send()) return close(reason);
   state_ = State::Leaving;
   reason_ = (reason.empty() ? std::string("closed") : reason).substr(0, kMaxReason);
   goodbyes_ = {.left = kGoodbyes, .due = now};

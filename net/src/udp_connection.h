@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -32,11 +33,12 @@ class UdpConnection {
  public:
   enum class State { Open, Leaving, Closed };
 
-  /// @param confirmed  the other end's possession of the keys is known (the initiator's view).
-  /// Until
-  ///   it is, nothing is sent: its address would get more than came from there.
-  UdpConnection(const Session& session, const UdpConnectionOptions& options, bool confirmed,
+  /// @param began_here  else nothing is sent before the other end is confirmed: its address would
+  ///   get more than came from there
+  UdpConnection(const Session& session, const UdpConnectionOptions& options, bool began_here,
                 std::int64_t now);
+  /// Whoever has answered a handshake answers under its keys in this time, or has forgotten it, ns.
+  static constexpr std::int64_t kConfirmTime = 2'000'000'000;
 
   /// False where it is dropped at once: closed, too long, queue of reliable messages full.
   bool post(std::span<const std::byte> bytes, consensus::Delivery delivery, std::int64_t now);
@@ -114,6 +116,16 @@ class UdpConnection {
   std::span<const std::byte> seal_path(ChannelSection::Kind kind, std::uint64_t token,
                                        std::int64_t now);
   void close(const std::string& reason);
+  bool may_send() const { return confirmed_ || began_here_; }
+  /// Nothing heard for so long: it is closed.
+  std::int64_t patience() const {
+    return confirmed_ || !began_here_ ? options_.idle_timeout
+                                      : std::min(options_.idle_timeout, kConfirmTime);
+  }
+  /// Nothing sent for so long: something is.
+  std::int64_t keep_alive() const {
+    return confirmed_ ? keep_alive_ : std::min(keep_alive_, kConfirmTime / 8);
+  }
   std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
@@ -125,7 +137,8 @@ class UdpConnection {
   ClockTurns clock_turns_;
   State state_ = State::Open;
   std::string reason_;
-  bool confirmed_;
+  bool began_here_;
+  bool confirmed_ = false;
   Goodbyes goodbyes_;
   std::int64_t last_heard_;
   std::int64_t last_sent_;

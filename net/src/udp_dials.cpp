@@ -89,7 +89,7 @@ void UdpDials::finish(Dial& dial, std::int64_t now) {
 }
 
 bool UdpDials::is_wanted(const Dial& dial) const {
-  if (peers_.is_leaving()) return false;
+  if (peers_.is_leaving() || peers_.is_asked(dial.address)) return false;
   const UdpPeers::Record* record = peers_.record(dial.peer);
   if (record == nullptr) return true;
   if (record->dropped || !options_.handshake.stands(record->member)) return false;

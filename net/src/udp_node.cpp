@@ -36,7 +36,7 @@ UdpNode::UdpNode(const UdpNodeOptions& options, const crypto::Random& random, Se
               .send = transmit_,
               .established =
                   [this](const Session& session, const Address& address) {
-                    attach(peers_.add(session, address, true, now_), now_);
+                    peers_.add(session, address, true, now_);
                   }}),
       responder_(
           options_.handshake, random,

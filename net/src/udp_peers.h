@@ -75,6 +75,8 @@ class UdpPeers {
     }
   }
   bool is_attached_directly(PeerId peer) const;
+  /// A connection that was begun here to this address has not been heard of yet.
+  bool is_asked(const Address& address) const;
   bool is_leaving() const { return leaving_; }
 
   Verdict decide(const Introduction& other, const Member& member, const Address& from,
@@ -114,8 +116,8 @@ class UdpPeers {
   std::size_t attached_count() const;
   /// Whether an id that is not bound is somebody else's for now.
   static bool is_taken(const Record& record, const Member& member, std::int64_t now);
-  /// Make room for one more of them where there is none.
-  void forget_unconfirmed();
+  /// Make room for one more by somebody else.
+  void forget_unconfirmed(const crypto::PublicKey& key);
   void forget_departed();
   void shed_departed();
 

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
+#include <deque>
+#include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -74,7 +77,112 @@ class Flood {
   std::vector<std::uint8_t> noise_ = std::vector<std::uint8_t>(258, 7);
 };
 
+/// Begins handshakes from many addresses and says no more: with keys of one member, or of as many
+/// as it has made up.
+class Beginner {
+ public:
+  Beginner(World& world, std::size_t keys) : world_(world) {
+    for (std::size_t i = 0; i < keys; ++i) {
+      HandshakeConfig& config = configs_.emplace_back();
+      config.self = 1000 + i;
+      config.incarnation = 1;
+      config.scene_hash = 42;
+      config.session_key = secret(1000);
+      config.identity = crypto::make_key_pair(seeded(1000 + i));
+      config.complete(config.self);
+    }
+  }
+
+  /// A handshake from the next of the addresses, and what is to be said to those under way.
+  void begin(const std::vector<Address>& from) {
+    const Address& address = from[begun_ % from.size()];
+    world_.watch(address);
+    const HandshakeConfig& config = configs_[begun_ % configs_.size()];
+    under_way_.push_back({address, std::make_unique<HandshakeInitiator>(
+                                       config, seeded(90'000 + begun_),
+                                       static_cast<std::uint32_t>(1 + begun_), world_.now)});
+    ++begun_;
+  }
+  void step() {
+    std::map<Address, std::vector<Bytes>> answers;
+    for (const Attempt& each : under_way_) {
+      if (!answers.contains(each.from)) {
+        answers[each.from] = world_.arrived(address_of(1), each.from);
+      }
+      for (const Bytes& answer : answers[each.from]) {
+        each.handshake->on_datagram(answer, world_.now);
+      }
+      const auto out = each.handshake->poll(world_.now);
+      if (!out.empty()) world_.node(1).on_datagram(copy(out), each.from, world_.now);
+    }
+    done += static_cast<std::uint64_t>(std::erase_if(under_way_, [](const Attempt& each) {
+      return each.handshake->state() != HandshakeInitiator::State::Asking &&
+             each.handshake->state() != HandshakeInitiator::State::Proving;
+    }));
+  }
+  std::uint64_t done = 0;
+
+ private:
+  struct Attempt {
+    Address from;
+    std::unique_ptr<HandshakeInitiator> handshake;
+  };
+  World& world_;
+  std::deque<HandshakeConfig> configs_;
+  std::vector<Attempt> under_way_;
+  std::uint64_t begun_ = 0;
+};
+
 }  // namespace
+
+TEST_CASE("flood: a member that begins 300 handshakes a second keeps nobody out who is 250 ms away",
+          "[net][fault]") {
+  World world({.delay = kMs});
+  world.start(1);
+  // One key from many networks, or many keys from one, or both.
+  const auto [keys, networks] = GENERATE(std::pair(1, 250), std::pair(300, 1), std::pair(300, 250));
+  std::vector<Address> from;
+  for (std::uint64_t i = 0; i < 250; ++i) {
+    from.push_back(stranger(networks == 1 ? i : i << 8));
+  }
+  Beginner beginner(world, static_cast<std::size_t>(keys));
+  int due = 0;
+  world.each_step = [&] {
+    for (due += 3; due >= 10; due -= 10) beginner.begin(from);
+    beginner.step();
+  };
+  world.run(2 * kSecond);
+  CHECK(beginner.done > 400);
+  for (PeerId newcomer = 2; newcomer < 5; ++newcomer) {
+    const PathOptions far{.delay = 125 * kMs};
+    world.path(address_of(1), address_of(newcomer)).set(far);
+    world.path(address_of(newcomer), address_of(1)).set(far);
+    world.start(newcomer).dial(address_of(1), world.now);
+    bool is_sure = true;  // nobody says that he is connected who is not let in
+    for (int i = 0; i < 20; ++i) {
+      world.run(100 * kMs);
+      is_sure = is_sure && (status(world.node(1), newcomer).connected ||
+                            !status(world.node(newcomer), 1).connected);
+    }
+    CHECK(is_sure);
+    CAPTURE(keys, networks);
+    CHECK(linked(world, 1, newcomer));
+  }
+}
+
+TEST_CASE("flood: who is answered and then forgotten does not say that he is connected",
+          "[net][fault]") {
+  World world({.delay = 20 * kMs});
+  world.start(1);
+  world.start(2).dial(address_of(1), 0);
+  world.run(60 * kMs);  // question, cookie, proof
+  cut(world, 1, 2);     // the answer is on its way, nothing under the keys will be
+  world.run(3 * kSecond);
+  CHECK_FALSE(status(world.node(2), 1).connected);
+  cut(world, 1, 2, true);
+  world.run(2 * kSecond);
+  CHECK(linked(world, 1, 2));
+}
 
 TEST_CASE(
     "flood: with 2000 spoofed packets a second in its address and 20 000 from others a newcomer "

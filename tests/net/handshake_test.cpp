@@ -400,7 +400,7 @@ TEST_CASE("handshake: recorded proofs are answered alike and are bounded in numb
   Listener two(config(2, 2));
   Bytes first_reply;
   Bytes first_proof;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 300; ++i) {
     const std::int64_t now = i * 2 * kMs;
     const auto from = address(static_cast<std::uint8_t>(i));
     HandshakeInitiator initiator(one, seeded(static_cast<std::uint64_t>(i)), kInitiatorNumber, now);
