@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "tandem/pbd/validate.h"
@@ -71,6 +72,14 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
   return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
 
+struct NumberedPlane : HullPlane {
+  std::uint32_t number = 0;
+};
+struct Highest {
+  double above = -std::numeric_limits<double>::infinity();
+  std::uint32_t plane = 0;  ///< number
+};
+
 /// @param tolerance  share of the height of the first tetrahedron: see ConvexHull::make()
 std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, double tolerance) {
   std::vector<Triangle> faces = first_tetrahedron(points, extent);
@@ -78,11 +87,25 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
   double height = 0.0;
   for (const std::uint32_t v : faces[1]) height = std::max(height, -base.above(points[v]));
   const double least = std::max(kOutside * extent, tolerance * height);
-  std::vector<HullPlane> planes;
+  std::vector<NumberedPlane> planes;
+  std::uint32_t planes_made = 0;
+  const auto plane_of = [&](const Triangle& t) {
+    return NumberedPlane{hull_plane(points, t), planes_made++};
+  };
   planes.reserve(faces.size());
-  for (const Triangle& t : faces) planes.push_back(hull_plane(points, t));
+  for (const Triangle& t : faces) planes.push_back(plane_of(t));
+  // Of each point the plane that it is farthest above, or least below.
+  std::vector<Highest> highest(points.size());
+  const auto look = [&](std::uint32_t i, std::span<const NumberedPlane> at) {
+    for (const NumberedPlane& plane : at) {
+      const double above = plane.above(points[i]);
+      if (above > highest[i].above) highest[i] = {above, plane.number};
+    }
+  };
+  for (std::uint32_t i = 0; i < points.size(); ++i) look(i, planes);
   std::vector<Triangle> kept;
-  std::vector<HullPlane> kept_planes;
+  std::vector<NumberedPlane> kept_planes;
+  std::vector<bool> gone;                          // planes, by number
   std::vector<std::array<std::uint32_t, 2>> seen;  // directed edges of the faces that see the point
   for (std::size_t round = 0; round <= points.size(); ++round) {
     // A corner that goes in may be swallowed later, but not so many of them.
@@ -92,36 +115,42 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
     std::uint32_t next = 0;
     double most = least;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
-      for (const HullPlane& plane : planes) {
-        const double above = plane.above(points[i]);
-        if (above <= most) continue;
-        most = above;
-        next = i;
-      }
+      if (highest[i].above <= most) continue;
+      most = highest[i].above;
+      next = i;
     }
     if (most <= least) break;
     kept.clear();
     kept_planes.clear();
     seen.clear();
+    gone.assign(planes_made, false);
     for (std::size_t f = 0; f < faces.size(); ++f) {
       // Faces in whose plane the point lies go as well, so that no sliver is left beside them.
       if (planes[f].above(points[next]) > -0.1 * kOutside * extent) {
         for (int k = 0; k < 3; ++k) seen.push_back({faces[f][k], faces[f][(k + 1) % 3]});
+        gone[planes[f].number] = true;
       } else {
         kept.push_back(faces[f]);
         kept_planes.push_back(planes[f]);
       }
     }
+    const std::size_t stay = kept.size();
     for (const auto& [from, to] : seen) {
       const bool inner =
           std::any_of(seen.begin(), seen.end(),
                       [from = from, to = to](const auto& e) { return e[0] == to && e[1] == from; });
       if (inner) continue;
       kept.push_back({from, to, next});
-      kept_planes.push_back(hull_plane(points, kept.back()));
+      kept_planes.push_back(plane_of(kept.back()));
     }
     faces.swap(kept);
     planes.swap(kept_planes);
+    const std::span now(planes);
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const bool lost = gone[highest[i].plane];
+      if (lost) highest[i] = {};
+      look(i, lost ? now : now.subspan(stay));
+    }
   }
   return faces;
 }

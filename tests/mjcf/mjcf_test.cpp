@@ -92,6 +92,22 @@ TEST_CASE("mjcf: a joint starts on the turn within its range", "[mjcf]") {
   }
 }
 
+TEST_CASE("mjcf: a model has no more than it may", "[mjcf][errors]") {
+  const std::string text =
+      "<mujoco><worldbody><body><freejoint/><geom size='0.1'/><geom size='0.1'/></body>"
+      "<body pos='0.05 0 0'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>";
+  const auto told = [&](std::size_t SceneLimits::*what, std::size_t most) {
+    SceneLimits limits;
+    limits.*what = most;
+    return tandem::testing::refusal([&] { parse_mjcf(text, {}, "m", limits); });
+  };
+  CHECK(told(&SceneLimits::bodies, 3).empty());
+  CHECK(told(&SceneLimits::bodies, 2).find("SceneLimits::bodies") != std::string::npos);
+  CHECK(told(&SceneLimits::colliders, 2).find("SceneLimits::colliders") != std::string::npos);
+  CHECK(told(&SceneLimits::parts, 1).find("SceneLimits::parts") != std::string::npos);
+  CHECK(told(&SceneLimits::pairs, 1).find("SceneLimits::pairs") != std::string::npos);
+}
+
 TEST_CASE("mjcf: what is none, or cannot be, is refused", "[mjcf][errors]") {
   const auto refused = [](const std::string& text) {
     return refusal([&] { parse_mjcf(text, {}, "x.xml"); });

@@ -343,7 +343,7 @@ TEST_CASE("gltf: what is made of a file is in proportion to it", "[gltf][errors]
   CHECK(message({.nodes = 1000}).empty());
   CHECK(message({.nodes = 50, .scaled = true}).empty());
   // 108 kB of corners, 400 times.
-  const std::string rule = "corners of triangles";
+  const std::string rule = "SceneLimits::points";
   CHECK(names(message({.primitives = 400}), "/meshes/0/primitives/", "{...}", rule));
   CHECK(names(message({.nodes = 400, .scaled = true}), "/geometry/mesh", "is 0", rule));
   CHECK(names(message({.meshes = 400}), "mesh", "is ", rule));

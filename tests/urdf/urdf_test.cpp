@@ -120,6 +120,24 @@ TEST_CASE("urdf: a base may be free, and links that say no mass have a tip's", "
   CHECK(file.scene.pose(file.find("base")).position.x() == Approx(0.5).epsilon(1e-3));
 }
 
+TEST_CASE("urdf: a robot has no more than it may", "[urdf][errors]") {
+  const std::string shape = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
+  const std::string text = "<robot name='r'><link name='a'>" + shape + "</link><link name='b'>" +
+                           shape + shape +
+                           "</link><joint name='j' type='fixed'><parent link='a'/>"
+                           "<child link='b'/></joint></robot>";
+  const auto told = [&](std::size_t SceneLimits::*what, std::size_t most) {
+    UrdfOptions options;
+    options.limits.*what = most;
+    return tandem::testing::refusal([&] { parse_urdf(text, options); });
+  };
+  CHECK(told(&SceneLimits::bodies, 2).empty());
+  CHECK(told(&SceneLimits::bodies, 1).find("SceneLimits::bodies") != std::string::npos);
+  CHECK(told(&SceneLimits::colliders, 2).find("SceneLimits::colliders") != std::string::npos);
+  CHECK(told(&SceneLimits::parts, 1).find("SceneLimits::parts") != std::string::npos);
+  CHECK(told(&SceneLimits::joints, 0).find("SceneLimits::joints") != std::string::npos);
+}
+
 TEST_CASE("urdf: what is none is refused", "[urdf][errors]") {
   const auto refused = [](const std::string& text) {
     return refusal([&] { parse_urdf(text, {}, "arm.urdf"); }).find("arm.urdf: ") == 0;

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "limit_count.h"
 #include "read_bytes.h"
 #include "xml_check.h"
 
@@ -25,7 +26,8 @@ Pose pose_of(const mjtNum* position, const mjtNum* q) {
 /// Turns a compiled model into a scene.
 class MjcfReader {
  public:
-  MjcfReader(const mjModel& model, SceneFile& out) : m_(model), out_(out) {}
+  MjcfReader(const mjModel& model, SceneFile& out, const SceneLimits& limits)
+      : m_(model), out_(out), limits_(limits) {}
 
   void run() {
     frames_.resize(static_cast<std::size_t>(m_.nbody));
@@ -36,6 +38,7 @@ class MjcfReader {
     for (int g = 0; g < m_.ngeom; ++g) geom(g);
     for (int b = 1; b < m_.nbody; ++b) joint(b);
     rest();
+    scene_files::require_within("model", limits_.pairs(out_.scene));
   }
 
  private:
@@ -79,6 +82,11 @@ class MjcfReader {
       const bool root = m_.body_weldid[m_.body_parentid[b]] == 0;
       groups_[i] = root ? out_.scene.new_group() : groups_[parent];
     }
+    const std::string at = where(mjOBJ_BODY, b);
+    scene_files::require_within(at, limits_.add(&SceneLimits::bodies));
+    if (def.type != BodyType::Static) {
+      scene_files::require_within(at, limits_.parts(static_cast<std::size_t>(m_.body_geomnum[b])));
+    }
     ids_[i] = guard(mjOBJ_BODY, b, [&] { return out_.scene.world().add_body(def); });
     out_.bodies.push_back({name(mjOBJ_BODY, b), ids_[i]});
   }
@@ -118,6 +126,7 @@ class MjcfReader {
       default:
         return warn(mjOBJ_GEOM, g, "ellipsoids and height fields are not read");
     }
+    scene_files::require_within(where(mjOBJ_GEOM, g), limits_.add(&SceneLimits::colliders));
     guard(mjOBJ_GEOM, g, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
   }
 
@@ -125,6 +134,9 @@ class MjcfReader {
   collision::Hull hull(int mesh) {
     collision::Hull& known = hulls_[mesh];
     if (known != nullptr) return known;
+    scene_files::require_within(
+        where(mjOBJ_MESH, mesh),
+        limits_.add(&SceneLimits::hull_points, static_cast<std::size_t>(m_.mesh_vertnum[mesh])));
     std::vector<Vec3> points;
     for (int v = 0; v < m_.mesh_vertnum[mesh]; ++v) {
       const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + v);
@@ -136,6 +148,7 @@ class MjcfReader {
   void joint(int b) {
     const auto i = static_cast<std::size_t>(b);
     if (m_.body_weldid[b] == 0) return;
+    scene_files::require_within(where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
     const BodyId parent = ids_[static_cast<std::size_t>(m_.body_parentid[b])];
     const int first = m_.body_jntadr[b];
     const int count = m_.body_jntnum[b];
@@ -256,6 +269,7 @@ class MjcfReader {
   std::vector<BodyId> ids_;
   std::vector<std::int32_t> groups_;  ///< of trees; 0: of the world
   std::map<int, collision::Hull> hulls_;
+  scene_files::LimitCount limits_;
 };
 
 /// MuJoCo's own answer to an error is to write a file, wait for a key and end the process.
@@ -278,7 +292,7 @@ class ErrorsThrow {
 };
 
 SceneFile build(const std::string& path, const mjVFS* files, const SceneOptions& options,
-                std::string_view name) {
+                std::string_view name, const SceneLimits& limits) {
   char error[1000] = "";
   const ErrorsThrow errors_throw;
   const Model model(mj_loadXML(path.c_str(), files, error, sizeof error), mj_deleteModel);
@@ -289,7 +303,7 @@ SceneFile build(const std::string& path, const mjVFS* files, const SceneOptions&
   try {
     SceneFile out{.scene = Scene(with)};
     if (error[0] != '\0') out.warnings.push_back(std::string("MuJoCo: ") + error);
-    MjcfReader(*model, out).run();
+    MjcfReader(*model, out, limits).run();
     return out;
   } catch (const std::invalid_argument& refused) {
     throw SceneFileError(file + ": " + refused.what());
@@ -298,12 +312,14 @@ SceneFile build(const std::string& path, const mjVFS* files, const SceneOptions&
 
 }  // namespace
 
-SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& options) {
+SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& options,
+                    const SceneLimits& limits) {
   scene_files::check_xml(scene_files::read_bytes(path), path.string());
-  return build(path.string(), nullptr, options, path.string());
+  return build(path.string(), nullptr, options, path.string(), limits);
 }
 
-SceneFile parse_mjcf(std::string_view text, const SceneOptions& options, std::string_view name) {
+SceneFile parse_mjcf(std::string_view text, const SceneOptions& options, std::string_view name,
+                     const SceneLimits& limits) {
   scene_files::check_xml(text, name);
   scene_files::refuse_files(text, name);
   if (text.empty()) {
@@ -314,7 +330,7 @@ SceneFile parse_mjcf(std::string_view text, const SceneOptions& options, std::st
   mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(text.size()));
   const std::unique_ptr<mjVFS, void (*)(mjVFS*)> closing(files.get(), mj_deleteVFS);
   std::memcpy(files->filedata[0], text.data(), text.size());
-  return build("model.xml", files.get(), options, name);
+  return build("model.xml", files.get(), options, name, limits);
 }
 
 }  // namespace tandem

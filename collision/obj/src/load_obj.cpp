@@ -32,6 +32,12 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
     refuse(name, 0, "ObjOptions.scale", "finite and > 0", pbd::detail::value_text(options.scale));
   }
   ObjText obj = parse(text, name);
+  const auto check = [name](const char* what, std::size_t value, std::size_t most) {
+    if (value <= most) return;
+    refuse(name, 0, what, "at most " + std::to_string(most) + " (ObjOptions::" + what + ")",
+           std::to_string(value));
+  };
+  check("points", obj.vertices.size(), options.points);
   for (pbd::Vec3& vertex : obj.vertices) vertex *= options.scale;
   std::vector<TriangleMesh::Triangle> triangles;
   std::vector<std::size_t> lines;  // of each triangle
@@ -45,6 +51,7 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
     if (!triangulate(obj.vertices, face.corners, triangles)) {
       refuse(name, face.line, "face", "one that has an area and does not cross itself");
     }
+    check("triangles", triangles.size(), options.triangles);
     lines.resize(triangles.size(), face.line);
   }
   try {

@@ -24,13 +24,13 @@ struct Solid {
 
 class GltfReader {
  public:
-  GltfReader(const Place& document, SceneFile& out, const std::filesystem::path& folder,
-             std::size_t bytes)
-      : document_(document), out_(out), colliders_(document, folder, bytes) {}
+  GltfReader(const Place& document, SceneFile& out, const std::filesystem::path& folder)
+      : document_(document), out_(out), colliders_(document, folder) {}
 
   void run() {
     if (document_.has("nodes")) {
       const Place nodes = document_.at("nodes");
+      nodes.count(&SceneLimits::nodes, nodes.size());
       frames_.resize(nodes.size());
       owners_.resize(nodes.size());
       walk(nodes);
@@ -125,6 +125,7 @@ class GltfReader {
       if (!collider.has("geometry")) continue;  // a trigger of other nodes, which have theirs
       std::size_t to = owner.value_or(solids_.size());
       if (to == solids_.size()) solids_.push_back({name, at.pose, index, false, {}});
+      collider.count(&SceneLimits::colliders);
       colliders_.add(collider, at, sensor, solids_[to].pose, solids_[to].colliders);
     }
     return owner;
@@ -166,6 +167,7 @@ class GltfReader {
       const Place motion = physics.at("motion");
       motion.guard([&] { set_motion(motion, solid, def); });
     }
+    node.count(&SceneLimits::bodies);
     node.guard([&] {
       const BodyId id = out_.scene.world().add_body(def);
       out_.bodies.push_back({solid.name, id});
@@ -219,6 +221,7 @@ class GltfReader {
       const Place other = joint.at("connectedNode");
       nodes.pick(other);
       const auto to = other.value().get<std::size_t>();
+      joint.count(&SceneLimits::joints);
       Joined one{owners_[i], owners_[to], frames_[i].pose, frames_[to].pose, 0, false, {}};
       const Place root = document_.at("extensions");
       const Place family = root.at(kGltfPhysics);
@@ -246,20 +249,24 @@ class GltfReader {
 }  // namespace
 }  // namespace scene_files
 
-SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options) {
-  return parse_gltf(scene_files::read_bytes(path), path.parent_path(), options, path.string());
+SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options,
+                    const SceneLimits& limits) {
+  return parse_gltf(scene_files::read_bytes(path), path.parent_path(), options, path.string(),
+                    limits);
 }
 
 SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
-                     const SceneOptions& options, std::string_view name) {
+                     const SceneOptions& options, std::string_view name,
+                     const SceneLimits& limits) {
   const scene_files::json document = scene_files::parse_document(text, name);
-  scene_files::Reading reading{name, {}};
+  scene_files::Reading reading{.file = name, .limits = scene_files::LimitCount(limits)};
   const scene_files::Place at(document, reading);
   const scene_files::Place asset = at.at("asset");
   if (asset.at("version").text().rfind("2.", 0) != 0) asset.at("version").refuse("2.x");
   std::optional<SceneFile> out;
   at.guard([&] { out.emplace(SceneFile{.scene = Scene(options)}); });
-  scene_files::GltfReader(at, *out, folder, text.size()).run();
+  scene_files::GltfReader(at, *out, folder).run();
+  scene_files::require_within(std::string(name), reading.limits.pairs(out->scene));
   out->warnings = std::move(reading.warnings);
   return std::move(*out);
 }

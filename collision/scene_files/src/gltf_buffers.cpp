@@ -99,10 +99,7 @@ GltfBuffers::Bytes GltfBuffers::file(const Place& uri, const std::string& name) 
   for (const auto& part : path) inside = inside && part != "..";
   if (!inside) uri.refuse("the name of a file in the document's folder or below");
   Bytes& known = files_[path.lexically_normal()];
-  if (known == nullptr) {
-    known = std::make_shared<const std::string>(read_bytes(folder_ / path));
-    file_bytes_ += known->size();
-  }
+  if (known == nullptr) known = std::make_shared<const std::string>(read_bytes(folder_ / path));
   return known;
 }
 

@@ -30,8 +30,6 @@ class GltfBuffers {
 
   /// @param type  what its elements must be      @param width  components of each
   GltfAccessor accessor(const Place& index, const char* type, std::size_t width);
-  /// Bytes of all files that were read.
-  std::size_t file_bytes() const { return file_bytes_; }
 
  private:
   using Bytes = std::shared_ptr<const std::string>;
@@ -43,7 +41,6 @@ class GltfBuffers {
   std::filesystem::path folder_;
   std::map<std::int64_t, Bytes> buffers_;
   std::map<std::filesystem::path, Bytes> files_;  ///< by their place in the folder
-  std::size_t file_bytes_ = 0;
 };
 
 }  // namespace tandem::scene_files

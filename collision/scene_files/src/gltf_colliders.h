@@ -25,9 +25,8 @@ Quat gltf_about_x(double angle);
 /// Colliders and triggers of glTF nodes, with their materials and filters.
 class GltfColliders {
  public:
-  /// @param bytes  of the document
-  GltfColliders(const Place& document, const std::filesystem::path& folder, std::size_t bytes)
-      : document_(document), meshes_(document, folder, bytes) {}
+  GltfColliders(const Place& document, const std::filesystem::path& folder)
+      : document_(document), meshes_(document, folder) {}
 
   /// Appends what it is, placed from the body's frame; nothing where that is not known, with a
   /// warning.

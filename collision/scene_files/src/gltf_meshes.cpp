@@ -7,18 +7,6 @@
 
 namespace tandem::scene_files {
 
-/// A corner that nothing shares takes a byte of the file at least, and is held twice: as it was
-/// read, and in its shape. Beyond that, files may name their meshes again at other scales: 2^20
-/// corners are a thousand rocks of 350 triangles, no two of one size.
-void GltfMeshes::count(const Place& at, std::size_t corners) {
-  corners_ += corners;
-  const std::size_t most = 2 * (bytes_ + buffers_.file_bytes()) + (std::size_t{1} << 20);
-  if (corners_ > most) {
-    at.refuse("of a file whose meshes, at all their scales, have at most " + std::to_string(most) +
-              " corners of triangles");
-  }
-}
-
 void GltfMeshes::add(const Place& primitive, Mesh& out) {
   if (primitive.has("mode") && primitive.at("mode").value() != 4) {
     return primitive.at("mode").warn("only triangles (4) are read");
@@ -30,7 +18,6 @@ void GltfMeshes::add(const Place& primitive, Mesh& out) {
   if (indexed) indices = buffers_.accessor(primitive.at("indices"), "SCALAR", 1);
   const std::size_t size = indexed ? indices.count : points.count;
   if (size % 3 != 0) primitive.refuse("of three corners for each triangle");
-  count(primitive, size);
   std::vector<std::uint32_t> corners(size);
   for (std::size_t i = 0; i < size; ++i) {
     const double corner = indexed ? indices.at(i, 0) : static_cast<double>(i);
@@ -43,6 +30,8 @@ void GltfMeshes::add(const Place& primitive, Mesh& out) {
   std::vector<std::uint32_t> used = corners;
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
+  primitive.count(&SceneLimits::points, used.size());
+  primitive.count(&SceneLimits::triangles, size / 3);
   const std::size_t first = out.points.size();
   for (const std::uint32_t point : used) {
     out.points.emplace_back(points.at(point, 0), points.at(point, 1), points.at(point, 2));
@@ -73,7 +62,12 @@ collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool h
   const auto bits = [&](int axis) { return std::bit_cast<std::uint64_t>(scale[axis]); };
   const Key key{index.value().get<std::int64_t>(), {bits(0), bits(1), bits(2)}, hull};
   if (const auto known = shapes_.find(key); known != shapes_.end()) return known->second;
-  count(index, 3 * read.triangles.size());
+  if (hull) {
+    index.count(&SceneLimits::hull_points, read.points.size());
+  } else {
+    index.count(&SceneLimits::points, read.points.size());
+    index.count(&SceneLimits::triangles, read.triangles.size());
+  }
   std::vector<Vec3> points = read.points;
   for (Vec3& point : points) point = point.cwiseProduct(scale);
   collision::Shape& out = shapes_[key];

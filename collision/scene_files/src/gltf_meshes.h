@@ -15,9 +15,8 @@ namespace tandem::scene_files {
 /// Shapes of a glTF document's meshes. Those alike are one shape, which is shared.
 class GltfMeshes {
  public:
-  /// @param bytes  of the document, by which what is made of it is bounded
-  GltfMeshes(const Place& document, const std::filesystem::path& folder, std::size_t bytes)
-      : document_(document), buffers_(document, folder), bytes_(bytes) {}
+  GltfMeshes(const Place& document, const std::filesystem::path& folder)
+      : document_(document), buffers_(document, folder) {}
 
   /// Of all primitives of the mesh that `index` names.
   /// @param hull  their convex hull, else the surface
@@ -33,12 +32,9 @@ class GltfMeshes {
 
   const Mesh& mesh(const Place& index);
   void add(const Place& primitive, Mesh& out);
-  void count(const Place& at, std::size_t corners);
 
   const Place& document_;
   GltfBuffers buffers_;
-  std::size_t bytes_;
-  std::size_t corners_ = 0;  ///< of all triangles that were read or made so far
   std::map<std::int64_t, Mesh> meshes_;
   std::map<Key, collision::Shape> shapes_;
 };

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "place.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -44,6 +45,14 @@ void Place::refuse(std::string_view rule) const {
 
 void Place::warn(std::string_view what) const {
   reading_->warnings.push_back(pointer() + ": " + std::string(what));
+}
+
+void Place::count(std::size_t SceneLimits::*what, std::size_t count) const {
+  if (const std::string rule = reading_->limits.add(what, count); !rule.empty()) refuse(rule);
+}
+
+void Place::count_parts() const {
+  if (const std::string rule = reading_->limits.parts(size()); !rule.empty()) refuse(rule);
 }
 
 void Place::guard(const std::function<void()>& call) const {
@@ -109,6 +118,25 @@ std::int64_t Place::integer(std::int64_t low, std::int64_t high) const {
   return number;
 }
 
+/// Arrays and objects within each other, of a text that is JSON.
+int depth_of(std::string_view text) {
+  int depth = 0;
+  int most = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') quoted = !quoted;
+    if (quoted) {
+      if (c == '\\') ++i;
+    } else if (c == '[' || c == '{') {
+      most = std::max(most, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return most;
+}
+
 json parse_document(std::string_view text, std::string_view file) {
   const auto refuse = [file](const std::string& what, std::string_view rule,
                              std::string_view value) {
@@ -118,14 +146,13 @@ json parse_document(std::string_view text, std::string_view file) {
     refuse("size", "at most " + std::to_string(kMaxSceneBytes) + " bytes",
            std::to_string(text.size()));
   }
-  const auto bounded = [&refuse](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxSceneDepth) {
-      refuse("depth", "at most " + std::to_string(kMaxSceneDepth), std::to_string(depth));
-    }
-    return true;
-  };
+  // Before it is parsed: with a callback the parser looks at all of an array at each object in it.
+  const int depth = depth_of(text);
+  if (depth > kMaxSceneDepth) {
+    refuse("depth", "at most " + std::to_string(kMaxSceneDepth), std::to_string(depth));
+  }
   try {
-    return json::parse(text, bounded);
+    return json::parse(text);
   } catch (const json::exception& error) {
     throw SceneFileError(std::string(file) + ": text must be JSON: " + error.what());
   }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "limit_count.h"
 #include "tandem/scene_files.h"
 
 namespace tandem::scene_files {
@@ -17,7 +18,8 @@ using nlohmann::json;
 /// What one reading has in common.
 struct Reading {
   std::string_view file;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings{};
+  LimitCount limits{};
 };
 
 /// A value of a document and where it is. It lives no longer than the place that it is in.
@@ -41,6 +43,10 @@ class Place {
 
   [[noreturn]] void refuse(std::string_view rule) const;
   void warn(std::string_view what) const;
+  /// One more of what is bounded, or several: refuses where that is too many.
+  void count(std::size_t SceneLimits::*what, std::size_t count = 1) const;
+  /// Its own values are the colliders of one body.
+  void count_parts() const;
   /// Runs `call`; what it refuses gets the place in front.
   void guard(const std::function<void()>& call) const;
 

@@ -59,6 +59,7 @@ class SceneReader {
   SceneFile::Body body(const Place& at) {
     Reader io(at);
     SceneFile::Body out;
+    at.count(&SceneLimits::bodies);
     io("name", out.name);
     for (const char* key : kOfDisplays) io.has(key);
     at.guard([&] { out.body = io.has("colliders") ? exact(io) : solid(io); });
@@ -71,6 +72,7 @@ class SceneReader {
   SceneFile::Joint joint(const Place& at, Find&& find) {
     Reader io(at);
     SceneFile::Joint out;
+    at.count(&SceneLimits::joints);
     io("name", out.name);
     io.has("type");
     const std::string type = at.at("type").text();
@@ -143,6 +145,8 @@ class SceneReader {
   }
 
   void colliders(const Place& list, BodyId id) {
+    list.count(&SceneLimits::colliders, list.size());
+    if (scene_.world().props(id).type != BodyType::Static) list.count_parts();
     for (std::size_t i = 0; i < list.size(); ++i) {
       const Place at = list.at(i);
       Reader part(at);
@@ -174,11 +178,14 @@ class SceneReader {
     BodyId id;
     if (io.has("compound")) {
       const Place list = io.at().at("compound");
+      list.count(&SceneLimits::colliders, list.size());
+      list.count_parts();
       compound.resize(list.size());
       for (std::size_t i = 0; i < compound.size(); ++i) scene_files::read(list.at(i), compound[i]);
       id = scene_.add(compound, def);
     } else {
       collision::Shape shape;
+      io.at().count(&SceneLimits::colliders);
       io.has("shape");
       scene_files::read(io.at().at("shape"), shape);
       id = scene_.add(shape, def);
@@ -188,6 +195,8 @@ class SceneReader {
   }
 
   void parts(const Place& list, BodyId id, const SolidDef& def) {
+    list.count(&SceneLimits::colliders, list.size());
+    if (scene_.world().props(id).type != BodyType::Static) list.count_parts();
     const Vec3 origin = scene_.world().props(id).origin;
     for (std::size_t i = 0; i < list.size(); ++i) {
       const Place at = list.at(i);
@@ -270,27 +279,30 @@ pbd::JointId SceneFile::find_joint(std::string_view name) const {
   return found == joints.end() ? pbd::JointId{} : found->joint;
 }
 
-SceneFile parse_scene(std::string_view text, const SceneOptions& options, std::string_view name) {
+SceneFile parse_scene(std::string_view text, const SceneOptions& options, std::string_view name,
+                      const SceneLimits& limits) {
   const json document = scene_files::parse_document(text, name);
-  Reading reading{name, {}};
+  Reading reading{.file = name, .limits = scene_files::LimitCount(limits)};
   const Place at(document, reading);
   SceneOptions with = options;
   if (at.has("gravity")) scene_files::read(at.at("gravity"), with.gravity);
   std::optional<SceneFile> out;
   at.guard([&] { out.emplace(SceneFile{.scene = Scene(with)}); });
   scene_files::read_document(at, *out);
+  scene_files::require_within(std::string(name), reading.limits.pairs(out->scene));
   out->warnings = std::move(reading.warnings);
   return std::move(*out);
 }
 
-SceneFile load_scene(const std::filesystem::path& path, const SceneOptions& options) {
-  if (path.extension() == ".gltf") return load_gltf(path, options);
-  return parse_scene(scene_files::read_bytes(path), options, path.string());
+SceneFile load_scene(const std::filesystem::path& path, const SceneOptions& options,
+                     const SceneLimits& limits) {
+  if (path.extension() == ".gltf") return load_gltf(path, options, limits);
+  return parse_scene(scene_files::read_bytes(path), options, path.string(), limits);
 }
 
 SceneFile::Body add_body(Scene& scene, std::string_view text, std::string_view name) {
   const json document = scene_files::parse_document(text, name);
-  Reading reading{name, {}};
+  Reading reading{.file = name};
   scene_files::LayerTable layers;
   return scene_files::SceneReader(scene, layers).body(Place(document, reading));
 }

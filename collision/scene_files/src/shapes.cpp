@@ -32,8 +32,11 @@ T required(Reader& io, const char* key) {
 collision::Mesh read_mesh(Reader& io) {
   io.has("vertices");
   io.has("triangles");
-  const std::vector<Vec3> vertices = read_points(io.at().at("vertices"));
+  const Place corners = io.at().at("vertices");
+  corners.count(&SceneLimits::points, corners.size());
+  const std::vector<Vec3> vertices = read_points(corners);
   const Place list = io.at().at("triangles");
+  list.count(&SceneLimits::triangles, list.size());
   std::vector<Triangle> triangles(list.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) read(list.at(i), triangles[i]);
   return collision::TriangleMesh::make(vertices, triangles);
@@ -47,6 +50,7 @@ collision::Field read_field(Reader& io) {
   const Place spacing = io.at().at("spacing");
   const auto cell = read_numbers<2>(spacing);
   const Place list = io.at().at("heights");
+  list.count(&SceneLimits::points, list.size());
   std::vector<double> heights(list.size());
   for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = list.at(i).number();
   return collision::HeightField::make(columns, rows, cell.x(), cell.y(), heights);
@@ -73,7 +77,9 @@ Shape read_kind(Reader& io, const std::string& type) {
   io.has("points");
   double tolerance = collision::ConvexHull::kTolerance;
   io("tolerance", tolerance);
-  return collision::ConvexHull::make(read_points(io.at().at("points")), tolerance);
+  const Place points = io.at().at("points");
+  points.count(&SceneLimits::hull_points, points.size());
+  return collision::ConvexHull::make(read_points(points), tolerance);
 }
 
 json numbers(std::span<const Vec3> points) {

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "limit_count.h"
 #include "read_bytes.h"
 #include "xml_check.h"
 
@@ -57,6 +58,7 @@ class UrdfReader {
         open.push_back({child->get(), at.frame * pose_of(origin), id});
       }
     }
+    scene_files::require_within("robot", limits_.pairs(out_.scene));
   }
 
  private:
@@ -74,6 +76,8 @@ class UrdfReader {
 
   BodyId body(const urdf::Link& link, const Pose& frame) {
     const std::string where = "link " + link.name;
+    scene_files::require_within(where, limits_.add(&SceneLimits::bodies));
+    scene_files::require_within(where, limits_.parts(link.collision_array.size()));
     const bool root = link.parent_joint == nullptr;
     pbd::BodyDef def{.pose = frame};
     if (root && options_.fixed_base) {
@@ -122,6 +126,7 @@ class UrdfReader {
                                static_cast<const urdf::Mesh&>(*collision.geometry).filename +
                                " is not read");
     }
+    scene_files::require_within(where, limits_.add(&SceneLimits::colliders));
     guard(where, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
   }
 
@@ -143,6 +148,7 @@ class UrdfReader {
     // What a motor may do, once it is turned on; none holds it until then.
     if (joint.limits && joint.limits->effort > 0.0) axis.motor.max_force = joint.limits->effort;
     if (joint.limits && joint.limits->velocity > 0.0) axis.motor.max_speed = joint.limits->velocity;
+    scene_files::require_within(where, limits_.add(&SceneLimits::joints));
     // Fixed ones say none.
     const Vec3 direction = joint.type == urdf::Joint::FIXED
                                ? Vec3::UnitX()
@@ -173,6 +179,7 @@ class UrdfReader {
   SceneFile& out_;
   const UrdfOptions& options_;
   std::int32_t group_;
+  scene_files::LimitCount limits_{options_.limits};
 };
 
 /// What urdfdom says goes to the error message, not to the terminal.

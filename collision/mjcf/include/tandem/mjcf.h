@@ -19,8 +19,9 @@ namespace tandem {
 /// parse text, which has no files beside it.
 /// @throws SceneFileError
 /// @par Thread safety  One call at a time in a process, as MuJoCo has it.
-TANDEM_API SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& options = {});
+TANDEM_API SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& options = {},
+                               const SceneLimits& limits = {});
 TANDEM_API SceneFile parse_mjcf(std::string_view text, const SceneOptions& options = {},
-                                std::string_view name = "mjcf");
+                                std::string_view name = "mjcf", const SceneLimits& limits = {});
 
 }  // namespace tandem

@@ -46,14 +46,29 @@ struct TANDEM_API SceneFile {
 inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 26;
 inline constexpr int kMaxSceneDepth = 24;
 
+/// The most that is made of one document, whatever its format; who breaks one is refused by its
+/// name. By the defaults 10 MB of a stranger take some seconds, and the first step is no longer than
+/// one in a heap of ten thousand boxes. What becomes of a scene afterwards they do not bound.
+struct TANDEM_API SceneLimits {
+  std::size_t nodes = std::size_t{1} << 18;  ///< of glTF
+  std::size_t bodies = std::size_t{1} << 16;
+  std::size_t colliders = std::size_t{1} << 16;
+  std::size_t parts = 4096;  ///< colliders of one body that moves
+  std::size_t joints = std::size_t{1} << 16;
+  std::size_t points = std::size_t{1} << 19;       ///< of meshes and height fields
+  std::size_t hull_points = std::size_t{1} << 18;  ///< that hulls are made of
+  std::size_t triangles = std::size_t{1} << 19;
+  std::size_t pairs = std::size_t{1} << 17;  ///< that are close as it begins, collision::is_crowded
+};
+
 /// Tandem's own format (docs/scene_files.md, docs/scene.schema.json), which those of rooms are in.
 /// @param options  gravity is the file's where that says one
 /// @param name  stands for the file in messages
 TANDEM_API SceneFile parse_scene(std::string_view text, const SceneOptions& options = {},
-                                 std::string_view name = "scene");
+                                 std::string_view name = "scene", const SceneLimits& limits = {});
 /// The same from a file; one that ends in .gltf is read as load_gltf() does.
-TANDEM_API SceneFile load_scene(const std::filesystem::path& path,
-                                const SceneOptions& options = {});
+TANDEM_API SceneFile load_scene(const std::filesystem::path& path, const SceneOptions& options = {},
+                                const SceneLimits& limits = {});
 
 /// One more body, as the format has it in "bodies". Its group is a number of this scene: that of a
 /// text from elsewhere may be one that Scene::new_group() gave here. @return with its name
@@ -72,8 +87,10 @@ TANDEM_API std::string write_scene(const SceneFile& file);
 
 /// glTF 2.0 with KHR_physics_rigid_bodies and KHR_implicit_shapes, drafts of 2025. Its y is up: the
 /// scene is turned so that z is. Buffers are embedded or files in `folder` or below.
-TANDEM_API SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options = {});
+TANDEM_API SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options = {},
+                               const SceneLimits& limits = {});
 TANDEM_API SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
-                                const SceneOptions& options = {}, std::string_view name = "gltf");
+                                const SceneOptions& options = {}, std::string_view name = "gltf",
+                                const SceneLimits& limits = {});
 
 }  // namespace tandem

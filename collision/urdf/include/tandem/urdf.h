@@ -16,6 +16,7 @@ struct TANDEM_API UrdfOptions {
   bool fixed_base = true;    ///< the root link is static
   double tip_mass = 1e-3;    ///< kg, > 0, of links that say none
   double tip_radius = 0.01;  ///< m, > 0, of the ball whose inertia those have
+  SceneLimits limits;
 };
 
 /// A robot by URDF, read with Debian's urdfdom: links as bodies, at all joints' zero, joints with

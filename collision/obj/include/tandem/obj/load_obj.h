@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <istream>
 #include <string_view>
@@ -13,6 +14,9 @@ namespace tandem::obj {
 
 struct TANDEM_API ObjOptions {
   double scale = 1.0;  ///< m for each unit of the file, > 0
+  /// The most that a file may have; what has more is refused by these names.
+  std::size_t points = std::size_t{1} << 22;
+  std::size_t triangles = std::size_t{1} << 22;
 };
 
 /// The faces of all groups and objects of a Wavefront OBJ file as one mesh. Faces are plane
