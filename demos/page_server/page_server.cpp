@@ -112,8 +112,9 @@ void PageServer::accept() {
     if (Place place = unknown ? nullptr : place_of(from)) {
       Error ignored;
       socket.set_option(Tcp::no_delay(true), ignored);
-      const auto request = std::make_shared<Request>(*this, std::move(socket), std::move(place));
-      requests_[request.get()] = request;
+      const auto request =
+          std::make_shared<Request>(*this, std::move(socket), std::move(place), from, ++came_);
+      requests_[came_] = request;
       request->start();
     } else {
       ++refused_;
@@ -123,15 +124,31 @@ void PageServer::accept() {
 }
 
 Place PageServer::place_of(const asio::ip::address& from) {
-  if (all_taken_ >= options_.max_connections) return nullptr;
+  const auto at = taken_.find(from);
+  const bool many = at != taken_.end() && at->second >= options_.max_per_address;
+  if (many && !from.is_loopback() && !make_room(&from)) return nullptr;
+  if (all_taken_ >= options_.max_connections && !make_room(nullptr)) return nullptr;
   std::size_t& taken = taken_[from];
-  if (taken >= options_.max_per_address && !from.is_loopback()) return nullptr;
   ++all_taken_;
   ++taken;
   return Place(&taken, [this, from](void*) {
     --all_taken_;
     if (--taken_[from] == 0) taken_.erase(from);
   });
+}
+
+bool PageServer::make_room(const asio::ip::address* from) {
+  std::shared_ptr<Request> least;
+  for (const auto& [number, weak] : requests_) {
+    const auto request = weak.lock();
+    if (!request || request->is_closed() || (from != nullptr && request->from() != *from)) continue;
+    if (least == nullptr || request->worth() < least->worth()) least = request;
+  }
+  // Who asks for something now gets it.
+  if (least == nullptr || least->worth() == Request::Worth::Asks) return false;
+  least->close();
+  ++refused_;
+  return true;
 }
 
 }  // namespace tandem::page_server

@@ -30,8 +30,10 @@ struct Options {
   /// Host and port by which pages reach it where something stands in front, "play.example.org",
   /// by TLS perhaps. "": none
   std::string name;
-  bool may_have_tls = false;            ///< who comes by https comes from here as well
-  std::size_t max_connections = 64;     ///< of any kind
+  bool may_have_tls = false;  ///< who comes by https comes from here as well
+  /// Of any kind. Where all are taken one goes that has not shown the token, the oldest first; then
+  /// one that asks for nothing more; sockets stay.
+  std::size_t max_connections = 64;
   std::size_t max_per_address = 64;     ///< likewise, of one address that is not this machine's own
   std::string scripts = "'self'";       ///< Content-Security-Policy: where scripts may come from
   std::string images = "'self' data:";  ///< likewise, images
@@ -104,10 +106,14 @@ class PageServer {
   void accept();
   /// Null where there is no room for one more.
   Place place_of(const boost::asio::ip::address& from);
+  /// Closes the connection that is worth least of those from an address, or of all.
+  /// @return whether there was one
+  bool make_room(const boost::asio::ip::address* from);
 
   Options options_;
   Site& site_;
-  std::map<Request*, std::weak_ptr<Request>> requests_;
+  std::map<std::uint64_t, std::weak_ptr<Request>> requests_;  ///< in the order in which they came
+  std::uint64_t came_ = 0;
   std::map<boost::asio::ip::address, std::size_t> taken_;
   std::size_t all_taken_ = 0;
   boost::asio::io_context io_{1};  // after what connections use when they end

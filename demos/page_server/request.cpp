@@ -28,17 +28,22 @@ std::string_view view_of(beast::string_view text) { return {text.data(), text.si
 
 }  // namespace
 
-Request::Request(PageServer& server, boost::asio::ip::tcp::socket&& socket, Place place)
+Request::Request(PageServer& server, boost::asio::ip::tcp::socket&& socket, Place place,
+                 const boost::asio::ip::address& from, std::uint64_t number)
     : server_(server),
       stream_(std::move(socket)),
       place_(std::move(place)),
-      buffer_(2 * kHeaderBytes) {}
+      buffer_(2 * kHeaderBytes),
+      from_(from),
+      number_(number) {}
 
-Request::~Request() { server_.requests_.erase(this); }
+Request::~Request() { server_.requests_.erase(number_); }
 
 void Request::close() {
   Error ignored;
   stream_.socket().close(ignored);
+  closed_ = true;
+  place_.reset();
 }
 
 void Request::read() {
@@ -48,6 +53,7 @@ void Request::read() {
   stream_.expires_after(kPatience);
   http::async_read(stream_, buffer_, *parser_,
                    [self = shared_from_this()](Error error, std::size_t) {
+                     if (self->closed_) return;
                      if (!error) return self->answer();
                      const Error ended = http::make_error_code(http::error::end_of_stream);
                      const bool malformed = error.category() == ended.category() && error != ended;
@@ -76,6 +82,7 @@ void Request::answer() {
   const std::optional<std::string_view> path = below(options.token, target);
   if (!path && lacks_slash(options.token, target)) return send_on(target);
   if (!path) return refuse(Status::not_found, true);
+  worth_ = Worth::Asks;
   if (path->substr(0, kSocket.size()) == kSocket) {
     const std::string_view rest = path->substr(kSocket.size());
     if (!beast::websocket::is_upgrade(request)) return refuse(Status::not_found);
@@ -137,7 +144,8 @@ void Request::write() {
   file_->prepare_payload();
   stream_.expires_after(kDelivery);
   http::async_write(stream_, *file_, [self = shared_from_this()](Error error, std::size_t) {
-    if (error) return;
+    if (error || self->closed_) return;
+    if (self->worth_ == Worth::Asks) self->worth_ = Worth::Waits;
     if (self->keep_alive_ && !self->server_.stopping_) return self->read();
     Error ignored;
     self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);

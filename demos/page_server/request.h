@@ -2,8 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <boost/asio/ip/address.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -17,13 +19,24 @@ namespace tandem::page_server {
 class Request : public std::enable_shared_from_this<Request> {
  public:
   /// The server must outlive it.
-  Request(PageServer& server, boost::asio::ip::tcp::socket&& socket, Place place);
+  /// @param number  of this one alone, among the server's
+  Request(PageServer& server, boost::asio::ip::tcp::socket&& socket, Place place,
+          const boost::asio::ip::address& from, std::uint64_t number);
   ~Request();
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
 
   void start() { read(); }
+  /// Its place is free from then on.
   void close();
+  bool is_closed() const { return closed_; }
+  const boost::asio::ip::address& from() const { return from_; }
+  enum class Worth : std::uint8_t {
+    Unknown,  ///< has not shown the token
+    Waits,    ///< has, and asks for nothing now
+    Asks,     ///< has, and is being answered
+  };
+  Worth worth() const { return worth_; }
 
  private:
   using Status = boost::beast::http::status;
@@ -43,7 +56,11 @@ class Request : public std::enable_shared_from_this<Request> {
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;
   std::optional<boost::beast::http::response<boost::beast::http::span_body<const char>>> file_;
+  boost::asio::ip::address from_;
+  std::uint64_t number_;
+  Worth worth_ = Worth::Unknown;
   bool keep_alive_ = false;
+  bool closed_ = false;
 };
 
 }  // namespace tandem::page_server

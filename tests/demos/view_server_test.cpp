@@ -197,6 +197,32 @@ TEST_CASE("view server: no more pages than it will have", "[demos][view][socket]
   CHECK(f.server.pages() == 2);
 }
 
+TEST_CASE("view server: a thousand connections that ask for nothing keep no page out",
+          "[demos][view][socket][fault]") {
+  Fixture f;
+  std::vector<std::unique_ptr<WebClient>> idle;
+  const auto open = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      idle.push_back(std::make_unique<WebClient>("127.0.0.1", f.server.port()));
+    }
+  };
+  open(1000);
+  auto first = f.page();
+  for (int round = 0; round < 5; ++round) {
+    // One that is kept open behind the page asks for nothing either.
+    WebClient client("127.0.0.1", f.server.port());
+    CHECK(client.get(f.root, f.host) == 200);
+    open(64);
+    auto page = f.page();
+    CHECK(f.server.pages() == 2);
+    page->close();
+    REQUIRE_FALSE(f.events().empty());
+  }
+  // Who was there all the time has lost nothing.
+  f.show(3, 1.0);
+  CHECK(first->hear());
+}
+
 TEST_CASE("view server: pages see every frame, or the newest whole", "[demos][view][socket]") {
   constexpr std::size_t kBodies = 2000;
   Fixture f(kBodies);
