@@ -233,8 +233,15 @@ TEST_CASE("session: runs by any clock until it is stopped", "[session]") {
   called = 0;
   session.run(five);  // and on
   CHECK(room.steps == 10);
-  session.stop();  // nothing runs: nothing to stop
-  CHECK(session.advance(time += 4 * kStep).steps > 0);
+  session.stop();
+  CHECK(session.advance(time += 4 * kStep).steps > 0);  // nothing runs
+  // What was said before the next one began ends that one, alone.
+  const int steps = room.steps;
+  called = 0;
+  session.run(five);
+  CHECK(room.steps == steps);
+  session.run(five);
+  CHECK(called == 6);
 }
 
 TEST_CASE("session: what a call before a step throws passes, and the session goes on",
@@ -248,7 +255,16 @@ TEST_CASE("session: what a call before a step throws passes, and the session goe
                                   [](SessionTime) { throw std::runtime_error("mine"); }),
                   std::runtime_error);
   CHECK(room.steps == 0);
-  CHECK(session.advance(f.network.now() + 3 * kStep).steps == 2);
+  // What it has kept back comes with the next call, and was not stepped elsewhere.
+  CHECK(session.advance(f.network.now() + 3 * kStep).steps == 3);
+  int calls = 0;
+  CHECK_THROWS(session.advance(f.network.now() + 7 * kStep, [&](SessionTime) {
+    if (++calls == 3) throw std::runtime_error("mine");
+  }));
+  CHECK(room.steps == 5);
+  const Progress rest = session.advance(f.network.now() + 7 * kStep);
+  CHECK_FALSE(rest.stepped_elsewhere);
+  CHECK(rest.steps == 2);
 }
 
 /// Options of an application's own transport.

@@ -108,6 +108,16 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
   done.held = tick.held;
   SessionTime time = own.physics->physics_time();
   for (const std::int64_t step : tick.steps) time -= step;
+  // Also where before_step throws: what was stepped until then was stepped here, and the rest is
+  // due.
+  const struct Ending {
+    Impl& own;
+    const SessionTime& time;
+    ~Ending() {
+      own.world_time = own.simulation.world.time();
+      if (time < own.physics->physics_time()) own.physics.emplace(own.pace, time);
+    }
+  } ending{own, time};
   for (const std::int64_t step : tick.steps) {
     own.events.poll(time);
     if (before_step) before_step(time);
@@ -119,7 +129,6 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
     own.peer.after_step(time);
     ++done.steps;
   }
-  own.world_time = world.time();
   return done;
 }
 
@@ -129,9 +138,13 @@ void Session::run(const BeforeStep& before_step) {
                         "at least 1 where before_step shares none", "0");
   }
   const net::StopSignal signal;
-  impl_->stopped = false;
   const Running while_here(impl_->running);
-  advance(now(), before_step);
+  // A call of stop() ends one run, also one that had not begun.
+  const struct Heeded {
+    std::atomic<bool>& stopped;
+    ~Heeded() { stopped = false; }
+  } heeded{impl_->stopped};
+  if (!impl_->stopped) advance(now(), before_step);
   while (!impl_->stopped) {
     if (!impl_->physics) {
       pbd::detail::refuse("Session::run: session time", "a step of pace, in ns, or more",

@@ -47,8 +47,8 @@ inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 26;
 inline constexpr int kMaxSceneDepth = 24;
 
 /// The most that is made of one document, whatever its format; who breaks one is refused by its
-/// name. By the defaults 10 MB of a stranger take some seconds, and the first step is no longer than
-/// one in a heap of ten thousand boxes. What becomes of a scene afterwards they do not bound.
+/// name. By the defaults 10 MB of a stranger take some seconds, and the first step is no longer
+/// than one in a heap of ten thousand boxes. What becomes of a scene afterwards they do not bound.
 struct TANDEM_API SceneLimits {
   std::size_t nodes = std::size_t{1} << 18;  ///< of glTF
   std::size_t bodies = std::size_t{1} << 16;

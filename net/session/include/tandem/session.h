@@ -111,7 +111,7 @@ class TANDEM_API Session {
   /// Go on at the clock's pace until stop(), SIGINT or SIGTERM (net::StopSignal, one at a time).
   /// @throws std::invalid_argument where nothing is shared and nothing is called that could share
   void run(const BeforeStep& before_step = {});
-  /// Ends run(); from within `before_step`, before that step.
+  /// Ends run(), or the next one; from within `before_step`, before that step.
   void stop();
 
   /// Messages of the application. What has come is there from before each step on, and gone with
