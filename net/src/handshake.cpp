@@ -135,6 +135,7 @@ void HandshakeInitiator::on_accept(const HandshakePacket& packet) {
   if (verdict != Verdict::Welcome) {
     state_ = State::Refused;
     verdict_ = verdict;
+    refused_by_ = remote->peer;
     reason_ = describe(verdict);
     return;
   }

@@ -58,8 +58,9 @@ class HandshakeInitiator {
   std::uint32_t receiver() const { return local_receiver_; }
   /// In State::Done.
   const Session& session() const { return *session_; }
-  /// In State::Refused.
+  /// In State::Refused, and by whom.
   Verdict verdict() const { return verdict_; }
+  consensus::PeerId refused_by() const { return refused_by_; }
   /// Why not, as far as is known. What was not authenticated ("another version") is said here and
   /// never believed: it goes on until kTimeout.
   const std::string& reason() const { return reason_; }
@@ -84,6 +85,7 @@ class HandshakeInitiator {
   int unanswered_ = 0;
   std::optional<Session> session_;
   Verdict verdict_ = Verdict::Welcome;
+  consensus::PeerId refused_by_ = 0;
   std::string reason_;
 };
 

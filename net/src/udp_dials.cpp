@@ -78,6 +78,7 @@ void UdpDials::finish(Dial& dial, std::int64_t now) {
     if (state == State::Refused && attempt->verdict() == Verdict::Outdated) {
       dial.backoff = options_.backoff_min;
     }
+    if (state == State::Refused) dial.peer = attempt->refused_by();
     peers_.note_failure(dial.peer, attempt->reason());
     return;
   }

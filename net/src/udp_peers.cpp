@@ -14,6 +14,8 @@ namespace {
 /// on does so in one round trip: 427 ms at 300 a second.
 constexpr std::size_t kMaxUnconfirmedOfKey = 32;
 constexpr std::size_t kMaxUnconfirmed = 128;
+/// Who has stayed for so long has a place to come back to.
+constexpr std::int64_t kRegular = 10'000'000'000;    // ns
 constexpr std::int64_t kTellPeriod = 2'000'000'000;  // ns
 constexpr std::size_t kTellAtOnce = 4;               // peers in a turn
 
@@ -48,7 +50,7 @@ bool UdpPeers::is_taken(const Record& record, const Member& member, std::int64_t
 }
 
 Verdict UdpPeers::decide(const Introduction& other, const Member& member, const Address& from,
-                         std::int64_t now) const {
+                         std::int64_t now) {
   if (leaving_) return Verdict::Full;
   // Whoever passes the handshake on could be its other end.
   if (is_relayed(from) && !member.bound) return Verdict::Unbound;
@@ -61,7 +63,9 @@ Verdict UdpPeers::decide(const Introduction& other, const Member& member, const 
   if (is_here && other.incarnation < found->incarnation && !found->connection->link->silent(now)) {
     return Verdict::Outdated;
   }
-  if (!is_here && attached_count() >= options_.max_peers) return Verdict::Full;
+  if (!is_here && is_full() && guest_in_place_of(other.peer, member) == nullptr) {
+    return Verdict::Full;
+  }
   const auto confirmed = std::ranges::count_if(
       connections_, [](const auto& entry) { return entry.second.link->confirmed(); });
   // As many again that are leaving.
@@ -91,6 +95,20 @@ UdpPeers::Connection& UdpPeers::add(const Session& session, const Address& addre
                                    .opened = now,
                                    .relay = Pacer(options_.relay_kbit, now)})
       .first->second;
+}
+
+UdpPeers::Record* UdpPeers::guest_in_place_of(PeerId peer, const Member& member) {
+  const auto own = records_.find(peer);
+  if (own == records_.end() || !own->second.stayed || own->second.member.key != member.key) {
+    return nullptr;
+  }
+  Record* out = nullptr;
+  for (auto& [id, record] : records_) {
+    const bool guest = record.connection != nullptr && !record.member.bound &&
+                       record.arrival > own->second.departure;
+    if (guest && (out == nullptr || record.arrival > out->arrival)) out = &record;
+  }
+  return out;
 }
 
 void UdpPeers::forget_unconfirmed(const crypto::PublicKey& key) {
@@ -139,7 +157,11 @@ void UdpPeers::forget_departed() {
   auto oldest = records_.end();
   for (auto at = records_.begin(); at != records_.end(); ++at) {
     if (at->second.connection != nullptr) continue;
-    if (oldest == records_.end() || at->second.departure < oldest->second.departure) oldest = at;
+    // Of those who have hardly been here first.
+    const auto worth = [](const Record& record) {
+      return std::tuple(record.stayed, record.departure);
+    };
+    if (oldest == records_.end() || worth(at->second) < worth(oldest->second)) oldest = at;
   }
   if (oldest != records_.end()) records_.erase(oldest);
 }
@@ -147,9 +169,14 @@ void UdpPeers::forget_departed() {
 bool UdpPeers::attach(Connection& connection, std::int64_t now) {
   const Introduction& remote = connection.link->session().remote;
   // Asked again: several may have been half open when there was room for one.
-  if (attached(remote.peer) == nullptr && attached_count() >= options_.max_peers) {
-    connection.link->leave(describe(Verdict::Full), now);
-    return false;
+  if (attached(remote.peer) == nullptr && is_full()) {
+    Record* const guest = guest_in_place_of(remote.peer, connection.link->session().member);
+    if (guest == nullptr) {
+      connection.link->leave(describe(Verdict::Full), now);
+      return false;
+    }
+    guest->connection->link->leave(describe(Verdict::Full), now);
+    detach(*guest->connection);
   }
   if (!records_.contains(remote.peer)) forget_departed();
   Record& record = records_[remote.peer];
@@ -186,6 +213,7 @@ bool UdpPeers::attach(Connection& connection, std::int64_t now) {
   record.member = member;
   record.status.role = member.role;
   record.connection = &connection;
+  record.arrival = ++events_;
   record.dropped = false;
   record.status.connected = true;
   record.status.reason.clear();
@@ -202,7 +230,8 @@ void UdpPeers::detach(Connection& connection) {
   record.status.rejected += connection.link->rejected();
   record.status.over_budget += channels.inbox().budget().refused();
   record.reliable = channels.take_reliable();
-  record.departure = ++departures_;
+  record.departure = ++events_;
+  record.stayed = record.stayed || connection.link->last_heard() - connection.opened >= kRegular;
   lost_(record.status.id);
   record.connection = nullptr;
   record.status.connected = false;
@@ -260,9 +289,11 @@ void UdpPeers::leave(const std::string& reason, std::int64_t now) {
 }
 
 void UdpPeers::note_failure(PeerId peer, const std::string& reason) {
-  const auto at = records_.find(peer);
-  if (at == records_.end() || at->second.status.connected || at->second.dropped) return;
-  at->second.status.reason = reason;
+  if (peer == 0 || peer == options_.handshake.self) return;
+  if (!records_.contains(peer)) forget_departed();
+  Record& record = records_[peer];
+  record.status.id = peer;
+  if (!record.status.connected && !record.dropped) record.status.reason = reason;
 }
 
 bool UdpPeers::post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery,

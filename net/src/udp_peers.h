@@ -54,7 +54,9 @@ class UdpPeers {
     std::int64_t hold_until = INT64_MIN;
     std::vector<Channels::Message> inbox;        // of connections that are gone
     std::optional<Channels::Reliable> reliable;  // likewise, of this incarnation
-    std::uint64_t departure = 0;                 // the later, the larger
+    std::uint64_t arrival = 0;    // of arrivals and departures, the later, the larger
+    std::uint64_t departure = 0;  // likewise
+    bool stayed = false;          // for kRegular, before it left
   };
   using Connections = std::map<std::uint32_t, Connection>;  // by receiver number
 
@@ -80,7 +82,7 @@ class UdpPeers {
   bool is_leaving() const { return leaving_; }
 
   Verdict decide(const Introduction& other, const Member& member, const Address& from,
-                 std::int64_t now) const;
+                 std::int64_t now);
   Connection& add(const Session& session, const Address& address, bool began_here,
                   std::int64_t now);
   /// Makes it its peer's connection. False where it is to leave instead.
@@ -91,7 +93,7 @@ class UdpPeers {
   void expel(std::int64_t now);
   /// Say goodbye to all, and let nobody in.
   void leave(const std::string& reason, std::int64_t now);
-  /// A handshake has failed.
+  /// A handshake with it has failed.
   void note_failure(PeerId peer, const std::string& reason);
 
   bool post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery,
@@ -114,6 +116,10 @@ class UdpPeers {
 
  private:
   std::size_t attached_count() const;
+  bool is_full() const { return attached_count() >= options_.max_peers; }
+  /// Of those who came after a member had left who stayed for a while, the last one, where anybody
+  /// could have taken that id: its place was his. Null where there is none.
+  Record* guest_in_place_of(PeerId peer, const Member& member);
   /// Whether an id that is not bound is somebody else's for now.
   static bool is_taken(const Record& record, const Member& member, std::int64_t now);
   /// Make room for one more by somebody else.
@@ -125,7 +131,7 @@ class UdpPeers {
   std::function<void(PeerId)> lost_;
   Connections connections_;
   std::map<PeerId, Record> records_;
-  std::uint64_t departures_ = 0;
+  std::uint64_t events_ = 0;  // arrivals and departures
   bool leaving_ = false;
 };
 

@@ -209,6 +209,36 @@ TEST_CASE("udp node: a member that makes up ids keeps nobody out and is forgotte
   CHECK(linked(world, 1, 2));
 }
 
+TEST_CASE("udp node: who was here before has a place, whoever has taken all meanwhile",
+          "[net][fault]") {
+  World world({.delay = kMs});
+  world.start(1, 1, 4);
+  for (const PeerId regular : {2, 3}) world.start(regular).dial(address_of(1), world.now);
+  world.run(12 * kSecond);
+  cut(world, 1, 2);
+  world.run(6 * kSecond);
+  REQUIRE_FALSE(status(world.node(1), 2).connected);
+  // One member as many.
+  for (PeerId id = 100; id < 110; ++id) {
+    world.start(id).dial(address_of(1), world.now);
+    world.run(20 * kMs);
+  }
+  const auto present = [&] {
+    const auto all = world.node(1).peers();
+    return std::ranges::count_if(all, [](const auto& each) { return each.connected; });
+  };
+  REQUIRE(present() == 4);
+  // A newcomer is told why he is not let in.
+  world.start(4).dial(address_of(1), world.now);
+  world.run(2 * kSecond);
+  CHECK(status(world.node(4), 1).reason == describe(Verdict::Full));
+  cut(world, 1, 2, true);
+  world.run(4 * kSecond);
+  CHECK(linked(world, 1, 2));
+  CHECK(linked(world, 1, 3));
+  CHECK(present() == 4);
+}
+
 TEST_CASE("udp node: a cut path heals by itself", "[net][fault]") {
   World world({.delay = 20 * kMs});
   world.start(1);
