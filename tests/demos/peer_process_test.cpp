@@ -86,6 +86,9 @@ void hold_session(const Folder& folder, const std::string& first, const std::str
   a.send(SIGINT);
   CHECK(a.wait() == 0);
   CHECK(folder.text("1.log").find("level=error") == std::string::npos);
+  // With a session key alone it says what one member could do.
+  const bool open = first.find("insecure") == std::string::npos;
+  CHECK((folder.text("1.log").find("event=no_lists") != std::string::npos) == open);
   for (const char* trace : {"1.trace", "2.trace"}) {
     Process replay("tandem-replay", {folder.file(trace)}, folder.file("said"));
     CHECK(replay.wait() == 0);

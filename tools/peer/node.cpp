@@ -134,6 +134,13 @@ class Node {
                {"metrics_port", std::uint64_t{metrics_ ? metrics_->port() : 0U}},
                {"bodies", std::uint64_t{scene_.bodies.size()}},
                {"fidget", fidget_ ? "true" : "false"}});
+    const DemoOptions& session = config_.session;
+    if (!session.insecure && session.trusted.empty() && !session.organiser) {
+      log_.line(Level::Warn, "no_lists",
+                {{"what",
+                  "whoever has the session key may be as many peers as there are places, a "
+                  "majority too"}});
+    }
     while (!stop_.requested()) {
       begin(clock_.physics_time());
       if (page_ != nullptr) page_->show(net::seconds(clock_.physics_time() - began_), last_step_s_);
