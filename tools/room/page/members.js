@@ -20,6 +20,9 @@ const TRY_AGAIN_MS = 8000;
 const SILENT_MS = 8000;   // who takes part says so ten times a second
 const AWAY_MS = 90000;    // of a page that is not seen, whose timers hardly run
 
+/** Ids that are remembered, ever, as the cipher has it: a server can make up any number. */
+const MAX_MEMBERS = 4096;
+
 /** One of the others. */
 class Member {
   constructor(id) {
@@ -119,12 +122,14 @@ export class Members {
   }
 
   #of(id) {
-    if (!this.all.has(id)) this.all.set(id, new Member(id));
+    if (!this.all.has(id) && this.all.size < MAX_MEMBERS) this.all.set(id, new Member(id));
     return this.all.get(id);
   }
   #listed(id) {
     if (id === this.self || id === 0n) return;
-    this.#of(id).listed = true;
+    const member = this.#of(id);
+    if (!member) return;
+    member.listed = true;
     this.#greet(id);
   }
   #greet(id) { this.server.send(RELIABLE, id, this.#cipher.hello(encode(this.profile))); }
@@ -139,11 +144,13 @@ export class Members {
     if (kind === CAME) {
       this.#listed(id);
     } else if (kind === GONE) {
-      const member = this.#of(id);
+      const member = this.all.get(id);
+      if (!member) return;
       member.listed = false;
       this.#check(member);
     } else if (kind === NEWEST || kind === RELIABLE) {
-      this.#open(this.#of(id), bytes);
+      const member = this.#of(id);
+      if (member) this.#open(member, bytes);
     }
   }
   #open(member, sealed) {
@@ -165,6 +172,8 @@ export class Members {
       return;
     }
     if (member.dropped) return;
+    // What a direct way brings after its last word: who has left does not come back by it.
+    if (!member.here && !member.listed && !member.direct?.open) return;
     member.heard = performance.now();
     if (!member.here) {
       member.here = true;

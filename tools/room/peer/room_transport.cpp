@@ -140,8 +140,10 @@ void RoomTransport::hear(const Bytes& message) {
     case Wire::Came:
       return greet(id);
     case Wire::Gone:
-      members_[id].here = false;
-      members_[id].reason = "has left";
+      if (const auto found = members_.find(id); found != members_.end()) {
+        found->second.here = false;
+        found->second.reason = "has left";
+      }
       return;
     case Wire::Time:
       return take_time(rest);
@@ -185,10 +187,15 @@ void RoomTransport::greet(MemberId to) {
 
 void RoomTransport::open(MemberId from, View sealed) {
   constexpr std::uint8_t kNothing[] = {'{', '}'};
+  const Cipher::Kind kind = cipher_.open(from, sealed, plain_);
+  if (kind == Cipher::Kind::Refused) {
+    ++refused_;
+    return;
+  }
+  // Those whom the server makes up are not remembered, and the cipher knows no more than it may.
   Member& member = members_[from];
-  switch (cipher_.open(from, sealed, plain_)) {
+  switch (kind) {
     case Cipher::Kind::Refused:
-      ++refused_;
       return;
     case Cipher::Kind::Hello:
       greet(from);
