@@ -74,6 +74,9 @@ class Participant : public std::enable_shared_from_this<Participant> {
     session_ = network_->open(core_->scene(), self, options);
     session_->peer().set_observer(&ages_);
   }
+  ~Participant() { end(); }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
 
   /// @throws std::runtime_error once it is closed, or while another thread steps
   tandem::Session& session() {
@@ -92,8 +95,8 @@ class Participant : public std::enable_shared_from_this<Participant> {
     if (!session_) return;
     require_outside();
     core_->scene();
-    // A transport may take a moment to tell the others.
-    const std::unique_ptr<tandem::Session> gone = std::move(session_);
+    const Core::Busy busy(*core_);
+    end();
   }
 
   Progress advance(std::optional<SessionTime> now, const py::object& before_step) {
@@ -131,6 +134,13 @@ class Participant : public std::enable_shared_from_this<Participant> {
   void stop() { stopped_ = true; }
 
  private:
+  /// A transport may take a moment to tell the others: meanwhile other threads go on.
+  void end() {
+    std::unique_ptr<tandem::Session> gone = std::move(session_);
+    if (!gone) return;
+    const py::gil_scoped_release released;
+    gone.reset();
+  }
   void require_outside() const {
     if (at_) throw std::runtime_error("not within before_step");
   }
