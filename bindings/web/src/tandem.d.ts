@@ -139,6 +139,7 @@ export interface TransportDef {
 }
 export class Transport {
   constructor(def: TransportDef);
+  readonly lost: number;  // what came and was not taken in time, 16 MiB at most
   receive(from: bigint, bytes: Uint8Array): void;
   connected(peer: bigint, is?: boolean): void;
   free(): void;

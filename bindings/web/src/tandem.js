@@ -86,9 +86,9 @@ function shapeValues(allocate, {type, points, triangles, heights, ...sizes}) {
 
 const imports = {
   post: (user, to, at, size, delivery) =>
-    (transports[user].send(BigInt.asUintN(64, to), bytesAt(at, size).slice(), delivery === 1) === false ? 0 : 1),
+    transports[user].post(BigInt.asUintN(64, to), bytesAt(at, size).slice(), delivery === 1),
   drain: (user, inbox) => {
-    for (const {from, bytes} of transports[user].inbox.splice(0)) {
+    for (const {from, bytes} of transports[user].take()) {
       borrow((allocate) => c.tandem_web_receive(inbox, from, numbers(allocate, bytes, Uint8Array), bytes.length));
     }
   },
@@ -100,7 +100,11 @@ const imports = {
 };
 
 /** Whatever the C++ library asks of a system: nothing that the engine does needs an answer. */
-const system = {get: (_, name) => (name === 'proc_exit' ? () => { throw new Error('tandem: aborted'); } : () => 0)};
+const system = {get: (_, name) => {
+  if (name === 'proc_exit') return () => { throw new Error('tandem: aborted'); };
+  // A write that takes nothing would be tried again for ever: EBADF, there is no such file.
+  return () => (name === 'fd_write' ? 8 : 0);
+}};
 
 /**
  * Loads the module; once, before anything else.
@@ -390,6 +394,9 @@ export function shapeMass(shape, density = 1000) {
   });
 }
 
+/** Bytes that wait for a page that takes no steps, a hidden one for instance; beyond that the oldest go. */
+const MAX_INBOX = 1 << 24;
+
 /**
  * Carries bytes between peers, by whatever the page has: give `send`, call receive() and connected().
  * @param self  this peer, a BigInt above 0, unique in the session
@@ -397,12 +404,33 @@ export function shapeMass(shape, density = 1000) {
  */
 export class Transport {
   constructor({self, send, onDrop, maxPacket = 0}) {
-    Object.assign(this, {self, send, onDrop, inbox: [], peers: new Map()});
+    Object.assign(this, {self, send, onDrop, inbox: [], inboxBytes: 0, lost: 0, failure: null, peers: new Map()});
     this.number = transports.push(this) - 1;
     this.at = made(c.tandem_web_transport_create(this.number, self, maxPacket, error));
   }
   /** Bytes have come. */
-  receive(from, bytes) { this.inbox.push({from, bytes}); }
+  receive(from, bytes) {
+    this.inbox.push({from, bytes});
+    this.inboxBytes += bytes.length;
+    let gone = 0;
+    while (this.inboxBytes > MAX_INBOX) this.inboxBytes -= this.inbox[gone++].bytes.length;
+    if (gone > 0) this.inbox.splice(0, gone);
+    this.lost += gone;
+  }
+  /** What has come, once. */
+  take() {
+    this.inboxBytes = 0;
+    return this.inbox.splice(0);
+  }
+  /** What `send` throws must not cross the module, which could not put its own things in order: it is told later. */
+  post(to, bytes, reliable) {
+    try {
+      return this.send(to, bytes, reliable) === false ? 0 : 1;
+    } catch (error) {
+      this.failure ??= error;
+      return 0;
+    }
+  }
   /** There is such a peer, or no longer. */
   connected(peer, is = true) { this.peers.set(peer, is); }
   /** After its peer. */
@@ -432,6 +460,7 @@ export class Peer {
       layouts.write(view(), at, layouts.peerDef, {...def, compact: def.compact ? 1 : 0});
       return made(c.tandem_peer_create(world.at, transport.at, at, error));
     });
+    this.transport = transport;
   }
   /** Before its world and its transport. */
   free() { c.tandem_peer_destroy(this.at); }
@@ -439,9 +468,9 @@ export class Peer {
     borrow((a) => check(c.tandem_peer_share(this.at, this.#id(a, name), body.at, owner, error)));
   }
   unshare(name) { borrow((a) => check(c.tandem_peer_unshare(this.at, this.#id(a, name), error))); }
-  beforeStep(now) { check(c.tandem_peer_before_step(this.at, now, error)); }
-  afterStep(now) { check(c.tandem_peer_after_step(this.at, now, error)); }
-  leave(now) { check(c.tandem_peer_leave(this.at, now, error)); }
+  beforeStep(now) { this.#passing(c.tandem_peer_before_step(this.at, now, error)); }
+  afterStep(now) { this.#passing(c.tandem_peer_after_step(this.at, now, error)); }
+  leave(now) { this.#passing(c.tandem_peer_leave(this.at, now, error)); }
   /** Holds a shared body with a spring that all peers simulate. @param def  attachment, anchor, stiffness, ... */
   grab(name, def = {}) {
     return borrow((a) => {
@@ -463,5 +492,12 @@ export class Peer {
     });
   }
 
+  /** Throws what the transport's `send` has thrown, once. */
+  #passing(status) {
+    check(status);
+    const {failure} = this.transport;
+    this.transport.failure = null;
+    if (failure !== null) throw failure;
+  }
   #id(allocate, name) { return put(allocate, layouts.sharedId, sharedId(name)); }
 }

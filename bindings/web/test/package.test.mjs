@@ -160,6 +160,19 @@ function holdTogether(options, ids = [1n, 2n]) {
   return {hand, places: sites.map(({body}) => [...body.position]), stats: sites.map(({peer}) => peer.stats())};
 }
 
+test('a page that takes no steps keeps the newest of what comes, within bounds, and no exception crosses the module', () => {
+  const transport = Object.assign(Object.create(Transport.prototype),
+    {inbox: [], inboxBytes: 0, lost: 0, failure: null, send: () => { throw new Error('mine'); }});
+  for (let i = 0; i < 5000; ++i) transport.receive(BigInt(i), new Uint8Array(8192));
+  const kept = transport.take();
+  assert.equal(kept.length + transport.lost, 5000);
+  assert.ok(kept.length * 8192 <= 1 << 24 && kept.length > 1000);
+  assert.equal(kept.at(-1).from, 4999n);
+  assert.deepEqual(transport.take(), []);
+  assert.equal(transport.post(1n, new Uint8Array(1), true), 0);
+  assert.match(transport.failure.message, /mine/);
+});
+
 test('two peers who exchange bytes hold one body, whatever their ids', () => {
   for (const ids of [[1n, 2n], [1n << 63n, (1n << 64n) - 1n]]) {
     const {hand, places: [one, two], stats} = holdTogether({}, ids);
