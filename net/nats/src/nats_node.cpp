@@ -164,16 +164,15 @@ GroupOpener::Opened NatsNode::open(const Inbox::Message& message) {
     if (record == nullptr || record->connection == nullptr) return std::nullopt;
     return record->incarnation;
   };
-  const auto out =
-      seal_.opener.open(message.bytes, node_.credentials(), last_ + correction_, connected);
+  const auto now = last_ + correction_;
+  const auto out = seal_.opener.open(message.bytes, node_.credentials(), now, connected);
   if (out.heard == GroupOpener::Heard::Elsewhen) invite(out.sender, out.key);
   return out;
 }
 
 void NatsNode::invite(PeerId peer, std::size_t key) {
   if (peer == self_ || node_.table().attached(peer) != nullptr) return;
-  std::erase_if(invited_,
-                [this](const auto& entry) { return last_ - entry.second > kInviteAgain; });
+  std::erase_if(invited_, [this](const auto& each) { return last_ - each.second > kInviteAgain; });
   if (invited_.size() >= kMaxInvited || !invited_.emplace(peer, last_).second) return;
   amiss_.emplace(peer, last_);
   node_.dial(net::path_address(peer), last_, key);
@@ -224,18 +223,12 @@ void NatsNode::on_summary(const Inbox::Message& message) {
     Level& above = levels_[static_cast<std::size_t>(cell.level)];
     if (above.of_within == parent_of(cell)) above.people[cell] = {summary->people, last_};
   }
-  if (summaries_.size() < NatsTransport::kMaxSummaries) {
-    summaries_.push_back(
-        {cell, opened.sender, summary->people, {summary->content.begin(), summary->content.end()}});
-  } else {
-    std::rotate(summaries_.begin(), summaries_.begin() + 1, summaries_.end());
-    summaries_.back() = {
-        cell, opened.sender, summary->people, {summary->content.begin(), summary->content.end()}};
-  }
-  if (summary->content.empty() || packets_.size() >= kMaxPackets) return;
-  packets_.push_back({.from = opened.sender,
-                      .bytes = {summary->content.begin(), summary->content.end()},
-                      .received = node_.session_now(last_)});
+  const std::vector<std::byte> content(summary->content.begin(), summary->content.end());
+  if (summaries_.size() >= NatsTransport::kMaxSummaries) summaries_.erase(summaries_.begin());
+  summaries_.push_back({cell, opened.sender, summary->people, content});
+  if (content.empty() || packets_.size() >= kMaxPackets) return;
+  packets_.push_back(
+      {.from = opened.sender, .bytes = content, .received = node_.session_now(last_)});
 }
 
 void NatsNode::follow(std::int64_t now) {
@@ -258,9 +251,8 @@ void NatsNode::follow(std::int64_t now) {
                                          : subscribe(subjects_.summary(cell), Inbox::Kind::Summary);
   }
   // Both ends find each other at about the same time; the lower id dials.
-  for (const PeerId peer : changes.meet) {
+  for (const PeerId peer : changes.meet)
     if (self_ < peer) node_.dial(net::path_address(peer), now);
-  }
   for (const PeerId peer : changes.part) node_.hang_up(peer, "too far away", now);
   heed_group_change(now);
   reconcile(now);
@@ -281,10 +273,10 @@ void NatsNode::reconcile(std::int64_t now) {
     const std::int64_t since = before != amiss_.end() ? before->second : now;
     if (now - since < kPatience) {
       amiss[peer] = since;
-      return;
+    } else {
+      node_.hang_up(peer, "too far away", now);
+      hood_.lose(peer);
     }
-    node_.hang_up(peer, "too far away", now);
-    hood_.lose(peer);
   };
   std::vector<PeerId> unlike;
   node_.table().for_each_attached([&](PeerId peer) {
