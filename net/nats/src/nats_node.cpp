@@ -14,7 +14,6 @@ namespace tandem::nats {
 
 namespace crypto = net::crypto;
 using net::octets;
-
 namespace {
 
 constexpr std::size_t kSenderBytes = 8;                // before each datagram
@@ -217,7 +216,7 @@ void NatsNode::on_summary(const Inbox::Message& message) {
     ++seal_.unbelieved;
     return;
   }
-  const Cell cell = summary->cell;
+  const Cell& cell = summary->cell;
   levels_[static_cast<std::size_t>(cell.level) - 1].speaker.hear(cell, opened.sender, last_);
   if (cell.level + 1 < cells_.levels) {
     Level& above = levels_[static_cast<std::size_t>(cell.level)];
