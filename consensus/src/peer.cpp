@@ -29,6 +29,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   Connections connections;
   std::unique_ptr<Replay> replay;  ///< null: a predictor carries all states to now
   Trust trust;
+  Latecomers latecomers;
   Activity activity;
   Receiver receiver;
   Ownership ownership;
@@ -124,14 +125,15 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       connections(transport, data.stats),
       replay(replay_of(data)),
       trust(data),
-      activity(data, trust),
+      latecomers(data),
+      activity(data, trust, latecomers),
       receiver(data, connections),
       ownership(data, connections, activity),
       remote(data),
       placement(data, remote, activity),
       estimator(data, trust, remote, placement),
       hard(data),
-      agreement(data, replay.get(), trust, estimator, hard),
+      agreement(data, replay.get(), trust, latecomers, estimator, hard),
       sender(data, connections, activity) {}
 
 Peer::Peer(pbd::World& world, Transport& transport, const PeerOptions& options) {

@@ -181,7 +181,7 @@ TEST_CASE("malicious: one liar of four moves nothing, whatever it says", "[conse
     std::uint64_t noticed = 0;
     for (const PeerReport& report : trace.reports) {
       noticed += report.outliers + report.inbox.implausible + report.unfounded_leads +
-                 report.influence_cut + report.inbox.future + report.capped;
+                 report.influence_cut + report.inbox.future + report.capped + report.late;
     }
     if (lie.noticed) CHECK(noticed > 100);
     CHECK(trace.apart < alone.apart + 1e-2);

@@ -86,6 +86,12 @@ void links(Page& page, const PeerFigures& f) {
   page.of_remotes(f, "not_allowed_total", "counter",
                   "States and springs of the peer that its role forbids.",
                   [](const Remote& r) { return r.not_allowed; });
+  page.of_remotes(f, "late_steps_total", "counter",
+                  "Steps that left out the peer's states: much older than the others'.",
+                  [](const Remote& r) { return r.late; });
+  page.of_remotes(f, "steps_without_target_total", "counter",
+                  "Steps without a target, since the peer's states are so old.",
+                  [](const Remote& r) { return r.without; });
   page.of_remotes(f, "loss_ratio", "gauge", "Share of states from the peer lost on the way.",
                   [](const Remote& r) { return r.loss; });
   page.begin("round_trip_seconds", "gauge", "To the peer and back.");

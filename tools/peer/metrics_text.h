@@ -21,6 +21,8 @@ struct PeerFigures {
     const RecentQuantiles* divergence = nullptr;  ///< m; null = nothing was heard
     std::uint64_t over_budget = 0;                ///< packets: it sends more than a member may
     std::uint64_t not_allowed = 0;                ///< states and springs that its role forbids
+    std::uint64_t late = 0;     ///< steps that left out what it says, much older than the others'
+    std::uint64_t without = 0;  ///< steps without a target, since what it says is so old
   };
 
   std::string scene;

@@ -310,12 +310,14 @@ class Node {
       const double round_trip =
           status.round_trip < 0 ? link.round_trip : 1e-9 * static_cast<double>(status.round_trip);
       figures.remotes.push_back(
-          {status, link.loss, round_trip, divergence_.of(status.id), status.over_budget, 0});
+          {status, link.loss, round_trip, divergence_.of(status.id), status.over_budget});
       const auto reports = peer_.reports();
       const auto report = std::ranges::find(reports, status.id, &consensus::PeerReport::peer);
       if (report == reports.end()) continue;
       figures.remotes.back().over_budget += report->over_budget;
       figures.remotes.back().not_allowed = report->not_allowed;
+      figures.remotes.back().late = report->late;
+      figures.remotes.back().without = report->without;
     }
     if (metrics_) metrics_->publish(metrics_text(figures));
     if (log_.shows_status()) log_.status(status_text(figures, terminal_columns()));

@@ -19,10 +19,14 @@ void Agreement::aggregate() {
   wanted_.clear();
   apart_ = false;
   if (replay_ != nullptr) replay_->begin();
+  if (replays()) {
+    latecomers_.look();
+  } else {
+    latecomers_.forget();
+  }
   const PeerId self = data_.self();
   for (std::size_t i = 0; i < data_.bodies.size(); ++i) {
     SharedBody& shared = data_.bodies[i];
-    const auto newest = data_.inbox.newest_at(i);
     const pbd::Vec3 asked = std::exchange(shared.asked, pbd::Vec3::Zero());
     if (!data_.world.contains(shared.def.body)) continue;
     const bool unheard = data_.options.coupling == Coupling::None && !shared.def.owner.has_value();
@@ -31,18 +35,22 @@ void Agreement::aggregate() {
       hard_.drag(shared, found_.states);
       continue;
     }
-    estimator_.estimate(shared, newest, replays(), found_);
+    bool guessed = false;
+    const auto newest = latecomers_.in_time(shared, data_.inbox.newest_at(i), guessed);
+    const bool replayed = replays() && !guessed;
+    estimator_.estimate(shared, newest, replayed, found_);
     for (const Stamped& owners : found_.prescribed) {
       replay_->prescribe(
           {.slot = shared.def.body.index, .from = owners.state, .stamp = owners.stamp});
     }
     if (hard_.drag(shared, found_.states) || found_.states.empty()) continue;
     ++data_.stats.bodies_aggregated;
-    want(shared, asked);
+    want(shared, asked, replayed);
   }
   if (replay_ != nullptr) {
     if (apart_) {
-      replay_->update(data_.stats.replay);
+      const PeerId slow = replay_->update(data_.stats.replay);
+      if (slow != 0) ++data_.report_of(slow).without;
     } else {
       replay_->drop();
     }
@@ -50,7 +58,7 @@ void Agreement::aggregate() {
   for (Wanted& wanted : wanted_) aim(wanted);
 }
 
-void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
+void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) {
   const std::uint32_t slot = shared.def.body.index;
   const pbd::BodyState& own = data_.world.states()[slot];
   if (found_.votes) trust_.weigh_votes(own, found_.states);
@@ -64,7 +72,7 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
                                        return l.weight < r.weight;
                                      })
                         ->peer;
-  if (found_.by_hand || !replays()) {
+  if (found_.by_hand || !replayed) {
     wanted_.push_back(wanted);
     return;
   }
@@ -72,7 +80,9 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
   double way = 0.0;
   bool apart = false;
   SessionTime oldest = data_.now;
-  for (const Stamped& there : found_.stamped) {
+  for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
+    if (!(found_.states[i].share > 0.0)) continue;  // outvoted
+    const Stamped& there = found_.stamped[i];
     const double age = std::max(0.0, seconds(data_.now - there.stamp));
     way = std::max(way, age * std::max(speed(own.twist), speed(there.state.twist)));
     apart = apart || there.apart;
@@ -91,6 +101,7 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked) {
     for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
       const Stamped& there = found_.stamped[i];
       if (there.stamp < known) continue;  // nobody knows any more
+      if (!(found_.states[i].share > 0.0)) continue;
       replay_->add({.slot = slot,
                     .peer = found_.states[i].peer,
                     .stamp = there.stamp,

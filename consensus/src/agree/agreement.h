@@ -7,6 +7,7 @@
 
 #include "agree/estimates.h"
 #include "agree/estimator.h"
+#include "agree/latecomers.h"
 #include "agree/trust.h"
 #include "input/hard_input.h"
 #include "peer_data.h"
@@ -19,8 +20,14 @@ namespace tandem::consensus {
 class Agreement {
  public:
   /// @param replay  null: the predictor carries all states to now
-  Agreement(PeerData& data, Replay* replay, Trust& trust, Estimator& estimator, HardInputs& hard)
-      : data_(data), replay_(replay), trust_(trust), estimator_(estimator), hard_(hard) {}
+  Agreement(PeerData& data, Replay* replay, Trust& trust, Latecomers& latecomers,
+            Estimator& estimator, HardInputs& hard)
+      : data_(data),
+        replay_(replay),
+        trust_(trust),
+        latecomers_(latecomers),
+        estimator_(estimator),
+        hard_(hard) {}
 
   /// Before a step.
   void aggregate();
@@ -31,7 +38,8 @@ class Agreement {
 
  private:
   /// Take over the fused estimates as what agreement wants.
-  void want(SharedBody& shared, const pbd::Vec3& asked);
+  /// @param replayed  they are brought to the present by the replay
+  void want(SharedBody& shared, const pbd::Vec3& asked, bool replayed);
   /// What stands is still where its mean with the own state `then`, of the oldest stamp, was. In
   /// the demos the same bits where it is replayed instead, but what two owned in turn then stays 20
   /// um apart (tests/consensus/peer_owner_test.cpp).
@@ -45,6 +53,7 @@ class Agreement {
   PeerData& data_;
   Replay* replay_;
   Trust& trust_;
+  Latecomers& latecomers_;
   Estimator& estimator_;
   HardInputs& hard_;
   bool apart_ = false;  ///< something is to be replayed for

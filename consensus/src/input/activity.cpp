@@ -116,7 +116,10 @@ void Activity::update_initiative(SharedBody& shared, std::span<const Inbox::Rece
   const bool hands = trust_.believes_hands(newest.size());
   for (const Inbox::Received& received : newest) {
     if (received.update.flags.owner_driven && hands) acting.other = true;
-    round_trip = std::max(round_trip, 2.0 * seconds(received.arrival - received.update.stamp));
+    // Who is late does not keep the others from being heard.
+    if (!latecomers_.is_late(received.peer)) {
+      round_trip = std::max(round_trip, 2.0 * seconds(received.arrival - received.update.stamp));
+    }
     const bool leads = received.update.flags.leads &&
                        (newest.size() < 2 || trust_.believes_lead(shared, received.peer));
     shared.initiative.hear(received.peer, leads, received.update.stamp);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "agree/latecomers.h"
 #include "agree/trust.h"
 #include "peer_data.h"
 
@@ -22,7 +23,8 @@ class Activity {
   static constexpr std::uint8_t kTouched = 32;         ///< any
   static constexpr std::uint8_t kJoinedToOther = 64;   ///< something that another's user acts on
 
-  Activity(PeerData& data, Trust& trust) : data_(data), trust_(trust) {}
+  Activity(PeerData& data, Trust& trust, const Latecomers& latecomers)
+      : data_(data), trust_(trust), latecomers_(latecomers) {}
 
   /// Two bodies pushed each other in the step of another engine.
   void note_contact(pbd::BodyId a, pbd::BodyId b);
@@ -49,6 +51,7 @@ class Activity {
 
   PeerData& data_;
   Trust& trust_;
+  const Latecomers& latecomers_;
   std::vector<pbd::ConstraintEdge> edges_;  ///< of joints and springs
   /// By slot: a joint or a spring, not a contact, holds it to another body or to the world.
   std::vector<std::uint8_t> jointed_;

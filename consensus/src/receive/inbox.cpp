@@ -129,8 +129,12 @@ bool Inbox::note_alive(PeerId from, SessionTime stamp, SessionTime now) {
 
 SessionTime Inbox::holds_until(const Received& received) const {
   if (!received.update.flags.resting) return received.update.stamp;
-  const Peer* const peer = find(peers_, received.peer);
-  return peer == nullptr ? received.update.stamp : std::max(received.update.stamp, peer->alive);
+  return std::max(received.update.stamp, alive(received.peer));
+}
+
+SessionTime Inbox::alive(PeerId from) const {
+  const Peer* const peer = find(peers_, from);
+  return peer == nullptr ? 0 : peer->alive;
 }
 
 std::size_t Inbox::prune(SessionTime now) {

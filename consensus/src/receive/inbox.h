@@ -75,6 +75,8 @@ class Inbox {
   /// resting bodies before still holds. Stamps more than max_future ahead are ignored.
   /// @return whether it had fallen silent for longer than max_age: what it said was dropped
   bool note_alive(PeerId from, SessionTime stamp, SessionTime now);
+  /// ns: the newest stamp of anything that the peer has sent; 0 = nothing yet.
+  SessionTime alive(PeerId from) const;
   /// ns: until when a state of this inbox is known to hold: its stamp; of a resting body the newest
   /// stamp of anything that its sender has sent.
   SessionTime holds_until(const Received& received) const;

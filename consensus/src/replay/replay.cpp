@@ -65,17 +65,18 @@ void Replay::set_solver(const pbd::SolverOptions& options) {
   solver_.emplace(own);
 }
 
-void Replay::update(ReplayStats& stats) {
+PeerId Replay::update(ReplayStats& stats) {
   if (news_.empty() || history_.empty() || !possible()) {
     drop();
-    return;
+    return 0;
   }
   const pbd::CpuTimer timer(stats.seconds);
   bring_together();
   if (schedule_.is_due(history_, start_, awake(), options_.budget)) {
     if (!start()) {
       ++stats.without;
-      return drop();
+      drop();
+      return oldest_;
     }
     ++stats.fresh;
     schedule_.begun();
@@ -84,16 +85,20 @@ void Replay::update(ReplayStats& stats) {
     forget_strangers();
   } else {
     ++stats.without;
-    return drop();
+    drop();
+    return oldest_;
   }
   for (; reached_ < history_.last(); ++reached_) {
-    if (!step_from(reached_, stats)) return drop();
+    if (step_from(reached_, stats)) continue;
+    drop();
+    return 0;
   }
   if (schedule_.is_fresh()) blend(reached_);
   for (std::uint32_t slot = 0; slot < slots_.size(); ++slot) {
     if (!slots_[slot].covered) continue;
     slots_[slot].gap = gap(history_.newest(slot), copy_.world().states()[slot]);
   }
+  return 0;
 }
 
 void Replay::keep() {
@@ -109,14 +114,16 @@ void Replay::bring_together() {
   });
   // What a peer has not said lately is as it expects others to expect it: the replay fills it in.
   start_ = history_.last();
+  oldest_ = 0;
   auto kept = news_.begin();
   for (auto first = news_.begin(); first != news_.end();) {
     const auto last = std::find_if(first, news_.end(), [&](const News& news) {
       return news.peer != first->peer || news.frame + kTogether < first->frame;
     });
     const std::size_t frame = std::prev(last)->frame;
-    start_ = std::min(start_, frame);
     const PeerId peer = first->peer;
+    if (frame < start_) oldest_ = peer;
+    start_ = std::min(start_, frame);
     for (; first != last; ++first, ++kept) {
       if (kept != first) *kept = *first;
       kept->frame = frame;

@@ -57,7 +57,8 @@ class Replay {
   void add(const News& news) { news_.push_back(news); }
   void prescribe(const Prescribed& body) { prescribed_.push_back(body); }
   /// Replay anew, step the last replay along, or leave both out, as the budget allows.
-  void update(ReplayStats& stats);
+  /// @return whose news are too old for it: 0 where the step has a target
+  PeerId update(ReplayStats& stats);
   /// The old one is of other times.
   void drop() { slots_.clear(); }
 
@@ -102,6 +103,7 @@ class Replay {
   ReplaySchedule schedule_;
   ReplayTethers tethers_;
   std::size_t start_ = 0;    ///< frame
+  PeerId oldest_ = 0;        ///< whose news it is
   std::size_t reached_ = 0;  ///< frame
   std::vector<News> news_;
   std::size_t next_ = 0;  ///< of news_, not blended yet

@@ -49,7 +49,12 @@ struct TANDEM_API InboxCounters {
 /// What one other peer has sent and what was done about it, since it was first heard.
 struct TANDEM_API PeerReport {
   PeerId peer = 0;
-  InboxCounters inbox;                ///< of its states
+  InboxCounters inbox;  ///< of its states
+  /// Steps in which its states were left out where others spoke: so much older than theirs that a
+  /// replay from there would have been everybody's cost.
+  std::uint64_t late = 0;
+  /// Steps without a target (ReplayStats::without), since its states are so old.
+  std::uint64_t without = 0;
   std::uint64_t outliers = 0;         ///< steps times bodies: far from what the others say
   std::uint64_t capped = 0;           ///< steps times bodies: it alone asked for too much
   std::uint64_t influence_cut = 0;    ///< steps times bodies: claimed more than others may
