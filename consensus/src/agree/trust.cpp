@@ -83,7 +83,8 @@ bool Trust::outvoted_at_stamp(const SharedBody& shared, std::span<const Inbox::R
 }
 
 void Trust::weigh_votes(const pbd::BodyState& own, std::span<PeerEstimate> estimates) {
-  double first = 0.0;
+  // This peer's own copy is one of them: who claims next to nothing leaves the rest their say.
+  double first = 1.0;
   double second = 0.0;
   for (PeerEstimate& estimate : estimates) {
     estimate.weight = weight_of_share(estimate.share);
