@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/consensus/peer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -65,6 +66,9 @@ void begin_step(PeerData& data, Sender& sender, SessionTime last, SessionTime no
   if (data.step_dt < 0.0) {  // a clock that was set back: nothing moves, and nobody falls silent
     data.step_dt = 0.0;
     sender.restart();
+    // Else its word would count for nothing for as long as its clock was ahead.
+    data.started = std::min(data.started, now);
+    if (seconds(last - now) > kLongestStep) data.springs.forget_others(now);
   }
   // The clock was set, or nothing was stepped for long.
   if (now < last || data.step_dt > kLongestStep) data.history.clear();

@@ -7,6 +7,7 @@
 
 #include "common/body_state.h"
 #include "common/ranges.h"
+#include "common/session_time.h"
 #include "tandem/consensus/compact.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/math.h"
@@ -51,21 +52,27 @@ const StateUpdate& RemoteStates::as_meant(const Inbox::Received& received,
                                           const SharedBody& shared) {
   const StateUpdate& update = received.update;
   const bool oriented = update.oriented && shared.def.orientation;
-  if (!update.flags.resting && !update.rounded && oriented) return update;
+  const SessionTime ahead = update.stamp - data_.now;
+  if (!update.flags.resting && !update.rounded && oriented && ahead <= 0) return update;
   meant_ = update;
-  meant_.stamp = data_.inbox.holds_until(received);
+  meant_.stamp = std::min(data_.inbox.holds_until(received), data_.now);
+  if (ahead > 0) {
+    // Its sender's clock is ahead: where the body was on that way by now. Nobody knows its own copy
+    // of times to come.
+    meant_.pose = carried({update.pose, update.twist}, -seconds(ahead)).pose;
+  }
   const pbd::BodyState own =
       data_.history.state_beside(shared.def.body.index, meant_.stamp, update.twist);
   if (!oriented) meant_.pose.orientation = own.pose.orientation;
   if (!update.rounded) return meant_;
   // What rounds to the same is the same: else each body would be drawn to the lattice, and one that
   // slows down would be kept at a multiple of the speed's quantum.
-  meant_.pose.position = nearest(own.pose.position, update.pose.position, 0.5 * kPositionQuantum);
+  meant_.pose.position = nearest(own.pose.position, meant_.pose.position, 0.5 * kPositionQuantum);
   meant_.twist.linear = nearest(own.twist.linear, update.twist.linear, 0.5 * kLinearSpeedQuantum);
   meant_.twist.angular =
       nearest(own.twist.angular, update.twist.angular, 0.5 * kAngularSpeedQuantum);
   if (oriented) {
-    const pbd::Vec3 turn = pbd::rotation_between(own.pose.orientation, update.pose.orientation);
+    const pbd::Vec3 turn = pbd::rotation_between(own.pose.orientation, meant_.pose.orientation);
     const double angle = turn.norm();
     const double left = angle > 0.0 ? shrunk(angle, kRoundedAngle) / angle : 0.0;
     meant_.pose.orientation = pbd::rotated(own.pose.orientation, left * turn);

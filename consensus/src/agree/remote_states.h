@@ -17,7 +17,7 @@ class RemoteStates {
   explicit RemoteStates(PeerData& data);
 
   /// Of what rests one that is as new as the last word of its sender, of what was rounded the one
-  /// nearest to the own copy. Valid until the next call.
+  /// nearest to the own copy, of what is stamped ahead one of now. Valid until the next call.
   const StateUpdate& as_meant(const Inbox::Received& received, const SharedBody& shared);
   /// A state, and what the own one of its stamp misses to it.
   Stamped compare(const SharedBody& shared, const StateUpdate& update,

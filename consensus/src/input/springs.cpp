@@ -236,6 +236,11 @@ void Springs::drop_peer(PeerId from, SessionTime now) {
   }
 }
 
+void Springs::forget_others(SessionTime now) {
+  for (Remote& remote : remote_) let_go(remote, now);
+  remote_.clear();
+}
+
 void Springs::forget_body(pbd::BodyId body, SessionTime now) {
   for (Remote& remote : remote_) {
     if (pulls(remote) && remote.def.body == body) let_go(remote, now);

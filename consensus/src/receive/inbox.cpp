@@ -138,6 +138,10 @@ SessionTime Inbox::alive(PeerId from) const {
 }
 
 std::size_t Inbox::prune(SessionTime now) {
+  // The clock was set back: what was said then does not hold until those times have come.
+  for (Peer& peer : peers_) {
+    if (peer.alive > now + max_future_ns_) peer.alive = 0;
+  }
   std::size_t dropped = 0;
   for (Body& body : bodies_) {
     dropped += std::erase_if(body.newest, [&](const Received& r) {
