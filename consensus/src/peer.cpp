@@ -156,7 +156,7 @@ void Peer::before_step(SessionTime now) {
   begin_step(impl_->data, impl_->sender, std::exchange(impl_->last_before, now), now);
   impl_->receiver.receive();
   for (const PeerId peer : impl_->receiver.wants_all()) impl_->sender.tell_again(peer);
-  impl_->data.springs.prepare(now);
+  impl_->data.springs.prepare(now, impl_->data.step_dt);
   if (impl_->data.options.coupling == Coupling::SingleOwner) {
     impl_->ownership.update(impl_->receiver.ownership());
   }

@@ -49,6 +49,8 @@ void RobustOptions::validate() const {
   positive(max_turn, "max_turn");
   positive(max_velocity_correction, "max_velocity_correction");
   positive(max_spin_correction, "max_spin_correction");
+  positive(max_pull_speed, "max_pull_speed");
+  positive(max_reach, "max_reach");
   require(max_springs_per_body >= 1, "RobustOptions", "max_springs_per_body", max_springs_per_body,
           "at least 1");
 }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
+#include "tandem/consensus/robust.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
@@ -29,10 +31,10 @@ class SpringLimits {
   static constexpr double kMaxPull = 1000.0;      ///< m/s^2: force over the mass of the body
   static constexpr double kMaxStiffness = 1e5;    ///< 1/s^2: stiffness over the mass of the body
   static constexpr double kMaxDamping = 2000.0;   ///< 1/s: damping over the mass of the body
-  static constexpr double kMaxDistance = 100.0;   ///< m, from a remote hand to where it holds
   static constexpr double kMaxHandSpeed = 100.0;  ///< m/s, of remote hands
 
-  explicit SpringLimits(const pbd::World& world) : world_(world) {}
+  SpringLimits(const pbd::World& world, const RobustOptions& options)
+      : world_(world), options_(options) {}
 
   /// Cut a spring by itself. @return whether anything was
   bool limit(pbd::Tether::Def& def) const {
@@ -49,7 +51,29 @@ class SpringLimits {
   bool too_far(const pbd::Tether::Def& def) const {
     const pbd::Pose& pose = world_.pose(def.body);
     const pbd::Vec3 held = pose.position + pose.orientation * def.anchor_l;
-    return !((def.anchor_w - held).squaredNorm() <= kMaxDistance * kMaxDistance);
+    return !((def.anchor_w - held).squaredNorm() <= options_.max_reach * options_.max_reach);
+  }
+  /// Leave a spring the force that in a step of `dt` s makes what it holds no faster than it may,
+  /// or than it is; it is one of `count` of its user's on the body. A bound of the force alone
+  /// bounds nothing: 1 kN on 1 kg for 0.5 s are 330 m/s.
+  /// @param world  in which the body is, here or in a replay
+  void slow(const pbd::World& world, double dt, int count, pbd::Tether::Def& def) const {
+    const pbd::BodyState& state = world.state(def.body);
+    const pbd::Vec3 arm = state.pose.orientation * def.anchor_l;
+    const pbd::Vec3 v = state.twist.linear + state.twist.angular.cross(arm);
+    const pbd::Vec3 pull = def.stiffness * (def.anchor_w - state.pose.position - arm) +
+                           def.damping * (def.anchor_velocity - v);
+    const double strength = pull.norm();
+    if (!(strength > 0.0)) return;
+    const double along = v.dot(pull) / strength;
+    const double most = options_.max_pull_speed;
+    // |v + more pull / strength| is `most` then, or |v| where that is more.
+    const double more =
+        std::sqrt(along * along + std::max(0.0, most * most - v.squaredNorm())) - along;
+    constexpr double kNone = 1e-9;      // N: a tether's force is above 0
+    constexpr double kShortest = 1e-3;  // s
+    const double force = mass_of(def.body) * more / (std::max(1, count) * std::max(dt, kShortest));
+    def.max_force = std::max(kNone, std::min(def.max_force, force));
   }
   /// What is left of each where one user has all of these on one body, as they are limited each by
   /// itself.
@@ -73,6 +97,7 @@ class SpringLimits {
   double mass_of(pbd::BodyId body) const { return std::max(world_.props(body).mass, 1.0); }
 
   const pbd::World& world_;
+  const RobustOptions& options_;
 };
 
 }  // namespace tandem::consensus

@@ -29,7 +29,10 @@ std::uint32_t first_id(SessionTime now) {
 }  // namespace
 
 Springs::Springs(pbd::World& world, const PeerOptions& options)
-    : world_(world), options_(options), limits_(world), tethers_(world.add_block<pbd::Tethers>()) {}
+    : world_(world),
+      options_(options),
+      limits_(world, options.robust),
+      tethers_(world.add_block<pbd::Tethers>()) {}
 
 Springs::~Springs() {
   try {
@@ -252,7 +255,7 @@ void Springs::forget_body(pbd::BodyId body, SessionTime now) {
   }
 }
 
-void Springs::prepare(SessionTime now) {
+void Springs::prepare(SessionTime now, double dt) {
   // Ids go on from the clock (ms), so that a peer that was started again is not taken for its
   // predecessor, whose springs the others still remember.
   if (next_ == 0) next_ = first_id(now);
@@ -260,7 +263,9 @@ void Springs::prepare(SessionTime now) {
   for (Remote& remote : remote_) {
     if (remote.live && now - remote.heard > timeout) let_go(remote, now);
     if (!pulls(remote)) continue;
-    tethers_.set(world_, remote.tether, pull_at(remote, now));
+    pbd::Tether::Def def = pull_at(remote, now);
+    limits_.slow(world_, dt, held_by(remote.peer, def.body), def);
+    tethers_.set(world_, remote.tether, def);
   }
   std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
   for (Own& own : own_) {
@@ -277,13 +282,17 @@ void Springs::prepare(SessionTime now) {
     def.damping = own.limited.damping;
     def.max_force = own.limited.max_force;
     SpringStrength sum;
+    int count = 0;
     for (const Own& other : own_) {
-      if (other.body == own.body && tethers_.contains(other.tether)) sum.add(other.limited);
+      if (other.body != own.body || !tethers_.contains(other.tether)) continue;
+      sum.add(other.limited);
+      ++count;
     }
     SpringLimits::apply(limits_.share_of(own.body, sum), def);
     // Between two moves it goes on here as it does at the others.
     def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity;
     def.anchor_velocity = own.velocity;
+    limits_.slow(world_, dt, count, def);
     tethers_.set(world_, own.tether, def);
   }
 }
@@ -310,12 +319,14 @@ void Springs::carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::D
   if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
 }
 
-void Springs::others_at(SessionTime time, std::vector<pbd::Tether::Def>& out) const {
+void Springs::others_at(const pbd::World& world, SessionTime time, double dt,
+                        std::vector<pbd::Tether::Def>& out) const {
   for (const Remote& remote : remote_) {
     const bool over = !remote.live && time >= remote.ended;
     if (over || time < remote.began) continue;
-    if (!world_.contains(remote.def.body)) continue;
-    out.push_back(pull_at(remote, time));
+    if (!world_.contains(remote.def.body) || !world.contains(remote.def.body)) continue;
+    limits_.slow(world, dt, held_by(remote.peer, remote.def.body),
+                 out.emplace_back(pull_at(remote, time)));
   }
 }
 

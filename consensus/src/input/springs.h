@@ -55,7 +55,8 @@ class Springs {
   /// Let go all springs on a body.
   void forget_body(pbd::BodyId body, SessionTime now);
   /// Let go what has not been heard of for too long, and set all anchors for a step from `now` on.
-  void prepare(SessionTime now);
+  /// @param dt  s, of that step
+  void prepare(SessionTime now, double dt);
 
   /// Own springs as they are at `now`, and events not announced yet (which are then taken as such).
   void announce(SessionTime now, std::vector<SpringUpdate>& states,
@@ -65,8 +66,10 @@ class Springs {
   void pulls(std::vector<pbd::Tether::Def>& out) const;
   /// Own ones as they do in the step to come.
   void record(std::vector<Pull>& out) const;
-  /// The others' as they pulled at `time`, by all that is known of them now; appended.
-  void others_at(SessionTime time, std::vector<pbd::Tether::Def>& out) const;
+  /// The others' as they pulled in the step of `dt` s from `time` on, by all that is known of them
+  /// now; appended. @param world  as it was then
+  void others_at(const pbd::World& world, SessionTime time, double dt,
+                 std::vector<pbd::Tether::Def>& out) const;
   /// Put the anchor of `def` where a hand is taken to be `age` s after `hand` was told.
   void carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const;
   const pbd::Tethers& block() const { return tethers_; }

@@ -177,7 +177,7 @@ bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
   apply_inputs(frame);
   const SessionTime time = history_.frame(frame).time;
   const double dt = seconds(history_.frame(frame + 1).time - time);
-  tethers_.apply(copy_.world(), time);
+  tethers_.apply(copy_.world(), time, dt);
   if (hook_ != nullptr) hook_->before_step(copy_.world(), time, dt);
   const pbd::StepReport& report = solver_->step(copy_.world(), dt);
   ++stats.steps;

@@ -22,7 +22,7 @@ void ReplayTethers::begin(const pbd::World& world, pbd::World& scratch,
   rows_.clear();
 }
 
-void ReplayTethers::apply(pbd::World& scratch, SessionTime time) {
+void ReplayTethers::apply(pbd::World& scratch, SessionTime time, double dt) {
   pulls_.clear();
   const bool late = inputs_ == ReplayInputs::Common && time > known_until_;
   const WorldHistory::Frame& frame =
@@ -31,7 +31,7 @@ void ReplayTethers::apply(pbd::World& scratch, SessionTime time) {
     pbd::Tether::Def& def = pulls_.emplace_back(own.def);
     if (late) springs_.carry_on(own.told, seconds(time - frame.time), def);
   }
-  springs_.others_at(time, pulls_);
+  springs_.others_at(scratch, time, dt, pulls_);
   std::erase_if(pulls_, [&](const auto& def) { return !scratch.contains(def.body); });
   const bool same =
       pulls_.size() == rows_.size() && std::equal(pulls_.begin(), pulls_.end(), rows_.begin(),

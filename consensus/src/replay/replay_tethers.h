@@ -19,8 +19,8 @@ class ReplayTethers {
   /// @param known_until  ns, own inputs with ReplayInputs::Common
   void begin(const pbd::World& world, pbd::World& scratch, std::span<const pbd::ConstraintId> rows,
              SessionTime known_until);
-  /// For the step from that time on.
-  void apply(pbd::World& scratch, SessionTime time);
+  /// For the step of `dt` s from that time on.
+  void apply(pbd::World& scratch, SessionTime time, double dt);
 
  private:
   const WorldHistory& history_;

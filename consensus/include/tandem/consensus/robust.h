@@ -26,6 +26,12 @@ struct TANDEM_API RobustOptions {
 
   /// Of one other peer. How strong users' springs may be is the same for all, docs/network.md.
   int max_springs_per_body = 16;
+  /// m/s: users' springs, own ones too, make a body no faster than this towards the hand; all peers
+  /// of a session need the same. Infinity = no limit.
+  double max_pull_speed = 10.0;
+  /// m: others' hands that are further from what they hold are let go: who is not near holds
+  /// nothing.
+  double max_reach = 100.0;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
