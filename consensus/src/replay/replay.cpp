@@ -83,6 +83,7 @@ PeerId Replay::update(ReplayStats& stats) {
   } else if (!slots_.empty() && schedule_.steps_along() && reached_ + 1 == history_.last()) {
     ++stats.postponed;
     forget_strangers();
+    next_ = news_.size();  // they are not of what is stepped along
   } else {
     ++stats.without;
     drop();
@@ -95,6 +96,8 @@ PeerId Replay::update(ReplayStats& stats) {
   }
   if (schedule_.is_fresh()) blend(reached_);
   for (std::uint32_t slot = 0; slot < slots_.size(); ++slot) {
+    // Another body may have taken the place since it was begun.
+    slots_[slot].covered = slots_[slot].covered && is_here(slot);
     if (!slots_[slot].covered) continue;
     slots_[slot].gap = gap(history_.newest(slot), copy_.world().states()[slot]);
   }

@@ -24,6 +24,9 @@ constexpr int kOldest = 3;
 /// where one step's is saved.
 constexpr double kSavedSteps = 60.0;
 
+/// Worlds that are kept beyond the oldest one that was asked for.
+constexpr std::size_t kSpare = 4;
+
 /// Which period of `length` s a time is in: all peers count the same ones.
 SessionTime period_of(SessionTime time, double length) {
   constexpr SessionTime kSecond = 1'000'000'000;
@@ -35,13 +38,29 @@ SessionTime period_of(SessionTime time, double length) {
 
 }  // namespace
 
+void Snapshots::resize(std::size_t count) {
+  std::vector<Snapshot> other(count);
+  // Of two that share a place the newer one stays.
+  for (Snapshot& old : snapshots_) {
+    Snapshot& place = other[old.frame % count];
+    if (old.taken && (!place.taken || place.frame < old.frame)) std::swap(place, old);
+  }
+  snapshots_ = std::move(other);
+}
+
 bool Snapshots::keep(std::size_t frame, const pbd::World& world, bool rests,
                      const Springs& springs) {
   // A world that sleeps is what it was.
   if (rests && rests_) return true;
   rests_ = rests;
   resting_since_ = frame;
-  if (snapshots_.empty()) snapshots_.resize(4);
+  if (snapshots_.empty()) snapshots_.resize(kSpare);
+  if (frame >= window_ + kWindow) {
+    // What one who was late has asked for is given back.
+    if (asked_ + kSpare < snapshots_.size() / 2) resize(asked_ + kSpare);
+    window_ = frame;
+    asked_ = 0;
+  }
   Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
   snapshot.frame = frame;
   snapshot.taken = snapshot.world.assign(world);
@@ -53,16 +72,11 @@ bool Snapshots::keep(std::size_t frame, const pbd::World& world, bool rests,
 const Snapshots::Snapshot* Snapshots::find(std::size_t frame, std::size_t last) {
   if (snapshots_.empty()) return nullptr;
   if (rests_) frame = std::min(frame, resting_since_);
+  asked_ = std::max(asked_, last - frame);
   const Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
   if (snapshot.taken && snapshot.frame == frame) return &snapshot;
-  const std::size_t age = last - frame;
-  if (age >= snapshots_.size()) {
-    std::vector<Snapshot> more(age + 4);
-    for (Snapshot& old : snapshots_) {
-      if (old.taken) std::swap(more[old.frame % more.size()], old);
-    }
-    snapshots_ = std::move(more);
-  }
+  const std::size_t count = std::min(kMost, last - frame + kSpare);
+  if (count > snapshots_.size()) resize(count);
   return nullptr;
 }
 

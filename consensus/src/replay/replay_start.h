@@ -26,12 +26,22 @@ class Snapshots {
   /// Keep the world as it is, caches and all. @param rests  nothing is awake
   /// @return whether it can be copied
   bool keep(std::size_t frame, const pbd::World& world, bool rests, const Springs& springs);
-  /// Null where it was not kept: worlds are kept for as long as they were ever asked for.
+  /// Null where it was not kept: worlds are kept for as long as they have been asked for in the
+  /// last kWindow steps or so, and no more than kMost.
   /// @param last  the newest frame
   const Snapshot* find(std::size_t frame, std::size_t last);
 
+  std::size_t size() const { return snapshots_.size(); }
+
+  static constexpr std::size_t kMost = 256;    ///< the longest age at 240 steps a second
+  static constexpr std::size_t kWindow = 300;  ///< steps
+
  private:
+  void resize(std::size_t count);
+
   std::vector<Snapshot> snapshots_;  ///< by frame, a ring
+  std::size_t asked_ = 0;            ///< frames, longest age that was asked for since window_
+  std::size_t window_ = 0;           ///< frame
   std::size_t resting_since_ = 0;    ///< frame from which on nothing has moved
   bool rests_ = false;
 };
