@@ -57,7 +57,7 @@ void Ownership::hear(Tenure& body, PeerId from, const OwnershipUpdate& message) 
   if (message.event == OwnershipEvent::Grant) {
     if (from != body.owner) return;
     body.owner = message.to;
-    body.since = message.stamp;
+    body.since = std::min(message.stamp, now);  // else no claim would ever be later
     body.heard = now;
     return;
   }

@@ -286,6 +286,9 @@ void EventChannel::drain(std::vector<Packet>& out) {
 void EventChannel::drop(PeerId peer, const std::string& reason) {
   impl_->transport.drop(peer, reason);
 }
+void EventChannel::list_peers(std::vector<PeerStatus>& out) const {
+  impl_->transport.list_peers(out);
+}
 std::vector<PeerStatus> EventChannel::peers() const { return impl_->transport.peers(); }
 
 }  // namespace tandem::consensus

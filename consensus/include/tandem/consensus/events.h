@@ -88,6 +88,7 @@ class TANDEM_API EventChannel final : public Transport {
   void drain(std::vector<Packet>& out) override;
   void drop(PeerId peer, const std::string& reason) override;
   std::vector<PeerStatus> peers() const override;
+  void list_peers(std::vector<PeerStatus>& out) const override;
 
  private:
   class Impl;
