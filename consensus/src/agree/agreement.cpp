@@ -61,7 +61,7 @@ void Agreement::aggregate() {
 void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) {
   const std::uint32_t slot = shared.def.body.index;
   const pbd::BodyState& own = data_.world.states()[slot];
-  if (found_.votes) trust_.weigh_votes(own, found_.states);
+  if (found_.votes) trust_.weigh_votes(own, 1.0 - shared.initiative.strength(), found_.states);
   Wanted wanted{.shared = &shared, .placed = shared.placed, .asked = asked};
   pbd::PoseTarget& target = wanted.target;
   target.body = shared.def.body;
@@ -80,9 +80,7 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
   double way = 0.0;
   bool apart = false;
   SessionTime oldest = data_.now;
-  for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
-    if (!(found_.states[i].share > 0.0)) continue;  // outvoted
-    const Stamped& there = found_.stamped[i];
+  for (const Stamped& there : found_.stamped) {
     const double age = std::max(0.0, seconds(data_.now - there.stamp));
     way = std::max(way, age * std::max(speed(own.twist), speed(there.state.twist)));
     apart = apart || there.apart;
@@ -101,7 +99,6 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
     for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
       const Stamped& there = found_.stamped[i];
       if (there.stamp < known) continue;  // nobody knows any more
-      if (!(found_.states[i].share > 0.0)) continue;
       replay_->add({.slot = slot,
                     .peer = found_.states[i].peer,
                     .stamp = there.stamp,

@@ -84,9 +84,9 @@ bool Trust::outvoted_at_stamp(const SharedBody& shared, std::span<const Inbox::R
   return outvoted(turns_, place, data_.self());
 }
 
-void Trust::weigh_votes(const pbd::BodyState& own, std::span<PeerEstimate> estimates) {
-  // This peer's own copy is one of them: who claims next to nothing leaves the rest their say.
-  double first = 1.0;
+void Trust::weigh_votes(const pbd::BodyState& own, double equal,
+                        std::span<PeerEstimate> estimates) {
+  double first = 0.0;
   double second = 0.0;
   for (PeerEstimate& estimate : estimates) {
     estimate.weight = weight_of_share(estimate.share);
@@ -98,7 +98,9 @@ void Trust::weigh_votes(const pbd::BodyState& own, std::span<PeerEstimate> estim
     }
   }
   if (!(second > 0.0) || std::isinf(first)) return;
-  // Nobody has more to say than the next one.
+  // Nobody has more to say than the next one; but who claims next to nothing leaves the other one
+  // what any peer has.
+  if (first > kMoreThanOthers * second) second = std::max(second, std::min(first, equal));
   votes_.clear();
   votes_.push_back({.at = {}, .weight = data_.confidence()});
   for (PeerEstimate& estimate : estimates) {

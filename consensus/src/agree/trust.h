@@ -25,7 +25,8 @@ class Trust {
   bool outvoted_at_stamp(const SharedBody& shared, std::span<const Inbox::Received> newest,
                          std::size_t i);
   /// Of several estimates those far from the rest count less.
-  void weigh_votes(const pbd::BodyState& own, std::span<PeerEstimate> estimates);
+  /// @param equal  weight of one who announces as much as this peer
+  void weigh_votes(const pbd::BodyState& own, double equal, std::span<PeerEstimate> estimates);
   /// Ask for no more than RobustOptions allow.
   void limit(const pbd::BodyState& own, Wanted& wanted);
 
