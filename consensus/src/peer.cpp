@@ -68,7 +68,6 @@ void begin_step(PeerData& data, Sender& sender, SessionTime last, SessionTime no
     sender.restart();
     // Else its word would count for nothing for as long as its clock was ahead.
     data.started = std::min(data.started, now);
-    if (seconds(last - now) > kLongestStep) data.springs.forget_others(now);
   }
   // The clock was set, or nothing was stepped for long.
   if (now < last || data.step_dt > kLongestStep) data.history.clear();

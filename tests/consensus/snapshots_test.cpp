@@ -33,7 +33,7 @@ TEST_CASE("replay: worlds that one who was late has asked for are given back",
   // What is still asked for stays.
   CHECK(snapshots.find(frame - 3, frame) != nullptr);
   keep(2000, 1500);
-  CHECK(snapshots.size() <= Snapshots::kMost);
+  CHECK(snapshots.size() <= Snapshots::kCapacity);
 }
 
 }  // namespace

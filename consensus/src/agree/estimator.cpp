@@ -22,7 +22,7 @@ constexpr double kMaxOfMean = 0.9999;
 
 /// Weight against the own state's 1 below which nobody counts: not even as one of so many votes,
 /// nor as somebody to replay for.
-constexpr double kLeastWeight = 0.01;
+constexpr double kNegligible = 0.01;
 
 /// m: a newcomer that is put so far away tells of a jump.
 constexpr double kFarAway = 0.1;
@@ -169,7 +169,7 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
     }
     weight = PoseArbiter::weight(weight, angle, follows && listening.own_lead == 0.0);
   }
-  if (weight < kLeastWeight) return 0.0;
+  if (weight < kNegligible) return 0.0;
   if (!listening.carried) return std::min(share_of_weight(weight), kMaxOfMean);
   // It leads, and does not own.
   const double guessed =

@@ -19,6 +19,9 @@ namespace {
 /// ns: a removed spring is remembered this long against late messages.
 constexpr SessionTime kTombstone = 5'000'000'000;
 
+/// ns: what was heard so far ahead of now was heard before the clock was set back.
+constexpr SessionTime kSetBack = 500'000'000;
+
 /// s: a hand that was not moved for longer stands still.
 constexpr double kStill = 0.05;
 
@@ -239,11 +242,6 @@ void Springs::drop_peer(PeerId from, SessionTime now) {
   }
 }
 
-void Springs::forget_others(SessionTime now) {
-  for (Remote& remote : remote_) let_go(remote, now);
-  remote_.clear();
-}
-
 void Springs::forget_body(pbd::BodyId body, SessionTime now) {
   for (Remote& remote : remote_) {
     if (pulls(remote) && remote.def.body == body) let_go(remote, now);
@@ -261,13 +259,17 @@ void Springs::prepare(SessionTime now, double dt) {
   if (next_ == 0) next_ = first_id(now);
   const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
   for (Remote& remote : remote_) {
-    if (remote.live && now - remote.heard > timeout) let_go(remote, now);
+    const bool set_back = remote.heard - now > kSetBack;
+    if (remote.live && (set_back || now - remote.heard > timeout)) let_go(remote, now);
     if (!pulls(remote)) continue;
     pbd::Tether::Def def = pull_at(remote, now);
     limits_.slow(world_, dt, held_by(remote.peer, def.body), def);
     tethers_.set(world_, remote.tether, def);
   }
-  std::erase_if(remote_, [&](const Remote& r) { return !r.live && now - r.heard > kTombstone; });
+  // Who still holds something is heard with its next update.
+  std::erase_if(remote_, [&](const Remote& r) {
+    return !r.live && (now - r.heard > kTombstone || r.heard - now > kSetBack);
+  });
   for (Own& own : own_) {
     if (!tethers_.contains(own.tether)) continue;
     double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;

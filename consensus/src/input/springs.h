@@ -49,12 +49,10 @@ class Springs {
   const SpringUpdate* last_of(PeerId from, std::uint32_t spring);
   /// Let go what a peer holds, for good.
   void drop_peer(PeerId from, SessionTime now);
-  /// Let go what the others hold and forget their numbers: what was heard is of times to come.
-  /// Who still holds something is heard with its next update.
-  void forget_others(SessionTime now);
   /// Let go all springs on a body.
   void forget_body(pbd::BodyId body, SessionTime now);
-  /// Let go what has not been heard of for too long, and set all anchors for a step from `now` on.
+  /// Let go what has not been heard of for too long, or was before the clock was set back, and set
+  /// all anchors for a step from `now` on.
   /// @param dt  s, of that step
   void prepare(SessionTime now, double dt);
 

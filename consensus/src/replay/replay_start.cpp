@@ -75,7 +75,7 @@ const Snapshots::Snapshot* Snapshots::find(std::size_t frame, std::size_t last) 
   asked_ = std::max(asked_, last - frame);
   const Snapshot& snapshot = snapshots_[frame % snapshots_.size()];
   if (snapshot.taken && snapshot.frame == frame) return &snapshot;
-  const std::size_t count = std::min(kMost, last - frame + kSpare);
+  const std::size_t count = std::min(kCapacity, last - frame + kSpare);
   if (count > snapshots_.size()) resize(count);
   return nullptr;
 }

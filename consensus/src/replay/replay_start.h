@@ -27,14 +27,14 @@ class Snapshots {
   /// @return whether it can be copied
   bool keep(std::size_t frame, const pbd::World& world, bool rests, const Springs& springs);
   /// Null where it was not kept: worlds are kept for as long as they have been asked for in the
-  /// last kWindow steps or so, and no more than kMost.
+  /// last kWindow steps or so, and no more than kCapacity.
   /// @param last  the newest frame
   const Snapshot* find(std::size_t frame, std::size_t last);
 
   std::size_t size() const { return snapshots_.size(); }
 
-  static constexpr std::size_t kMost = 256;    ///< the longest age at 240 steps a second
-  static constexpr std::size_t kWindow = 300;  ///< steps
+  static constexpr std::size_t kCapacity = 256;  ///< the longest age at 240 steps a second
+  static constexpr std::size_t kWindow = 300;    ///< steps
 
  private:
   void resize(std::size_t count);
