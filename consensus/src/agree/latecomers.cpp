@@ -28,7 +28,7 @@ double Latecomers::longest(std::span<const double> ages) const {
       kOlder * usual + data_.step_dt + (sending.selects() ? sending.refresh : 0.0);
   if (ages.size() > 2) return around;
   // Of two nobody can tell who is usual. Without the older one the newer would have the only say.
-  return std::max(around, ReplaySchedule::reach(data_.options.replay.budget) * data_.step_dt);
+  return std::max(around, ReplaySchedule::goes_back(data_.options.replay.budget) * data_.step_dt);
 }
 
 void Latecomers::look() {

@@ -80,7 +80,7 @@ const Snapshots::Snapshot* Snapshots::find(std::size_t frame, std::size_t last) 
   return nullptr;
 }
 
-double ReplaySchedule::reach(double budget) { return (kOldest + 1.0) * budget - kOldest; }
+double ReplaySchedule::goes_back(double budget) { return (kOldest + 1.0) * budget - kOldest; }
 
 bool ReplaySchedule::is_due(const WorldHistory& history, std::size_t start, std::size_t awake,
                             double budget) {

@@ -52,7 +52,7 @@ class ReplaySchedule {
  public:
   /// Steps: with news that are no older every step has a target, of a new replay or of the last
   /// one.
-  static double reach(double budget);
+  static double goes_back(double budget);
   /// Whether a budget allows for a new replay now.
   /// @param start  frame at which it would begin    @param awake  bodies, of the own world
   bool is_due(const WorldHistory& history, std::size_t start, std::size_t awake, double budget);
