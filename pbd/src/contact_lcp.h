@@ -148,17 +148,20 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
 /// @param u  the combination, of unit length, or zero
 template <class V>
 void share_evenly(const Mask<V>& asked, const Four<V>& u, Four<V>& z) {
-  const V zero(0.0), one(1.0);
+  const V zero(0.0), one(1.0), even(1e-6);
   const V uneven = dot(u, z);
+  Mask<V> carry = asked & (xsimd::abs(uneven) > even * sum(z));
+  for (std::size_t i = 0; i < 4; ++i) carry = carry & (z[i] > zero);
+  if (xsimd::none(carry)) return;
   V share = one;
-  Mask<V> carry = asked;
   for (std::size_t i = 0; i < 4; ++i) {
-    carry = carry & (z[i] > zero);
     const V less = uneven * u[i];
     share = xsimd::select(less > z[i], least(share, z[i] / less), share);
   }
   const V moved = xsimd::select(carry, share * uneven, zero);
-  for (std::size_t i = 0; i < 4; ++i) z[i] = most(z[i] - moved * u[i], zero);
+  for (std::size_t i = 0; i < 4; ++i) {
+    z[i] = xsimd::select(carry, most(z[i] - moved * u[i], zero), z[i]);
+  }
 }
 
 }  // namespace tandem::pbd::kernel

@@ -143,10 +143,10 @@ TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {
 
 TEST_CASE("load_obj: a file has no more points and triangles than it may", "[obj][fault]") {
   const std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
-  CHECK(parse_obj(text, "quad", {.points = 4, .triangles = 2})->vertex_count() == 4);
-  CHECK_THROWS_WITH(parse_obj(text, "quad", {.points = 3}),
+  CHECK(obj::parse_obj(text, "quad", {.points = 4, .triangles = 2})->vertex_count() == 4);
+  CHECK_THROWS_WITH(obj::parse_obj(text, "quad", {.points = 3}),
                     Catch::Contains("points") && Catch::Contains("at most 3 (ObjOptions::points)"));
-  CHECK_THROWS_WITH(parse_obj(text, "quad", {.triangles = 1}),
+  CHECK_THROWS_WITH(obj::parse_obj(text, "quad", {.triangles = 1}),
                     Catch::Contains("at most 1 (ObjOptions::triangles)"));
 }
 
