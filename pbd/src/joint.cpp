@@ -187,6 +187,7 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
   impl_->system.note_passive(impl_->records);
   for (JointRecord& record : impl_->records) {
     record.broke = false;
+    record.in_part = 0;
     record.twist_before = record.twist;
     if (record.active()) record.spin = relative_spin(record.def, ctx.bodies);
   }
@@ -274,8 +275,13 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       state.residual = std::max(state.residual, violation(axis, c[i]));
-      if (!left || (shared && i >= 3)) return;
       double& residual = record.displacement_residual[i];
+      if ((record.in_part >> i & 1u) != 0) {
+        residual = residual_of(axis, c[i]);
+        if (std::abs(residual) > JointGap::kTolerance) record.gap.open(std::abs(residual));
+        return;
+      }
+      if (!left || (shared && i >= 3)) return;
       residual = residual_left(axis, c[i], residual, shared, record.h);
     });
     // What a spoiled step leaves behind must not spoil the next one.

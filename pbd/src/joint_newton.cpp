@@ -109,12 +109,13 @@ void turn(SolverBody& body, JointSlot& slot, double h) {
 
 /// A turn that no gradient reaches is taken in parts: scale the moves to what one iteration may
 /// turn a body by.
-void limit_turns(const JointPart& part) {
+/// @return whether they are
+bool limit_turns(const JointPart& part) {
   double turn2 = 0.0;
   part.for_bodies([&](const JointSlot& slot, const SolverBody&) {
     turn2 = std::max(turn2, slot.dtheta.squaredNorm());
   });
-  if (!(turn2 > kTrust * kTrust)) return;
+  if (!(turn2 > kTrust * kTrust)) return false;
   const double share = kTrust / std::sqrt(turn2);
   part.for_bodies([&](JointSlot& slot, const SolverBody&) {
     slot.dx *= share;
@@ -128,6 +129,7 @@ void limit_turns(const JointPart& part) {
           (1.0 - share) * dlambda[r];
     }
   });
+  return true;
 }
 
 /// @return the largest move of a body, m or rad
@@ -147,27 +149,42 @@ double move_bodies(const JointPart& part) {
   return std::sqrt(largest);
 }
 
-double newton(const JointPart& part) {
+/// Rows of several kinds: of those that come to a corner of their law on the way the multiplier
+/// stays there. Which ones leave it again the next iteration finds.
+double newton_by_pieces(const JointPart& part) {
   JointProgress& progress = part.progress;
-  if (part.plan.points) {
-    if (!progress.factored) {
-      joint_points::assemble(part);
-      factor(part);
-    }
-    joint_points::evaluate(part);
-    solve(part);
-    joint_points::gather(part);
-  } else {
-    progress.changed = joint_six_dof::evaluate(part);
+  progress.changed = joint_six_dof::evaluate(part);
+  progress.pinned = false;
+  double largest = 0.0;
+  for (bool done = false; !done;) {
     if (progress.changed || !progress.factored) {
       joint_six_dof::assemble(part);
       factor(part);
     }
+    progress.factored = true;
     solve(part);
-    joint_six_dof::gather(part);
+    const bool whole = joint_six_dof::gather(part);
+    done = limit_turns(part) || whole;
+    largest = std::max(largest, move_bodies(part));
+    if (whole) break;
+    progress.changed = progress.pinned = true;
+    joint_six_dof::pin(part);
+  }
+  return largest;
+}
+
+double newton(const JointPart& part) {
+  JointProgress& progress = part.progress;
+  ++progress.iteration;
+  if (!part.plan.points) return newton_by_pieces(part);
+  if (!progress.factored) {
+    joint_points::assemble(part);
+    factor(part);
   }
   progress.factored = true;
-  ++progress.iteration;
+  joint_points::evaluate(part);
+  solve(part);
+  joint_points::gather(part);
   limit_turns(part);
   return move_bodies(part);
 }
@@ -191,7 +208,7 @@ double newton_iteration(const JointPart& part) {
   const double before = progress.last_move;
   progress.last_move = newton(part);
   const auto is_slow = [&] {
-    return progress.iteration > 1 && progress.last_move > kSlow * before &&
+    return progress.iteration > 1 && !progress.changed && progress.last_move > kSlow * before &&
            progress.last_move > kFine;
   };
   const auto start_anew = [&](bool learn) {
@@ -205,6 +222,9 @@ double newton_iteration(const JointPart& part) {
     ++progress.softened;
     progress.redundancy *= kSofter;
     start_anew(false);
+  } else if (!progress.linear && stops_add_energy(part)) {
+    progress.linear = true;
+    start_anew(false);
   } else if (is_slow() && !progress.restarted) {
     progress.restarted = true;
     start_anew(true);
@@ -213,6 +233,7 @@ double newton_iteration(const JointPart& part) {
     if (!part.plan.points) joint_six_dof::weigh(part);
     progress.factored = false;
   }
+  if (progress.pinned) return std::max(progress.last_move, kTrust);  // they may be wanted again
   return progress.iteration > 1 && !progress.changed ? rest_of(progress.last_move, before)
                                                      : progress.last_move;
 }

@@ -42,14 +42,17 @@ struct JointRows {
   using Columns = Eigen::Matrix<double, 3, kCoordinates>;
 
   std::array<std::uint8_t, kCoordinates> coordinate{};
-  std::array<Segment::Kind, kCoordinates> kind{};
-  std::array<Segment::Kind, kCoordinates> last_kind{};  ///< by coordinate
-  std::array<std::uint8_t, kCoordinates> flips{};       ///< by coordinate, within this substep
+  std::array<Segment, kCoordinates> segment{};  ///< by row
+  std::array<double, kCoordinates> left{};      ///< by row, what is to be solved
+  std::array<double, kCoordinates> newton{};    ///< by row, the step that solves it
+  std::array<bool, kCoordinates> pinned{};      ///< by row: the step ends where its piece does
+  std::uint32_t stops = 0;                      ///< bit per coordinate that is at a limit
   std::array<double, kCoordinates> w{};
   Columns arm_a = Columns::Zero(), arm_b = Columns::Zero();  ///< m, and 1 for angles
   Columns b_a = Columns::Zero(), b_b = Columns::Zero();      ///< inverse inertia times arm
   Columns dir = Columns::Zero();
   std::array<ForceLaw, kCoordinates> law;
+  std::array<double, kCoordinates> start{};  ///< coordinates at the substep's start
 };
 
 /// A body of a part.
@@ -88,9 +91,11 @@ struct JointProgress {
   bool prepared = false;
   bool factored = false;
   bool changed = false;  ///< the last iteration had other rows than the one before
+  bool pinned = false;   ///< rows have come to a corner of their law in it
   int iteration = 0;
   bool restarted = false;
-  int softened = 0;  ///< how often; see adds_energy()
+  int softened = 0;     ///< how often; see adds_energy()
+  bool linear = false;  ///< limits and motors see coordinates as their gradients have them
   double redundancy = kRedundancy;
   double last_move = 0.0;
   JointChannel channel = JointChannel::Real;
@@ -114,7 +119,7 @@ struct JointPart {
   JointData& all;
   const JointGraph::Part& plan;
   JointProgress& progress;
-  bool passive;  ///< rigid locks and limits only
+  bool passive;  ///< rigid locks, limits and brakes only
   std::span<JointRecord> records;
   const SubstepContext& ctx;
 

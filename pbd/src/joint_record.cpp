@@ -52,9 +52,7 @@ void JointRecord::refresh() {
   passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
     const JointAxis a = axis(c);
-    if (a.compliance > 0.0 || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0) {
-      passive = false;
-    }
+    if (a.compliance > 0.0 || is_powered(a)) passive = false;
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
         a.spring.damping > 0.0) {
       used |= 1u << c;

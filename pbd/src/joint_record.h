@@ -30,6 +30,7 @@ struct JointRecord {
   bool broke = false;         ///< in this step
   Vec3 spin = Vec3::Zero();   ///< rad/s, of b against a when the step began
   std::uint32_t used = 0;     ///< bit per coordinate that may get a row
+  std::uint32_t in_part = 0;  ///< bit per coordinate that the last substep has solved in part only
   int turning = 0;            ///< the angular axis that is free alone; 0 (x) where none is
   bool point = false;         ///< all displacements locked alike: rows along the world's axes
   bool passive = true;        ///< nothing in it stores or supplies energy

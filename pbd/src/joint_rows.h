@@ -83,17 +83,23 @@ inline Quat turned_axes(const Quat& rel, int axis) {
   return {rel.w(), v[axis], v[(axis + 1) % 3], v[(axis + 2) % 3]};
 }
 
-/// What a row of the linear system stands for: (c - target) + at (lambda - offset) = 0.
+/// A piece of a force law: (c - target) + at (lambda - offset) = 0, for multipliers low to high.
 struct Segment {
-  enum class Kind : std::uint8_t { None, Lock, Lower, Upper, Motor, Spring, Force };
-  Kind kind = Kind::None;
-  double target = 0.0;  ///< m or rad
-  double at = 0.0;      ///< compliance / h^2
-  double offset = 0.0;  ///< N s^2 or N m s^2
+  enum class Kind : std::uint8_t { None, Lock, Lower, Upper, Motor, Spring };
+  Kind kind = Kind::None;  ///< None: lambda stays what it is
+  double target = 0.0;     ///< m or rad
+  double at = 0.0;         ///< compliance / h^2
+  double offset = 0.0;     ///< N s^2 or N m s^2
+  double low = -kUnlimited, high = kUnlimited;
+
+  /// What a multiplier on it leaves of the row.
+  double left(double c, double lambda) const { return -(c - target) - at * (lambda - offset); }
 };
 
 /// Multiplier as a function of the coordinate at the end of the substep: a decreasing graph of
-/// straight pieces (spring and damper), steps (motor) and walls (lock, limits).
+/// straight pieces (spring and damper), steps (motor) and walls (lock, limits). The multipliers of
+/// a part are the ones that minimise what its joints do, a convex sum with such a graph for each
+/// row: no other ones take as much energy (see joint_six_dof::gather()).
 struct ForceLaw {
   bool locked = false;
   bool limited = false;
@@ -106,45 +112,82 @@ struct ForceLaw {
   double spring_target = 0.0;
   double motor_max = 0.0;  ///< h^2 max_force; 0 = none
   double motor_target = 0.0;
+  bool powered = false;  ///< the motor or spring can do work
 
-  /// The piece of the graph on which the row by itself would end: that of c with
-  /// c - w lambda(c) = c_now - w lambda_now. Alone it is the exact projection; in a system of rows
-  /// it is the guess of a semismooth Newton step.
-  Segment segment(double c_now, double lambda_now, double w) const {
+  /// The piece of the graph that lambda lies on; at a corner, the one that leads towards c.
+  Segment segment(double c, double lambda) const {
     using Kind = Segment::Kind;
-    if (locked) return {Kind::Lock, target, at, 0.0};
-    if (!(w > 0.0)) return {};
-    const double z = c_now - w * lambda_now;
-    const auto spring = [&](double c) { return -spring_k * (c - spring_target); };
-    double push = 0.0;
+    if (locked) return {Kind::Lock, target, at};
+    const auto spring = [&](double c_at) {
+      return spring_k > 0.0 ? -spring_k * (c_at - spring_target) : 0.0;
+    };
+    const auto before = [&](double c_corner, double corner) {
+      return lambda == corner ? c < c_corner : lambda > corner;
+    };
+    const auto stop = [&](Kind kind, double at_stop, double push) -> Segment {
+      if (stop_k == 0.0) return {kind, at_stop};
+      const double k = spring_k + stop_k;
+      return {kind, (spring_k * spring_target + stop_k * at_stop) / k, 1.0 / k, push};
+    };
+    double push = motor_max;
+    double high = kUnlimited;
+    if (limited) {
+      high = spring(lower) + push;
+      if (before(lower, high)) {
+        Segment s = stop(Kind::Lower, lower_target, push);
+        s.low = high;
+        return s;
+      }
+    }
+    double low = -kUnlimited;
+    bool found = false;
     if (motor_max > 0.0) {
       const double force = spring(motor_target);
-      const double low = motor_target - w * (force + motor_max);
-      const double high = motor_target - w * (force - motor_max);
-      if (low <= z && z <= high) return {Kind::Motor, motor_target, 0.0, 0.0};
-      push = z < low ? motor_max : -motor_max;
+      if (before(motor_target, force + motor_max)) {
+        low = force + motor_max;
+        found = true;
+      } else if (before(motor_target, force - motor_max)) {
+        return {Kind::Motor, motor_target, 0.0, 0.0, force - motor_max, force + motor_max};
+      } else {
+        push = -motor_max;
+        high = force - motor_max;
+      }
     }
-    const double c = (z + w * (spring_k * spring_target + push)) / (1.0 + w * spring_k);
-    if (limited && (c < lower || c > upper)) {
-      const Kind kind = c < lower ? Kind::Lower : Kind::Upper;
-      const double stop = c < lower ? lower_target : upper_target;
-      if (stop_k == 0.0) return {kind, stop, 0.0, 0.0};
-      const double k = spring_k + stop_k;
-      return {kind, (spring_k * spring_target + stop_k * stop) / k, 1.0 / k, push};
+    if (!found && limited) {
+      low = spring(upper) + push;
+      if (lambda == low ? c > upper : lambda < low) {
+        Segment s = stop(Kind::Upper, upper_target, push);
+        s.high = low;
+        return s;
+      }
     }
-    if (spring_k > 0.0) return {Kind::Spring, spring_target, 1.0 / spring_k, push};
-    // A force that is known: a row so soft that nothing else moves it.
-    if (push != 0.0 || lambda_now != 0.0) return {Kind::Force, c_now, 1e9 * w, push};
+    if (spring_k > 0.0) return {Kind::Spring, spring_target, 1.0 / spring_k, push, low, high};
     return {};
   }
 
-  /// The change of the multiplier that a row by itself calls for.
+  /// The change of the multiplier that a row by itself calls for: along the graph, which has five
+  /// pieces at most.
   double multiplier(double c, double lambda, double w) const {
-    const Segment s = segment(c, lambda, w);
-    if (s.kind == Segment::Kind::None || w + s.at <= 0.0) return 0.0;
-    return (-(c - s.target) - s.at * (lambda - s.offset)) / (w + s.at);
+    const double before = lambda;
+    for (int piece = 0; piece < 5; ++piece) {
+      const Segment s = segment(c, lambda);
+      if (s.kind == Segment::Kind::None || w + s.at <= 0.0) break;
+      const double wanted = lambda + s.left(c, lambda) / (w + s.at);
+      const double next = std::clamp(wanted, s.low, s.high);
+      c += w * (next - lambda);
+      lambda = next;
+      if (next == wanted) break;
+    }
+    return lambda - before;
   }
 };
+
+/// Whether a spring or motor can do work; a motor that is to stand still is a brake.
+inline bool is_powered(const JointAxis& axis) {
+  const JointMotor& motor = axis.motor;
+  return axis.spring.stiffness > 0.0 || motor.mode == MotorMode::Position ||
+         (motor.mode == MotorMode::Velocity && motor.target != 0.0);
+}
 
 /// The law of an axis in the real channel.
 /// @param c_start   coordinate at the start of the substep
@@ -188,6 +231,7 @@ inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual
     // A limit is stronger than any motor: it never aims beyond.
     law.motor_target = std::clamp(c_start + move, law.lower, law.upper);
   }
+  law.powered = is_powered(axis);
   return law;
 }
 

@@ -6,8 +6,11 @@ namespace tandem::pbd::joint_six_dof {
 namespace {
 
 constexpr std::uint32_t kNone = JointGraph::kNone;
-/// How often a limit may come and go within a substep.
-constexpr int kFlips = 6;
+/// Of the gradient of an angle. Twist and swing have none where the swing is half a turn: what is
+/// left of a torque there is a torque that turns bodies by a fraction of what it says.
+constexpr double kSteepest = 2.0;
+/// Part of a step of a multiplier that is rounding.
+constexpr double kRounding = 1e-12;
 
 void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
                     const SolverBody& a, const SolverBody& b) {
@@ -40,6 +43,11 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
     rows.arm_b.col(record.turn(1)) = named * turn.swing_gradient(1);
     rows.arm_b.col(record.turn(2)) = named * turn.swing_gradient(2);
     rows.arm_b.col(kCone) = named * turn.u;  // has no row unless x is x
+    for (int i = 3; i < kCone; ++i) {
+      const double size = rows.arm_b.col(i).norm();
+      if (size > kSteepest && record.axis(i).freedom != Freedom::Locked)
+        rows.arm_b.col(i) *= kSteepest / size;
+    }
     rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
   }
 }
@@ -146,8 +154,7 @@ void begin(const JointPart& part) {
     JointRows& rows = part.all.rows[k];
     node.lambda.fill(0.0);
     node.lambda_start.fill(0.0);
-    rows.last_kind.fill(Segment::Kind::None);
-    rows.flips.fill(0);
+    rows.stops = 0;
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
     if ((record.used >> record.turn(0) & 1u) != 0 && part.progress.channel == JointChannel::Real)
@@ -155,6 +162,7 @@ void begin(const JointPart& part) {
     take_gradients(node, rows, record, a, b);
     node.pull_a = node.pull_b = 0.0;
     node.add_pull(plan, ctx.h * ctx.h * record.state.force);
+    std::copy_n(c, kCoordinates, rows.start.begin());
     // Force laws.
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
@@ -163,7 +171,10 @@ void begin(const JointPart& part) {
         return;
       }
       double& residual = record.displacement_residual[i];
-      residual = residual_at_start(axis, c[i], residual, left && (i < 3 || !shared), shared, ctx.h);
+      residual =
+          (record.in_part >> i & 1u) != 0
+              ? residual_of(axis, c[i])
+              : residual_at_start(axis, c[i], residual, left && (i < 3 || !shared), shared, ctx.h);
       rows.law[i] = force_law(axis, c[i], residual, ctx.h);
     });
   });
@@ -200,6 +211,41 @@ void weigh(const JointPart& part) {
   });
 }
 
+namespace {
+
+/// How bodies move against each other in the substep by their velocities and corrections.
+struct RelativeMove {
+  Vec3 way, turn_a, turn_b;  ///< m, rad
+
+  RelativeMove(const SolverBody& a, const SolverBody& b, double h)
+      : way(h * (b.v - a.v) + b.dx - a.dx),
+        turn_a(h * a.w + a.dtheta),
+        turn_b(h * b.w + b.dtheta) {}
+  double along(const JointRows& rows, int i) const {
+    return rows.dir.col(i).dot(way) + rows.arm_b.col(i).dot(turn_b) - rows.arm_a.col(i).dot(turn_a);
+  }
+};
+
+/// What a coordinate is off from where its gradient has it, by the velocities, is at most what the
+/// bodies turn: it is more beyond half a turn of swing, where twist and swing are others all at
+/// once. See JointProgress::linear.
+void see_in_part(const JointPart& part, JointRecord& record, const JointRows& rows,
+                 const SolverBody& a, const SolverBody& b, double* c) {
+  if (part.progress.channel != JointChannel::Real) return;
+  const RelativeMove move(a, b, part.ctx.h);
+  const double most = part.progress.linear ? 0.0 : (move.turn_b - move.turn_a).norm();
+  record.in_part = 0;
+  for_bits(record.used, [&](int i) {
+    if (rows.law[i].locked || (i < 3 && !part.progress.linear)) return;
+    const double at = rows.start[i] + move.along(rows, i);
+    const double seen = std::clamp(c[i], at - most, at + most);
+    if (seen != c[i]) record.in_part |= 1u << i;
+    c[i] = seen;
+  });
+}
+
+}  // namespace
+
 bool evaluate(const JointPart& part) {
   bool changed = false;
   const SolverBody ground;
@@ -211,35 +257,48 @@ bool evaluate(const JointPart& part) {
     }
     if (node.off) return;
     JointRows& rows = part.all.rows[k];
-    const JointRecord& record = part.records[plan.joint];
+    JointRecord& record = part.records[plan.joint];
     const SolverBody& a = body_of(record.def.a, part.ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, part.ctx.bodies, ground);
     double c[kCoordinates];
     coordinates(record, a, b, record.twist, c);
+    see_in_part(part, record, rows, a, b, c);
+    rows.stops = 0;
     int n = 0;
     for_bits(record.used, [&](int i) {
-      Segment segment = rows.law[i].segment(c[i], node.lambda[i], rows.w[i]);
-      if (segment.kind != rows.last_kind[i]) ++rows.flips[i];
-      const bool stop =
-          segment.kind == Segment::Kind::Lower || segment.kind == Segment::Kind::Upper;
-      if (stop && rows.flips[i] > kFlips) {
-        // It cannot settle with its neighbours: let go, the next substep sees where it stands.
-        segment = {Segment::Kind::Force, c[i], 1e9 * rows.w[i], 0.0};
-      }
-      rows.last_kind[i] = segment.kind;
-      if (segment.kind == Segment::Kind::None) return;
-      changed = changed || n >= node.n || rows.coordinate[n] != i || rows.kind[n] != segment.kind;
+      using Kind = Segment::Kind;
+      Segment segment = rows.law[i].segment(c[i], node.lambda[i]);
+      if (segment.kind == Kind::Lower || segment.kind == Kind::Upper) rows.stops |= 1u << i;
+      if (segment.kind == Kind::None || (segment.kind != Kind::Lock && !(rows.w[i] > 0.0))) return;
+      if (!part.plan.regular)
+        segment.at = std::max(segment.at, part.progress.redundancy * rows.w[i]);
+      changed =
+          changed || n >= node.n || rows.coordinate[n] != i || rows.segment[n].kind != segment.kind;
       rows.coordinate[n] = static_cast<std::uint8_t>(i);
-      rows.kind[n] = segment.kind;
-      node.at[n] = part.plan.regular ? segment.at
-                                     : std::max(segment.at, part.progress.redundancy * rows.w[i]);
-      right[n] = -(c[i] - segment.target) - node.at[n] * (node.lambda[i] - segment.offset);
+      rows.segment[n] = segment;
+      node.at[n] = segment.at;
+      right[n] = rows.left[n] = segment.left(c[i], node.lambda[i]);
       ++n;
     });
     changed = changed || n != node.n;
     node.n = n;
   });
   return changed;
+}
+
+double supplied(const JointPart& part) {
+  const SolverBody ground;
+  double sum = 0.0;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode& node) {
+    const JointRows& rows = part.all.rows[k];
+    const JointRecord& record = part.records[plan.joint];
+    const RelativeMove move(body_of(record.def.a, part.ctx.bodies, ground),
+                            body_of(record.def.b, part.ctx.bodies, ground), part.ctx.h);
+    for_bits(record.used, [&](int i) {
+      if (rows.law[i].powered) sum += std::max(0.0, node.lambda[i] * move.along(rows, i));
+    });
+  });
+  return sum / (part.ctx.h * part.ctx.h);
 }
 
 void assemble(const JointPart& part) {
@@ -263,10 +322,13 @@ void assemble(const JointPart& part) {
   }
 }
 
-void gather(const JointPart& part) {
+namespace {
+
+/// What the step moves bodies by.
+void gather_moves(const JointPart& part) {
   std::vector<JointSlot>& slots = part.all.slots;
-  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
-    if (plan.joint == kNone || node.n == 0) return;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode& node) {
+    if (node.n == 0) return;
     const JointRows& rows = part.all.rows[k];
     const double* dlambda = &part.all.right[plan.right];
     Vec3 p = Vec3::Zero();
@@ -274,7 +336,6 @@ void gather(const JointPart& part) {
     Vec3 turn_b = Vec3::Zero();
     for (int r = 0; r < node.n; ++r) {
       const int i = rows.coordinate[r];
-      node.lambda[i] += dlambda[r];
       p += dlambda[r] * rows.dir.col(i);
       if (plan.slot_a != kNone) turn_a += dlambda[r] * rows.b_a.col(i);
       if (plan.slot_b != kNone) turn_b += dlambda[r] * rows.b_b.col(i);
@@ -289,6 +350,109 @@ void gather(const JointPart& part) {
       slot.dx += slot.inv_mass * p;
       slot.dtheta += turn_b;
     }
+  });
+}
+
+/// visit(node, plan, rows, r, step) for all rows.
+void for_rows(const JointPart& part, auto&& visit) {
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    double* step = &part.all.right[plan.right];
+    for (int r = 0; r < node.n; ++r) visit(node, plan, part.all.rows[k], r, step[r]);
+  });
+}
+
+/// What the moves change of a row.
+double change_of(const JointPart& part, const JointGraph::Node& plan, const JointRows& rows, int r,
+                 double step) {
+  const int i = rows.coordinate[r];
+  double change = rows.segment[r].at * step;
+  if (plan.slot_a != kNone) {
+    const JointSlot& slot = part.all.slots[plan.slot_a];
+    change -= rows.dir.col(i).dot(slot.dx) + rows.arm_a.col(i).dot(slot.dtheta);
+  }
+  if (plan.slot_b != kNone) {
+    const JointSlot& slot = part.all.slots[plan.slot_b];
+    change += rows.dir.col(i).dot(slot.dx) + rows.arm_b.col(i).dot(slot.dtheta);
+  }
+  return change;
+}
+
+/// The step as far as the first corner that it meets, and the moves that belong to it.
+void take_first_corner(const JointPart& part) {
+  double reach = 1.0;
+  for_rows(part, [&](const JointNode&, const JointGraph::Node&, const JointRows& rows, int r,
+                     double step) {
+    if (step != rows.newton[r]) reach = std::min(reach, step / rows.newton[r]);
+  });
+  for_rows(part,
+           [&](const JointNode&, const JointGraph::Node&, JointRows& rows, int r, double& step) {
+             rows.pinned[r] = step != rows.newton[r] && step / rows.newton[r] <= reach;
+             if (!rows.pinned[r]) step = reach * rows.newton[r];
+           });
+  part.for_bodies([](JointSlot& slot, const SolverBody&) {
+    slot.dx.setZero();
+    slot.dtheta.setZero();
+  });
+  gather_moves(part);
+}
+
+}  // namespace
+
+bool gather(const JointPart& part) {
+  bool whole = true;
+  for_rows(part, [&](const JointNode& node, const JointGraph::Node&, JointRows& rows, int r,
+                     double& step) {
+    const Segment& segment = rows.segment[r];
+    rows.newton[r] = step;
+    const double lambda = node.lambda[rows.coordinate[r]];
+    const double next = lambda + step;
+    rows.pinned[r] = next < segment.low || next > segment.high;
+    if (!rows.pinned[r]) return;
+    whole = false;
+    step = (next < segment.low ? segment.low : segment.high) - lambda;
+  });
+  gather_moves(part);
+  if (!whole) {
+    // What is minimised changes by curvature / 2 - slope.
+    double slope = 0.0;
+    double curvature = 0.0;
+    for_rows(part, [&](const JointNode&, const JointGraph::Node& plan, const JointRows& rows, int r,
+                       double step) {
+      slope += step * rows.left[r];
+      curvature += step * change_of(part, plan, rows, r, step);
+    });
+    if (!(slope > 0.5 * curvature)) take_first_corner(part);
+  }
+  for_rows(part,
+           [&](JointNode& node, const JointGraph::Node& plan, JointRows& rows, int r, double step) {
+             double& lambda = node.lambda[rows.coordinate[r]];
+             if (!whole) rows.left[r] -= change_of(part, plan, rows, r, step);
+             lambda += step;
+             if (rows.pinned[r])
+               lambda = step == 0.0            ? lambda
+                        : rows.newton[r] < 0.0 ? rows.segment[r].low
+                                               : rows.segment[r].high;
+           });
+  return whole;
+}
+
+void pin(const JointPart& part) {
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    JointRows& rows = part.all.rows[k];
+    double* right = &part.all.right[plan.right];
+    int n = 0;
+    for (int r = 0; r < node.n; ++r) {
+      if (rows.pinned[r]) continue;
+      rows.coordinate[n] = rows.coordinate[r];
+      rows.segment[n] = rows.segment[r];
+      node.at[n] = node.at[r];
+      right[n] = rows.left[n] = rows.left[r];
+      ++n;
+    }
+    node.n = n;
+  });
+  part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {
+    if (plan.joint == kNone) std::fill_n(&part.all.right[plan.right], plan.rows, 0.0);
   });
 }
 

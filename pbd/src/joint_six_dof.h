@@ -16,9 +16,18 @@ void weigh(const JointPart& part);
 /// Set the right-hand side.
 /// @return whether other rows than before have a part in it
 bool evaluate(const JointPart& part);
+/// J, what motors and springs have done in this substep.
+double supplied(const JointPart& part);
 /// Set the matrix.
 void assemble(const JointPart& part);
-/// Multipliers grow by the solution, and bodies are to move by it.
-void gather(const JointPart& part);
+/// Multipliers grow by as much of the solution as their pieces allow, and bodies are to move by it.
+/// A solution is the least of 1/2 |move|^2 in the metric of mass and what the rows store or take, a
+/// convex function of the multipliers: the kinetic energy that joints add. So is what is taken of
+/// it less than before, whatever the order of rows: all that pieces allow where that is, else as
+/// far as the first corner.
+/// @return whether that was all of it; else rows that have come to a corner are pinned
+bool gather(const JointPart& part);
+/// Leave out the rows that are pinned, and set the right-hand side to what the moves have left.
+void pin(const JointPart& part);
 
 }  // namespace tandem::pbd::joint_six_dof

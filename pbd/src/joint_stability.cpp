@@ -3,6 +3,7 @@
 #include "joint_stability.h"
 
 #include "integrate.h"
+#include "joint_six_dof.h"
 
 namespace tandem::pbd {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kStiffTo = 8.0;
 constexpr double kSurplus = 0.01;
 /// Part of it that one substep of loops may add before they are solved again, softer.
 constexpr double kMaxAdded = 0.1;
+/// Part of it that joints at limits may add before limits are taken by their gradients alone.
+constexpr double kStopSurplus = 1e-4;
 /// Part of it that others may have changed since joints were solved, by rounding.
 constexpr double kUndisturbed = 1e-9;
 /// Part of it that is given back in one substep, at most.
@@ -39,18 +42,26 @@ void apply_stiffness(JointSlot& slot, SolverBody& body) {
   slot.stiffness.setZero();
 }
 
+/// Whether something stops or brakes in a part.
+bool takes_energy(const JointPart& part) {
+  bool takes = false;
+  if (part.plan.points) return false;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
+    const JointRows& rows = part.all.rows[k];
+    takes = takes || rows.stops != 0;
+    for_bits(part.records[plan.joint].used,
+             [&](int i) { takes = takes || rows.law[i].motor_max > 0.0; });
+  });
+  return takes;
+}
+
 /// Whether what a part loses may be given back: nothing stops inelastically in it.
 bool is_ideal(const JointPart& part) {
   bool held = false;
-  bool stops = false;
-  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
+  part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {
     held = held || plan.slot_a == JointGraph::kNone || plan.slot_b == JointGraph::kNone;
-    if (part.plan.points) return;
-    for (const Segment::Kind kind : part.all.rows[k].last_kind) {
-      stops = stops || kind == Segment::Kind::Lower || kind == Segment::Kind::Upper;
-    }
   });
-  return held && !stops;
+  return held && !takes_energy(part);
 }
 
 /// Of a part in a substep, J.
@@ -113,6 +124,16 @@ bool adds_energy(const JointPart& part) {
     after += v.squaredNorm() / body.inv_mass + w.dot(slot.inertia * w);
   });
   return after > (1.0 + kMaxAdded) * before;
+}
+
+/// Where limits are met by bodies that turn far within the substep, as a light link between heavy
+/// ones does, what the gradient of the start has to do to be within the limit at the end may be a
+/// blow of its own.
+bool stops_add_energy(const JointPart& part) {
+  if (part.progress.iteration < 2 || !takes_energy(part)) return false;
+  const Balance sum = balance(part, Vec3::Zero());
+  return sum.work > kStopSurplus * sum.energy &&
+         sum.work - joint_six_dof::supplied(part) > kStopSurplus * sum.energy;
 }
 
 /// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned

@@ -14,6 +14,8 @@ void stiffen(const JointPart& part);
 void restart(const JointPart& part, bool learn);
 /// Whether the corrections of this position iteration add energy.
 bool adds_energy(const JointPart& part);
+/// Whether limits and brakes, which take energy only, have added some.
+bool stops_add_energy(const JointPart& part);
 /// J, of joints in this position iteration.
 double work_of(const JointPart& part);
 /// Take back, or give back, what joints that do no work did.

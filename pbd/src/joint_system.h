@@ -55,7 +55,7 @@ class JointSystem {
 
   JointData data_;
   std::vector<JointProgress> progress_;  ///< by part
-  std::vector<std::uint8_t> passive_;    ///< by part: rigid locks and limits only
+  std::vector<std::uint8_t> passive_;    ///< by part: nothing supplies energy
   std::vector<GroupPart> order_;
 };
 
