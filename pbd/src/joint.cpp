@@ -283,6 +283,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       }
       if (!left || (shared && i >= 3)) return;
       residual = residual_left(axis, c[i], residual, shared, record.h);
+      if (std::abs(residual) > kLeft) record.gap.open(std::abs(residual));
     });
     // What a spoiled step leaves behind must not spoil the next one.
     if (!std::isfinite(record.energy_excess)) record.energy_excess = 0.0;

@@ -171,10 +171,10 @@ void begin(const JointPart& part) {
         return;
       }
       double& residual = record.displacement_residual[i];
-      residual =
-          (record.in_part >> i & 1u) != 0
-              ? residual_of(axis, c[i])
-              : residual_at_start(axis, c[i], residual, left && (i < 3 || !shared), shared, ctx.h);
+      residual = (record.in_part >> i & 1u) != 0
+                     ? residual_of(axis, c[i])
+                     : residual_at_start(axis, c[i], residual, left && (i < 3 || !shared), shared,
+                                         ctx.h, kLeft);
       rows.law[i] = force_law(axis, c[i], residual, ctx.h);
     });
   });
