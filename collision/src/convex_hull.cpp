@@ -72,6 +72,8 @@ std::vector<Triangle> first_tetrahedron(std::span<const Vec3> points, double ext
   return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
 
+using Edge = std::array<std::uint32_t, 2>;  // directed
+
 struct NumberedPlane : HullPlane {
   std::uint32_t number = 0;
 };
@@ -80,13 +82,19 @@ struct Highest {
   std::uint32_t plane = 0;  ///< number
 };
 
+/// How far above the hull a point has to lie to become a corner, m.
 /// @param tolerance  share of the height of the first tetrahedron: see ConvexHull::make()
+double least_above(std::span<const Vec3> points, const std::vector<Triangle>& tetrahedron,
+                   double extent, double tolerance) {
+  const HullPlane base = hull_plane(points, tetrahedron[0]);
+  double height = 0.0;
+  for (const std::uint32_t v : tetrahedron[1]) height = std::max(height, -base.above(points[v]));
+  return std::max(kOutside * extent, tolerance * height);
+}
+
 std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, double tolerance) {
   std::vector<Triangle> faces = first_tetrahedron(points, extent);
-  const HullPlane base = hull_plane(points, faces[0]);
-  double height = 0.0;
-  for (const std::uint32_t v : faces[1]) height = std::max(height, -base.above(points[v]));
-  const double least = std::max(kOutside * extent, tolerance * height);
+  const double least = least_above(points, faces, extent, tolerance);
   std::vector<NumberedPlane> planes;
   std::uint32_t planes_made = 0;
   const auto plane_of = [&](const Triangle& t) {
@@ -105,21 +113,15 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
   for (std::uint32_t i = 0; i < points.size(); ++i) look(i, planes);
   std::vector<Triangle> kept;
   std::vector<NumberedPlane> kept_planes;
-  std::vector<bool> gone;                          // planes, by number
-  std::vector<std::array<std::uint32_t, 2>> seen;  // directed edges of the faces that see the point
+  std::vector<bool> gone;  // planes, by number
+  std::vector<Edge> seen;  // of the faces that see the point
   for (std::size_t round = 0; round <= points.size(); ++round) {
     // A corner that goes in may be swallowed later, but not so many of them.
-    if (round > 2 * ConvexHull::kMaxVertices) {
+    if (round > 2 * ConvexHull::kMaxVertices)
       pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
-    }
-    std::uint32_t next = 0;
-    double most = least;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-      if (highest[i].above <= most) continue;
-      most = highest[i].above;
-      next = i;
-    }
-    if (most <= least) break;
+    const auto next = static_cast<std::uint32_t>(
+        std::ranges::max_element(highest, {}, &Highest::above) - highest.begin());
+    if (!(highest[next].above > least)) break;
     kept.clear();
     kept_planes.clear();
     seen.clear();
@@ -135,21 +137,17 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
       }
     }
     const std::size_t stay = kept.size();
-    for (const auto& [from, to] : seen) {
-      const bool inner =
-          std::any_of(seen.begin(), seen.end(),
-                      [from = from, to = to](const auto& e) { return e[0] == to && e[1] == from; });
-      if (inner) continue;
-      kept.push_back({from, to, next});
+    for (const Edge& edge : seen) {
+      if (std::ranges::find(seen, Edge{edge[1], edge[0]}) != seen.end()) continue;  // within them
+      kept.push_back({edge[0], edge[1], next});
       kept_planes.push_back(plane_of(kept.back()));
     }
     faces.swap(kept);
     planes.swap(kept_planes);
-    const std::span now(planes);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       const bool lost = gone[highest[i].plane];
       if (lost) highest[i] = {};
-      look(i, lost ? now : now.subspan(stay));
+      look(i, std::span(planes).subspan(lost ? 0 : stay));
     }
   }
   return faces;

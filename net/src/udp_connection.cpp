@@ -30,11 +30,13 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       rate_(options.congestion, now),
       clock_turns_(now),
       began_here_(began_here),
-      last_heard_(now),
-      last_sent_(now - options.idle_timeout),  // the first packet tells the other end at once
-      keep_alive_(std::min(options.idle_timeout,
-                           std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
-                  4) {
+      silence_{
+          .heard = now,
+          .sent = now - options.idle_timeout,  // the first packet tells the other end at once
+          .idle_keep_alive =
+              std::min(options.idle_timeout,
+                       std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
+              4} {
   require(options.max_datagram >= MtuSearch::kMin && options.max_datagram <= kMaxDatagram,
           "UdpConnectionOptions", "max_datagram", options.max_datagram, "in [548, 1472]");
   require(options.congestion.min_kbit > 0.0 &&
@@ -54,7 +56,7 @@ std::span<const std::byte> UdpConnection::seal(std::int64_t now) {
     close("sequence numbers have run out");
     return {};
   }
-  last_sent_ = now;
+  silence_.sent = now;
   return datagram_;
 }
 
@@ -74,7 +76,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
            plain_);
     return seal(now);
   }
-  if (now - last_heard_ > patience()) {
+  if (now - silence_.heard > patience()) {
     close("connection lost: nothing heard for " + std::to_string(patience() / 1'000'000) + " ms");
     return {};
   }
@@ -96,7 +98,8 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
   // Acknowledgements alone are small and do not wait: late ones would look like loss.
   if (clock != nullptr) clock_turns_.begin(now);
   const bool tells_clock = clock != nullptr && clock_turns_.is_due_alone(now);
-  const bool must = tells_clock || now >= channels_.ack_due() || now - last_sent_ >= keep_alive();
+  const bool must =
+      tells_clock || now >= channels_.ack_due() || now - silence_.sent >= silence_.keep_alive();
   const bool content = channels_.has_content(now);
   const bool ready = pacer.ready(now);
   if (content && !ready) rate_.hold_back();
@@ -117,9 +120,9 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
 std::int64_t UdpConnection::next_due(std::int64_t now) {
   if (state_ == State::Closed) return INT64_MAX;
   if (state_ == State::Leaving) return goodbyes_.due;
-  if (!may_send()) return std::max(now, last_heard_ + patience() + 1);
-  std::int64_t due = std::min({channels_.ack_due(), last_sent_ + keep_alive(),
-                               last_heard_ + patience() + 1, clock_turns_.next_due(now)});
+  if (!may_send()) return std::max(now, silence_.heard + patience() + 1);
+  std::int64_t due = std::min({channels_.ack_due(), silence_.sent + silence_.keep_alive(),
+                               silence_.heard + patience() + 1, clock_turns_.next_due(now)});
   if (channels_.rtt().any()) {
     due = std::min(due, std::max(channels_.mtu().next_due(), rate_.pacer().next(now)));
   }
@@ -133,8 +136,8 @@ bool UdpConnection::open(std::span<const std::byte> datagram, std::int64_t now) 
   if (state_ == State::Closed) return false;
   opened_ = opener_.open(datagram, buffer_);
   if (!opened_) return false;
-  confirmed_ = true;
-  last_heard_ = now;
+  silence_.confirmed = true;
+  silence_.heard = now;
   return true;
 }
 

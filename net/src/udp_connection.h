@@ -95,10 +95,10 @@ class UdpConnection {
   /// Why it is leaving or closed.
   const std::string& reason() const { return reason_; }
   /// A packet has come that only the other end could have sealed, now.
-  bool confirmed() const { return confirmed_; }
+  bool confirmed() const { return silence_.confirmed; }
   /// Nothing has come for so long that it may have gone.
-  bool silent(std::int64_t now) const { return now - last_heard_ > options_.idle_timeout / 2; }
-  std::int64_t last_heard() const { return last_heard_; }
+  bool silent(std::int64_t now) const { return now - silence_.heard > options_.idle_timeout / 2; }
+  std::int64_t last_heard() const { return silence_.heard; }
   const Session& session() const { return session_; }
   Channels& channels() { return channels_; }
   const Channels& channels() const { return channels_; }
@@ -107,6 +107,17 @@ class UdpConnection {
   std::uint64_t rejected() const { return rejected_; }
 
  private:
+  /// How long either end has been silent and may be, ns.
+  struct Silence {
+    std::int64_t heard = 0;            ///< when, last
+    std::int64_t sent = 0;             ///< likewise
+    std::int64_t idle_keep_alive = 0;  ///< of a confirmed connection
+    bool confirmed = false;
+    /// Nothing sent for so long: something is.
+    std::int64_t keep_alive() const {
+      return confirmed ? idle_keep_alive : std::min(idle_keep_alive, kConfirmTime / 8);
+    }
+  };
   struct Goodbyes {
     int left = 0;  // still to be sent
     std::int64_t due = 0;
@@ -116,16 +127,12 @@ class UdpConnection {
   std::span<const std::byte> seal_path(ChannelSection::Kind kind, std::uint64_t token,
                                        std::int64_t now);
   void close(const std::string& reason);
-  bool may_send() const { return confirmed_ || began_here_; }
   /// Nothing heard for so long: it is closed.
   std::int64_t patience() const {
-    return confirmed_ || !began_here_ ? options_.idle_timeout
-                                      : std::min(options_.idle_timeout, kConfirmTime);
+    return silence_.confirmed || !began_here_ ? options_.idle_timeout
+                                              : std::min(options_.idle_timeout, kConfirmTime);
   }
-  /// Nothing sent for so long: something is.
-  std::int64_t keep_alive() const {
-    return confirmed_ ? keep_alive_ : std::min(keep_alive_, kConfirmTime / 8);
-  }
+  bool may_send() const { return silence_.confirmed || began_here_; }
   std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
@@ -138,11 +145,8 @@ class UdpConnection {
   State state_ = State::Open;
   std::string reason_;
   bool began_here_;
-  bool confirmed_ = false;
   Goodbyes goodbyes_;
-  std::int64_t last_heard_;
-  std::int64_t last_sent_;
-  std::int64_t keep_alive_;
+  Silence silence_;
   std::uint64_t rejected_ = 0;
   std::vector<std::byte> plain_;
   std::vector<std::byte> datagram_;

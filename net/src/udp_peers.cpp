@@ -63,7 +63,8 @@ Verdict UdpPeers::decide(const Introduction& other, const Member& member, const 
   if (is_here && other.incarnation < found->incarnation && !found->connection->link->silent(now)) {
     return Verdict::Outdated;
   }
-  if (!is_here && is_full() && guest_in_place_of(other.peer, member) == nullptr) {
+  if (!is_here && attached_count() >= options_.max_peers &&
+      guest_in_place_of(other.peer, member) == nullptr) {
     return Verdict::Full;
   }
   const auto confirmed = std::ranges::count_if(
@@ -169,7 +170,7 @@ void UdpPeers::forget_departed() {
 bool UdpPeers::attach(Connection& connection, std::int64_t now) {
   const Introduction& remote = connection.link->session().remote;
   // Asked again: several may have been half open when there was room for one.
-  if (attached(remote.peer) == nullptr && is_full()) {
+  if (attached(remote.peer) == nullptr && attached_count() >= options_.max_peers) {
     Record* const guest = guest_in_place_of(remote.peer, connection.link->session().member);
     if (guest == nullptr) {
       connection.link->leave(describe(Verdict::Full), now);

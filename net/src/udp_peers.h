@@ -116,7 +116,6 @@ class UdpPeers {
 
  private:
   std::size_t attached_count() const;
-  bool is_full() const { return attached_count() >= options_.max_peers; }
   /// Of those who came after a member had left who stayed for a while, the last one, where anybody
   /// could have taken that id: its place was his. Null where there is none.
   Record* guest_in_place_of(PeerId peer, const Member& member);

@@ -55,8 +55,7 @@ NatsNode::NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std
       self_(options.member.self),
       subjects_(options.prefix, options.member.scene_hash, options.cells),
       hub_(std::move(hub)),
-      steady_(std::move(steady)),
-      correction_(correction),
+      clocks_{.steady = std::move(steady), .correction = correction},
       node_(options_of(options, hub_->impl().direct(), now, correction), crypto::system_random(),
             [this](std::span<const std::byte> datagram, const net::Address& to) {
               send(datagram, to);
@@ -77,8 +76,8 @@ void NatsNode::listen_directly() {
   DirectSocket* const socket = hub_->impl().direct();
   if (socket == nullptr) return;
   direct_.hear = std::make_shared<DirectSocket::Hear>(
-      [inbox = direct_.inbox, steady = steady_](std::span<const std::byte> bytes,
-                                                const net::Address& from) {
+      [inbox = direct_.inbox, steady = clocks_.steady](std::span<const std::byte> bytes,
+                                                       const net::Address& from) {
         inbox->put(Inbox::Kind::Direct, bytes, steady(), from);
       });
   socket->attach(node_.receiver_prefix(), direct_.hear);
@@ -86,7 +85,7 @@ void NatsNode::listen_directly() {
 
 NatsOwned<natsSubscription> NatsNode::subscribe(const std::string& subject, Inbox::Kind kind) {
   return hub_->impl().subscribe(
-      subject, [inbox = inbox_, steady = steady_, kind](std::span<const std::byte> bytes) {
+      subject, [inbox = inbox_, steady = clocks_.steady, kind](std::span<const std::byte> bytes) {
         inbox->put(kind, bytes, steady());
       });
 }
@@ -114,14 +113,11 @@ void NatsNode::tick(std::int64_t now) {
   std::ranges::inplace_merge(messages, messages.begin() + of_server, {}, &Inbox::Message::at);
   for (const Inbox::Message& message : messages) {
     // The node's time does not go back, and what waited here has come when it came.
-    last_ = std::max(last_, std::min(message.at, now));
+    clocks_.last = std::max(clocks_.last, std::min(message.at, now));
     take_in(message);
   }
-  last_ = std::max(last_, now);
-  if (now >= due_.follow) {
-    due_.follow = now + kFollowEvery;
-    follow(now);
-  }
+  clocks_.last = std::max(clocks_.last, now);
+  if (now >= due_.follow) follow(now);
   if (now >= due_.presence) say_where(now);
   speak(now);
   node_.poll(now);
@@ -145,7 +141,7 @@ void NatsNode::take_in(const Inbox::Message& message) {
 }
 
 void NatsNode::on_direct(const Inbox::Message& message) {
-  if (!node_.on_datagram(message.bytes, message.from, last_)) return;
+  if (!node_.on_datagram(message.bytes, message.from, clocks_.last)) return;
   ++direct_.in;
   direct_.bytes_in += message.bytes.size();
 }
@@ -154,7 +150,7 @@ void NatsNode::on_datagram(const Inbox::Message& message) {
   pbd::ByteReader reader(message.bytes);
   const PeerId from = reader.u64();
   if (reader.failed() || from == 0 || from == self_) return;
-  (void)node_.on_path(std::span(message.bytes).subspan(kSenderBytes), from, last_);
+  (void)node_.on_path(std::span(message.bytes).subspan(kSenderBytes), from, clocks_.last);
 }
 
 GroupOpener::Opened NatsNode::open(const Inbox::Message& message) {
@@ -163,7 +159,7 @@ GroupOpener::Opened NatsNode::open(const Inbox::Message& message) {
     if (record == nullptr || record->connection == nullptr) return std::nullopt;
     return record->incarnation;
   };
-  const auto now = last_ + correction_;
+  const auto now = clocks_.last + clocks_.correction;
   const auto out = seal_.opener.open(message.bytes, node_.credentials(), now, connected);
   if (out.heard == GroupOpener::Heard::Elsewhen) invite(out.sender, out.key);
   return out;
@@ -171,10 +167,11 @@ GroupOpener::Opened NatsNode::open(const Inbox::Message& message) {
 
 void NatsNode::invite(PeerId peer, std::size_t key) {
   if (peer == self_ || node_.table().attached(peer) != nullptr) return;
-  std::erase_if(invited_, [this](const auto& each) { return last_ - each.second > kInviteAgain; });
-  if (invited_.size() >= kMaxInvited || !invited_.emplace(peer, last_).second) return;
-  amiss_.emplace(peer, last_);
-  node_.dial(net::path_address(peer), last_, key);
+  std::erase_if(invited_,
+                [this](const auto& each) { return clocks_.last - each.second > kInviteAgain; });
+  if (invited_.size() >= kMaxInvited || !invited_.emplace(peer, clocks_.last).second) return;
+  amiss_.emplace(peer, clocks_.last);
+  node_.dial(net::path_address(peer), clocks_.last, key);
 }
 
 void NatsNode::heed_group_change(std::int64_t now) {
@@ -191,9 +188,9 @@ void NatsNode::on_presence(const Inbox::Message& message) {
   if (!presence) {
     ++seal_.unbelieved;
   } else if (opened.sender != self_) {
-    hood_.hear(opened.sender, *presence, last_);
+    hood_.hear(opened.sender, *presence, clocks_.last);
   } else if (seal_.sealer.has_sealed(message.bytes)) {
-    load_.heard(presence->sent, steady_());
+    load_.heard(presence->sent, clocks_.steady());
   }
 }
 
@@ -217,20 +214,21 @@ void NatsNode::on_summary(const Inbox::Message& message) {
     return;
   }
   const Cell& cell = summary->cell;
-  levels_[static_cast<std::size_t>(cell.level) - 1].speaker.hear(cell, opened.sender, last_);
+  levels_[static_cast<std::size_t>(cell.level) - 1].speaker.hear(cell, opened.sender, clocks_.last);
   if (cell.level + 1 < cells_.levels) {
     Level& above = levels_[static_cast<std::size_t>(cell.level)];
-    if (above.of_within == parent_of(cell)) above.people[cell] = {summary->people, last_};
+    if (above.of_within == parent_of(cell)) above.people[cell] = {summary->people, clocks_.last};
   }
   const std::vector<std::byte> content(summary->content.begin(), summary->content.end());
   if (summaries_.size() >= NatsTransport::kMaxSummaries) summaries_.erase(summaries_.begin());
   summaries_.push_back({cell, opened.sender, summary->people, content});
   if (content.empty() || packets_.size() >= kMaxPackets) return;
   packets_.push_back(
-      {.from = opened.sender, .bytes = content, .received = node_.session_now(last_)});
+      {.from = opened.sender, .bytes = content, .received = node_.session_now(clocks_.last)});
 }
 
 void NatsNode::follow(std::int64_t now) {
+  due_.follow = now + kFollowEvery;
   NatsHub::Impl& hub = hub_->impl();
   const bool connected = hub.connected();
   switch (load_.look(inbox_->dropped() + hub.slow(), connected, now)) {
@@ -293,7 +291,8 @@ void NatsNode::reconcile(std::int64_t now) {
 }
 
 void NatsNode::publish_sealed(const std::string& subject, std::span<const std::byte> plain) {
-  seal_.sealer.seal(plain, node_.credentials().session_key, last_ + correction_, seal_.sealed);
+  seal_.sealer.seal(plain, node_.credentials().session_key, clocks_.last + clocks_.correction,
+                    seal_.sealed);
   hub_->impl().publish(subject, seal_.sealed);
 }
 
@@ -304,7 +303,7 @@ void NatsNode::say_where(std::int64_t now) {
     due_.presence = now + static_cast<std::int64_t>(self_ % 16) * every / 16 - every;
   due_.presence = std::max(due_.presence + every, now);
   seal_.plain.clear();
-  encode(Presence{.sent = steady_(), .position = hood_.position(), .hears = hood_.hears()},
+  encode(Presence{.sent = clocks_.steady(), .position = hood_.position(), .hears = hood_.hears()},
          seal_.plain);
   publish_sealed(subjects_.who(cell_at(cells_, hood_.position())), seal_.plain);
   load_.said(now);

@@ -86,6 +86,11 @@ class NatsNode {
     std::uint64_t in = 0;
     std::uint64_t bytes_in = 0;
   };
+  struct Clocks {
+    std::function<std::int64_t()> steady;
+    std::int64_t correction = 0;    ///< ns: the system clock at the start less the own one
+    std::int64_t last = INT64_MIN;  ///< of the newest thing that the node was told
+  };
   struct Due {
     std::int64_t follow = INT64_MIN;
     std::int64_t presence = INT64_MIN;
@@ -118,8 +123,7 @@ class NatsNode {
   PeerId self_;
   Subjects subjects_;
   std::shared_ptr<NatsHub> hub_;
-  std::function<std::int64_t()> steady_;
-  std::int64_t correction_;  ///< ns: the system clock at the start less the own one
+  Clocks clocks_;
   Speaking speaking_;
 
   std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
@@ -132,7 +136,6 @@ class NatsNode {
   NatsOwned<natsSubscription> own_;
   std::map<Cell, NatsOwned<natsSubscription>> heard_cells_;
 
-  std::int64_t last_ = INT64_MIN;  ///< of the newest thing that the node was told
   Due due_;
   std::map<PeerId, std::int64_t> amiss_;    ///< whose connection is not as wanted, since when
   std::map<PeerId, std::int64_t> invited_;  ///< when
