@@ -33,6 +33,8 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       silence_{
           .heard = now,
           .sent = now - options.idle_timeout,  // the first packet tells the other end at once
+          .patience =
+              began_here ? std::min(options.idle_timeout, kConfirmTime) : options.idle_timeout,
           .idle_keep_alive =
               std::min(options.idle_timeout,
                        std::max<std::int64_t>(session.remote.idle_timeout_ms, 40) * 1'000'000) /
@@ -76,8 +78,9 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
            plain_);
     return seal(now);
   }
-  if (now - silence_.heard > patience()) {
-    close("connection lost: nothing heard for " + std::to_string(patience() / 1'000'000) + " ms");
+  if (now - silence_.heard > silence_.patience) {
+    close("connection lost: nothing heard for " + std::to_string(silence_.patience / 1'000'000) +
+          " ms");
     return {};
   }
   if (!may_send()) return {};
@@ -120,9 +123,9 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
 std::int64_t UdpConnection::next_due(std::int64_t now) {
   if (state_ == State::Closed) return INT64_MAX;
   if (state_ == State::Leaving) return goodbyes_.due;
-  if (!may_send()) return std::max(now, silence_.heard + patience() + 1);
+  if (!may_send()) return std::max(now, silence_.heard + silence_.patience + 1);
   std::int64_t due = std::min({channels_.ack_due(), silence_.sent + silence_.keep_alive(),
-                               silence_.heard + patience() + 1, clock_turns_.next_due(now)});
+                               silence_.heard + silence_.patience + 1, clock_turns_.next_due(now)});
   if (channels_.rtt().any()) {
     due = std::min(due, std::max(channels_.mtu().next_due(), rate_.pacer().next(now)));
   }
@@ -137,6 +140,7 @@ bool UdpConnection::open(std::span<const std::byte> datagram, std::int64_t now) 
   opened_ = opener_.open(datagram, buffer_);
   if (!opened_) return false;
   silence_.confirmed = true;
+  silence_.patience = options_.idle_timeout;
   silence_.heard = now;
   return true;
 }

@@ -111,6 +111,7 @@ class UdpConnection {
   struct Silence {
     std::int64_t heard = 0;            ///< when, last
     std::int64_t sent = 0;             ///< likewise
+    std::int64_t patience = 0;         ///< nothing heard for so long: it is closed
     std::int64_t idle_keep_alive = 0;  ///< of a confirmed connection
     bool confirmed = false;
     /// Nothing sent for so long: something is.
@@ -127,12 +128,6 @@ class UdpConnection {
   std::span<const std::byte> seal_path(ChannelSection::Kind kind, std::uint64_t token,
                                        std::int64_t now);
   void close(const std::string& reason);
-  /// Nothing heard for so long: it is closed.
-  std::int64_t patience() const {
-    return silence_.confirmed || !began_here_ ? options_.idle_timeout
-                                              : std::min(options_.idle_timeout, kConfirmTime);
-  }
-  bool may_send() const { return silence_.confirmed || began_here_; }
   std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
