@@ -128,6 +128,7 @@ class UdpConnection {
   std::span<const std::byte> seal_path(ChannelSection::Kind kind, std::uint64_t token,
                                        std::int64_t now);
   void close(const std::string& reason);
+  bool may_send() const { return silence_.confirmed || began_here_; }
   std::size_t room() const { return channels_.mtu().size() - kProtectedOverhead; }
 
   Session session_;
