@@ -31,7 +31,6 @@ constexpr Known kKnown[] = {
     {"E2", "hulls of random points", "", "", kE2},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
     {"E14", "heap of 60 cubes", "", "speed of what falls asleep", kE14},
-    {"E14", "heap of 200 cubes", "", "speed of what falls asleep", kE14},
     {"E14", "heap of 30 cans", "", "awake after 6 s", kRolls},
     {"E14", "ten pins", "", "awake after 6 s", kRolls},
 };

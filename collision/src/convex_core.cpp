@@ -220,6 +220,24 @@ std::uint32_t hull_corner(const ConvexCore& core, const Vec3& local) {
   return best;
 }
 
+/// Of the faces at the foremost corner the one towards the direction; `first` where it is one.
+std::size_t hull_face_at_corner(const ConvexCore& core, const Vec3& direction, std::size_t first) {
+  const Vec3 local = core.axes.transpose() * direction;
+  const auto faces = core.hull->faces();
+  std::size_t best = first;
+  double most = -HUGE_VAL;
+  for (const std::uint32_t e : core.hull->star(hull_corner(core, local))) {
+    for (const std::uint32_t f : core.hull->edges()[e].faces) {
+      if (f == first) return first;
+      const double value = faces[f].normal.dot(local);
+      if (value <= most) continue;
+      most = value;
+      best = f;
+    }
+  }
+  return best;
+}
+
 CoreEdge hull_edge(const ConvexCore& core, const Vec3& direction) {
   const Vec3 local = core.axes.transpose() * direction;
   const auto arms = core.hull->arms();
@@ -393,6 +411,7 @@ BearingFaces::BearingFaces(const ConvexCore& core, const Vec3& direction)
   if (core.kind != CoreKind::Polytope) return;
   at_ = hull_face_towards(core, direction);
   first_ = at_;
+  foremost_ = hull_face_at_corner(core, direction, first_);
 }
 
 bool BearingFaces::next(CoreFace& face) {
@@ -404,7 +423,8 @@ bool BearingFaces::next(CoreFace& face) {
   const Vec3 local = core_.axes.transpose() * direction_;
   const auto faces = core_.hull->faces();
   for (; beside_ < faces.size() && done_; ++beside_) {
-    if (beside_ == first_ || faces[beside_].normal.dot(local) < kBearingCosine) continue;
+    const bool bears = beside_ == foremost_ || faces[beside_].normal.dot(local) >= kBearingCosine;
+    if (beside_ == first_ || !bears) continue;
     at_ = beside_;
     done_ = false;
   }
