@@ -33,7 +33,7 @@ std::vector<BodyId> rain(Scene& scene, pbd::SplitMix64& random, int count) {
 
 }  // namespace
 
-TEST_CASE("scene: in a heap of boxes nothing creeps on", "[scene][property]") {
+TEST_CASE("scene: in a heap of boxes nothing creeps on", "[scene][property][long]") {
   pbd::SplitMix64 random(91);
   for (int run = 0; run < 8; ++run) {
     Scene scene({.solver = {.sleep_after = 0.0}});
