@@ -81,6 +81,7 @@ struct Highest {
   double above = -std::numeric_limits<double>::infinity();
   std::uint32_t plane = 0;  ///< number
 };
+bool is_lower(const Highest& l, const Highest& r) { return l.above < r.above; }
 
 /// How far above the hull a point has to lie to become a corner, m.
 /// @param tolerance  share of the height of the first tetrahedron: see ConvexHull::make()
@@ -100,7 +101,6 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
   const auto plane_of = [&](const Triangle& t) {
     return NumberedPlane{hull_plane(points, t), planes_made++};
   };
-  planes.reserve(faces.size());
   for (const Triangle& t : faces) planes.push_back(plane_of(t));
   // Of each point the plane that it is farthest above, or least below.
   std::vector<Highest> highest(points.size());
@@ -120,7 +120,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
     if (round > 2 * ConvexHull::kMaxVertices)
       pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
     const auto next = static_cast<std::uint32_t>(
-        std::ranges::max_element(highest, {}, &Highest::above) - highest.begin());
+        std::max_element(highest.begin(), highest.end(), is_lower) - highest.begin());
     if (!(highest[next].above > least)) break;
     kept.clear();
     kept_planes.clear();
@@ -138,7 +138,8 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
     }
     const std::size_t stay = kept.size();
     for (const Edge& edge : seen) {
-      if (std::ranges::find(seen, Edge{edge[1], edge[0]}) != seen.end()) continue;  // within them
+      if (std::find(seen.begin(), seen.end(), Edge{edge[1], edge[0]}) != seen.end())
+        continue;  // within them
       kept.push_back({edge[0], edge[1], next});
       kept_planes.push_back(plane_of(kept.back()));
     }
