@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -101,7 +102,7 @@ std::vector<Triangle> quickhull(std::span<const Vec3> points, double extent, dou
   const auto plane_of = [&](const Triangle& t) {
     return NumberedPlane{hull_plane(points, t), planes_made++};
   };
-  for (const Triangle& t : faces) planes.push_back(plane_of(t));
+  std::transform(faces.begin(), faces.end(), std::back_inserter(planes), plane_of);
   // Of each point the plane that it is farthest above, or least below.
   std::vector<Highest> highest(points.size());
   const auto look = [&](std::uint32_t i, std::span<const NumberedPlane> at) {
