@@ -43,6 +43,16 @@ struct Problem {
   }
 };
 
+Vec4 first_lane(const kernel::Four<Batch>& all) {
+  Vec4 out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    Lanes lanes;
+    kernel::store(all[i], lanes, 0);
+    out[static_cast<Eigen::Index>(i)] = lanes[0];
+  }
+  return out;
+}
+
 /// The answers of the kernel to `first` in lane 0 and `other` in the others; that of lane 0.
 Vec4 solve(const Problem& first, const Problem& other) {
   const auto both = [](double value, double others) {
@@ -66,13 +76,7 @@ Vec4 solve(const Problem& first, const Problem& other) {
                                {entry(0, 0), entry(1, 0), entry(1, 1), entry(2, 0), entry(2, 1),
                                 entry(2, 2), entry(3, 0), entry(3, 1), entry(3, 2), entry(3, 3)},
                                four(first.z, other.z), four(first.e, other.e));
-  Vec4 out;
-  for (std::size_t i = 0; i < 4; ++i) {
-    Lanes lanes;
-    kernel::store(d[i], lanes, 0);
-    out[static_cast<Eigen::Index>(i)] = lanes[0];
-  }
-  return out;
+  return first_lane(d);
 }
 
 /// The loads as the kernel shares them.
@@ -84,13 +88,7 @@ Vec4 share_evenly(const Problem& p) {
   };
   kernel::Four<Batch> z = four(p.z);
   kernel::share_evenly(Batch(1.0) > Batch(0.0), four(p.u), z);
-  Vec4 out;
-  for (std::size_t i = 0; i < 4; ++i) {
-    Lanes lanes;
-    kernel::store(z[i], lanes, 0);
-    out[static_cast<Eigen::Index>(i)] = lanes[0];
-  }
-  return out;
+  return first_lane(z);
 }
 
 /// The answer by trying all sets of loaded points: the one that is right in all signs.
