@@ -144,7 +144,7 @@ export class Session {
   #join() {
     if (this.hand) this.hand = null;
     this.#peer?.free();
-    this.#transport.inbox.length = 0;
+    this.#transport.take();
     this.world.forget();
     this.#peer = new Peer(this.world.world, this.#transport, PEER);
     for (const {name, body, mass} of this.world.bodies) if (mass > 0) this.#peer.share(name, body);
