@@ -29,10 +29,12 @@ struct TANDEM_API ContactOptions {
   /// sweep has not solved: they are swept on, those first whose bodies still move most, until no
   /// normal velocity changes by more than `resting_tolerance` times what gravity adds in a substep.
   /// A gap that closes no faster than that is none.
+  /// What is left open rocks what stands: a tower of ten cubes of 10 cm, each a few millimetres off
+  /// the one below, swayed by 2 mm for ever at 0.01, and walked by 3 cm in 30 s.
   /// Blows that pass from contact to contact may strike a sixth as well. BlockReport says what
   /// was done and what was left.
   int extra_rows = 24000;
-  double resting_tolerance = 0.01;
+  double resting_tolerance = 0.001;
   /// Impacts slower than this many times what gravity adds in a substep do not bounce. Here and
   /// above gravity is 1 m/s^2 at least: what floats comes to rest as well.
   double restitution_threshold = 2.0;
