@@ -14,8 +14,6 @@ namespace {
 /// on does so in one round trip: 427 ms at 300 a second.
 constexpr std::size_t kMaxUnconfirmedOfKey = 32;
 constexpr std::size_t kMaxUnconfirmed = 128;
-/// Who has stayed for so long has a place to come back to.
-constexpr std::int64_t kRegular = 10'000'000'000;    // ns
 constexpr std::int64_t kTellPeriod = 2'000'000'000;  // ns
 constexpr std::size_t kTellAtOnce = 4;               // peers in a turn
 
@@ -99,26 +97,11 @@ UdpPeers::Connection& UdpPeers::add(const Session& session, const Address& addre
 }
 
 UdpPeers::Record* UdpPeers::guest_in_place_of(PeerId peer, const Member& member) {
-  const auto own = records_.find(peer);
-  if (own == records_.end() || !own->second.stayed || own->second.member.key != member.key) {
-    return nullptr;
-  }
-  Record* out = nullptr;
-  for (auto& [id, record] : records_) {
-    const bool guest = record.connection != nullptr && !record.member.bound &&
-                       record.arrival > own->second.departure;
-    if (guest && (out == nullptr || record.arrival > out->arrival)) out = &record;
-  }
-  return out;
+  return who_gives_way(records_, peer, member,
+                       [](const Record& record) { return record.connection != nullptr; });
 }
 
 void UdpPeers::forget_unconfirmed(const crypto::PublicKey& key) {
-  struct Asking {
-    crypto::PublicKey key;
-    Address network;
-    std::int64_t opened;
-    std::uint32_t receiver;
-  };
   std::vector<Asking> all;
   std::size_t of_key = 0;
   for (const auto& [receiver, connection] : connections_) {
@@ -133,13 +116,7 @@ void UdpPeers::forget_unconfirmed(const crypto::PublicKey& key) {
   } else if (all.size() < kMaxUnconfirmed) {
     return;
   }
-  const auto weight = [&all](const Asking& each) {
-    const auto [less, more] =
-        std::minmax({std::ranges::count(all, each.key, &Asking::key),
-                     std::ranges::count(all, each.network, &Asking::network)});
-    return std::tuple(more, less, -each.opened, each.receiver);
-  };
-  connections_.erase(std::ranges::max_element(all, {}, weight)->receiver);
+  connections_.erase(static_cast<std::uint32_t>(first_to_go(all)));
 }
 
 bool UdpPeers::is_asked(const Address& address) const {
@@ -160,7 +137,7 @@ void UdpPeers::forget_departed() {
     if (at->second.connection != nullptr) continue;
     // Of those who have hardly been here first.
     const auto worth = [](const Record& record) {
-      return std::tuple(record.stayed, record.departure);
+      return std::tuple(record.seniority.stayed(), record.departure);
     };
     if (oldest == records_.end() || worth(at->second) < worth(oldest->second)) oldest = at;
   }
@@ -210,11 +187,11 @@ bool UdpPeers::attach(Connection& connection, std::int64_t now) {
   if (record.reliable) {
     connection.link->channels().resume(*std::exchange(record.reliable, {}));
   }
+  record.seniority.arrive(record.member.key == member.key, ++events_);
   record.incarnation = remote.incarnation;
   record.member = member;
   record.status.role = member.role;
   record.connection = &connection;
-  record.arrival = ++events_;
   record.dropped = false;
   record.status.connected = true;
   record.status.reason.clear();
@@ -232,7 +209,7 @@ void UdpPeers::detach(Connection& connection) {
   record.status.over_budget += channels.inbox().budget().refused();
   record.reliable = channels.take_reliable();
   record.departure = ++events_;
-  record.stayed = record.stayed || connection.link->last_heard() - connection.opened >= kRegular;
+  record.seniority.stay(connection.link->last_heard() - connection.opened);
   lost_(record.status.id);
   record.connection = nullptr;
   record.status.connected = false;

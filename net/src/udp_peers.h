@@ -17,6 +17,7 @@
 #include "connection_path.h"
 #include "handshake.h"
 #include "pacing.h"
+#include "places.h"
 #include "tandem/consensus/transport.h"
 #include "udp_connection.h"
 #include "udp_node_options.h"
@@ -54,9 +55,8 @@ class UdpPeers {
     std::int64_t hold_until = INT64_MIN;
     std::vector<Channels::Message> inbox;        // of connections that are gone
     std::optional<Channels::Reliable> reliable;  // likewise, of this incarnation
-    std::uint64_t arrival = 0;    // of arrivals and departures, the later, the larger
-    std::uint64_t departure = 0;  // likewise
-    bool stayed = false;          // for kRegular, before it left
+    std::uint64_t departure = 0;  // of arrivals and departures, the later, the larger
+    Seniority seniority;
   };
   using Connections = std::map<std::uint32_t, Connection>;  // by receiver number
 
@@ -116,8 +116,7 @@ class UdpPeers {
 
  private:
   std::size_t attached_count() const;
-  /// Of those who came after a member had left who stayed for a while, the last one, where anybody
-  /// could have taken that id: its place was his. Null where there is none.
+  /// See who_gives_way().
   Record* guest_in_place_of(PeerId peer, const Member& member);
   /// Whether an id that is not bound is somebody else's for now.
   static bool is_taken(const Record& record, const Member& member, std::int64_t now);
