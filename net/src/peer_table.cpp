@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <tuple>
 #include <utility>
 
 namespace tandem::net {
@@ -69,18 +70,18 @@ std::uint64_t PeerTable::incarnation(PeerId peer) const {
 // ---- network thread ----
 
 std::optional<std::string> PeerTable::refusal(const Hello& hello, const Member& member,
-                                              SteadyTime now) const {
+                                              SteadyTime now) {
   const std::lock_guard lock(mutex_);
   return refusal_locked(hello, member, now);
 }
 
 std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const Member& member,
-                                                     SteadyTime now) const {
+                                                     SteadyTime now) {
   const Record* record = find(hello.peer);
   if (record != nullptr && now < record->hold_until) {
     return record->status.reason + " (on hold)";
   }
-  if (record != nullptr && record->link != 0 && !member.bound && record->key != member.key) {
+  if (record != nullptr && record->link != 0 && !member.bound && record->member.key != member.key) {
     return "another key goes by peer id " + std::to_string(hello.peer);
   }
   // Of two processes that are there the newer one. What is gone says nothing: it may have had a
@@ -88,7 +89,8 @@ std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const M
   if (record != nullptr && record->link != 0 && hello.incarnation < record->incarnation) {
     return "a newer process has taken peer id " + std::to_string(hello.peer);
   }
-  if ((record == nullptr || record->link == 0) && connected_ >= options_.max_peers) {
+  if ((record == nullptr || record->link == 0) && connected_ >= options_.max_peers &&
+      guest_in_place_of(hello.peer, member) == nullptr) {
     return "session full: " + std::to_string(connected_) + " peers";
   }
   return {};
@@ -97,7 +99,8 @@ std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const M
 std::uint64_t PeerTable::received(PeerId peer, std::uint64_t incarnation, const Key& key) const {
   const std::lock_guard lock(mutex_);
   const Record* record = find(peer);
-  const bool same = record != nullptr && record->incarnation == incarnation && record->key == key;
+  const bool same =
+      record != nullptr && record->incarnation == incarnation && record->member.key == key;
   return same ? record->last_received : 0;
 }
 
@@ -109,23 +112,34 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
   Record* record = find_or_add(hello.peer);
   if (record == nullptr) return {.reason = "too many peer ids"};
 
-  const bool same_process = record->incarnation == hello.incarnation && record->key == member.key;
+  const bool same_process =
+      record->incarnation == hello.incarnation && record->member.key == member.key;
   if (same_process && record->link != 0 && ticket < record->ticket) {
     return {.reason = "replaced by a newer connection"};
   }
   if (same_process && !record->outgoing.has_written(theirs.received)) {
     return {.reason = "acknowledges frames that were never sent"};
   }
-  const std::uint64_t replaced = record->link;
-  if (replaced != 0) disconnect(*record, {});
+  AttachResult out{.attached = true, .replaced_link = record->link, .reason = {}};
+  if (record->link != 0) {
+    out.reason = "replaced by a newer connection";
+    disconnect(*record, {});
+  } else if (connected_ >= options_.max_peers) {
+    Record& guest = *guest_in_place_of(hello.peer, member);  // refusal_locked() has looked
+    out.replaced_link = guest.link;
+    out.reason = "session full: somebody who was here before has come back";
+    disconnect(guest, out.reason);
+  }
   if (same_process) {
     record->outgoing.go_on_after(theirs.received);
   } else {
     record->outgoing = {};
     record->last_received = 0;
   }
+  record->seniority.arrive(record->member.key == member.key, ++arrivals_);
+  record->since = now;
   record->incarnation = hello.incarnation;
-  record->key = member.key;
+  record->member = member;
   record->status.role = member.role;
   record->link = link;
   record->ticket = ticket;
@@ -136,7 +150,7 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
   record->status.connected = true;
   record->status.reason.clear();
   ++connected_;
-  return {.attached = true, .replaced_link = replaced, .reason = {}};
+  return out;
 }
 
 void PeerTable::detach(std::uint64_t link, PeerId peer, const std::string& reason) {
@@ -176,6 +190,7 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
   const std::lock_guard lock(mutex_);
   Record* record = find_attached(link, peer);
   if (record == nullptr) return Delivered::Stale;
+  record->seniority.stay(nanoseconds(now) - nanoseconds(record->since));
   if (delivery == Delivery::Reliable) {
     if (sequence <= record->last_received) return Delivered::Ok;  // had before a reconnection
     if (sequence != record->last_received + 1) return Delivered::Gap;
@@ -203,9 +218,12 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
   return Delivered::Ok;
 }
 
-void PeerTable::charge(std::uint64_t link, PeerId peer) {
+void PeerTable::charge(std::uint64_t link, PeerId peer, SteadyTime now) {
   const std::lock_guard lock(mutex_);
-  if (Record* record = find_attached(link, peer)) record->budget.spend(0);
+  Record* record = find_attached(link, peer);
+  if (record == nullptr) return;
+  record->seniority.stay(nanoseconds(now) - nanoseconds(record->since));
+  record->budget.spend(0);
 }
 
 bool PeerTable::may_read(std::uint64_t link, PeerId peer, SteadyTime now) {
@@ -286,13 +304,21 @@ PeerTable::Record* PeerTable::find_or_add(PeerId peer) {
   return &record;
 }
 
+PeerTable::Record* PeerTable::guest_in_place_of(PeerId peer, const Member& member) {
+  return who_gives_way(records_, peer, member,
+                       [](const Record& record) { return record.link != 0; });
+}
+
 /// Ids cost a stranger nothing, and a process that lives for long meets many: what was never
-/// connected goes first, then who has been away for longest, and last those that were dropped.
+/// connected goes first, then who has hardly been here, then who has been away for longest, and
+/// last those that were dropped.
 bool PeerTable::make_room() {
   auto oldest = records_.end();
   for (auto at = records_.begin(); at != records_.end(); ++at) {
     if (at->second.link != 0) continue;
-    const auto age = [](const Record& r) { return std::pair(r.dropped, r.departure); };
+    const auto age = [](const Record& r) {
+      return std::tuple(r.dropped, r.seniority.stayed(), r.departure);
+    };
     if (oldest == records_.end() || age(at->second) < age(oldest->second)) oldest = at;
   }
   if (oldest == records_.end()) return false;

@@ -16,6 +16,7 @@
 #include "frame_queue.h"
 #include "member_budget.h"
 #include "outgoing_frames.h"
+#include "places.h"
 #include "tandem/net/clock.h"
 #include "tandem/net/tcp.h"
 #include "wire.h"
@@ -52,15 +53,14 @@ class PeerTable {
   // ---- network thread ----
 
   /// Why this peer may not come in now; none where it may.
-  std::optional<std::string> refusal(const Hello& hello, const Member& member,
-                                     SteadyTime now) const;
+  std::optional<std::string> refusal(const Hello& hello, const Member& member, SteadyTime now);
   /// Sequence number of the last Reliable frame had from that process of that peer.
   std::uint64_t received(PeerId peer, std::uint64_t incarnation, const Key& key) const;
 
   struct AttachResult {
     bool attached = false;
-    std::uint64_t replaced_link = 0;  // close it
-    std::string reason;               // why not attached
+    std::uint64_t replaced_link = 0;  // close it: an older one, or of who gives way
+    std::string reason;               // why not attached, or why that one is closed
   };
   AttachResult attach(std::uint64_t link, const Hello& hello, const Member& member,
                       const Welcome& theirs, std::uint64_t ticket, SteadyTime now);
@@ -77,7 +77,7 @@ class PeerTable {
   Delivered deliver(std::uint64_t link, PeerId peer, consensus::Delivery delivery,
                     std::uint64_t sequence, std::span<const std::byte> bytes, SteadyTime now);
   /// Count a frame that is not the application's.
-  void charge(std::uint64_t link, PeerId peer);
+  void charge(std::uint64_t link, PeerId peer, SteadyTime now);
   /// Whether more of it may be read now: it has not sent more than a member may.
   bool may_read(std::uint64_t link, PeerId peer, SteadyTime now);
   /// False where that number was never sent.
@@ -95,7 +95,9 @@ class PeerTable {
   struct Record {
     consensus::PeerStatus status;
     std::uint64_t incarnation = 0;
-    Key key{};  ///< of who goes by this id, or did last
+    Member member;  ///< who goes by this id, or did last
+    Seniority seniority;
+    SteadyTime since{};  ///< of the attached link
     std::uint64_t link = 0;
     std::uint64_t ticket = 0;
     std::size_t max_payload = 0;  // the smaller of both ends' limits
@@ -115,14 +117,17 @@ class PeerTable {
   Record* find_or_add(PeerId peer);
   bool make_room();
   std::optional<std::string> refusal_locked(const Hello& hello, const Member& member,
-                                            SteadyTime now) const;
+                                            SteadyTime now);
   void disconnect(Record& record, const std::string& reason);
+  /// See who_gives_way().
+  Record* guest_in_place_of(PeerId peer, const Member& member);
   void ban(Record& record, const std::string& reason, SteadyTime now);
 
   const TcpOptions options_;
   mutable std::mutex mutex_;
   std::map<PeerId, Record> records_;  // by id: the order of drain and peers
   std::size_t connected_ = 0;
+  std::uint64_t arrivals_ = 0;
   std::uint64_t departures_ = 0;
   bool shutting_down_ = false;
   SessionClock clock_;  ///< what came is dated by it

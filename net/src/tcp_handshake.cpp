@@ -34,8 +34,8 @@ void TcpHandshake::start(TcpLink& link) {
   });
 }
 
-std::optional<std::uint64_t> TcpHandshake::on_frame(TcpLink& link,
-                                                    const FrameBuffer::Frame& frame) {
+std::optional<PeerTable::AttachResult> TcpHandshake::on_frame(TcpLink& link,
+                                                              const FrameBuffer::Frame& frame) {
   switch (link.phase) {
     case TcpLink::Phase::Keying:
       on_key_frame(link, frame);
@@ -177,7 +177,8 @@ void TcpHandshake::send_welcome(TcpLink& link) {
   link.send(FrameType::Welcome, [&](pbd::ByteWriter& writer) { encode(writer, welcome); });
 }
 
-std::optional<std::uint64_t> TcpHandshake::on_welcome(TcpLink& link, const Welcome& welcome) {
+std::optional<PeerTable::AttachResult> TcpHandshake::on_welcome(TcpLink& link,
+                                                                const Welcome& welcome) {
   const bool deciding = options_.self < link.hello.peer;
   if (deciding && welcome.ticket != link.ticket) {
     on_malformed(link, "wrong ticket");
@@ -186,8 +187,7 @@ std::optional<std::uint64_t> TcpHandshake::on_welcome(TcpLink& link, const Welco
   link.ticket = welcome.ticket;
 
   const SteadyTime now = SteadyClock::now();
-  const auto result =
-      table_.attach(link.serial(), link.hello, link.member, welcome, link.ticket, now);
+  auto result = table_.attach(link.serial(), link.hello, link.member, welcome, link.ticket, now);
   if (!result.attached) {
     link.leave(result.reason, now + kLinger);
     return {};
@@ -201,7 +201,7 @@ std::optional<std::uint64_t> TcpHandshake::on_welcome(TcpLink& link, const Welco
                std::chrono::milliseconds(std::max(link.hello.idle_timeout_ms, kMinIdleMs))) /
       4;
   link.raise_limit(std::max(kMaxControlFrame, options_.max_frame_bytes + kReliableHeader));
-  return result.replaced_link;
+  return result;
 }
 
 }  // namespace tandem::net

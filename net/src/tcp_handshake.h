@@ -35,16 +35,15 @@ class TcpHandshake {
 
   /// The link is connected. It has options_.handshake_timeout from here on.
   void start(TcpLink& link);
-  /// Any frame but a Goodbye before the link is attached. Set where it is attached now: the link
-  /// that gives way to it, 0 where none does.
-  std::optional<std::uint64_t> on_frame(TcpLink& link, const FrameBuffer::Frame& frame);
+  /// Any frame but a Goodbye before the link is attached. Set where it is attached now.
+  std::optional<PeerTable::AttachResult> on_frame(TcpLink& link, const FrameBuffer::Frame& frame);
   /// No frame of this protocol, before the link is attached.
   void on_malformed(TcpLink& link, const std::string& reason);
 
  private:
   void on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame);
   void on_hello(TcpLink& link, const Hello& hello);
-  std::optional<std::uint64_t> on_welcome(TcpLink& link, const Welcome& welcome);
+  std::optional<PeerTable::AttachResult> on_welcome(TcpLink& link, const Welcome& welcome);
   void greet(TcpLink& link);
   void send_welcome(TcpLink& link);
   void refuse(TcpLink& link, const std::string& reason, bool rejected);

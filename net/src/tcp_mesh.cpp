@@ -7,6 +7,9 @@
 #include <exception>
 #include <utility>
 
+#include "loopback.h"
+#include "places.h"
+
 namespace tandem::net {
 
 using std::chrono::milliseconds;
@@ -15,8 +18,9 @@ namespace {
 
 constexpr milliseconds kSweepInterval{10};
 constexpr milliseconds kExpelInterval{250};
-constexpr std::size_t kMaxGreeting = 32;    // inbound connections that are not peers yet
-constexpr std::size_t kMaxExtraLinks = 64;  // above max_peers, in any phase
+constexpr std::size_t kMaxGreeting = 32;         // inbound connections that are not peers yet
+constexpr std::ptrdiff_t kMaxGreetingOfKey = 8;  // of them, by one who has the session key
+constexpr std::size_t kMaxExtraLinks = 64;       // above max_peers, in any phase
 
 }  // namespace
 
@@ -101,22 +105,31 @@ void TcpMesh::on_accepted(const std::shared_ptr<TcpLink>& link) {
   handshake_.start(*link);
 }
 
-/// Closes the oldest of those that are no peers yet where there are too many: whoever opens
-/// connections and says nothing must not keep others out.
+/// Closes one of those that are no peers yet where there are too many: whoever opens connections
+/// and goes on with none must not keep others out.
 void TcpMesh::make_room() {
-  const auto is_stranger = [](const auto& entry) {
-    const TcpLink& link = *entry.second;
-    return link.dial == 0 && link.phase != TcpLink::Phase::Attached;
-  };
-  const auto strangers = static_cast<std::size_t>(std::ranges::count_if(links_, is_stranger));
-  if (strangers < kMaxGreeting && links_.size() < options_.max_peers + kMaxExtraLinks) return;
-  // Whoever has the session key does not give way to those who may not have it.
-  auto oldest = std::ranges::find_if(links_, [](const auto& entry) {
-    return entry.second->dial == 0 && entry.second->phase == TcpLink::Phase::Keying;
-  });
-  if (oldest == links_.end()) oldest = std::ranges::find_if(links_, is_stranger);
-  if (oldest == links_.end()) return;
-  const auto link = oldest->second;
+  std::vector<Asking> keying, greeting;
+  for (const auto& [serial, link] : links_) {
+    if (link->dial != 0 || link->phase == TcpLink::Phase::Attached) continue;
+    auto& where = link->phase == TcpLink::Phase::Keying ? keying : greeting;
+    where.push_back({.key = link->keying.remote,
+                     .network = network_of({.ip = to_bytes(link->remote), .port = 1}),
+                     .opened = static_cast<std::int64_t>(serial),
+                     .connection = serial});
+  }
+  if (keying.size() + greeting.size() < kMaxGreeting &&
+      links_.size() < options_.max_peers + kMaxExtraLinks) {
+    return;
+  }
+  // Whoever has the session key does not give way to those who may not have it, unless he takes
+  // many places himself.
+  const bool crowded =
+      security_ && std::ranges::any_of(greeting, [&](const Asking& each) {
+        return std::ranges::count(greeting, each.key, &Asking::key) > kMaxGreetingOfKey;
+      });
+  const auto& from = keying.empty() || crowded ? greeting : keying;
+  if (from.empty()) return;
+  const auto link = links_.at(first_to_go(from));
   if (link->phase != TcpLink::Phase::Leaving) {
     report_.count(&StrangerStatus::refused, "too many connections without handshake");
   }

@@ -67,8 +67,7 @@ class TcpMesh final : private TcpLinkOwner {
   bool may_read(TcpLink& link) override;
   void on_writable(TcpLink& link, std::vector<std::byte>& out) override;
   void on_closed(TcpLink& link, const std::string& reason) override;
-  /// @param replaced  the link that gives way; 0: none
-  void on_attached(TcpLink& link, std::uint64_t replaced);
+  void on_attached(TcpLink& link, const PeerTable::AttachResult& result);
   void introduce(TcpLink& newcomer);
   Credentials::Changed take_group_change(std::span<const std::byte> change);
   void send_group_change(TcpLink& link);

@@ -33,12 +33,12 @@ void TcpMesh::on_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
     return link.close(reason);
   }
   if (link.phase == TcpLink::Phase::Attached) return on_peer_frame(link, frame);
-  if (const auto replaced = handshake_.on_frame(link, frame)) on_attached(link, *replaced);
+  if (const auto attached = handshake_.on_frame(link, frame)) on_attached(link, *attached);
 }
 
-void TcpMesh::on_attached(TcpLink& link, std::uint64_t replaced) {
-  if (TcpLink* other = find_link(replaced)) {
-    other->leave("replaced by a newer connection", Clock::now() + kLinger);
+void TcpMesh::on_attached(TcpLink& link, const PeerTable::AttachResult& result) {
+  if (TcpLink* other = find_link(result.replaced_link)) {
+    other->leave(result.reason, Clock::now() + kLinger);
   }
   dialler_.learn(link.dial, link.hello.peer,
                  {plain(link.remote).to_string(), link.hello.listen_port});
@@ -83,7 +83,7 @@ void TcpMesh::on_forged(TcpLink& link, const std::string& reason) {
 void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   const PeerId peer = link.hello.peer;
   if (frame.type != FrameType::Newest && frame.type != FrameType::Reliable) {
-    table_.charge(link.serial(), peer);
+    table_.charge(link.serial(), peer, Clock::now());
   }
   switch (frame.type) {
     case FrameType::Ping:

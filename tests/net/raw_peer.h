@@ -105,7 +105,9 @@ class Socket {
   Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   ~Socket() { close(); }
 
-  static Socket connect(std::uint16_t port, int receive_buffer = 0) {
+  /// @param from  a loopback address, host byte order
+  static Socket connect(std::uint16_t port, int receive_buffer = 0,
+                        std::uint32_t from = INADDR_LOOPBACK) {
     Socket out(::socket(AF_INET, SOCK_STREAM, 0));
     const int on = 1;
     ::setsockopt(out.fd_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -114,6 +116,8 @@ class Socket {
     }
     sockaddr_in to{};
     to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(from);
+    REQUIRE(::bind(out.fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0);
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     REQUIRE(::connect(out.fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0);

@@ -145,6 +145,24 @@ TEST_CASE("tcp: strangers who say nothing do not keep peers out", "[net][socket]
   check_alive(a);
 }
 
+TEST_CASE("tcp: who opens many connections and goes on with none pushes out his own",
+          "[net][socket][fault]") {
+  const raw::LeakCheck leaks;
+  TcpTransport a(options(1));
+  std::vector<raw::Socket> mute;
+  const auto open = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) mute.push_back(raw::Socket::connect(a.local_port()));
+  };
+  open(16);
+  raw::Socket far = raw::Socket::connect(a.local_port(), 0, INADDR_LOOPBACK + 0x100);
+  REQUIRE(eventually([&] { return a.strangers().accepted == 17; }));
+  open(100);
+  REQUIRE(eventually([&] { return a.strangers().accepted == 117; }));
+  // His first word comes late.
+  raw::join(far, {.peer = 2});
+  CHECK(eventually([&] { return connected(a, 2); }));
+}
+
 TEST_CASE("tcp: ids made up by strangers do not pile up", "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpOptions small = options(1);
