@@ -111,6 +111,9 @@ class Channels {
 
   /// Of all packets that were sent the last that is known to have come; 0: none.
   std::uint64_t highest_acknowledged() const { return sent_.highest_acknowledged(); }
+  std::int64_t first_sent_from(std::uint64_t sequence) const {
+    return sent_.first_sent_from(sequence);
+  }
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_; }
   /// Posted and not sent, or come and not taken.

@@ -65,12 +65,9 @@ std::int64_t ConnectionPath::next_due(std::int64_t now) const {
   return std::max({now, question_due_, due});
 }
 
-void ConnectionPath::send(std::span<const std::byte> datagram, const SendDatagram& send,
-                          std::int64_t now) {
+void ConnectionPath::send(std::span<const std::byte> datagram, const SendDatagram& send) {
   if (!direct_ || direct_->uses_path()) send(datagram, address_);
-  if (!direct_ || !direct_->uses_direct()) return;
-  send(datagram, direct_->address());
-  direct_->sent(now);
+  if (direct_ && direct_->uses_direct()) send(datagram, direct_->address());
 }
 
 bool ConnectionPath::poll(const SendDatagram& send, const crypto::Random& random,

@@ -38,7 +38,7 @@ class ConnectionPath {
   /// What comes from there is no sign of a move.
   bool is_at(const Address& from) const { return from == address_ || direct_.has_value(); }
   /// Sends a datagram of the connection to its other end.
-  void send(std::span<const std::byte> datagram, const SendDatagram& send, std::int64_t now);
+  void send(std::span<const std::byte> datagram, const SendDatagram& send);
 
   /// A packet with this number has come from address(). It may be a copy.
   void refute(std::uint64_t sequence) {

@@ -37,7 +37,7 @@ void DirectWay::on_answer(std::uint64_t token, UdpConnection& link, std::int64_t
     address_ = asked.address;
     if (proofs_ >= kProofs) rise(link, now);
   } else if (asked.address == address_) {
-    waiting_since_ = INT64_MAX;
+    unproven_ = std::max(unproven_, asked.sequence);
     if (state_ == State::Doubt) {
       state_ = State::Up;
       first_ = link.next_sequence();
@@ -50,7 +50,7 @@ void DirectWay::rise(UdpConnection& link, std::int64_t now) {
   since_ = now;
   first_ = link.next_sequence();
   proofs_ = 0;
-  waiting_since_ = INT64_MAX;
+  unproven_ = first_;
   link.begin_path(now);
 }
 
@@ -66,9 +66,7 @@ void DirectWay::fall(UdpConnection& link, std::int64_t now) {
 
 void DirectWay::look_at_acknowledged(const UdpConnection& link) {
   const std::uint64_t acknowledged = link.channels().highest_acknowledged();
-  if (acknowledged < first_ || acknowledged <= proven_) return;
-  proven_ = acknowledged;
-  waiting_since_ = INT64_MAX;
+  if (acknowledged >= first_) unproven_ = std::max(unproven_, acknowledged + 1);
 }
 
 void DirectWay::ask(const Address& address, UdpConnection& link, const SendDatagram& send,
@@ -76,6 +74,7 @@ void DirectWay::ask(const Address& address, UdpConnection& link, const SendDatag
   Asked& asked = asked_[next_asked_++ % asked_.size()];
   asked = {random_token(random), address, now};
   const auto sealed = link.seal_challenge(asked.token, now);
+  asked.sequence = link.next_sequence();
   if (!sealed.empty()) send(sealed, address);
 }
 
@@ -103,8 +102,9 @@ void DirectWay::poll(UdpConnection& link, const SendDatagram& send, const crypto
   if (state_ == State::Up) {
     look_at_acknowledged(link);
     if (now - since_ > kSteady) rest_ = kMinRest;
-    if (waiting_since_ == INT64_MAX || now - waiting_since_ <= patience() / 2) return;
-    if (now - waiting_since_ > patience()) {
+    const std::int64_t waiting_since = link.channels().first_sent_from(unproven_);
+    if (waiting_since == INT64_MAX || now - waiting_since <= patience() / 2) return;
+    if (now - waiting_since > patience()) {
       state_ = State::Doubt;
       since_ = now;
       ask_due_ = now;

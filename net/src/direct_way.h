@@ -24,8 +24,9 @@ std::uint64_t random_token(const crypto::Random& random);
 /// A way from socket to socket, beside the path by which a connection was made (a server's). Both
 /// carry datagrams of the one connection, under the same keys and numbers: what comes by both is
 /// opened once. The other end is asked where it says that it is; after kProofs answers all goes
-/// this way alone. Where acknowledgements stay out for patience() all goes by both until an answer
-/// comes, or for kDoubt. After each failure it is left alone for longer. Times in ns.
+/// this way alone. Where a packet and all after it are not acknowledged for patience() all goes by
+/// both until an answer comes, or for kDoubt. After each failure it is left alone for longer. Times
+/// in ns.
 class DirectWay {
  public:
   static constexpr std::size_t kMaxOffered = 4;           ///< addresses; the oldest goes
@@ -54,8 +55,6 @@ class DirectWay {
   bool uses_path() const { return state_ != State::Up; }
   bool uses_direct() const { return state_ == State::Up || state_ == State::Doubt; }
   const Address& address() const { return address_; }
-  /// A datagram has gone this way.
-  void sent(std::int64_t now) { waiting_since_ = std::min(waiting_since_, now); }
   /// A packet that goes to none of the two was sealed before this number: that it comes says
   /// nothing of this way.
   void exclude_before(std::uint64_t sequence) { first_ = std::max(first_, sequence); }
@@ -72,6 +71,7 @@ class DirectWay {
     std::uint64_t token = 0;
     Address address;
     std::int64_t at = 0;
+    std::uint64_t sequence = 0;  // of the packet that was to come next
   };
 
   void ask(const Address& address, UdpConnection& link, const SendDatagram& send,
@@ -93,9 +93,8 @@ class DirectWay {
   std::int64_t rest_ = kMinRest;
   std::array<Asked, 16> asked_{};
   std::size_t next_asked_ = 0;
-  std::uint64_t first_ = 0;   // packets from this number on went this way alone
-  std::uint64_t proven_ = 0;  // the last that is known to have come
-  std::int64_t waiting_since_ = INT64_MAX;
+  std::uint64_t first_ = 0;     // packets from this number on went this way alone
+  std::uint64_t unproven_ = 0;  // whether those from this number on have come this way is not known
   std::int64_t round_trip_ = 0;
 };
 

@@ -63,6 +63,15 @@ std::optional<std::int64_t> SentPackets::sent_at(const ChannelHeader& header) co
   return ack != 0 && entry.sequence == ack ? std::optional(entry.at) : std::nullopt;
 }
 
+std::int64_t SentPackets::first_sent_from(std::uint64_t sequence) const {
+  const std::uint64_t ring = entries_.size();
+  for (sequence = std::max(sequence, latest_sent_ >= ring ? latest_sent_ - ring + 1 : 0);
+       sequence <= latest_sent_; ++sequence) {
+    if (slot(sequence).sequence == sequence) return slot(sequence).at;
+  }
+  return INT64_MAX;
+}
+
 void SentPackets::sent(std::uint64_t sequence, std::size_t bytes,
                        std::span<const std::uint64_t> pieces, std::int64_t now) {
   Entry& entry = next_slot(sequence, now);

@@ -66,6 +66,9 @@ class SentPackets {
   }
 
   std::uint64_t highest_acknowledged() const { return highest_acked_; }
+  /// When the first packet with this number or a later one left, or the first one that is known of;
+  /// INT64_MAX: none has.
+  std::int64_t first_sent_from(std::uint64_t sequence) const;
   const RttEstimate& rtt() const { return rtt_; }
   std::size_t in_flight() const { return in_flight_; }
 

@@ -193,7 +193,7 @@ void UdpNode::poll(std::int64_t now) {
     }
     for (auto out = connection.link->poll(now, told); !out.empty();
          out = connection.link->poll(now, told)) {
-      connection.path.send(out, transmit_, now);
+      connection.path.send(out, transmit_);
       if (connection.record == nullptr) continue;
       ++connection.record->status.packets_out;
       connection.record->status.bytes_out += out.size();
