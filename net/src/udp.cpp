@@ -54,6 +54,8 @@ void UdpTransport::connect(std::shared_ptr<DatagramPath> path) {
   impl_->connect(std::move(path));
 }
 
+void UdpTransport::disconnect(const DatagramPath& path) { impl_->disconnect(path); }
+
 consensus::PeerId UdpTransport::self() const { return impl_->options().self; }
 
 bool UdpTransport::post(consensus::PeerId to, std::span<const std::byte> bytes,

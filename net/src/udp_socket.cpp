@@ -64,7 +64,9 @@ UdpSocket::~UdpSocket() {
   }
   thread_.join();
   // Before what they call is gone.
-  for (const auto& path : paths_) path->receive({});
+  for (const auto& path : paths_) {
+    if (path) path->receive({});
+  }
 }
 
 void UdpSocket::connect(std::shared_ptr<DatagramPath> path) {
@@ -82,12 +84,26 @@ void UdpSocket::connect(std::shared_ptr<DatagramPath> path) {
       --path_waiting_;
       {
         const std::scoped_lock lock(mutex_);
-        (void)node_.on_path(bytes, number, now());
+        if (paths_[number]) (void)node_.on_path(bytes, number, now());
       }
       step();
     });
   });
   with(true, [number](UdpNode& node, std::int64_t time) { node.dial(path_address(number), time); });
+}
+
+void UdpSocket::disconnect(const DatagramPath& path) {
+  std::shared_ptr<DatagramPath> old;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto at = std::ranges::find(paths_, &path, &std::shared_ptr<DatagramPath>::get);
+    if (at == paths_.end()) return;
+    const std::int64_t time = now();
+    node_.hang_up(static_cast<std::uint64_t>(at - paths_.begin()), "its path was taken away", time);
+    node_.poll(time);  // says so to the other end
+    old = std::exchange(*at, nullptr);
+  }
+  old->receive({});
 }
 
 std::int64_t UdpSocket::now() {
@@ -246,7 +262,10 @@ void UdpSocket::step() {
 }
 
 void UdpSocket::send(std::span<const std::byte> datagram, const Address& to) {
-  if (is_path(to)) return paths_[path_number(to)]->send(datagram);
+  if (is_path(to)) {
+    if (const auto& path = paths_[path_number(to)]) path->send(datagram);
+    return;
+  }
   socket_.send(datagram, to);
 }
 

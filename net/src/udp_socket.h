@@ -35,6 +35,7 @@ class UdpSocket {
   std::uint16_t local_port() const { return socket_.port(); }
   /// Dial over this path from now on.
   void connect(std::shared_ptr<DatagramPath> path);
+  void disconnect(const DatagramPath& path);
   std::vector<UdpLookup> lookups();
 
   /// Calls `use(node, now)` under the lock; then the network thread looks what is to be done.
@@ -75,7 +76,7 @@ class UdpSocket {
   UdpNode node_;
   asio::steady_timer timer_{context_};
   asio::ip::udp::resolver resolver_{context_};
-  std::vector<std::shared_ptr<DatagramPath>> paths_;  // by number, for good
+  std::vector<std::shared_ptr<DatagramPath>> paths_;  // by number; null: disconnected
   std::atomic<std::size_t> path_waiting_ = 0;         // datagrams for the network thread
   std::vector<Lookup> lookups_;                       // as many as options_.connect has, for good
   bool wake_posted_ = false;

@@ -211,6 +211,26 @@ TEST_CASE("udp path: peers meet over a way that is no address, and a third one t
   CHECK_THROWS_AS(a.connect(nullptr), std::invalid_argument);
 }
 
+TEST_CASE("udp path: a way that is taken away is kept by nobody, and another one does",
+          "[net][socket]") {
+  UdpTransport a(options(1));
+  UdpTransport b(options(2));
+  for (int meeting = 0; meeting < 20; ++meeting) {
+    auto [here, there] = Pipe::make();
+    a.connect(here);
+    b.connect(there);
+    REQUIRE(eventually([&] { return connected(a, 2) && connected(b, 1); }));
+    a.disconnect(*here);
+    CHECK_FALSE(connected(a, 2));
+    CHECK(here.use_count() == 1);
+    // The other one has been told.
+    REQUIRE(eventually([&] { return !connected(b, 1); }));
+    b.disconnect(*there);
+    b.disconnect(*there);
+    CHECK(there.use_count() == 1);
+  }
+}
+
 TEST_CASE("udp path: how long datagrams may be is found out where a way says that it cuts none",
           "[net][socket]") {
   // One that bears 1400 bytes, whatever it says; another one says less than all ways bear.

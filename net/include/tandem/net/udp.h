@@ -119,9 +119,12 @@ class TANDEM_API UdpTransport final : public consensus::Transport {
   UdpTransport& operator=(const UdpTransport&) = delete;
 
   /// Dial over a path as one of UdpOptions::connect, for good: handshake, keys and rights are the
-  /// same. Both ends do. It is kept until this transport is gone. @throws std::invalid_argument
-  /// null
+  /// same. Both ends do. It is kept until disconnect(), or until this transport is gone.
+  /// @throws std::invalid_argument null
   void connect(std::shared_ptr<DatagramPath> path);
+  /// Dial over it no more, end what is connected over it, and keep it no longer: a path that is of
+  /// one meeting (tandem::ice) goes with it. One that connect() was not given: nothing.
+  void disconnect(const DatagramPath& path);
 
   consensus::PeerId self() const override;
   bool post(consensus::PeerId to, std::span<const std::byte> bytes,
