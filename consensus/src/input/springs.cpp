@@ -150,12 +150,17 @@ void Springs::share_out(PeerId from, pbd::BodyId body) {
   if (!world_.contains(body)) return;
   const auto on_body = [&](const Remote& r) { return r.live && r.def.body == body; };
   SpringStrength sum;
+  int together = 0;
   for (const Remote& r : of(from)) {
-    if (on_body(r)) sum.add(r.def);
+    if (!on_body(r)) continue;
+    sum.add(r.def);
+    ++together;
   }
   const SpringStrength share = limits_.share_of(body, sum);
   for (Remote& r : of(from)) {
-    if (on_body(r)) r.share = share;
+    if (!on_body(r)) continue;
+    r.share = share;
+    r.together = together;
   }
 }
 
@@ -263,7 +268,7 @@ void Springs::prepare(SessionTime now, double dt) {
     if (remote.live && (set_back || now - remote.heard > timeout)) let_go(remote, now);
     if (!pulls(remote)) continue;
     pbd::Tether::Def def = pull_at(remote, now);
-    limits_.slow(world_, dt, held_by(remote.peer, def.body), def);
+    limits_.slow(world_, dt, remote.together, def);
     tethers_.set(world_, remote.tether, def);
   }
   // Who still holds something is heard with its next update.
@@ -327,8 +332,7 @@ void Springs::others_at(const pbd::World& world, SessionTime time, double dt,
     const bool over = !remote.live && time >= remote.ended;
     if (over || time < remote.began) continue;
     if (!world_.contains(remote.def.body) || !world.contains(remote.def.body)) continue;
-    limits_.slow(world, dt, held_by(remote.peer, remote.def.body),
-                 out.emplace_back(pull_at(remote, time)));
+    limits_.slow(world, dt, remote.together, out.emplace_back(pull_at(remote, time)));
   }
 }
 
@@ -395,10 +399,10 @@ void Springs::mark(std::vector<std::uint8_t>& grips) const {
   }
 }
 
-int Springs::held_by(PeerId peer, pbd::BodyId body) const {
-  return static_cast<int>(std::count_if(remote_.begin(), remote_.end(), [&](const Remote& r) {
-    return r.peer == peer && pulls(r) && r.def.body == body;
-  }));
+int Springs::held_by(PeerId peer, pbd::BodyId body) {
+  const auto holds = [&](const Remote& r) { return pulls(r) && r.def.body == body; };
+  const std::span<Remote> all = of(peer);
+  return static_cast<int>(std::count_if(all.begin(), all.end(), holds));
 }
 
 bool Springs::holds_alone(pbd::BodyId body) const {

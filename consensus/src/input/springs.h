@@ -85,7 +85,7 @@ class Springs {
   /// Set those bits of all bodies that somebody holds; by slot.
   void mark(std::vector<std::uint8_t>& grips) const;
   /// How many springs of that peer's user hold the body.
-  int held_by(PeerId peer, pbd::BodyId body) const;
+  int held_by(PeerId peer, pbd::BodyId body);
   /// Whether an own spring that no other peer simulates holds the body.
   bool holds_alone(pbd::BodyId body) const;
   /// An own spring's hand in hard mode.
@@ -124,6 +124,7 @@ class Springs {
     /// What is left of def's force, stiffness and damping, where its user has more springs on the
     /// body than the limits bear together.
     SpringStrength share{.force = 1.0, .stiffness = 1.0, .damping = 1.0};
+    int together = 1;   ///< of its user on the body, while it pulled last
     bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
   };
 
