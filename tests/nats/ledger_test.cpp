@@ -14,6 +14,7 @@
 #include "nats/peers.h"
 #include "net/protocol_support.h"
 #include "tandem/nats/body_ledger.h"
+#include "tandem/nats/cell_events.h"
 #include "tandem/pbd/random.h"
 
 namespace tandem::nats::ledger_test {
@@ -60,6 +61,41 @@ std::map<SharedId, std::vector<LedgerRecord>> census(const LedgerOptions& option
   ledger.take(all);
   for (const LedgerNews& each : all) out[each.record.id].push_back(each.record);
   return out;
+}
+
+TEST_CASE("ledger: where the server keeps no events, records are written, and it is told why",
+          "[nats][fault]") {
+  if (!has_server()) return;
+  Server server;
+  const LedgerOptions options = ledger_options(server.port());
+  CellEventOptions events{.hub = options.hub,
+                          .scene_hash = options.scene_hash,
+                          .session_key = options.session_key,
+                          .cells = options.cells,
+                          .self = 1};
+  CellEvents first(events);
+  first.set_position(Vec3(1.0, 1.0, 0.0));
+  REQUIRE(eventually([&] { return first.waiting() == 0; }));
+  CHECK(options.hub->status().reason.empty());
+  // Another member keeps them for another time: the stream that is there is not his.
+  events.self = 2;
+  events.kept = std::chrono::seconds(60);
+  events.hub = ledger_options(server.port()).hub;
+  CellEvents second(events);
+  second.set_position(Vec3(1.0, 1.0, 0.0));
+  for (int i = 0; i < 100; ++i) {
+    REQUIRE(second.send(Vec3(1.0, 1.0, 0.0), "door", numbered(0), 7));
+  }
+  REQUIRE(eventually([&] { return !events.hub->status().reason.empty(); }));
+  LedgerOptions same_hub = options;
+  same_hub.hub = events.hub;
+  BodyLedger ledger(same_hub);
+  CHECK(ledger.write(body(1), 7, at(1.0, 1.0), {}));
+  CHECK(news_of(ledger, body(1)).back().kind == Kind::Written);
+  CHECK(events.hub->status().reason.find("keep the stream") != std::string::npos);
+  // Nothing piles up: one of a hundred words is asked for.
+  CHECK(second.waiting() > 0);
+  CHECK(second.waiting() < 30);
 }
 
 TEST_CASE("ledger: who comes into a cell finds what was left there", "[nats]") {

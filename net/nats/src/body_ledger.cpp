@@ -32,8 +32,10 @@ struct __attribute__((visibility("hidden"))) LedgerDesk {
   LedgerStore store;  ///< of the hub's thread alone
   std::atomic<bool> closed = false;
   std::atomic<std::size_t> waiting = 0;
+  std::atomic<std::uint64_t> rewritten = 0;
   std::mutex mutex;
   std::vector<StoredNews> news;
+  std::set<Cell> asked;  ///< to be looked at
 
   void tell(LedgerNews::Kind kind, const StoredRecord& record) {
     const std::scoped_lock lock(mutex);
@@ -73,7 +75,7 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
 
   void ask(std::function<bool()> job) {
     ++shared->waiting;
-    options.hub->impl().later([shared = shared, job = std::move(job)] {
+    options.hub->impl().jobs().add(shared.get(), [shared = shared, job = std::move(job)] {
       if (!shared->closed && !job()) return false;
       --shared->waiting;
       return true;
@@ -81,10 +83,21 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
   }
 
   void look(const Cell& cell) {
+    {
+      const std::scoped_lock lock(shared->mutex);
+      if (!shared->asked.insert(cell).second) return;
+    }
     ask([shared = shared.get(), cell] {
-      return shared->store.look(cell, [shared](const StoredRecord& record) {
+      {
+        const std::scoped_lock lock(shared->mutex);
+        shared->asked.erase(cell);  // what is written from here on is asked for again
+      }
+      const auto tell = [shared](const StoredRecord& record) {
         shared->tell(LedgerNews::Kind::Found, record);
-      }) == LedgerStore::Result::Done;
+      };
+      if (shared->store.look(cell, tell) == LedgerStore::Result::Done) return true;
+      const std::scoped_lock lock(shared->mutex);
+      return !shared->asked.insert(cell).second;  // it was: that one looks
     });
   }
 
@@ -95,7 +108,9 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
     for (const auto& [id, each] : known) {
       if (each.own || watched.contains(each.stored.record.cell)) all.push_back(each.stored);
     }
-    ask([shared = shared.get(), all = std::move(all)]() mutable {
+    const std::uint64_t turn = ++shared->rewritten;
+    ask([shared = shared.get(), turn, all = std::move(all)]() mutable {
+      if (turn != shared->rewritten) return true;  // there is a later one
       for (; !all.empty(); all.pop_back()) {
         StoredRecord now = all.back();
         if (shared->store.write(now, all.back()) == LedgerStore::Result::NoServer) return false;

@@ -51,6 +51,7 @@ struct __attribute__((visibility("hidden"))) EventDesk {
   std::atomic<std::size_t> waiting = 0;
   std::mutex mutex;
   std::set<Cell> asked;  ///< to be read
+  bool write_asked = false;
   std::vector<CellEvent> news;
   std::set<Cell> left;  ///< not read to the end, for want of room in `news`
   std::deque<std::shared_ptr<const SaidEvent>> kept;  ///< own, by ascending number
@@ -65,7 +66,8 @@ struct __attribute__((visibility("hidden"))) EventDesk {
     life = now;
     const auto at =
         std::ranges::find_if(kept, [this](const auto& said) { return said->number > written; });
-    return at != kept.end() ? *at : nullptr;
+    write_asked = at != kept.end();
+    return write_asked ? *at : nullptr;
   }
   /// On the hub's thread.
   bool write() {
@@ -86,6 +88,11 @@ struct __attribute__((visibility("hidden"))) EventDesk {
       const std::scoped_lock lock(mutex);
       asked.erase(cell);  // what is said from here on is asked for again
     }
+    if (read_on(cell)) return true;
+    const std::scoped_lock lock(mutex);
+    return !asked.insert(cell).second;  // it was: that one reads it
+  }
+  bool read_on(const Cell& cell) {
     if (!has_room(cell)) return true;
     if (logs.size() >= kMaxLogs && !logs.contains(cell)) logs.erase(logs.begin());
     return store.read(cell, logs[cell], [this, &cell](const CellEvent& event) {
@@ -134,7 +141,7 @@ class __attribute__((visibility("hidden"))) CellEvents::Impl {
   static void ask(NatsHub::Impl& hub, const std::shared_ptr<EventDesk>& desk,
                   std::function<bool()> job) {
     ++desk->waiting;
-    hub.later([desk, job = std::move(job)] {
+    hub.jobs().add(desk.get(), [desk, job = std::move(job)] {
       if (!desk->closed && !job()) return false;
       --desk->waiting;
       return true;
@@ -157,6 +164,10 @@ class __attribute__((visibility("hidden"))) CellEvents::Impl {
   }
 
   void write() {
+    {
+      const std::scoped_lock lock(desk->mutex);
+      if (std::exchange(desk->write_asked, true)) return;
+    }
     ask(options.hub->impl(), desk, [desk = desk.get()] { return desk->write(); });
   }
 

@@ -99,6 +99,7 @@ bool EventStore::open() {
   // The same again is no error.
   const natsStatus status = js_AddStream(&info, context_.get(), &config, nullptr, nullptr);
   const NatsOwned<jsStreamInfo> owned(info);
+  if (status != NATS_OK) hub_.note_failure("keep the stream " + stream_, status);
   open_ = status == NATS_OK ? now : 0;
   return open_ != 0;
 }
@@ -115,6 +116,7 @@ bool EventStore::write(const Cell& cell, const std::string& name,
                                        static_cast<int>(sealed.size()), &options, nullptr);
   const NatsOwned<jsPubAck> ack(made);
   if (status != NATS_OK) {
+    hub_.note_failure("write to the stream " + stream_, status);
     open_ = 0;  // a server that has lost its store has no stream either
     return false;
   }
@@ -140,6 +142,7 @@ bool EventStore::read(const Cell& cell, EventLog& log,
     const NatsOwned<natsMsg> message(made);
     if (status == NATS_NOT_FOUND) return true;
     if (status != NATS_OK) {
+      hub_.note_failure("read the stream " + stream_, status);
       open_ = 0;
       return false;
     }

@@ -18,7 +18,6 @@ namespace tandem::nats {
 namespace {
 
 constexpr std::chrono::milliseconds kDriveEvery{5};
-constexpr std::chrono::milliseconds kTryAgain{100};
 constexpr std::int64_t kConnectTimeout = 2000;  // ms
 constexpr std::int64_t kPingEvery = 2000;       // ms: a server that has gone silent is noticed
 constexpr int kPingsOut = 2;
@@ -127,12 +126,7 @@ NatsHub::Impl::~Impl() {
   }
   woken_.notify_all();
   if (thread_.joinable()) thread_.join();
-  {
-    const std::scoped_lock lock(work_mutex_);
-    work_stop_ = true;
-  }
-  work_woken_.notify_all();
-  if (worker_.joinable()) worker_.join();
+  jobs_.stop();
   if (connection_ == nullptr) return;
   natsConnection_FlushTimeout(connection_.get(), 100);
   natsConnection_Close(connection_.get());
@@ -197,29 +191,10 @@ void NatsHub::Impl::run() {
   }
 }
 
-void NatsHub::Impl::later(std::function<bool()> job) {
-  {
-    const std::scoped_lock lock(work_mutex_);
-    jobs_.push_back(std::move(job));
-    if (!worker_.joinable()) worker_ = std::thread([this] { work(); });
-  }
-  work_woken_.notify_one();
-}
-
-void NatsHub::Impl::work() {
-  std::unique_lock lock(work_mutex_);
-  for (;;) {
-    work_woken_.wait(lock, [this] { return work_stop_ || !jobs_.empty(); });
-    if (work_stop_) return;
-    std::function<bool()> job = std::move(jobs_.front());
-    jobs_.pop_front();
-    lock.unlock();
-    const bool done = job();
-    lock.lock();
-    if (done) continue;
-    jobs_.push_front(std::move(job));
-    work_woken_.wait_for(lock, kTryAgain, [this] { return work_stop_; });
-  }
+void NatsHub::Impl::note_failure(const std::string& what, natsStatus status) {
+  const char* const detail = nats_GetLastError(nullptr);
+  const std::scoped_lock lock(counting_);
+  reason_ = "cannot " + what + ": " + (detail != nullptr ? detail : natsStatus_GetText(status));
 }
 
 bool NatsHub::Impl::connected() const {
@@ -258,6 +233,9 @@ HubStatus NatsHub::Impl::status() const {
   count(out);
   out.lost = lost_;
   out.slow = slow_;
+  out.waiting = jobs_.waiting();
+  const std::scoped_lock lock(counting_);
+  out.reason = reason_;
   return out;
 }
 

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "direct_socket.h"
+#include "job_queue.h"
 #include "tandem/nats/hub.h"
 
 namespace tandem::nats {
@@ -64,10 +64,10 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   /// Something was posted: look soon.
   void wake();
 
-  /// Do it on a thread of its own, after all that was given before; it may wait for the server.
-  /// Where it says false it is done again a little later. What is left when the hub goes is not
-  /// done.
-  void later(std::function<bool()> job);
+  /// What waits for the server. What is left when the hub goes is not done.
+  JobQueue& jobs() { return jobs_; }
+  /// A server that is there did not do it. Of the thread on which it was asked.
+  void note_failure(const std::string& what, natsStatus status);
 
   HubStatus status() const;
   /// Of status(), without a look at the rest.
@@ -83,7 +83,6 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
 
  private:
   void run();
-  void work();
   /// What the client library has counted.
   void count(HubStatus& out) const;
 
@@ -94,6 +93,7 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   std::atomic<std::uint64_t> slow_ = 0;
   mutable std::mutex counting_;
   NatsOwned<natsStatistics> statistics_;  ///< scratch
+  std::string reason_;
 
   std::mutex mutex_;
   std::condition_variable woken_;
@@ -102,11 +102,7 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   bool stop_ = false;
   std::thread thread_;
 
-  std::mutex work_mutex_;
-  std::condition_variable work_woken_;
-  std::deque<std::function<bool()>> jobs_;
-  bool work_stop_ = false;
-  std::thread worker_;  ///< from the first job on
+  JobQueue jobs_;
 };
 
 }  // namespace tandem::nats

@@ -68,6 +68,7 @@ Result LedgerStore::open() {
   // The same again is no error.
   const natsStatus status = js_AddStream(&info, context_.get(), &config, nullptr, nullptr);
   const NatsOwned<jsStreamInfo> owned(info);
+  if (status != NATS_OK) hub_.note_failure("keep the stream " + stream_, status);
   open_ = status == NATS_OK ? now : 0;
   return open_ != 0 ? Result::Done : Result::NoServer;
 }
@@ -97,6 +98,7 @@ Result LedgerStore::publish(const std::string& subject, std::span<const std::byt
     return Result::Done;
   }
   if (static_cast<int>(error) == kWrongLastSequence) return Result::Refused;
+  hub_.note_failure("write to the stream " + stream_, status);
   open_ = 0;  // a server that has lost its store has no stream either
   return Result::NoServer;
 }
@@ -112,7 +114,10 @@ Result LedgerStore::read(const SharedId& id, StoredRecord& out) {
   const NatsOwned<natsMsg> message(made);
   out = {};
   if (status == NATS_NOT_FOUND) return Result::Done;
-  if (status != NATS_OK) return Result::NoServer;
+  if (status != NATS_OK) {
+    hub_.note_failure("read the stream " + stream_, status);
+    return Result::NoServer;
+  }
   const auto opened = open_record(data_of(made), id, session_key_);
   if (!opened) return Result::Refused;  // of a session key that is not known here
   out = *opened;
@@ -223,7 +228,10 @@ Result LedgerStore::look(const Cell& cell, const std::function<void(const Stored
         js_DirectGetMsg(&made, context_.get(), stream_.c_str(), nullptr, &options);
     const NatsOwned<natsMsg> message(made);
     if (status == NATS_NOT_FOUND) return Result::Done;
-    if (status != NATS_OK) return Result::NoServer;
+    if (status != NATS_OK) {
+      hub_.note_failure("read the stream " + stream_, status);
+      return Result::NoServer;
+    }
     next = natsMsg_GetSequence(made) + 1;
     const std::string_view subject = natsMsg_GetSubject(made);
     const auto id = SharedId::parse(subject.substr(subject.rfind('.') + 1));
