@@ -58,6 +58,8 @@ struct Member {
   std::vector<Body> bodies;
   std::function<void(Member&, SessionTime)> user;           ///< acts before each step
   std::function<SessionTime(SessionTime)> clock = nullptr;  ///< session time as it is believed here
+  double dt = kTick;                                        ///< s, of a step
+  double pace = 1.0;                                        ///< of its world's time in session time
   SessionTime next = 0;  ///< of the world's state, and of the step to come
   SessionTime told = 0;  ///< begin of the last step by its own clock
   bool inside = false;
@@ -117,16 +119,16 @@ class Crowd {
   }
   void act(Member& member) {
     if (member.inside) {
-      member.peer->after_step(member.told + ns(kTick));
+      member.peer->after_step(member.told + ns(member.dt));
       if (after) after(member);
     }
     const SessionTime now = member.clock ? member.clock(member.next) : member.next;
     member.told = now;
     if (member.user) member.user(member, now);
     member.peer->before_step(now);
-    member.solver.step(*member.world, kTick);
+    member.solver.step(*member.world, member.dt);
     member.inside = true;
-    member.next += ns(kTick);
+    member.next += ns(member.dt / member.pace);
   }
 
   SessionTime end_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -55,6 +56,59 @@ TEST_CASE("virtual_link: the five profiles have the published delays", "[consens
   }
   CHECK_THROWS_AS(network_profile(0), std::invalid_argument);
   CHECK_THROWS_AS(network_profile(6), std::invalid_argument);
+}
+
+TEST_CASE("virtual_link: people's networks are what they are called", "[consensus][unit]") {
+  // The longest delay, and the share that is lost, of a state of 50 bytes each 2 ms: 200 kbit/s. Of
+  // bursts, of which there is one in 4 s, in twenty minutes.
+  for (const NamedNetwork& network : named_networks()) {
+    network.up.validate();
+    network.down.validate();
+    const SessionTime period = network.name == "bursts" ? 20 * kMs : 2 * kMs;
+    LinkCounters up, down;
+    const auto longest = [&](const LinkOptions& options, LinkCounters& counters) {
+      SessionTime out = 0;
+      for (const Arrival& each :
+           run_stream(options, 7, 60'000, period, Delivery::Newest, &counters)) {
+        out = std::max(out, each.delay);
+      }
+      return 1e-9 * static_cast<double>(out);
+    };
+    const double there = longest(network.up, up);
+    const double back = longest(network.down, down);
+    INFO(network.name << ": " << there << " s there, " << back << " s back");
+    const double lost = static_cast<double>(up.lost) / static_cast<double>(up.posted);
+    CHECK(lost == Approx(network.name == "bursts" ? 0.05 : 0.0).margin(0.015));
+    if (network.name == "wifi") CHECK((there > 1.0 && there < 2.1 && back > 1.0 && back < 2.1));
+    if (network.name == "swollen") CHECK((there > 0.9 && there < 1.1 && back < 0.03));
+    if (network.name == "lopsided") CHECK((there == Approx(0.2) && back == Approx(0.02)));
+  }
+}
+
+TEST_CASE("virtual_link: in a stall nothing comes, after it all, and nothing else is changed",
+          "[consensus][unit]") {
+  const Delivery delivery = GENERATE(Delivery::Newest, Delivery::Reliable);
+  LinkOptions options;
+  options.latency = 0.01;
+  const auto smooth = run_stream(options, 3, 10'000, 10 * kMs, delivery);
+  options.stalls = 0.5;
+  options.stall_length = 0.5;
+  const auto stalled = run_stream(options, 3, 10'000, 10 * kMs, delivery);
+  REQUIRE(stalled.size() == smooth.size());
+  int late = 0;
+  for (std::size_t i = 0; i < stalled.size(); ++i) {
+    CHECK(stalled[i].number == smooth[i].number);
+    CHECK(stalled[i].delay >= smooth[i].delay);
+    CHECK(stalled[i].delay < smooth[i].delay + 1000 * kMs + 2);
+    if (stalled[i].delay == smooth[i].delay) continue;
+    ++late;
+    // Those of one stall come together.
+    if (i == 0 || stalled[i - 1].delay == smooth[i - 1].delay) continue;
+    const bool same = stalled[i].delay == stalled[i - 1].delay - 10 * kMs;
+    CHECK((same || stalled[i].delay > stalled[i - 1].delay));
+  }
+  // 0.5 s of 2.5.
+  CHECK(late == Approx(2'000).epsilon(0.3));
 }
 
 TEST_CASE("virtual_link: delays are uniform around the latency", "[consensus][unit]") {

@@ -47,6 +47,8 @@ void LinkOptions::validate() const {
   require_in(0.0, kLongest, "LinkOptions", "reorder_delay", reorder_delay, "s");
   require_in(0.0, 1000.0, "LinkOptions", "bursts", bursts, "per s");
   require_in(0.0, kLongest, "LinkOptions", "burst_length", burst_length, "s");
+  require_in(0.0, 1000.0, "LinkOptions", "stalls", stalls, "per s");
+  require_in(0.0, kLongest, "LinkOptions", "stall_length", stall_length, "s");
   require(bandwidth == 0.0 || (std::isfinite(bandwidth) && bandwidth >= 1.0), "LinkOptions",
           "bandwidth", bandwidth, "0 or at least 1 bit/s");
   require(max_state_bytes >= 1 && max_state_bytes <= VirtualNetwork::kMaxPacketBytes, "LinkOptions",
@@ -68,6 +70,22 @@ LinkOptions network_profile(int number) {
   options.latency = row.latency;
   options.jitter = row.jitter;
   return options;
+}
+
+std::span<const NamedNetwork> named_networks() {
+  static constexpr LinkOptions kWifi{
+      .latency = 0.01, .jitter = 0.003, .stalls = 0.2, .stall_length = 1.0};
+  static constexpr LinkOptions kBursts{
+      .latency = 0.02, .jitter = 0.005, .bursts = 0.25, .burst_length = 0.2};
+  static constexpr std::array<NamedNetwork, 4> kAll{{
+      {.name = "wifi", .up = kWifi, .down = kWifi},
+      {.name = "swollen",
+       .up = {.latency = 0.02, .bandwidth = 128e3, .queue_limit = 16000},
+       .down = {.latency = 0.02}},
+      {.name = "lopsided", .up = {.latency = 0.2}, .down = {.latency = 0.02}},
+      {.name = "bursts", .up = kBursts, .down = kBursts},
+  }};
+  return kAll;
 }
 
 void Air::push(Flight flight) {
@@ -98,9 +116,8 @@ Link::Link(PeerId from, PeerId to, const LinkOptions& options, std::uint64_t see
       to_(to),
       options_(options),
       random_(seed_of(seed, from, to)),
-      bursts_(seed_of(seed + 1, to, from)),
-      burst_begin_(now),
-      burst_end_(now),
+      bursts_(seed_of(seed + 1, to, from), now),
+      stalls_(seed_of(seed + 2, to, from), now),
       busy_until_(now),
       last_reliable_(now) {}
 
@@ -161,14 +178,14 @@ void Link::send_waiting(SessionTime time, Air& air) {
   }
 }
 
-SessionTime Link::burst_end(SessionTime departure) {
-  if (options_.bursts <= 0.0) return departure;
-  while (burst_end_ <= departure) {
+SessionTime Spells::end_at(SessionTime time, double rate, double length) {
+  if (rate <= 0.0) return time;
+  while (end_ <= time) {
     // Uniform, from 0 to twice the mean: a logarithm is not the same everywhere.
-    burst_begin_ = burst_end_ + to_ns(2.0 * bursts_.unit() / options_.bursts);
-    burst_end_ = burst_begin_ + to_ns(2.0 * bursts_.unit() * options_.burst_length) + 1;
+    begin_ = end_ + to_ns(2.0 * random_.unit() / rate);
+    end_ = begin_ + to_ns(2.0 * random_.unit() * length) + 1;
   }
-  return departure >= burst_begin_ ? burst_end_ : departure;
+  return time >= begin_ ? end_ : time;
 }
 
 /// Decide a packet's fate. The number of draws is the same for every packet, so that one option
@@ -182,7 +199,8 @@ void Link::launch(Waiting packet, SessionTime departure, Air& air) {
   const double first = std::max(o.latency + o.jitter * (2.0 * random_.unit() - 1.0), 0.0);
   const double second = std::max(o.latency + o.jitter * (2.0 * random_.unit() - 1.0), 0.0);
   pbd::SplitMix64 resends(random_.next());
-  const SessionTime through = burst_end(departure);
+  departure = stalls_.end_at(departure, o.stalls, o.stall_length);
+  const SessionTime through = bursts_.end_at(departure, o.bursts, o.burst_length);
 
   if (packet.delivery == Delivery::Reliable) {
     const SessionTime timeout = std::max(to_ns(2.0 * o.latency), SessionTime{1'000'000});

@@ -40,6 +40,21 @@ class Air {
   std::vector<Flight> heap_;
 };
 
+/// Spells of trouble on a link, one after the other.
+class Spells {
+ public:
+  Spells(std::uint64_t seed, SessionTime now) : random_(seed), begin_(now), end_(now) {}
+
+  /// End of the spell at that time, which does not go back; the time itself outside.
+  /// @param rate  1/s, 0: none  @param length  s, mean
+  SessionTime end_at(SessionTime time, double rate, double length);
+
+ private:
+  pbd::SplitMix64 random_;  ///< of its own: spells change nothing about what is drawn for packets
+  SessionTime begin_;
+  SessionTime end_;
+};
+
 /// One direction between two peers: a queue, a line of finite bandwidth, and chance.
 class Link {
  public:
@@ -82,16 +97,13 @@ class Link {
   void fly(SessionTime due, SessionTime posted, Delivery delivery, std::vector<std::byte> bytes,
            Air& air);
   void recall(SessionTime now, Air& air);
-  /// End of the burst of loss that a packet leaves in; no later than `departure` outside.
-  SessionTime burst_end(SessionTime departure);
 
   PeerId from_;
   PeerId to_;
   LinkOptions options_;
   pbd::SplitMix64 random_;
-  pbd::SplitMix64 bursts_;  ///< of its own: bursts change nothing about what is drawn for packets
-  SessionTime burst_begin_;
-  SessionTime burst_end_;
+  Spells bursts_;
+  Spells stalls_;
   bool cut_ = false;
   std::string closed_;
   std::deque<Waiting> waiting_;

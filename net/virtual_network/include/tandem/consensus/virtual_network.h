@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/export.h"
@@ -23,6 +25,8 @@ struct TANDEM_API LinkOptions {
   double bandwidth = 0.0;               ///< bit/s of payload; 0 = unlimited
   double bursts = 0.0;                  ///< bursts of loss, 1/s: nothing gets through
   double burst_length = 0.2;            ///< s, mean; from 0 to twice that
+  double stalls = 0.0;                  ///< 1/s: what leaves then leaves at the end, all at once
+  double stall_length = 1.0;            ///< s, mean; from 0 to twice that
   std::size_t queue_limit = 64 * 1024;  ///< bytes that may wait for the bandwidth
   /// Bytes of the longest state; longer ones are refused, as over UDP with a small MTU (502 at an
   /// MTU of 576, see docs/network.md). Reliable packets are cut into pieces there.
@@ -37,6 +41,16 @@ struct TANDEM_API LinkOptions {
 /// The paper's links ran TCP: no loss.
 /// @throws std::invalid_argument for other numbers
 TANDEM_API LinkOptions network_profile(int number);
+
+/// A network as people have them at home and on the way, as its user sees it.
+struct TANDEM_API NamedNetwork {
+  std::string_view name;
+  LinkOptions up;    ///< from him to the others
+  LinkOptions down;  ///< from the others to him
+};
+/// wifi: stalls of up to 2 s. swollen: a buffer that fills to 1 s where more than 128 kbit/s are
+/// sent. lopsided: 200 ms there and 20 ms back. bursts: 5 % lost, in bursts.
+TANDEM_API std::span<const NamedNetwork> named_networks();
 
 /// What became of the packets of one direction.
 struct TANDEM_API LinkCounters {
