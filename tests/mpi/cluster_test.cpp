@@ -217,6 +217,47 @@ bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+/// Others see a body of this rank's further along x than it is, in each step.
+class Ahead final : public pbd::TargetSource {
+ public:
+  Ahead(const Cluster& cluster, double by) : cluster_(cluster), by_(by) {}
+  void collect(const pbd::World& world, double, const pbd::SolverOptions&,
+               std::vector<pbd::PoseTarget>& out) override {
+    const pbd::BodyId body = cluster_.own_body(0);
+    if (!body.valid()) return;
+    pbd::PoseTarget& target = out.emplace_back();
+    target = {.body = body, .pose = world.pose(body), .twist = world.twist(body), .share = 0.5};
+    target.pose.position.x() += by_;
+  }
+
+ private:
+  const Cluster& cluster_;
+  double by_;
+};
+
+TEST_CASE("cluster: a target pulls no body into another rank's", "[mpi]") {
+  Plans plans;
+  plans.ground = false;
+  plans.gravity = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) plans.cube(0.2, Vec3(0.2 * i, 0.0, 0.0));
+  Cluster cluster(with_gravity(plans.gravity));
+  fill(cluster, plans);
+  Ahead ahead(cluster, 0.1);
+  cluster.world().set_target_source(&ahead);
+  double deepest = 0.0;
+  for (int k = 0; k < 30; ++k) {
+    cluster.step(kFrame);
+    std::vector<double> x(4, -1e9);
+    for (const auto& [id, state] : own_states(cluster)) x[id] = state.pose.position.x();
+    for (double& each : x) each = most_of(each);
+    for (std::size_t i = 1; i < 4; ++i) deepest = std::max(deepest, 0.2 - (x[i] - x[i - 1]));
+  }
+  cluster.world().set_target_source(nullptr);
+  INFO(cluster.count() << " ranks: " << 1e3 * deepest << " mm deep");
+  // 50 mm are asked for in each step.
+  CHECK(deepest < 0.01);
+}
+
 TEST_CASE("cluster: one rank has the bits of the world without MPI", "[mpi]") {
   const Plans plans = heap();
   Cluster cluster;

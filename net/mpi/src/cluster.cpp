@@ -54,7 +54,7 @@ Cluster::Impl::Impl(const ClusterOptions& options)
     world_.set_contact_source(&shapes_);
     return;
   }
-  seam_ = &world_.add_block<Seam>(ranks_, neighbours_);
+  seam_ = &world_.add_block<Seam>(world_, ranks_, neighbours_);
   contacts_ = std::make_unique<PartContacts>(part_, shapes_, *seam_, solver_.options().contact);
   world_.set_contact_source(contacts_.get());
   world_.set_island_coupling(&agreement_);

@@ -19,6 +19,9 @@ inline int solver_of(int one, int other) {
   return (one + other) % 2 == 0 ? std::min(one, other) : std::max(one, other);
 }
 
+/// Which neighbours are exchanged with.
+enum class With : std::uint8_t { All, WhoDisplaces };
+
 /// What this rank has to do with another one.
 struct Neighbour {
   int rank = 0;
@@ -29,7 +32,10 @@ struct Neighbour {
   std::vector<std::uint8_t> told_asleep;
   /// In this step: those of them that a contact between the two touches.
   std::vector<std::uint32_t> touched;
-  bool solves = false;  ///< this rank does
+  bool solves = false;     ///< this rank does
+  bool displaces = false;  ///< in this step targets may press one's bodies on the other's
+
+  bool takes_part(With with) const { return with == With::All || displaces; }
 };
 
 /// Which bodies are copied where, and that copies are as their owners have them.

@@ -22,6 +22,7 @@ enum class Topic : int {
   WarmStart,
   Velocities,
   Corrections,
+  Targets,
   Boxes,
   Wanted,
   Copies

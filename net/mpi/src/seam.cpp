@@ -11,6 +11,13 @@ using pbd::SolverBody;
 using pbd::SubstepContext;
 using pbd::Vec3;
 
+namespace {
+
+/// Turns of ranks that hold displacements against contacts, those between them and their own.
+constexpr int kHoldTurns = 4;
+
+}  // namespace
+
 template <class Visit>
 void Seam::for_touched(const Neighbour& neighbour, const SubstepContext& ctx, Visit&& visit) {
   for (const std::uint32_t slot : neighbour.touched) {
@@ -39,6 +46,31 @@ void Seam::note_touched(std::span<const pbd::Manifold> between, std::uint32_t sl
 
 void Seam::begin_step(const SubstepContext& ctx) {
   if (!rows_.empty()) rows_.begin_step(ctx);
+  // What is displaced here presses on bodies of others, which take part then: of each neighbour,
+  // whether one of the two has targets in this step, or somebody beside them, as far as it presses
+  // in as many turns.
+  displaces_ = ctx.shared;
+  for (int turn = 0; turn < kHoldTurns; ++turn) {
+    const bool own = displaces_;
+    for (const Neighbour& neighbour : neighbours_.all()) {
+      if (neighbour.touched.empty()) continue;
+      MessageWriter(ranks_.outgoing()).put(static_cast<std::uint8_t>(own));
+      ranks_.send(neighbour.rank, Topic::Targets);
+    }
+    for (Neighbour& neighbour : neighbours_.all()) {
+      neighbour.displaces = false;
+      if (neighbour.touched.empty()) continue;
+      const bool theirs = ranks_.receive(neighbour.rank, Topic::Targets).get<std::uint8_t>() != 0;
+      neighbour.displaces = own || theirs;
+      displaces_ = displaces_ || theirs;
+    }
+  }
+  displaces_ = false;
+  for (const Neighbour& neighbour : neighbours_.all()) {
+    if (!neighbour.displaces) continue;
+    displaces_ = true;
+    for (const std::uint32_t slot : neighbour.touched) ctx.bodies[slot].shared = true;
+  }
 }
 
 void Seam::begin_substep(const SubstepContext& ctx) {
@@ -57,6 +89,20 @@ double Seam::project(const SubstepContext& ctx) {
   const double moved = rows_.empty() ? 0.0 : rows_.project(ctx);
   exchange_corrections(ctx, Topic::Corrections, true);
   return moved;
+}
+
+double Seam::project_displacement(const SubstepContext& ctx) {
+  for (int turn = 0; turn < kHoldTurns; ++turn) {
+    exchange_velocities(ctx, false, With::WhoDisplaces);
+    remember(ctx, With::WhoDisplaces);
+    if (!rows_.empty()) rows_.project_displacement(ctx);
+    exchange_corrections(ctx, Topic::Corrections, true, With::WhoDisplaces);
+    // What gives way presses on the next one.
+    for (const auto& block : world_.blocks()) {
+      if (block.get() == world_.contacts() && !block->empty()) block->project_displacement(ctx);
+    }
+  }
+  return 0.0;
 }
 
 double Seam::solve_velocity(const SubstepContext& ctx) {
@@ -84,10 +130,10 @@ pbd::BlockReport Seam::report() const {
 }
 
 /// From the owners to who solves.
-void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose) {
+void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose, With with) {
   for (const Neighbour& neighbour : neighbours_.all()) {
     const std::size_t count = part_of(neighbour, ctx);
-    if (neighbour.solves || count == 0) continue;
+    if (neighbour.solves || count == 0 || !neighbour.takes_part(with)) continue;
     DoubleWriter out(MessageWriter(ranks_.outgoing()).room(count * (with_pose ? 13 : 12)));
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       const SolverBody& body = ctx.bodies[slot];
@@ -104,7 +150,7 @@ void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose) {
     ranks_.send(neighbour.rank, Topic::Velocities);
   }
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (!neighbour.solves || part_of(neighbour, ctx) == 0) continue;
+    if (!neighbour.solves || part_of(neighbour, ctx) == 0 || !neighbour.takes_part(with)) continue;
     MessageReader in = ranks_.receive(neighbour.rank, Topic::Velocities);
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       SolverBody& body = ctx.bodies[slot];
@@ -122,10 +168,10 @@ void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose) {
   }
 }
 
-void Seam::remember(const SubstepContext& ctx) {
+void Seam::remember(const SubstepContext& ctx, With with) {
   before_.clear();
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (!neighbour.solves) continue;
+    if (!neighbour.solves || !neighbour.takes_part(with)) continue;
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       const SolverBody& body = ctx.bodies[slot];
       before_.push_back({body.v, body.w, body.v_push, body.w_push});
@@ -134,11 +180,11 @@ void Seam::remember(const SubstepContext& ctx) {
 }
 
 /// From who solves back to the owners: what has changed since remember().
-void Seam::exchange_corrections(const SubstepContext& ctx, Topic topic, bool with_push) {
+void Seam::exchange_corrections(const SubstepContext& ctx, Topic topic, bool with_push, With with) {
   std::size_t at = 0;
   for (const Neighbour& neighbour : neighbours_.all()) {
     const std::size_t count = part_of(neighbour, ctx);
-    if (!neighbour.solves || count == 0) continue;
+    if (!neighbour.solves || count == 0 || !neighbour.takes_part(with)) continue;
     DoubleWriter out(MessageWriter(ranks_.outgoing()).room(count * (with_push ? 12 : 6)));
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       const SolverBody& body = ctx.bodies[slot];
@@ -152,7 +198,7 @@ void Seam::exchange_corrections(const SubstepContext& ctx, Topic topic, bool wit
     ranks_.send(neighbour.rank, topic);
   }
   for (const Neighbour& neighbour : neighbours_.all()) {
-    if (neighbour.solves || part_of(neighbour, ctx) == 0) continue;
+    if (neighbour.solves || part_of(neighbour, ctx) == 0 || !neighbour.takes_part(with)) continue;
     MessageReader in = ranks_.receive(neighbour.rank, topic);
     for_touched(neighbour, ctx, [&](std::uint32_t slot) {
       SolverBody& body = ctx.bodies[slot];

@@ -17,7 +17,9 @@ namespace tandem::mpi {
 /// change of one body adds up.
 class Seam final : public pbd::ConstraintBlock {
  public:
-  Seam(Ranks& ranks, Neighbours& neighbours) : ranks_(ranks), neighbours_(neighbours) {}
+  /// @param world  of which it is a block
+  Seam(const pbd::World& world, Ranks& ranks, Neighbours& neighbours)
+      : world_(world), ranks_(ranks), neighbours_(neighbours) {}
 
   pbd::ContactBlock& rows() { return rows_; }
   const pbd::ContactBlock& rows() const { return rows_; }
@@ -30,9 +32,11 @@ class Seam final : public pbd::ConstraintBlock {
   int order() const override { return static_cast<int>(pbd::SolveOrder::Contact) + 1; }
   bool empty() const override { return false; }  // others may have rows on bodies of this rank
   void begin_step(const pbd::SubstepContext& ctx) override;
+  bool has_gaps() const override { return displaces_; }
   void begin_substep(const pbd::SubstepContext& ctx) override;
   void warm_start(const pbd::SubstepContext& ctx) override;
   double project(const pbd::SubstepContext& ctx) override;
+  double project_displacement(const pbd::SubstepContext& ctx) override;
   double solve_velocity(const pbd::SubstepContext& ctx) override;
   void finish_velocity(const pbd::SubstepContext& ctx) override;
   void end_step(const pbd::SubstepContext& ctx, std::span<double> wanted) override;
@@ -53,9 +57,10 @@ class Seam final : public pbd::ConstraintBlock {
   struct Motion {
     pbd::Vec3 v, w, v_push, w_push;
   };
-  void exchange_velocities(const pbd::SubstepContext& ctx, bool with_pose);
-  void remember(const pbd::SubstepContext& ctx);
-  void exchange_corrections(const pbd::SubstepContext& ctx, Topic topic, bool with_push);
+  void exchange_velocities(const pbd::SubstepContext& ctx, bool with_pose, With with = With::All);
+  void remember(const pbd::SubstepContext& ctx, With with = With::All);
+  void exchange_corrections(const pbd::SubstepContext& ctx, Topic topic, bool with_push,
+                            With with = With::All);
   /// Calls visit(slot) for what takes part in this group.
   template <class Visit>
   static void for_touched(const Neighbour& neighbour, const pbd::SubstepContext& ctx,
@@ -63,9 +68,11 @@ class Seam final : public pbd::ConstraintBlock {
   /// How many bodies that are.
   static std::size_t part_of(const Neighbour& neighbour, const pbd::SubstepContext& ctx);
 
+  const pbd::World& world_;
   Ranks& ranks_;
   Neighbours& neighbours_;
   pbd::ContactBlock rows_;
+  bool displaces_ = false;             ///< with some neighbour
   std::vector<std::uint8_t> touched_;  ///< by slot, scratch
   std::vector<Motion> before_;         ///< of copies, in the order of for_touched()
 };
