@@ -271,14 +271,16 @@ double ContactBlock::project(const SubstepContext& ctx) {
                                                *m.kernels, ctx.bodies, *ctx.workers);
   m.extra_rows += swept;
   m.open_rows = std::max(m.open_rows, open);
+  m.turned = true;
+  const double change = ctx.h * m.largest_change();
+  if (ctx.iteration > 0) return change;  // they are those of the substep's start: opened already
   for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     const ContactRows& rows = m.rows[k];
     m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.shared(rows, ctx)), m.kernels->push,
            numbers);
   });
-  m.turned = true;
-  return ctx.h * m.largest_change();
+  return change;
 }
 
 double ContactBlock::project_displacement(const SubstepContext& ctx) {

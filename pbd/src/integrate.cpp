@@ -145,6 +145,14 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
   if (props.locks.any()) enforce_locks(body, props.locks);
 }
 
+void follow_velocity(SolverBody& body, double h) {
+  body.x += h * (body.v - body.v_applied);
+  body.v_applied = body.v;
+  const Vec3 turn = h * (body.w - body.w_applied);
+  body.w_applied = body.w;
+  if (!turn.isZero(0.0)) body.q = rotated_about(body.q, turn);
+}
+
 [[gnu::flatten]] void advance_pose(SolverBody& body, const BodyProps& props, double h) {
   body.x += h * (body.v - body.v_applied + body.v_push);
   body.v_applied = body.v;

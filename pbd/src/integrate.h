@@ -46,6 +46,10 @@ void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* 
 /// none.
 void advance_pose(SolverBody& body, const BodyProps& props, double h);
 
+/// Of a body whose rows project poses: bring the pose up to v and w alone. What opens overlaps is
+/// no motion: joints would make velocity of it, in each of their turns anew.
+void follow_velocity(SolverBody& body, double h);
+
 /// Velocities learn what rows that project poses have moved. Corrections change angular momentum,
 /// not spin: without that a fast top loses its spin to the joint that holds it, since its inertia
 /// turns with it.

@@ -207,7 +207,7 @@ void Solver::Impl::project_joints() {
   const double h = context_.h;
   for_group([&](SolverBody& body, std::uint32_t i) {
     if (!body.projected) return;
-    advance_pose(body, world_->props_[i], h);
+    follow_velocity(body, h);
     refresh_inertia(body, world_->props_[i]);
   });
   until_joints_hold([&](ConstraintBlock& block) { return block.project(context_); });
