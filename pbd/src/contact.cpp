@@ -168,7 +168,7 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
     made.faces = contacts[block[0]].manifold.count > 1;
     made.count = 0;
     made.change = {};
-    made.a_moves = made.b_moves = made.a_below = made.b_below = 0;
+    made.a_moves = made.b_moves = made.a_below = made.b_below = made.joined = 0;
     for (const std::uint32_t contact : block) {
       if (contact == ContactOrder::kNone) break;
       const std::size_t lane = made.count++;
@@ -178,6 +178,8 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
       const std::uint32_t b = support.distance(made.b[lane]);
       made.a_below = static_cast<LaneMask>(made.a_below | unsigned{a < b} << lane);
       made.b_below = static_cast<LaneMask>(made.b_below | unsigned{b < a} << lane);
+      const bool joined = ctx.bodies[made.a[lane]].projected || ctx.bodies[made.b[lane]].projected;
+      made.joined = static_cast<LaneMask>(made.joined | unsigned{joined} << lane);
     }
     repeat_first_row(made);
     kernels->prepare(made, kAllLanes, numbers);
@@ -241,6 +243,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
   m.for_rows(ctx, [&](ContactRows& rows) {
     m.prefetch_anchors(rows);
     m.kernels->begin(rows, rule, numbers, anchors);
+    if (rows.joined != 0) carry_near(rows, ctx);
   });
   if (!m.any_restitution) return;
   m.impacts.begin(m.rows, ctx.bodies, rule.bounce_speed);

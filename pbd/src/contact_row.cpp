@@ -210,4 +210,42 @@ double warm_start_scale(const ContactRows& rows, std::size_t lane, double growth
   return load > most ? most / load : 1.0;
 }
 
+namespace {
+
+/// How far what is handed on may turn a body on joints (rad), or shift it (in radii of gyration),
+/// before these have their say. In eight turns the ground takes from a hand what stops all of a
+/// falling ragdoll; handed on whole, that turns the hand by radians, where no gradient leads back:
+/// 2 of 400 ragdolls came to 1e6 times their energy, and with 0.2 and with 1 none does.
+constexpr double kNear = 0.5;
+
+/// What an impulse (N s) at a lane does to one of its bodies in the substep, as kNear measures it.
+double way_of(const SolverBody& body, const Vec3& arm, const Vec3& impulse, double h) {
+  const double turn = h * (body.inv_inertia_w * arm.cross(impulse)).norm();
+  const double slowest = body.inv_inertia_w.diagonal().minCoeff();
+  return std::max(turn, h * impulse.norm() * std::sqrt(body.inv_mass * slowest));
+}
+
+}  // namespace
+
+void carry_near(ContactRows& rows, const SubstepContext& ctx) {
+  const auto vector = [](const LaneArray<3>& lanes, std::size_t lane) {
+    return Vec3(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+  };
+  for (std::size_t lane = 0; lane < rows.count; ++lane) {
+    if ((rows.joined >> lane & 1u) == 0) continue;
+    const Vec3 impulse = rows.load(lane) * vector(rows.normal, lane);
+    double way = 0.0;
+    const SolverBody& a = ctx.bodies[rows.a[lane]];
+    const SolverBody& b = ctx.bodies[rows.b[lane]];
+    if (a.projected) way = way_of(a, vector(rows.arm_a, lane), impulse, ctx.h);
+    if (b.projected) way = std::max(way, way_of(b, vector(rows.arm_b, lane), impulse, ctx.h));
+    if (!(way > kNear)) continue;
+    const double share = kNear / way;
+    for (Lanes& each : rows.impulse) each[lane] *= share;
+    for (Lanes& each : rows.slide) each[lane] *= share;
+    rows.twist[lane] *= share;
+    rows.carried[lane] *= share;
+  }
+}
+
 }  // namespace tandem::pbd

@@ -47,4 +47,8 @@ struct ContactArms {
 };
 ContactArms arms_of(const Manifold& manifold, const SolverBody& a, const SolverBody& b);
 
+/// Cut what rows hand on to bodies on joints: where these are predicted they must be near.
+/// @pre ContactKernels::begin
+void carry_near(ContactRows& rows, const SubstepContext& ctx);
+
 }  // namespace tandem::pbd

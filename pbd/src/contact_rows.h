@@ -39,6 +39,7 @@ struct alignas(64) ContactRows {
   LaneMask a_below = 0;      ///< a is nearer to what cannot move: it carries b
   LaneMask b_below = 0;
   bool bounces = false;  ///< some point of some contact does
+  LaneMask joined = 0;   ///< a or b hangs on joints
   /// N s, sum of what the substep began with; before the first one, the share of the last step's
   Lanes carried{};
   Lanes approach{};  ///< m/s, fastest approach of a point before the substep, >= 0
