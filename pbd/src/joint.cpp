@@ -198,7 +198,6 @@ void JointBlock::begin_substep(const SubstepContext& ctx) {
     impl_->system.begin(part, impl_->records, ctx, JointChannel::Real);
   });
 }
-
 double JointBlock::project(const SubstepContext& ctx) {
   double largest = 0.0;
   impl_->system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
@@ -207,6 +206,11 @@ double JointBlock::project(const SubstepContext& ctx) {
   return largest;
 }
 
+void JointBlock::finish_projection(const SubstepContext& ctx) {
+  impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
+    impl_->system.finish_projection(part, impl_->records, ctx);
+  });
+}
 void JointBlock::finish_velocity(const SubstepContext& ctx) {
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
     impl_->system.finish(part, impl_->records, ctx);

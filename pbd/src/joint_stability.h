@@ -18,6 +18,8 @@ bool adds_energy(const JointPart& part);
 bool stops_add_energy(const JointPart& part);
 /// J, of joints in this position iteration.
 double work_of(const JointPart& part);
+/// Take back what joints that do no work have added so far, before contacts pass it on.
+void limit_turn(const JointPart& part);
 /// Take back, or give back, what joints that do no work did.
 void limit_energy_gain(const JointPart& part);
 

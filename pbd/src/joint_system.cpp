@@ -170,6 +170,12 @@ double JointSystem::iterate(std::uint32_t p, std::span<JointRecord> records,
   return newton_iteration(part_of(p, records, ctx));
 }
 
+void JointSystem::finish_projection(std::uint32_t p, std::span<JointRecord> records,
+                                    const SubstepContext& ctx) {
+  const JointPart part = part_of(p, records, ctx);
+  if (part.passive) limit_turn(part);
+}
+
 void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
                          const SubstepContext& ctx) {
   const JointPart part = part_of(p, records, ctx);

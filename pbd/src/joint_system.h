@@ -43,6 +43,9 @@ class JointSystem {
              JointChannel channel);
   /// One Newton iteration. Returns how far the bodies may still be from where they belong, m.
   double iterate(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
+  /// Velocities have learnt what bodies were moved by.
+  void finish_projection(std::uint32_t part, std::span<JointRecord> records,
+                         const SubstepContext& ctx);
   /// Forces of the substep into the records; joints that they are too much for break.
   void finish(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
 

@@ -112,6 +112,8 @@ void Solver::Impl::project() {
   for (int i = 0; i < turns.most; ++i) {
     context_.iteration = i;
     if (projects_) project_joints();
+    if (turns.most > 1)
+      for_blocks([&](ConstraintBlock& block) { block.finish_projection(context_); });
     for_blocks([&](ConstraintBlock& block) {
       if (is_last(block)) block.project(context_);
     });

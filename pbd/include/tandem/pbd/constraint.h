@@ -126,7 +126,7 @@ struct ConstraintEdge {
 };
 
 /// All constraints of one kind in a world: the only thing that the solver knows of them. Each of
-/// the ten verbs of a step, `begin_step` to `end_step`, runs over all rows of the block, or over
+/// the eleven verbs of a step, `begin_step` to `end_step`, runs over all rows of the block, or over
 /// those of a group. Only `project` must be given.
 ///
 /// Two channels share one Jacobian (docs/ARCHITECTURE.md): the real one carries momentum; the
@@ -153,6 +153,8 @@ class TANDEM_API ConstraintBlock {
   /// Real channel: move poses until the rows hold, once over all rows. Returns the largest move of
   /// an anchor that a row asked for, m: 0 where all rows held already.
   virtual double project(const SubstepContext&) = 0;
+  /// Of rows on poses: velocities have learnt what `project` has moved.
+  virtual void finish_projection(const SubstepContext&) {}
   /// One sweep over velocities. Returns the largest change of a row's velocity, m/s.
   virtual double solve_velocity(const SubstepContext&) { return 0.0; }
   /// Velocity work that is done once, after the iterations have converged.

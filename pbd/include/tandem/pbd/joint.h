@@ -80,6 +80,7 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   void begin_step(const SubstepContext& ctx) override;
   void begin_substep(const SubstepContext& ctx) override;
   double project(const SubstepContext& ctx) override;
+  void finish_projection(const SubstepContext& ctx) override;
   void finish_velocity(const SubstepContext& ctx) override;
   void begin_displacement(const SubstepContext& ctx) override;
   double project_displacement(const SubstepContext& ctx) override;
