@@ -21,9 +21,8 @@ constexpr std::string_view kE2 = "some rock from edge to edge for longer than th
 constexpr std::string_view kE3 =
     "one or two tins in 100 rock by 0.1 mrad for ever, from four of their 24 points to others";
 constexpr std::string_view kE10 =
-    "plates that begin 10 mm inside each other are pushed apart, and at no speed from 4 m/s to 1 "
-    "cm/s "
-    "does the house stand that; with 5 mm of overlap left alone four of ten do";
+    "plates that begin 10 mm inside each other are pushed apart; the house stands that at no speed "
+    "from 4 m/s to 1 cm/s, and with 5 mm of overlap left alone four of ten do";
 constexpr std::string_view kRocks =
     "in one heap of 40 a cube rocks on between two supports that lie close together";
 constexpr std::string_view kRolls =
