@@ -18,8 +18,6 @@ struct Known {
 
 // Reasons, by kind.
 constexpr std::string_view kE2 = "some rock from edge to edge for longer than that";
-constexpr std::string_view kE3 =
-    "one or two tins in 100 rock by 0.1 mrad for ever, from four of their 24 points to others";
 constexpr std::string_view kE10 =
     "plates that begin 10 mm inside each other are pushed apart; the house stands that at no speed "
     "from 4 m/s to 1 cm/s, and with 5 mm of overlap left alone four of ten do";
@@ -31,7 +29,6 @@ constexpr std::string_view kRolls =
 // The bounds stay as they are: what does not hold yet stands here, and leaves when it holds.
 constexpr Known kKnown[] = {
     {"E2", "hulls of random points", "", "", kE2},
-    {"E3", "scanned tins and parcels", "", "spin, sleep off", kE3},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
     {"E14", "heap of 200 cubes", "hull", "awake after 6 s", kRocks},
     {"E14", "heap of 30 cans", "", "awake after 6 s", kRolls},

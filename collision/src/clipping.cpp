@@ -18,6 +18,9 @@ constexpr double kParallel = 0.05;
 constexpr double kBias = 0.95;
 /// Share of the slop by which a point must lie below the others to bear in their place.
 constexpr double kBearing = 0.1;
+/// Of that, for a point that was chosen last time: left out as soon as others bear, it lets the
+/// body sink until it is found again, and 1 scanned tin in 75 rocked in each second step.
+constexpr double kKeptShare = 0.1;
 
 /// Corner of the polygon while it is being clipped. `edge` names the edge to the next corner:
 /// >= 0 an edge of the incident face, else ~k for side k of the reference face.
@@ -279,14 +282,16 @@ static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& we
 /// tilt does not change which they are. The fourth is the deepest, where that is none of them, or
 /// the one that the body tips on to first. The deepest is never left out. Whether any was
 /// exchanged; then there are four.
-static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
-                   const Vec3& weight) {
+template <class Kept>
+static bool settle(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
+                   const Kept& kept) {
   bool changed = false;
   for (int turn = 0; turn < 2 * count; ++turn) {
     int lowest = -1;
-    double least = -slop;
+    double least = 0.0;
     for (int i = 3; i < count; ++i) {
-      const double height = above(points, normal, points[i]);
+      const double height =
+          above(points, normal, points[i]) + (kept(points[i]) ? kKeptShare * slop : slop);
       if (height >= least) continue;
       least = height;
       lowest = i;
@@ -372,7 +377,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const V
   const bool fourth = take(3, [&](const RawPoint& p) {
     return std::max({outside(p0, p1, p.on_b), outside(p1, p2, p.on_b), outside(p2, p0, p.on_b)});
   });
-  return settle(points, count, normal, kBearing * slop, weight) || fourth ? 4 : 3;
+  return settle(points, count, normal, kBearing * slop, weight, preferred) || fourth ? 4 : 3;
 }
 
 double least_left_out(const RawPoint* points, int chosen, int count, double slop) {
