@@ -18,6 +18,10 @@ constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
+/// Of what is round, the least cosine between normals that are one: it meets each plane at a place
+/// of its own. Where planes up to 8 degrees apart were one, a ball that rolled in a bowl of them
+/// was stopped by one alone, sank into the next and was lifted: 1.3 times its energy in 10 s.
+constexpr double kSameRound = 1.0 - 1e-6;
 bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   if (l.rank != r.rank) return l.rank < r.rank;
   if (l.triangle != r.triangle) return l.triangle < r.triangle;
@@ -196,10 +200,11 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
 /// Moves the points of one normal, from `seed` on, to scratch.cluster, and numbers them.
 static void gather_cluster(MeshScratch& scratch, std::size_t seed, int number, double radius) {
   const Vec3 n = scratch.points[seed].normal;
+  const double same = radius > 0.0 ? kSameRound : kSameCluster;
   scratch.cluster.clear();
   for (std::size_t i = seed; i < scratch.points.size(); ++i) {
     MeshPoint& candidate = scratch.points[i];
-    if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameCluster) continue;
+    if (candidate.cluster >= 0 || candidate.normal.dot(n) < same) continue;
     candidate.cluster = number;
     // Measured along the common normal the gap stays what it was along the point's own.
     candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + radius) * n;

@@ -120,7 +120,7 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Vec3&
   for (SphereTouch& touch : near) {
     // Nearer ones of about the same normal stand for it. Regions are looked at last: it is dear.
     const bool taken = std::any_of(touches.begin(), touches.end(), [&](const SphereTouch& t) {
-      return t.normal.dot(touch.normal) >= kSameCluster;
+      return t.normal.dot(touch.normal) >= kIsFront;
     });
     if (taken) continue;
     if (touch.beside && !normal_allowed(surface, touch.triangle, -touch.normal)) continue;
