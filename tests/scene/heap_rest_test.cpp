@@ -60,7 +60,8 @@ std::shared_ptr<const TriangleMesh> level_mesh(double reach) {
 std::vector<Vec3> scanned_tin(pbd::SplitMix64& random, double size, double error) {
   const auto in_ball = [&] {
     for (;;) {
-      const Vec3 p(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+      Vec3 p;  // compilers differ in the order in which they evaluate arguments
+      for (int i = 3; i-- > 0;) p[i] = random.uniform(-1.0, 1.0);
       if (p.norm() <= 1.0) return p;
     }
   };
@@ -130,8 +131,8 @@ TEST_CASE("scene: towers that nobody has built exactly stand still and sleep",
     const double step = run % 2 == 0 ? kStep : 0.5 * kStep;
     std::vector<BodyId> cubes;
     for (int i = 0; i < count; ++i) {
-      const Vec3 place(offset * random.uniform(-1.0, 1.0), offset * random.uniform(-1.0, 1.0),
-                       (0.5 + i) * edge);
+      Vec3 place(0.0, 0.0, (0.5 + i) * edge);
+      for (int k = 2; k-- > 0;) place[k] = offset * random.uniform(-1.0, 1.0);
       cubes.push_back(scene.add(Box{Vec3::Constant(0.5 * edge)},
                                 {.pose = {.position = place}, .material = {.friction = 0.6}}));
     }
