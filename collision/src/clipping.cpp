@@ -18,9 +18,6 @@ constexpr double kParallel = 0.05;
 constexpr double kBias = 0.95;
 /// Share of the slop by which a point must lie below the others to bear in their place.
 constexpr double kBearing = 0.1;
-/// Of that, for a point that was chosen last time: left out as soon as others bear, it lets the
-/// body sink until it is found again, and 1 scanned tin in 75 rocked in each second step.
-constexpr double kKeptShare = 0.1;
 
 /// Corner of the polygon while it is being clipped. `edge` names the edge to the next corner:
 /// >= 0 an edge of the incident face, else ~k for side k of the reference face.
@@ -280,18 +277,16 @@ static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& we
 
 /// Exchanges the first three points until none lies below their plane: those bear the weight, and a
 /// tilt does not change which they are. The fourth is the deepest, where that is none of them, or
-/// the one that the body tips on to first. The deepest is never left out. Whether any was
-/// exchanged; then there are four.
-template <class Kept>
-static bool settle(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
-                   const Kept& kept) {
+/// the one that the body tips on to first, over the side that the weight is nearest to. Whether any
+/// was exchanged; then there are four.
+static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
+                   const Vec3& weight) {
   bool changed = false;
   for (int turn = 0; turn < 2 * count; ++turn) {
     int lowest = -1;
-    double least = 0.0;
+    double least = -slop;
     for (int i = 3; i < count; ++i) {
-      const double height =
-          above(points, normal, points[i]) + (kept(points[i]) ? kKeptShare * slop : slop);
+      const double height = above(points, normal, points[i]);
       if (height >= least) continue;
       least = height;
       lowest = i;
@@ -301,24 +296,26 @@ static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
     changed = true;
   }
   const auto deeper = [](const RawPoint& l, const RawPoint& r) { return l.gap < r.gap; };
-  auto first = static_cast<int>(std::min_element(points, points + count, deeper) - points);
-  if (!changed) {
-    // On a flat face that is tilted none lies below the plane of others.
-    RawPoint* const highest = std::max_element(points, points + 4, deeper);
-    const bool bears = points[first].gap < std::min_element(points, points + 4, deeper)->gap - slop;
-    if (bears) std::swap(*highest, points[first]);
-    return bears;
+  RawPoint* const deepest = std::min_element(points, points + count, deeper);
+  if (deepest->gap < std::min_element(points, points + 3, deeper)->gap - slop) {
+    std::swap(points[3], *deepest);
+    return true;
   }
-  double most = first < 3 ? -HUGE_VAL : HUGE_VAL;
-  for (int i = 3; i < count && most < HUGE_VAL; ++i) {
-    const double outside = -shares(points, normal, points[i].on_b).minCoeff();
-    const double score = outside / (std::max(0.0, above(points, normal, points[i])) + slop);
+  Eigen::Index side = 0;
+  shares(points, normal, weight).minCoeff(&side);
+  const auto first_met = [&](const RawPoint& p) {
+    return -shares(points, normal, p.on_b)[side] / (std::max(0.0, above(points, normal, p)) + slop);
+  };
+  int best = 3;
+  double most = std::max(0.0, first_met(points[3]));
+  for (int i = 4; i < count; ++i) {
+    const double score = kBias * first_met(points[i]);
     if (!(score > most)) continue;
     most = score;
-    first = i;
+    best = i;
   }
-  std::swap(points[3], points[first]);
-  return true;
+  std::swap(points[3], points[best]);
+  return changed || best > 3;
 }
 
 int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
@@ -377,7 +374,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const V
   const bool fourth = take(3, [&](const RawPoint& p) {
     return std::max({outside(p0, p1, p.on_b), outside(p1, p2, p.on_b), outside(p2, p0, p.on_b)});
   });
-  return settle(points, count, normal, kBearing * slop, weight, preferred) || fourth ? 4 : 3;
+  return settle(points, count, normal, kBearing * slop, weight) || fourth ? 4 : 3;
 }
 
 double least_left_out(const RawPoint* points, int chosen, int count, double slop) {

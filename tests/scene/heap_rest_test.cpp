@@ -60,8 +60,8 @@ std::shared_ptr<const TriangleMesh> level_mesh(double reach) {
 std::vector<Vec3> scanned_tin(pbd::SplitMix64& random, double size, double error) {
   const auto in_ball = [&] {
     for (;;) {
-      Vec3 p;  // compilers differ in the order in which they evaluate arguments
-      for (int i = 3; i-- > 0;) p[i] = random.uniform(-1.0, 1.0);
+      Vec3 p;
+      for (double& each : p) each = random.uniform(-1.0, 1.0);
       if (p.norm() <= 1.0) return p;
     }
   };
@@ -97,12 +97,12 @@ TEST_CASE("scene: in a heap of boxes nothing creeps on", "[scene][property][long
   }
 }
 
-// Of twelve corners that nearly touch four are chosen. One of them bore and was left out for
-// another in each second step: four of these rocked for ever.
+// Of the corners that nearly touch four are chosen. The one that the body tips on to was not one of
+// them, bore once it was found, and was left out again: 42 of 4000 like these rocked for ever, one
+// does.
 TEST_CASE("scene: scanned tins do not rock", "[scene][property]") {
-  int rocking = 0;
-  for (int run = 0; run < 160; ++run) {
-    pbd::SplitMix64 random(static_cast<std::uint64_t>(81 + run));
+  for (int run = 0; run < 200; ++run) {
+    pbd::SplitMix64 random(static_cast<std::uint64_t>(50 + run));
     Scene scene({.solver = {.sleep_after = 0.0}});
     const double size = std::exp(random.uniform(std::log(0.03), std::log(1.0)));  // m
     const double error = size * std::exp(random.uniform(std::log(1e-4), std::log(5e-3)));
@@ -114,9 +114,9 @@ TEST_CASE("scene: scanned tins do not rock", "[scene][property]") {
       scene.step(kStep);
       if (k >= 300) spin = std::max(spin, scene.world().twist(tin).angular.norm());
     }
-    if (spin > 1e-3) ++rocking;
+    INFO("run " << run << ": " << size << " m, points off by " << error << " m");
+    CHECK(spin <= 1e-3);
   }
-  CHECK(rocking <= 1);
 }
 
 TEST_CASE("scene: towers that nobody has built exactly stand still and sleep",
@@ -132,7 +132,7 @@ TEST_CASE("scene: towers that nobody has built exactly stand still and sleep",
     std::vector<BodyId> cubes;
     for (int i = 0; i < count; ++i) {
       Vec3 place(0.0, 0.0, (0.5 + i) * edge);
-      for (int k = 2; k-- > 0;) place[k] = offset * random.uniform(-1.0, 1.0);
+      for (double& each : place.head<2>()) each = offset * random.uniform(-1.0, 1.0);
       cubes.push_back(scene.add(Box{Vec3::Constant(0.5 * edge)},
                                 {.pose = {.position = place}, .material = {.friction = 0.6}}));
     }
