@@ -18,10 +18,7 @@ constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
-/// Of what is round, the least cosine between normals that are one: it meets each plane at a place
-/// of its own. Where planes up to 8 degrees apart were one, a ball that rolled in a bowl of them
-/// was stopped by one alone, sank into the next and was lifted: 1.3 times its energy in 10 s.
-constexpr double kSameRound = 1.0 - 1e-6;
+
 bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   if (l.rank != r.rank) return l.rank < r.rank;
   if (l.triangle != r.triangle) return l.triangle < r.triangle;

@@ -118,9 +118,9 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Vec3&
     return l.rank != r.rank ? l.rank < r.rank : l.triangle < r.triangle;
   });
   for (SphereTouch& touch : near) {
-    // Nearer ones of about the same normal stand for it. Regions are looked at last: it is dear.
+    // Nearer ones of the same normal stand for it. Regions are looked at last: it is dear.
     const bool taken = std::any_of(touches.begin(), touches.end(), [&](const SphereTouch& t) {
-      return t.normal.dot(touch.normal) >= kIsFront;
+      return t.normal.dot(touch.normal) >= kSameRound;
     });
     if (taken) continue;
     if (touch.beside && !normal_allowed(surface, touch.triangle, -touch.normal)) continue;

@@ -18,6 +18,11 @@ namespace tandem::collision {
 
 /// Cosine above which two normals belong to one manifold.
 inline constexpr double kSameCluster = 0.99;
+/// Likewise of what is round, which meets each plane at a place of its own. Where planes up to 8
+/// degrees apart were one, a ball that rolled in a bowl of them was stopped by one alone, sank into
+/// the next and was lifted: it came to 8 times its energy in 10 s. Boxes that slide without
+/// friction gain where this is theirs, 10 % in such a bowl.
+inline constexpr double kSameRound = 1.0 - 1e-6;
 /// Cosine above which a cluster carries on one of the last step.
 inline constexpr double kSameAsBefore = 0.9;
 /// Cosine above which a normal is the front's and noise.
