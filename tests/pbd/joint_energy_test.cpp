@@ -154,7 +154,8 @@ Gain random_assembly(unsigned seed, bool brakes, bool limits, bool light) {
     double own = mass * draw.decades(0.3, 3.0);
     if (light) own = i % 2 == 0 ? draw.decades(0.001, 0.1) : 10.0;
     const Vec3 from = i == 0 ? Vec3(Vec3::Zero()) : set.end_of(parent);
-    set.add_rod(own, from, draw.vector(1.0).normalized(), draw.vector(0.6 * spin));
+    const Vec3 w = draw.vector(0.6 * spin);
+    set.add_rod(own, from, draw.vector(1.0).normalized(), w);
     if (i == 0 && !held) continue;
     SixDofJointDef def = set.ball(parent, set.bodies.back(), from, draw.vector(1.0).normalized());
     const int kind = draw.below(3);
@@ -188,17 +189,13 @@ TEST_CASE("joint: chains and trees with friction, limits and cones only lose ene
   const bool limits = GENERATE(false, true);
   const bool light = GENERATE(false, true);
   if (!brakes && !limits) return;
-  int over = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     INFO("seed " << seed << ", friction " << brakes << ", limits " << limits << ", light "
                  << light);
     const Gain gain = random_assembly(seed, brakes, limits, light);
     CHECK(gain.ok);
-    // Of 200 other ones three gain more than 1e-3: compilers differ in which.
-    CHECK(gain.energy < 1e-2 * gain.range);
-    if (gain.energy > 1e-3 * gain.range) ++over;
+    CHECK(gain.energy < 1e-3 * gain.range);  // of 200 other ones three gain more
   }
-  CHECK(over <= 1);
 }
 
 TEST_CASE("joint: two limits with a light link between them come to rest together",
