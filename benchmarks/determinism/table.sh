@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Builds the program `determinism` with g++ and with clang, takes that for WebAssembly where it is built (preset
-# web), runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
+# Builds the program `determinism` with g++, with clang and, where it was built before (preset web), for
+# WebAssembly, runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
 #   benchmarks/determinism/table.sh [--cross] [what determinism takes: scenes, --steps N]
 # --cross: for ARM and for Windows as well, on emulators (cross.sh), ten minutes more
 set -euo pipefail
@@ -30,6 +30,7 @@ clang=build/determinism_clang++/bin/determinism
 "$clang" "$@" >"$results/3"
 names="g++, SSE2|g++, AVX2|clang"
 if [[ -f build/web/bin/determinism.js ]]; then
+  cmake --build build/web --target determinism >/dev/null
   node build/web/bin/determinism.js "$@" >"$results/4"
   names+="|wasm"
 fi
