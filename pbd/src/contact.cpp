@@ -276,7 +276,8 @@ double ContactBlock::project(const SubstepContext& ctx) {
   m.open_rows = std::max(m.open_rows, open);
   m.turned = true;
   const double change = ctx.h * m.largest_change();
-  if (ctx.iteration > 0) return change;  // they are those of the substep's start: opened already
+  // Overlaps are those of the substep's start: the first turn has opened them.
+  if (ctx.iteration > 0) return change;
   for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     const ContactRows& rows = m.rows[k];

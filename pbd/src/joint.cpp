@@ -198,6 +198,7 @@ void JointBlock::begin_substep(const SubstepContext& ctx) {
     impl_->system.begin(part, impl_->records, ctx, JointChannel::Real);
   });
 }
+
 double JointBlock::project(const SubstepContext& ctx) {
   double largest = 0.0;
   impl_->system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
@@ -211,6 +212,7 @@ void JointBlock::finish_projection(const SubstepContext& ctx) {
     impl_->system.finish_projection(part, impl_->records, ctx);
   });
 }
+
 void JointBlock::finish_velocity(const SubstepContext& ctx) {
   impl_->system.for_parts(ctx.group, false, [&](std::uint32_t part) {
     impl_->system.finish(part, impl_->records, ctx);
@@ -230,10 +232,9 @@ void JointBlock::begin_displacement(const SubstepContext& ctx) {
 
 double JointBlock::project_displacement(const SubstepContext& ctx) {
   double largest = 0.0;
-  JointSystem& system = impl_->system;
-  system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
-    if (!system.is_shared(part, ctx.bodies)) return;
-    largest = std::max(largest, system.iterate(part, impl_->records, ctx));
+  impl_->system.for_parts(ctx.group, ctx.reverse, [&](std::uint32_t part) {
+    if (!impl_->system.is_shared(part, ctx.bodies)) return;
+    largest = std::max(largest, impl_->system.iterate(part, impl_->records, ctx));
   });
   return largest;
 }
