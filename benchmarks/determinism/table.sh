@@ -30,7 +30,7 @@ clang=build/determinism_clang++/bin/determinism
 "$clang" "$@" >"$results/3"
 names="g++, SSE2|g++, AVX2|clang"
 if [[ -f build/web/bin/determinism.js ]]; then
-  cmake --build build/web --target determinism >/dev/null
+  NODE_PATH=/usr/share/nodejs cmake --build build/web --target determinism >/dev/null
   node build/web/bin/determinism.js "$@" >"$results/4"
   names+="|wasm"
 fi
