@@ -57,7 +57,7 @@ RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uin
   const double cosine = -axis.normal.dot(t.front);
   const double depth = std::max(0.0, -axis.separation);
   const double tolerance = a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
-  const bool is_front = cosine > kIsFront;
+  const bool is_front = cosine > kSameNormal;
   if (is_front || front.separation >= axis.separation - tolerance) {
     RawManifold flat = front_manifold(a, t, reach);
     if (flat.count > 0) return flat;
@@ -179,12 +179,18 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
   if (found.count > 0 || behind) return found;
   ++queries;
   Direction direction = query_direction(a, t, reach.margin);
-  const Vec3 moved = until_meeting(a, t, reach.way, reach.margin, direction, queries);
-  if (direction.status == Direction::Status::Apart) return found;
-  const ConvexCore there = moved_by(t, moved);
-  if (a.radius == 0.0 && !moved.isZero(0.0)) found = front_manifold(a, there, reach);
-  if (found.count == 0) {
-    found = triangle_manifold(a, mesh, index, there, pose, reach, direction);
+  Vec3 moved = until_meeting(a, t, reach.way, reach.margin, direction, queries);
+  if (direction.status != Direction::Status::Apart) {
+    const ConvexCore there = moved_by(t, moved);
+    if (a.radius == 0.0 && !moved.isZero(0.0)) found = front_manifold(a, there, reach);
+    if (found.count == 0) {
+      found = triangle_manifold(a, mesh, index, there, pose, reach, direction);
+    }
+  }
+  // Others stop it before it meets this one; over this one it ends.
+  if (found.count == 0 && gap - a.radius >= -kFrontSize * a.size && !reach.sweep.isZero(0.0)) {
+    moved = reach.sweep;
+    found = front_manifold(a, moved_by(t, moved), reach);
   }
   const double back = found.normal.dot(moved);
   for (int i = 0; i < found.count; ++i) {
@@ -197,11 +203,10 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
 /// Moves the points of one normal, from `seed` on, to scratch.cluster, and numbers them.
 static void gather_cluster(MeshScratch& scratch, std::size_t seed, int number, double radius) {
   const Vec3 n = scratch.points[seed].normal;
-  const double same = radius > 0.0 ? kSameRound : kSameCluster;
   scratch.cluster.clear();
   for (std::size_t i = seed; i < scratch.points.size(); ++i) {
     MeshPoint& candidate = scratch.points[i];
-    if (candidate.cluster >= 0 || candidate.normal.dot(n) < same) continue;
+    if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameNormal) continue;
     candidate.cluster = number;
     // Measured along the common normal the gap stays what it was along the point's own.
     candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + radius) * n;
@@ -225,7 +230,7 @@ std::size_t collide_mesh(const ConvexCore& a, const Surface& mesh, const MeshPos
     if (found.count == 0) continue;
     const Vec3 normal_l = to_mesh * found.normal;
     const bool known = std::any_of(previous.begin(), previous.end(), [&](const PatchTrace& p) {
-      return p.normal_l.dot(normal_l) > kIsFront;
+      return p.normal_l.dot(normal_l) > kSameNormal;
     });
     const double start = known ? 1e-3 * a.size : 0.0;
     for (int i = 0; i < found.count; ++i) {

@@ -20,7 +20,6 @@ constexpr double kOver = 1e-6;
 /// A triangle by its corners, and what a sphere wants of it.
 struct Facet {
   Vec3 p, q, r, front;
-  std::uint32_t number;
 
   /// How a sphere's centre lies: where it is on the front's side, or over the triangle.
   /// @return whether there may be a contact
@@ -35,11 +34,18 @@ struct Facet {
     if (region == 3 || (d + height * front).squaredNorm() < kOver * kOver) return true;
     touch.distance = d.norm();
     if (height < 0.0 || touch.distance < kOnSurface) return false;
-    if (height > kIsFront * touch.distance) return true;
+    if (height > kSameNormal * touch.distance) return true;
     if (height <= kRegionSlop * touch.distance) return false;
     touch.normal = d / touch.distance;
     touch.beside = true;
     return true;
+  }
+  /// Whether a point is over the triangle or under it.
+  bool spans(const Vec3& point) const {
+    const auto inside = [&](const Vec3& from, const Vec3& to) {
+      return front.dot((to - from).cross(point - from)) >= 0.0;
+    };
+    return inside(p, q) && inside(q, r) && inside(r, p);
   }
 };
 
@@ -67,6 +73,33 @@ struct Ball {
   return true;
 }
 
+/// Where the ball will meet the triangle; on surfaces that rise ahead of it others stop it before,
+/// and it ends over this one.
+/// @return whether there may be a contact
+bool meet(const Facet& facet, const Ball& ball, SphereTouch& touch) {
+  const double size = 2.0 * ball.radius;
+  const double height = facet.front.dot(ball.centre - facet.p);
+  if (height - ball.radius >= -kMet * size && !facet.spans(ball.centre) &&
+      facet.spans(ball.centre - ball.sweep)) {
+    touch.normal = -facet.front;
+    touch.distance = height;
+    touch.point = ball.centre - height * facet.front;
+    touch.beside = false;
+    return true;
+  }
+  if (!facet.touch(ball.centre, touch) || touch.distance >= ball.limit) return false;
+  bool met = true;
+  const auto look = [&](double share) {
+    met = facet.touch(ball.centre - share * ball.sweep, touch);
+    return Approach{touch.normal, met ? touch.distance - ball.radius : HUGE_VAL};
+  };
+  const Approach now{touch.normal, touch.distance - ball.radius};
+  if (share_to_meeting(ball.sweep, kMet * size, now, look) > 0.0) {
+    touch.distance = touch.normal.dot(touch.point - ball.centre);
+  }
+  return met;
+}
+
 /// Adds the triangle, where it is near enough.
 template <class Surface>
 void look_at(const Surface& surface, std::uint32_t triangle, const Ball& ball,
@@ -77,24 +110,12 @@ void look_at(const Surface& surface, std::uint32_t triangle, const Ball& ball,
   const Vec3& r = surface.vertex(corners[2]);
   const Vec3& front = surface.normal(triangle);
   if (!in_reach(p, q, r, front, ball, previous)) return;
-  const Facet facet{p, q, r, front, triangle};
-  SphereTouch touch{.triangle = facet.number};
-  if (!facet.touch(ball.centre, touch) || touch.distance >= ball.limit) return;
-  bool met = true;
-  const auto look = [&](double share) {
-    met = facet.touch(ball.centre - share * ball.sweep, touch);
-    return Approach{touch.normal, met ? touch.distance - ball.radius : HUGE_VAL};
-  };
-  const Approach now{touch.normal, touch.distance - ball.radius};
-  const double size = 2.0 * ball.radius;
-  if (share_to_meeting(ball.sweep, kMet * size, now, look) > 0.0) {
-    if (!met) return;
-    touch.distance = touch.normal.dot(touch.point - ball.centre);
-  }
+  SphereTouch touch{.triangle = triangle};
+  if (!meet({p, q, r, front}, ball, touch)) return;
   const bool known = std::any_of(previous.begin(), previous.end(), [&](const PatchTrace& trace) {
-    return trace.normal_l.dot(touch.normal) > kIsFront;
+    return trace.normal_l.dot(touch.normal) > kSameNormal;
   });
-  touch.rank = (touch.distance - ball.radius) - (known ? 1e-3 * size : 0.0);
+  touch.rank = (touch.distance - ball.radius) - (known ? 2e-3 * ball.radius : 0.0);
   near.push_back(touch);
 }
 
@@ -120,7 +141,7 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Vec3&
   for (SphereTouch& touch : near) {
     // Nearer ones of the same normal stand for it. Regions are looked at last: it is dear.
     const bool taken = std::any_of(touches.begin(), touches.end(), [&](const SphereTouch& t) {
-      return t.normal.dot(touch.normal) >= kSameRound;
+      return t.normal.dot(touch.normal) >= kSameNormal;
     });
     if (taken) continue;
     if (touch.beside && !normal_allowed(surface, touch.triangle, -touch.normal)) continue;

@@ -16,17 +16,12 @@
 
 namespace tandem::collision {
 
-/// Cosine above which two normals belong to one manifold.
-inline constexpr double kSameCluster = 0.99;
-/// Likewise of what is round, which meets each plane at a place of its own. Where planes up to 8
-/// degrees apart were one, a ball that rolled in a bowl of them was stopped by one alone, sank into
-/// the next and was lifted: it came to 8 times its energy in 10 s. Boxes that slide without
-/// friction gain where this is theirs, 10 % in such a bowl.
-inline constexpr double kSameRound = 1.0 - 1e-6;
 /// Cosine above which a cluster carries on one of the last step.
 inline constexpr double kSameAsBefore = 0.9;
-/// Cosine above which a normal is the front's and noise.
-inline constexpr double kIsFront = 1.0 - 1e-6;
+/// Cosine above which two normals are one, and noise between them. Where planes up to 8 degrees
+/// apart were one manifold, what rolled in a bowl of them sank into the next and was lifted: a ball
+/// came to 8 times its energy in 10 s, a cylinder to twice.
+inline constexpr double kSameNormal = 1.0 - 1e-6;
 /// Sine by which a normal may leave a Voronoi region.
 inline constexpr double kRegionSlop = 1e-4;
 /// By what share of its size the box is wider that triangles are searched for.

@@ -206,4 +206,58 @@ TEST_CASE("spin: a ball in a bowl of facets swings no higher than it began", "[s
   }
 }
 
+TEST_CASE("spin: whatever swings in a channel of facets swings no higher than it began",
+          "[scene][invariant]") {
+  std::mt19937_64 random(29);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int run = 0; run < 60; ++run) {
+    const double size = std::pow(10.0, -1.5 + unit(random));  // m
+    const double radius = (3.0 + 3.0 * unit(random)) * size;
+    const int count = 16 << run % 5;  // facets of 8.6 to 0.5 degrees
+    const auto at = [&](double angle, double y) {
+      return Vec3(radius * std::sin(angle), y, radius * (1.0 - std::cos(angle)));
+    };
+    std::vector<Vec3> points;
+    std::vector<collision::TriangleMesh::Triangle> triangles;
+    for (std::uint32_t k = 0; k <= static_cast<std::uint32_t>(count); ++k) {
+      for (const double y : {-3.0 * size, 3.0 * size}) {
+        points.push_back(at(-1.2 + 2.4 * k / count, y));
+      }
+      if (k == 0) continue;
+      triangles.push_back({2 * k - 2, 2 * k, 2 * k + 1});
+      triangles.push_back({2 * k - 2, 2 * k + 1, 2 * k - 1});
+    }
+    const double friction = run % 2 == 0 ? 0.0 : 0.5;
+    Scene scene;
+    scene.add(collision::TriangleMesh::make(points, triangles),
+              {.type = BodyType::Static, .material = {.friction = friction}});
+    const int kind = run / 5 % 4;
+    const collision::Shape shapes[] = {collision::Sphere{0.4 * size},
+                                       collision::Capsule{0.4 * size, 0.4 * size},
+                                       collision::Cylinder{0.4 * size, 0.4 * size},
+                                       collision::Box{0.4 * size, 0.4 * size, 0.4 * size}};
+    const double angle = 0.4 + 0.3 * unit(random);
+    const bool across = kind == 1 || kind == 2;  // it rolls along the channel
+    const BodyId body =
+        scene.add(shapes[kind],
+                  {.pose = {.position = at(angle, 0.0) +
+                                        0.43 * size * Vec3(-std::sin(angle), 0.0, std::cos(angle)),
+                            .orientation = across ? turn(0.5 * kPi * Vec3::UnitX())
+                                                  : turn(-angle * Vec3::UnitY())},
+                   .material = {.friction = friction}});
+    const double weight = scene.world().props(body).mass * kGravity;
+    const auto energy = [&] { return scene.world().mechanical_energy() - 0.4 * size * weight; };
+    const double rate = 30.0 * (1 << run % 3);  // Hz
+    double start = 0.0, most = 0.0;
+    for (int k = 0; k < static_cast<int>(8.0 * rate); ++k) {
+      scene.step(1.0 / rate);
+      if (k == static_cast<int>(0.3 * rate)) start = energy();
+      if (start > 0.0) most = std::max(most, energy());
+    }
+    INFO("run " << run << ": shape " << kind << ", " << size << " m, " << count << " facets, "
+                << rate << " Hz");
+    CHECK(most <= 1.01 * start);
+  }
+}
+
 }  // namespace spin_test
