@@ -56,6 +56,7 @@ void start_bodies(const JointPart& part) {
 
 void prepare(const JointPart& part) {
   part.progress.prepared = true;
+  part.progress.position_iteration = part.ctx.iteration;
   part.progress.factored = false;
   const double ease = part.progress.closing ? kClosingTurn : 1.0;
   part.for_bodies([&](JointSlot& slot, const SolverBody& body) {
@@ -100,11 +101,15 @@ void turn(SolverBody& body, JointSlot& slot, double h) {
     return;
   }
   const Mat3 axes = slot.q.toRotationMatrix();
-  const Mat3 inertia_l = axes.transpose() * body.inv_inertia_w.inverse() * axes;
+  if (slot.inertia_l.isZero(0.0)) {
+    slot.inv_inertia_l = axes.transpose() * body.inv_inertia_w * axes;
+    slot.inertia_l = slot.inv_inertia_l.inverse();
+    slot.principal = principal_axes(slot.inertia_l);
+  }
   const Vec3 spin_l = axes.transpose() * (slot.w + body.dtheta / h);
-  const Vec3 momentum_w = axes * (inertia_l * spin_l);
-  Vec3 w_l = inertia_l.inverse() * (slot.q_start.conjugate() * momentum_w);
-  body.q = free_rotation(slot.q_start, principal_axes(inertia_l), w_l, h);
+  const Vec3 momentum_w = axes * (slot.inertia_l * spin_l);
+  Vec3 w_l = slot.inv_inertia_l * (slot.q_start.conjugate() * momentum_w);
+  body.q = free_rotation(slot.q_start, slot.principal, w_l, h);
 }
 
 /// A turn that no gradient reaches is taken in parts: scale the moves to what one iteration may
@@ -189,9 +194,26 @@ double newton(const JointPart& part) {
   return move_bodies(part);
 }
 
-}  // namespace
+/// Whether a part that held does so still: no other rows have moved its bodies since.
+bool still_holds(const JointPart& part) {
+  bool same = part.progress.holds;
+  if (!same) return false;
+  part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
+    same = same && body.dx == slot.seen_dx && body.dtheta == slot.seen_dtheta;
+  });
+  return same;
+}
 
-double newton_iteration(const JointPart& part) {
+void note_whether_it_holds(const JointPart& part, double left) {
+  part.progress.holds = left <= part.ctx.joint_tolerance;
+  if (!part.progress.holds) return;
+  part.for_bodies([](JointSlot& slot, const SolverBody& body) {
+    slot.seen_dx = body.dx;
+    slot.seen_dtheta = body.dtheta;
+  });
+}
+
+double iterate(const JointPart& part) {
   JointProgress& progress = part.progress;
   if (progress.channel == JointChannel::Displacement) {
     // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
@@ -236,6 +258,16 @@ double newton_iteration(const JointPart& part) {
   if (progress.pinned) return std::max(progress.last_move, kTrust);  // they may be wanted again
   return progress.iteration > 1 && !progress.changed ? rest_of(progress.last_move, before)
                                                      : progress.last_move;
+}
+
+}  // namespace
+
+double newton_iteration(const JointPart& part) {
+  const bool same_turn = part.progress.position_iteration == part.ctx.iteration;
+  if (same_turn && still_holds(part)) return 0.0;
+  const double left = iterate(part);
+  note_whether_it_holds(part, left);
+  return left;
 }
 
 }  // namespace tandem::pbd

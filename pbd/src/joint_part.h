@@ -75,6 +75,11 @@ struct JointSlot {
   Quat q = Quat::Identity();           ///< predicted
   bool alone = false;                  ///< no other rows have turned it from there
   bool carried = false;                ///< what turns it is an impulse at the substep's start
+  Mat3 inertia_l = Mat3::Zero();       ///< kg m^2, as the step began; 0: not asked for yet
+  Mat3 inv_inertia_l = Mat3::Zero();
+  PrincipalAxes principal;      ///< of inertia_l
+  Vec3 seen_dx = Vec3::Zero();  ///< the body's corrections when its part held
+  Vec3 seen_dtheta = Vec3::Zero();
   // As the plan was made:
   bool turns_freely = false;
   bool primary = false;  ///< the first one of its body
@@ -89,6 +94,7 @@ struct JointProgress {
   static constexpr double kRedundancy = 1e-6;
 
   bool prepared = false;
+  bool holds = false;  ///< nothing has to move by more than the tolerance
   bool factored = false;
   bool changed = false;  ///< the last iteration had other rows than the one before
   bool pinned = false;   ///< rows have come to a corner of their law in it

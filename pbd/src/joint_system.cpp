@@ -144,7 +144,10 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
                         JointChannel channel) {
   progress_[p] = {.channel = channel};
   const JointPart part = part_of(p, records, ctx);
-  part.for_bodies([](JointSlot& slot, const SolverBody& body) { slot.q_start = body.q; });
+  part.for_bodies([&](JointSlot& slot, const SolverBody& body) {
+    slot.q_start = body.q;
+    if (ctx.substep == 0) slot.inertia_l.setZero();
+  });
   if (channel == JointChannel::Real) resync_leapfrog(part);
   if (channel == JointChannel::Displacement) {
     part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {

@@ -63,6 +63,7 @@ void Solver::Impl::begin_step(World& world, double dt) {
   context_ = {.bodies = bodies_.all(),
               .h = dt / options_.substeps,
               .substeps = options_.substeps,
+              .joint_tolerance = options_.joint_tolerance,
               .gravity = world.gravity_,
               .workers = &workers_,
               .order = world.order(),

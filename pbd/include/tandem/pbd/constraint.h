@@ -72,13 +72,14 @@ enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 /// What a block is told about the substep.
 struct TANDEM_API SubstepContext {
   std::span<SolverBody> bodies;
-  double h = 0.0;               ///< s, length of the substep
-  int substep = 0;              ///< index within the step
-  int substeps = 1;             ///< of the group
-  int iteration = 0;            ///< of SolverOptions::position_iterations
-  bool last = false;            ///< the last one of the step
-  bool reverse = false;         ///< sweep the rows backwards (alternates between substeps)
-  Vec3 gravity = Vec3::Zero();  ///< m/s^2
+  double h = 0.0;                ///< s, length of the substep
+  int substep = 0;               ///< index within the step
+  int substeps = 1;              ///< of the group
+  int iteration = 0;             ///< of SolverOptions::position_iterations
+  bool last = false;             ///< the last one of the step
+  double joint_tolerance = 0.0;  ///< see SolverOptions
+  bool reverse = false;          ///< sweep the rows backwards (alternates between substeps)
+  Vec3 gravity = Vec3::Zero();   ///< m/s^2
   /// Verbs between begin_substep and finish_velocity concern only rows of this group: those one of
   /// whose bodies carries its number.
   std::uint32_t group = 0;
