@@ -234,7 +234,7 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
     const auto propose = [&](std::uint32_t i, std::uint32_t j) {
       const std::uint32_t low = std::min(i, j);
       const std::uint32_t high = std::max(i, j);
-      if (known(low, high) || !may_touch(colliders[i], colliders[j])) return;
+      if (known(low, high) || !meet(colliders[i], colliders[j])) return;
       search.found.push_back({low, high, 0, true});
     };
     for (std::size_t k = begin; k < end; ++k) {
@@ -280,6 +280,7 @@ void BroadPhase::merge_found() {
 }
 
 void BroadPhase::assign(const BroadPhase& source) {
+  apart = source.apart;
   tree_ = source.tree_;
   fixed_tree_ = source.fixed_tree_;
   leaves_ = source.leaves_;

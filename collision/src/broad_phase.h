@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "aabb_tree.h"
+#include "apart_bodies.h"
 #include "collider.h"
 #include "tandem/pbd/workers.h"
 
@@ -25,7 +26,8 @@ struct ColliderPair {
   }
 };
 
-/// Whether two colliders make contacts at all: bodies, kinds, filters.
+/// Whether two colliders make contacts at all, by their bodies, kinds and filters. See
+/// BroadPhase::meet() for pairs of bodies.
 bool may_touch(const Collider& a, const Collider& b);
 
 /// m: how far a collider may wander at most before its fat box is made anew.
@@ -36,6 +38,14 @@ class BroadPhase {
  public:
   void add(std::uint32_t index, const Collider& collider);
   void remove(std::uint32_t index, const Collider& collider);
+
+  /// Whether two colliders make contacts in this step.
+  bool meet(const Collider& a, const Collider& b) const {
+    return may_touch(a, b) && !apart.contains(a.def.body.index, b.def.body.index);
+  }
+  /// Its changes take effect with ApartBodies::update(), for colliders that are then looked at
+  /// again.
+  ApartBodies apart;
 
   /// Forget the collider's box and pairs, so that the next update() finds them anew.
   void look_again(std::uint32_t index);
@@ -86,10 +96,10 @@ class BroadPhase {
     const std::uint32_t leaf = leaves_[index] & ~kFixed;
     return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
   }
-  /// All that are to go, and those that `apart` says of, in one pass.
-  void drop_pairs(auto&& apart) {
+  /// All that are to go, and those that `parted` says of, in one pass.
+  void drop_pairs(auto&& parted) {
     std::erase_if(pairs_, [&](const ColliderPair& pair) {
-      const bool gone = dropped_[pair.low] != 0 || dropped_[pair.high] != 0 || apart(pair);
+      const bool gone = dropped_[pair.low] != 0 || dropped_[pair.high] != 0 || parted(pair);
       if (gone) free_slots_.push_back(pair.cache);
       return gone;
     });

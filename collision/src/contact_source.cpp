@@ -22,7 +22,7 @@ namespace {
 
 /// Colliders that one worker takes at a time.
 constexpr std::size_t kColliderGrain = 128;
-constexpr std::uint32_t kCacheMagic = 0x34434354;  // "TCC4"
+constexpr std::uint32_t kCacheMagic = 0x35434354;  // "TCC5"
 
 /// @throws std::invalid_argument naming field, value and rule
 void check_def(const pbd::World& world, const ColliderDef& def) {
@@ -73,6 +73,7 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl : public SceneS
   /// @return the collider's slot
   std::uint32_t checked(ColliderId id, const char* what) const;
   void update_order(const pbd::World& world);
+  void look_again_at(std::uint32_t body);
   void sum_stats(std::span<const pbd::Manifold> found);
   bool load(pbd::ByteReader& in);
   void forget();
@@ -98,6 +99,10 @@ void CollisionScene::Impl::update_order(const pbd::World& world) {
   restored = false;
   natural_order = order.natural();
   put_in_order(colliders, order);
+}
+
+void CollisionScene::Impl::look_again_at(std::uint32_t body) {
+  by_body.for_rows(body, [&](std::uint32_t row, std::uint32_t) { broad.look_again(row); });
 }
 
 void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
@@ -187,6 +192,22 @@ void CollisionScene::set_user_data(ColliderId id, std::uint64_t value) {
   impl_->colliders[impl_->checked(id, "set_user_data")].def.user_data = value;
 }
 
+void CollisionScene::set_apart(const pbd::World& world, pbd::BodyId a, pbd::BodyId b, bool apart) {
+  pbd::detail::require_body(world, a, "CollisionScene::set_apart", "a");
+  pbd::detail::require_body(world, b, "CollisionScene::set_apart", "b");
+  pbd::detail::require(a != b, "CollisionScene::set_apart", "b", b.index, "another body than a");
+  if (impl_->broad.apart.name(pbd::BodyPair::of(a.index, b.index), apart)) impl_->changes.note();
+}
+
+bool CollisionScene::is_apart(pbd::BodyId a, pbd::BodyId b) const {
+  return impl_->broad.apart.named(a.index, b.index);
+}
+
+std::vector<pbd::BodyPair> CollisionScene::apart() const {
+  const auto pairs = impl_->broad.apart.named();
+  return {pairs.begin(), pairs.end()};
+}
+
 bool CollisionScene::contains(ColliderId id) const { return impl_->contains(id); }
 const ColliderDef& CollisionScene::collider(ColliderId id) const {
   return impl_->colliders[impl_->checked(id, "collider")].def;
@@ -225,6 +246,7 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
   Impl& m = *impl_;
   const std::size_t first = out.size();
   m.update_order(world);
+  m.broad.apart.update(world, [&](std::uint32_t body) { m.look_again_at(body); });
   if (std::exchange(m.sleepers_moved, world.sleepers_moved()) != world.sleepers_moved()) {
     for (Collider& collider : m.colliders) collider.asleep = false;
   }
@@ -256,6 +278,7 @@ void CollisionScene::remove_body(pbd::BodyId body) {
   for (const std::uint32_t i : m.by_body.rows_of(body.index)) {
     if (m.colliders[i].def.body == body) remove({i, m.colliders[i].generation});
   }
+  m.broad.apart.remove_body(body.index);
 }
 
 void CollisionScene::save(pbd::ByteWriter& out) const {
@@ -274,6 +297,7 @@ void CollisionScene::save(pbd::ByteWriter& out) const {
     out.vec3(m.broad.fat_box(i).min);
     out.vec3(m.broad.fat_box(i).max);
   }
+  m.broad.apart.save(out);
   out.u32(static_cast<std::uint32_t>(m.broad.pairs().size()));
   for (const ColliderPair& pair : m.broad.pairs()) {
     out.u32(pair.low);
@@ -306,11 +330,12 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
       broad.remember_plane(i, fat);
     }
   }
+  if (!broad.apart.load(in)) return false;
   const std::uint32_t count = in.u32();
   for (std::uint32_t k = 0; k < count && !in.failed(); ++k) {
     const std::uint32_t low = in.u32();
     const std::uint32_t high = in.u32();
-    if (low >= high || high >= colliders.size() || !may_touch(colliders[low], colliders[high])) {
+    if (low >= high || high >= colliders.size() || !broad.meet(colliders[low], colliders[high])) {
       return false;
     }
     if (!broad.pairs().empty() && !(broad.pairs().back() < ColliderPair{low, high, 0, false})) {
@@ -337,9 +362,13 @@ void CollisionScene::load(pbd::ByteReader& in) {
 }
 
 bool CollisionScene::fits(const pbd::World& world) const {
-  return std::all_of(impl_->colliders.begin(), impl_->colliders.end(), [&](const Collider& c) {
-    return !c.alive || world.body_at(c.def.body.index).valid();
-  });
+  const auto is_body = [&](std::uint32_t slot) { return world.body_at(slot).valid(); };
+  const auto pairs = impl_->broad.apart.named();
+  return std::all_of(impl_->colliders.begin(), impl_->colliders.end(),
+                     [&](const Collider& c) { return !c.alive || is_body(c.def.body.index); }) &&
+         std::all_of(pairs.begin(), pairs.end(), [&](const pbd::BodyPair& pair) {
+           return is_body(pair.low) && is_body(pair.high);
+         });
 }
 
 std::unique_ptr<pbd::ContactSource> CollisionScene::make_empty() const {

@@ -95,6 +95,7 @@ struct MotionLimiter::Step {
   std::span<const std::uint8_t> chained;  ///< by body slot
 
   const pbd::Pose& end(const Collider& c) const { return after[c.def.body.index]; }
+  bool meet(const Collider& a, const Collider& b) const { return broad.meet(a, b); }
   /// Whether it stops where its surface meets something. What is chained does not: the others
   /// would go on and tear at it.
   bool is_swept(std::uint32_t i) const {
@@ -233,7 +234,7 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
   step.broad.query(way, swept && step.pace[index] == kPaceSwift, worker.stack,
                    [&](std::uint32_t other) {
                      const Collider& target = step.colliders[other];
-                     if (!target.finite || !is_finite(step.end(target)) || !may_touch(c, target))
+                     if (!target.finite || !is_finite(step.end(target)) || !step.meet(c, target))
                        return;
                      if (target.dynamic) {
                        if (!target.is_convex()) return;

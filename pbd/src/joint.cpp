@@ -254,6 +254,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
   if (!wanted.empty()) want_substeps(impl_->records, ctx, wanted);
   for (JointRecord& record : impl_->records) {
     if (!record.alive) continue;
+    if (record.broke) impl_->apart_known = false;
     JointState& state = record.state;
     double c[kCoordinates] = {};
     const SolverBody ground;
@@ -320,6 +321,11 @@ void JointBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& j
   });
 }
 
+void JointBlock::append_apart(std::vector<BodyPair>& pairs) const {
+  const std::vector<BodyPair>& apart = impl_->kept_apart();
+  pairs.insert(pairs.end(), apart.begin(), apart.end());
+}
+
 void JointBlock::remove_body(BodyId body) {
   for (const std::uint32_t row : impl_->named().rows_of(body.index)) impl_->erase(row);
 }
@@ -371,6 +377,7 @@ void JointBlock::load(ByteReader& in) {
   const std::uint32_t changed = in.u32();
   for (std::uint32_t i = 0; i < changed && !in.failed(); ++i) impl_->changed.push_back(in.u32());
   impl_->dirty = true;
+  impl_->apart_known = false;
 }
 
 bool JointBlock::fits(const World& world) const {

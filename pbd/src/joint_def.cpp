@@ -78,6 +78,7 @@ SixDofJointDef base(const auto& def) {
   six.linear.fill(locked(def.compliance, def.damping));
   six.break_force = def.break_force;
   six.break_torque = def.break_torque;
+  six.collide_connected = def.collide_connected;
   return six;
 }
 

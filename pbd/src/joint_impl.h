@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "joint_system.h"
@@ -111,9 +112,23 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
   void note_change(const JointRecord& record) {
     if (record.def.a.valid()) changed.push_back(record.def.a.index);
     changed.push_back(record.def.b.index);
+    apart_known = false;
+  }
+  /// See ConstraintBlock::append_apart().
+  const std::vector<BodyPair>& kept_apart() {
+    if (std::exchange(apart_known, true)) return apart;
+    apart.clear();
+    for (const JointRecord& record : records) {
+      const SixDofJointDef& def = record.def;
+      if (!record.active() || def.collide_connected || !def.a.valid()) continue;
+      apart.push_back(BodyPair::of(def.a.index, def.b.index));
+    }
+    return apart;
   }
 
   std::vector<std::uint32_t> changed;  ///< bodies, until the next step
+  std::vector<BodyPair> apart;         ///< see kept_apart()
+  bool apart_known = true;
   std::vector<JointRecord> records;
   std::vector<std::uint32_t> generations;
   std::vector<std::uint32_t> free;

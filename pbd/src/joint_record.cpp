@@ -19,7 +19,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   for (auto& axis : def.linear) axis_fields(io, axis);
   for (auto& axis : def.angular) axis_fields(io, axis);
   io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque, def.start,
-     def.enabled);
+     def.enabled, def.collide_connected);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
      record.energy_excess, record.h);
   io(state.position, state.swing, state.load, state.force, state.torque, state.residual,

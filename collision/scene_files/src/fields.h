@@ -140,6 +140,7 @@ void joint_fields(Io& io, Def& def) {
   io("frameB", def.frame_b);
   io("breakForce", def.break_force);
   io("breakTorque", def.break_torque);
+  io("collideConnected", def.collide_connected);
 }
 
 void fields(auto& io, pbd::SixDofJointDef& def) {

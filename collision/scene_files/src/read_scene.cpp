@@ -261,6 +261,15 @@ void read_document(const Place& at, SceneFile& out) {
       out.joints.push_back(reader.joint(joints.at(i), names));
     }
   }
+  if (io.has("apart")) {
+    const Place pairs = at.at("apart");
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const Place pair = pairs.at(i);
+      const BodyId a = names(pair.at(std::size_t{0}));
+      const BodyId b = names(pair.at(std::size_t{1}));
+      pair.guard([&] { out.scene.set_apart(a, b); });
+    }
+  }
   io.finish();
 }
 

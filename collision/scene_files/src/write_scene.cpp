@@ -186,6 +186,9 @@ std::string write_scene(const Scene& scene, std::span<const SceneFile::Body> bod
     list[places.at(def.body.index)]["colliders"].push_back(std::move(collider));
   }
   out["joints"] = scene_files::write_joints(world, joints, places);
+  for (const pbd::BodyPair& pair : shapes.apart()) {
+    out["apart"].push_back({places.at(pair.low), places.at(pair.high)});
+  }
   try {
     return out.dump(1) + '\n';
   } catch (const json::exception& error) {

@@ -12,6 +12,7 @@
 
 #include "tandem/collision/material.h"
 #include "tandem/collision/shape.h"
+#include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/manifold.h"
 
@@ -100,6 +101,16 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   void set_material(ColliderId id, const Material& material);
   void set_filter(ColliderId id, const Filter& filter);
   void set_user_data(ColliderId id, std::uint64_t value);
+  /// Two bodies touch each other no more, or again, from the next step on, whatever their filters
+  /// say; sensors and queries see both. Joints keep bodies apart by
+  /// pbd::SixDofJointDef::collide_connected. Part of snapshots and copies, until one of the two is
+  /// removed.
+  /// @throws std::invalid_argument where one is no body of the world, or both are the same
+  void set_apart(const pbd::World& world, pbd::BodyId a, pbd::BodyId b, bool apart = true);
+  /// Whether set_apart() said so.
+  bool is_apart(pbd::BodyId a, pbd::BodyId b) const;
+  /// All of them by slot, ascending.
+  std::vector<pbd::BodyPair> apart() const;
   bool contains(ColliderId id) const;
   /// The reference is good until the next add(), remove(), load() or assign().
   /// @throws std::invalid_argument where the id names no collider

@@ -86,6 +86,10 @@ class TANDEM_API Scene {
   /// other. The first is the least number there is; they go up from there.
   /// @see collision::CollisionScene::new_group
   std::int32_t new_group();
+  /// Two bodies pass through each other, or touch again. @see collision::CollisionScene::set_apart
+  void set_apart(BodyId a, BodyId b, bool apart = true) {
+    shapes().set_apart(world(), a, b, apart);
+  }
   /// With its shapes and joints.
   void remove(BodyId body) { world().remove_body(body); }
   /// Of any kind: scene.add_joint(pbd::hinge_joint_at(scene.world(), frame, door, point, axis)).

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -126,6 +127,16 @@ struct ConstraintEdge {
   bool repeats = true;
 };
 
+/// Two bodies by slot, low < high.
+struct BodyPair {
+  std::uint32_t low = 0, high = 0;
+
+  static BodyPair of(std::uint32_t a, std::uint32_t b) {
+    return a < b ? BodyPair{a, b} : BodyPair{b, a};
+  }
+  friend auto operator<=>(const BodyPair&, const BodyPair&) = default;
+};
+
 /// All constraints of one kind in a world: the only thing that the solver knows of them. Each of
 /// the eleven verbs of a step, `begin_step` to `end_step`, runs over all rows of the block, or over
 /// those of a group. Only `project` must be given.
@@ -179,6 +190,9 @@ class TANDEM_API ConstraintBlock {
   /// Asked for each body that is set or removed: what looks at all rows for that, as this does,
   /// makes clearing a heap take as long as its square.
   virtual void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const;
+  /// Append the pairs of bodies between which there are to be no contacts, in any order. Asked
+  /// before contacts are looked for.
+  virtual void append_apart(std::vector<BodyPair>& /*pairs*/) const {}
   /// Append the bodies whose rows were added, changed or removed since the last call: they wake.
   virtual void take_changed(std::vector<std::uint32_t>& /*bodies*/) {}
   /// A body is about to leave the world: drop the rows that name it.

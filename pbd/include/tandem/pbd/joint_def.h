@@ -73,6 +73,9 @@ struct TANDEM_API SixDofJointDef {
   /// nearest to this.
   double start = 0.0;
   bool enabled = true;
+  /// Whether the bodies touch each other while the joint holds them: neither where it is off nor
+  /// where it has broken does it keep them apart.
+  bool collide_connected = true;
 };
 
 // Short forms. What they begin with is the same in all of them; compliances and dampings are those
@@ -88,6 +91,7 @@ struct TANDEM_API FixedJointDef {
   double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
+  bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor): a short form of it
 };
 
@@ -105,6 +109,7 @@ struct TANDEM_API BallJointDef {
   bool limit_twist = false;         ///< by the next two
   double lower_twist = 0.0;         ///< rad
   double upper_twist = 0.0;         ///< rad
+  bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
@@ -120,6 +125,7 @@ struct TANDEM_API HingeJointDef {
   double break_torque = 0.0;        ///< N m
   JointAxis axis;                   ///< rad, N m
   double start = 0.0;               ///< rad, as above
+  bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
@@ -135,6 +141,7 @@ struct TANDEM_API SliderJointDef {
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
   JointAxis axis;                   ///< m, N
+  bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
@@ -153,6 +160,7 @@ struct TANDEM_API WheelJointDef {
   double steer = 0.0;               ///< rad, about z
   JointMotor drive;                 ///< of the axle, rad/s, N m
   double brake = 0.0;               ///< N m, >= 0: above 0 it holds the axle, and nothing drives it
+  bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
