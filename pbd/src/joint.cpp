@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "joint_impl.h"
+#include "joint_spring.h"
 
 namespace tandem::pbd {
 namespace {
@@ -85,6 +86,7 @@ JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
   record.def.frame_b.basis.normalize();
   record.alive = true;
   record.refresh();
+  weigh_springs(record, world);
   record.start(standing(world, def.a), standing(world, def.b));
   impl_->dirty = true;
   impl_->note_change(record);
@@ -116,6 +118,7 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   record.def.frame_b.basis.normalize();
   const int turned = record.turning;
   record.refresh();
+  weigh_springs(record, world);
   if (record.turning != turned)
     record.twist = record.state.position[static_cast<std::size_t>(record.turn(0))];
   impl_->note_change(record);

@@ -45,8 +45,26 @@ void check_compliance(double value, const JointField& field) {
 void check_axis(const JointAxis& axis, const JointField& field) {
   check_compliance(axis.compliance, field / "compliance");
   check_at_least_0(axis.damping, field / "damping");
+  if (axis.freedom == Freedom::Free) {
+    demand(axis.damping == 0.0, field / "damping", axis.damping,
+           "0 on a free axis, which has no stops to damp (spring.damping damps its motion)");
+    demand(axis.compliance == 0.0, field / "compliance", axis.compliance,
+           "0 on a free axis, which has no stops to give way");
+  }
+  check_at_least_0(axis.friction, field / "friction");
   check_at_least_0(axis.spring.stiffness, field / "spring.stiffness");
   check_at_least_0(axis.spring.damping, field / "spring.damping");
+  check_at_least_0(axis.spring.frequency, field / "spring.frequency");
+  check_at_least_0(axis.spring.damping_ratio, field / "spring.damping_ratio");
+  if (axis.spring.frequency > 0.0) {
+    demand(axis.spring.stiffness == 0.0, field / "spring.stiffness", axis.spring.stiffness,
+           "0 where there is a frequency");
+    demand(axis.spring.damping == 0.0, field / "spring.damping", axis.spring.damping,
+           "0 where there is a frequency, which goes with a damping_ratio");
+  } else {
+    demand(axis.spring.damping_ratio == 0.0, field / "spring.damping_ratio",
+           axis.spring.damping_ratio, "0 without a frequency");
+  }
   demand(std::isfinite(axis.spring.rest), field / "spring.rest", axis.spring.rest, "finite");
   demand(std::isfinite(axis.motor.target), field / "motor.target", axis.motor.target, "finite");
   demand(axis.motor.max_force > 0.0, field / "motor.max_force", axis.motor.max_force, "> 0");
@@ -61,6 +79,9 @@ void check_axis(const JointAxis& axis, const JointField& field) {
            static_cast<double>(axis.motor.mode), "off on a locked axis");
     demand(axis.spring.stiffness == 0.0 && axis.spring.damping == 0.0, field / "spring.stiffness",
            axis.spring.stiffness, "0 on a locked axis");
+    demand(axis.spring.frequency == 0.0, field / "spring.frequency", axis.spring.frequency,
+           "0 on a locked axis");
+    demand(axis.friction == 0.0, field / "friction", axis.friction, "0 on a locked axis");
   }
 }
 

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_record.h"
 
+#include <numbers>
+
 #include "byte_fields.h"
 
 namespace tandem::pbd {
@@ -10,8 +12,9 @@ namespace {
 // To save or to load.
 void axis_fields(auto& io, auto& axis) {
   io(axis.freedom, axis.motor.mode, axis.lower, axis.upper, axis.compliance, axis.damping,
-     axis.spring.stiffness, axis.spring.rest, axis.spring.damping, axis.motor.target,
-     axis.motor.max_force, axis.motor.max_speed);
+     axis.spring.stiffness, axis.spring.rest, axis.spring.damping, axis.spring.frequency,
+     axis.spring.damping_ratio, axis.friction, axis.motor.target, axis.motor.max_force,
+     axis.motor.max_speed);
 }
 
 void record_fields(auto& io, auto& record, auto& def, auto& state) {
@@ -21,7 +24,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque, def.start,
      def.enabled, def.collide_connected);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
-     record.energy_excess, record.h);
+     record.energy_excess, record.h, record.spring_mass);
   io(state.position, state.swing, state.load, state.force, state.torque, state.residual,
      state.broken);
 }
@@ -29,8 +32,19 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
 }  // namespace
 
 JointAxis JointRecord::axis(int c) const {
-  if (c < 3) return def.linear[static_cast<std::size_t>(c)];
-  if (c < kCone) return def.angular[static_cast<std::size_t>(c - 3)];
+  if (c < kCone) {
+    JointAxis axis = c < 3 ? def.linear[static_cast<std::size_t>(c)]
+                           : def.angular[static_cast<std::size_t>(c - 3)];
+    if (axis.friction > 0.0 && axis.motor.mode == MotorMode::Off) {
+      axis.motor = {.mode = MotorMode::Velocity, .target = 0.0, .max_force = axis.friction};
+    }
+    if (axis.spring.frequency > 0.0) {
+      const double rate = 2.0 * std::numbers::pi * axis.spring.frequency;
+      axis.spring.stiffness = spring_mass[c] * rate * rate;
+      axis.spring.damping = 2.0 * axis.spring.damping_ratio * rate * spring_mass[c];
+    }
+    return axis;
+  }
   JointAxis cone;
   if (def.cone < kUnlimited) cone.freedom = Freedom::Limited;
   cone.lower = -kUnlimited;
@@ -54,7 +68,7 @@ void JointRecord::refresh() {
     const JointAxis a = axis(c);
     if (a.compliance > 0.0 || is_powered(a)) passive = false;
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
-        a.spring.damping > 0.0) {
+        a.spring.damping > 0.0 || a.spring.frequency > 0.0) {
       used |= 1u << c;
     } else {
       displacement_residual[c] = 0.0;  // no row lets it decay
@@ -177,6 +191,7 @@ void JointRecord::load(ByteReader& in) {
   };
   check(displacement_residual);
   check(state.position);
+  check(spring_mass);
   check(state.load);
   if (!finite || h < 0.0 || gap.least < 0.0) in.fail();
 }

@@ -21,7 +21,9 @@ struct JointRecord {
   std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
   double twist = 0.0;                        ///< rad, about axis `turning`, counting turns
-  JointGap gap;                              ///< of its displacement_residual
+  /// kg or kg m^2, of each coordinate whose spring has a frequency; see weigh_springs().
+  std::array<double, kCoordinates> spring_mass{};
+  JointGap gap;  ///< of its displacement_residual
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it
   /// comes second in a part with loops. See limit_energy_gain().
   double energy_excess = 0.0;
@@ -58,7 +60,8 @@ struct JointRecord {
   void aim(const SolverBody& a, const SolverBody& b, double substep);
   /// After the step.
   void settle_gap();
-  /// The settings of coordinate c, 0 to 6.
+  /// The settings of coordinate c, 0 to 6: friction as a motor that stands, and springs of a
+  /// frequency with their stiffness as well.
   JointAxis axis(int c) const;
   int rows() const { return std::popcount(used); }
   /// How many rows a plan has room for: with that of a motor which is switched on meanwhile.

@@ -185,7 +185,8 @@ struct ForceLaw {
 /// Whether a spring or motor can do work; a motor that is to stand still is a brake.
 inline bool is_powered(const JointAxis& axis) {
   const JointMotor& motor = axis.motor;
-  return axis.spring.stiffness > 0.0 || motor.mode == MotorMode::Position ||
+  return axis.spring.stiffness > 0.0 || axis.spring.frequency > 0.0 ||
+         motor.mode == MotorMode::Position ||
          (motor.mode == MotorMode::Velocity && motor.target != 0.0);
 }
 

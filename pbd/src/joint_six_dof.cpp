@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_six_dof.h"
 
+#include "joint_spring.h"
+
 namespace tandem::pbd::joint_six_dof {
 namespace {
 
@@ -11,46 +13,6 @@ constexpr std::uint32_t kNone = JointGraph::kNone;
 constexpr double kSteepest = 2.0;
 /// Part of a step of a multiplier that is rounding.
 constexpr double kRounding = 1e-12;
-
-void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
-                    const SolverBody& a, const SolverBody& b) {
-  const SixDofJointDef& def = record.def;
-  const JointPlace place = JointPlace::of(def, a, b);
-  node.r_a = place.r_a;
-  node.r_b = place.r_b;
-  if (record.point) {
-    rows.dir.leftCols<3>().setIdentity();
-    rows.arm_a.leftCols<3>() = skew(place.r_a);
-    rows.arm_b.leftCols<3>() = skew(place.r_b);
-    if (record.is_point()) return;
-  }
-  const Quat basis_a = a.q * def.frame_a.basis;
-  const Mat3 axes = basis_a.toRotationMatrix();
-  if (!record.point) {
-    for (int i = 0; i < 3; ++i) {
-      rows.dir.col(i) = axes.col(i);
-      rows.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
-      rows.arm_b.col(i) = place.r_b.cross(axes.col(i));
-    }
-  }
-  if ((record.used >> 3) != 0) {
-    const Quat rel = basis_a.conjugate() * (b.q * def.frame_b.basis);
-    const JointTurn turn = JointTurn::of(turned_axes(rel, record.turning));
-    Mat3 named;  // the axes as `turn` names them
-    for (int i = 0; i < 3; ++i) named.col(i) = axes.col((record.turning + i) % 3);
-    rows.dir.rightCols<4>().setZero();
-    rows.arm_b.col(record.turn(0)) = named * turn.twist_gradient();
-    rows.arm_b.col(record.turn(1)) = named * turn.swing_gradient(1);
-    rows.arm_b.col(record.turn(2)) = named * turn.swing_gradient(2);
-    rows.arm_b.col(kCone) = named * turn.u;  // has no row unless x is x
-    for (int i = 3; i < kCone; ++i) {
-      const double size = rows.arm_b.col(i).norm();
-      if (size > kSteepest && record.axis(i).freedom != Freedom::Locked)
-        rows.arm_b.col(i) *= kSteepest / size;
-    }
-    rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
-  }
-}
 
 /// A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which it
 /// does not turn, counts as a unit mass that no joint can reach.
@@ -112,6 +74,11 @@ void couple_to_hub(JointData& all, const JointGraph::Link& link, bool hub_later)
   }
 }
 
+/// How fast a coordinate changes.
+double rate_of(const JointRows& rows, int i, const SolverBody& a, const SolverBody& b) {
+  return rows.dir.col(i).dot(b.v - a.v) + rows.arm_b.col(i).dot(b.w) - rows.arm_a.col(i).dot(a.w);
+}
+
 void couple_joints(JointData& all, const JointGraph::Link& link) {
   const JointSlot& slot = all.slots[link.slot];
   const JointRows& rows_x = all.rows[link.later];
@@ -134,6 +101,46 @@ void couple_joints(JointData& all, const JointGraph::Link& link) {
 }
 
 }  // namespace
+
+void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
+                    const SolverBody& a, const SolverBody& b) {
+  const SixDofJointDef& def = record.def;
+  const JointPlace place = JointPlace::of(def, a, b);
+  node.r_a = place.r_a;
+  node.r_b = place.r_b;
+  if (record.point) {
+    rows.dir.leftCols<3>().setIdentity();
+    rows.arm_a.leftCols<3>() = skew(place.r_a);
+    rows.arm_b.leftCols<3>() = skew(place.r_b);
+    if (record.is_point()) return;
+  }
+  const Quat basis_a = a.q * def.frame_a.basis;
+  const Mat3 axes = basis_a.toRotationMatrix();
+  if (!record.point) {
+    for (int i = 0; i < 3; ++i) {
+      rows.dir.col(i) = axes.col(i);
+      rows.arm_a.col(i) = Vec3(place.r_a + place.d).cross(axes.col(i));
+      rows.arm_b.col(i) = place.r_b.cross(axes.col(i));
+    }
+  }
+  if ((record.used >> 3) != 0) {
+    const Quat rel = basis_a.conjugate() * (b.q * def.frame_b.basis);
+    const JointTurn turn = JointTurn::of(turned_axes(rel, record.turning));
+    Mat3 named;  // the axes as `turn` names them
+    for (int i = 0; i < 3; ++i) named.col(i) = axes.col((record.turning + i) % 3);
+    rows.dir.rightCols<4>().setZero();
+    rows.arm_b.col(record.turn(0)) = named * turn.twist_gradient();
+    rows.arm_b.col(record.turn(1)) = named * turn.swing_gradient(1);
+    rows.arm_b.col(record.turn(2)) = named * turn.swing_gradient(2);
+    rows.arm_b.col(kCone) = named * turn.u;  // has no row unless x is x
+    for (int i = 3; i < kCone; ++i) {
+      const double size = rows.arm_b.col(i).norm();
+      if (size > kSteepest && record.axis(i).freedom != Freedom::Locked)
+        rows.arm_b.col(i) *= kSteepest / size;
+    }
+    rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
+  }
+}
 
 void begin(const JointPart& part) {
   const SolverBody ground;
@@ -176,6 +183,10 @@ void begin(const JointPart& part) {
                      : residual_at_start(axis, c[i], residual, left && (i < 3 || !shared), shared,
                                          ctx.h, kLeft);
       rows.law[i] = force_law(axis, c[i], residual, ctx.h);
+      if (axis.spring.frequency > 0.0) {
+        tune_spring(rows.law[i], axis.spring, record.spring_mass[i], c[i], rate_of(rows, i, a, b),
+                    ctx.h);
+      }
     });
   });
 }

@@ -11,6 +11,9 @@ namespace tandem::pbd::joint_six_dof {
 void begin(const JointPart& part);
 /// Take the gradients anew.
 void take_gradients(const JointPart& part);
+/// Those of one joint.
+void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
+                    const SolverBody& a, const SolverBody& b);
 /// Inverse inertia times gradients, and the mobility of each row by itself.
 void weigh(const JointPart& part);
 /// Set the right-hand side.

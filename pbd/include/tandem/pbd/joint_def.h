@@ -29,10 +29,17 @@ enum class Freedom : std::uint8_t { Free, Locked, Limited };
 enum class MotorMode : std::uint8_t { Off, Velocity, Position };
 
 /// Pulls a coordinate to `rest`. Units: N/m, m, N s/m for displacements; N m/rad, rad, N m s/rad.
+///
+/// Told by stiffness and damping, or by frequency and damping ratio. The latter become the former
+/// by what moves with the coordinate as the bodies stand when the joint is added or set: of a
+/// slider the reduced mass, of a door the inertia about its hinge. Such a spring swings by its
+/// closed form where a substep is at most a twelfth of its period; faster ones are braked.
 struct TANDEM_API JointSpring {
   double stiffness = 0.0;  ///< >= 0; 0 = no spring
   double rest = 0.0;
-  double damping = 0.0;  ///< >= 0; works without stiffness as well
+  double damping = 0.0;        ///< >= 0; works without stiffness as well
+  double frequency = 0.0;      ///< Hz, >= 0, undamped; above 0 it is told by this and the next
+  double damping_ratio = 0.0;  ///< >= 0; 1 = critical: it comes to rest without passing
 };
 
 /// Drives a coordinate with as much force as it takes, up to max_force. A limit is stronger than
@@ -45,7 +52,8 @@ struct TANDEM_API JointMotor {
 };
 
 /// One coordinate. Compliance (m/N or rad/(N m)) and damping (N s/m or N m s/rad) are those of the
-/// lock or of the stops; 0 compliance is rigid, and damping has no effect on a rigid row.
+/// lock or of the stops, and 0 where there are none; 0 compliance is rigid, and damping has no
+/// effect on a rigid row. What damps a free coordinate is `spring.damping`.
 struct TANDEM_API JointAxis {
   Freedom freedom = Freedom::Free;
   double lower = 0.0;  ///< m or rad, where Limited; <= upper
@@ -54,6 +62,9 @@ struct TANDEM_API JointAxis {
   double damping = 0.0;
   JointSpring spring;  ///< none where Locked
   JointMotor motor;    ///< none where Locked
+  /// N or N m, >= 0, none where Locked: resists motion along the coordinate with at most this, dry
+  /// friction. A motor that is on takes its place.
+  double friction = 0.0;
 };
 
 /// The general joint; the others are short forms of it. Body b moves in the frame of body a.
