@@ -73,6 +73,17 @@ bool motor_runs(const JointRecord& record, int c) {
   return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMax * motor.max_force);
 }
 
+/// Whether the motor of a ball moves the joint on.
+bool drive_runs(const JointRecord& record) {
+  constexpr double kArrived = 1e-6;  // rad
+  constexpr double kMax = 1.0 - 1e-6;
+  const BallDrive::Motor& motor = record.def.drive.motor;
+  if (motor.mode == MotorMode::Off) return false;
+  const bool runs = motor.mode == MotorMode::Velocity ? !motor.velocity.isZero(0.0)
+                                                      : record.drive_left.norm() > kArrived;
+  return runs && !(record.state.torque.norm() >= kMax * motor.max_torque);
+}
+
 }  // namespace
 
 JointBlock::JointBlock() : impl_(std::make_unique<Impl>()) {}
@@ -309,6 +320,7 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
     const bool force_driven = !record.passive;
     bool actuated = false;
     for (int c = 0; force_driven && c < kCone; ++c) actuated = actuated || motor_runs(record, c);
+    actuated = actuated || drive_runs(record);
     // What comes back to where its joint wants it does not rest on its way.
     actuated = actuated || record.gap.closes();
     edges.push_back({.body_a = record.def.a.index,

@@ -13,7 +13,7 @@ namespace tandem::pbd::block {
 using Block3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using Map3 = Eigen::Map<Block3>;
 using ConstMap3 = Eigen::Map<const Block3>;
-inline constexpr int kMaxRows = 7;
+inline constexpr int kMaxRows = 10;
 /// A pivot that elimination has reduced below this part of itself is a row that says nothing new.
 inline constexpr double kPivotTolerance = 1e-13;
 

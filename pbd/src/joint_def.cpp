@@ -42,6 +42,25 @@ void check_compliance(double value, const JointField& field) {
   demand(ok, field, value, "0, or finite and at least 1e-100");
 }
 
+/// Of an axis or of a ball.
+void check_spring(const auto& spring, const JointField& field) {
+  check_at_least_0(spring.stiffness, field / "spring.stiffness");
+  check_at_least_0(spring.damping, field / "spring.damping");
+  check_at_least_0(spring.frequency, field / "spring.frequency");
+  check_at_least_0(spring.damping_ratio, field / "spring.damping_ratio");
+  if (spring.frequency > 0.0) {
+    demand(spring.stiffness == 0.0, field / "spring.stiffness", spring.stiffness,
+           "0 where there is a frequency");
+    demand(spring.damping == 0.0, field / "spring.damping", spring.damping,
+           "0 where there is a frequency, which goes with a damping_ratio");
+  } else {
+    demand(spring.damping_ratio == 0.0, field / "spring.damping_ratio", spring.damping_ratio,
+           "0 without a frequency");
+  }
+}
+
+bool is_unit(const Quat& q) { return std::abs(q.norm() - 1.0) <= 1e-3; }
+
 void check_axis(const JointAxis& axis, const JointField& field) {
   check_compliance(axis.compliance, field / "compliance");
   check_at_least_0(axis.damping, field / "damping");
@@ -52,19 +71,7 @@ void check_axis(const JointAxis& axis, const JointField& field) {
            "0 on a free axis, which has no stops to give way");
   }
   check_at_least_0(axis.friction, field / "friction");
-  check_at_least_0(axis.spring.stiffness, field / "spring.stiffness");
-  check_at_least_0(axis.spring.damping, field / "spring.damping");
-  check_at_least_0(axis.spring.frequency, field / "spring.frequency");
-  check_at_least_0(axis.spring.damping_ratio, field / "spring.damping_ratio");
-  if (axis.spring.frequency > 0.0) {
-    demand(axis.spring.stiffness == 0.0, field / "spring.stiffness", axis.spring.stiffness,
-           "0 where there is a frequency");
-    demand(axis.spring.damping == 0.0, field / "spring.damping", axis.spring.damping,
-           "0 where there is a frequency, which goes with a damping_ratio");
-  } else {
-    demand(axis.spring.damping_ratio == 0.0, field / "spring.damping_ratio",
-           axis.spring.damping_ratio, "0 without a frequency");
-  }
+  check_spring(axis.spring, field);
   demand(std::isfinite(axis.spring.rest), field / "spring.rest", axis.spring.rest, "finite");
   demand(std::isfinite(axis.motor.target), field / "motor.target", axis.motor.target, "finite");
   demand(axis.motor.max_force > 0.0, field / "motor.max_force", axis.motor.max_force, "> 0");
@@ -82,6 +89,37 @@ void check_axis(const JointAxis& axis, const JointField& field) {
     demand(axis.spring.frequency == 0.0, field / "spring.frequency", axis.spring.frequency,
            "0 on a locked axis");
     demand(axis.friction == 0.0, field / "friction", axis.friction, "0 on a locked axis");
+  }
+}
+
+/// Whether any part of it acts.
+bool is_on(const BallDrive& drive) {
+  return drive.spring.stiffness > 0.0 || drive.spring.damping > 0.0 ||
+         drive.spring.frequency > 0.0 || drive.motor.mode != MotorMode::Off || drive.friction > 0.0;
+}
+
+void check_drive(const SixDofJointDef& def) {
+  const BallDrive& drive = def.drive;
+  const JointField field{"drive"};
+  check_spring(drive.spring, field);
+  demand(is_unit(drive.spring.rest), field / "spring.rest", drive.spring.rest.norm(),
+         "a unit quaternion");
+  detail::require_finite(drive.motor.velocity, kKind, "drive.motor.velocity");
+  demand(is_unit(drive.motor.target), field / "motor.target", drive.motor.target.norm(),
+         "a unit quaternion");
+  demand(drive.motor.max_torque > 0.0, field / "motor.max_torque", drive.motor.max_torque, "> 0");
+  demand(drive.motor.max_speed > 0.0, field / "motor.max_speed", drive.motor.max_speed, "> 0");
+  check_at_least_0(drive.friction, field / "friction");
+  for (int i = 0; is_on(drive) && i < 3; ++i) {
+    const JointAxis& axis = def.angular[static_cast<std::size_t>(i)];
+    const JointField at{"angular", i};
+    demand(axis.freedom != Freedom::Locked, at / "freedom", static_cast<double>(axis.freedom),
+           "free or limited where the joint has a drive");
+    demand(axis.motor.mode == MotorMode::Off, at / "motor.mode",
+           static_cast<double>(axis.motor.mode), "off where the joint has a drive");
+    demand(axis.friction == 0.0, at / "friction", axis.friction, "0 where the joint has a drive");
+    const double spring = axis.spring.stiffness + axis.spring.damping + axis.spring.frequency;
+    demand(spring == 0.0, at / "spring", spring, "0 where the joint has a drive");
   }
 }
 
@@ -150,6 +188,7 @@ BallJointDef::operator SixDofJointDef() const {
   six.cone = cone;
   six.cone_compliance = angular_compliance;
   six.cone_damping = angular_damping;
+  six.drive = drive;
   if (limit_twist) {
     six.angular[0] = {.freedom = Freedom::Limited,
                       .lower = lower_twist,
@@ -241,6 +280,7 @@ void check_joint(const World& world, const SixDofJointDef& def) {
   check_at_least_0(def.break_force, {"break_force"});
   check_at_least_0(def.break_torque, {"break_torque"});
   demand(std::isfinite(def.start), {"start"}, def.start, "finite");
+  check_drive(def);
 }
 
 }  // namespace tandem::pbd

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "byte_fields.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
 namespace {
@@ -23,6 +24,11 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   for (auto& axis : def.angular) axis_fields(io, axis);
   io(def.cone, def.cone_compliance, def.cone_damping, def.break_force, def.break_torque, def.start,
      def.enabled, def.collide_connected);
+  auto& spring = def.drive.spring;
+  auto& motor = def.drive.motor;
+  io(spring.stiffness, spring.damping, spring.frequency, spring.damping_ratio, spring.rest,
+     motor.mode, motor.velocity, motor.target, motor.max_torque, motor.max_speed,
+     def.drive.friction, record.drive_start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
      record.energy_excess, record.h, record.spring_mass);
   io(state.position, state.swing, state.load, state.force, state.torque, state.residual,
@@ -31,20 +37,27 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
 
 }  // namespace
 
-JointAxis JointRecord::axis(int c) const {
-  if (c < kCone) {
-    JointAxis axis = c < 3 ? def.linear[static_cast<std::size_t>(c)]
-                           : def.angular[static_cast<std::size_t>(c - 3)];
-    if (axis.friction > 0.0 && axis.motor.mode == MotorMode::Off) {
-      axis.motor = {.mode = MotorMode::Velocity, .target = 0.0, .max_force = axis.friction};
-    }
-    if (axis.spring.frequency > 0.0) {
-      const double rate = 2.0 * std::numbers::pi * axis.spring.frequency;
-      axis.spring.stiffness = spring_mass[c] * rate * rate;
-      axis.spring.damping = 2.0 * axis.spring.damping_ratio * rate * spring_mass[c];
-    }
-    return axis;
+namespace {
+
+/// Friction as a motor that stands; a spring of a frequency with stiffness and damping.
+JointAxis resolved(JointAxis axis, double mass) {
+  if (axis.friction > 0.0 && axis.motor.mode == MotorMode::Off) {
+    axis.motor = {.mode = MotorMode::Velocity, .target = 0.0, .max_force = axis.friction};
   }
+  if (axis.spring.frequency > 0.0) {
+    const double rate = 2.0 * std::numbers::pi * axis.spring.frequency;
+    axis.spring.stiffness = mass * rate * rate;
+    axis.spring.damping = 2.0 * axis.spring.damping_ratio * rate * mass;
+  }
+  return axis;
+}
+
+}  // namespace
+
+JointAxis JointRecord::axis(int c) const {
+  if (c < 3) return resolved(def.linear[static_cast<std::size_t>(c)], spring_mass[c]);
+  if (c < kCone) return resolved(def.angular[static_cast<std::size_t>(c - 3)], spring_mass[c]);
+  if (c >= kDrive) return resolved(drive[static_cast<std::size_t>(c - kDrive)], spring_mass[c]);
   JointAxis cone;
   if (def.cone < kUnlimited) cone.freedom = Freedom::Limited;
   cone.lower = -kUnlimited;
@@ -52,6 +65,22 @@ JointAxis JointRecord::axis(int c) const {
   cone.compliance = def.cone_compliance;
   cone.damping = def.cone_damping;
   return cone;
+}
+
+void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double substep) {
+  drive_start = (a.q * def.frame_a.basis).conjugate() * (b.q * def.frame_b.basis);
+  const BallDrive::Motor& motor = def.drive.motor;
+  const Vec3 rest = rotation_between(drive_start, def.drive.spring.rest);
+  drive_left = rotation_between(drive_start, motor.target);
+  const double reach = substep * motor.max_speed;
+  const double length = drive_left.norm();
+  const Vec3 target = motor.mode == MotorMode::Velocity ? motor.velocity
+                      : length > reach                  ? Vec3(reach / length * drive_left)
+                                                        : drive_left;
+  for (int i = 0; i < 3; ++i) {
+    drive[static_cast<std::size_t>(i)].spring.rest = rest[i];
+    drive[static_cast<std::size_t>(i)].motor.target = target[i];
+  }
 }
 
 void JointRecord::refresh() {
@@ -62,6 +91,14 @@ void JointRecord::refresh() {
   for (int axis = 1; axis < 3; ++axis) {
     if (!locks(axis) && locks(axis + 1) && locks(axis + 2)) turning = axis;
   }
+  const BallDrive& d = def.drive;
+  drive.fill({.spring = {.stiffness = d.spring.stiffness,
+                         .damping = d.spring.damping,
+                         .frequency = d.spring.frequency,
+                         .damping_ratio = d.spring.damping_ratio},
+              .motor = {.mode = d.motor.mode, .max_force = d.motor.max_torque},
+              .friction = d.friction});
+  for (int i = 0; i < 3; ++i) drive[static_cast<std::size_t>(i)].motor.target = d.motor.velocity[i];
   used = 0;
   passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
@@ -104,6 +141,9 @@ void all_coordinates(const JointRecord& record, const SolverBody& a, const Solve
   c[record.turn(1)] = turn.swing(1);
   c[record.turn(2)] = turn.swing(2);
   c[kCone] = record.turning == 0 ? turn.phi : JointTurn::of(rel).phi;
+  Eigen::Map<Vec3> driven(c + kDrive);
+  driven.setZero();
+  if ((record.used >> kDrive) != 0) driven = rotation_between(record.drive_start, rel);
 }
 
 void JointRecord::tell(const SolverBody& a, const double* c) {
@@ -180,6 +220,7 @@ void JointRecord::load(ByteReader& in) {
     const JointAxis read = axis(c);
     if (read.freedom > Freedom::Limited || read.motor.mode > MotorMode::Position) in.fail();
   }
+  if (def.drive.motor.mode > MotorMode::Position) in.fail();
   refresh();
   bool finite = state.force.allFinite() && state.torque.allFinite();
   for (const double value :
@@ -192,6 +233,7 @@ void JointRecord::load(ByteReader& in) {
   check(displacement_residual);
   check(state.position);
   check(spring_mass);
+  check(drive_start.coeffs());
   check(state.load);
   if (!finite || h < 0.0 || gap.least < 0.0) in.fail();
 }

@@ -16,10 +16,12 @@
 /// a; phi = angle between the x axes; u = unit axis of the swing.
 namespace tandem::pbd {
 
-/// Displacements x y z, twist, swing y, swing z, cone (= phi).
-inline constexpr int kCoordinates = 7;
+/// Displacements x y z, twist, swing y, swing z, cone (= phi), and the turn since the substep began
+/// about the three axes of frame a, where a drive acts.
+inline constexpr int kCoordinates = 10;
 inline constexpr int kTwist = 3;
 inline constexpr int kCone = 6;
+inline constexpr int kDrive = 7;
 
 /// Angle equal to `angle` up to whole turns, nearest to `near`.
 inline double nearest_turn(double angle, double near) {

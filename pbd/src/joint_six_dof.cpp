@@ -128,7 +128,7 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
     const JointTurn turn = JointTurn::of(turned_axes(rel, record.turning));
     Mat3 named;  // the axes as `turn` names them
     for (int i = 0; i < 3; ++i) named.col(i) = axes.col((record.turning + i) % 3);
-    rows.dir.rightCols<4>().setZero();
+    rows.dir.rightCols<kCoordinates - 3>().setZero();
     rows.arm_b.col(record.turn(0)) = named * turn.twist_gradient();
     rows.arm_b.col(record.turn(1)) = named * turn.swing_gradient(1);
     rows.arm_b.col(record.turn(2)) = named * turn.swing_gradient(2);
@@ -138,7 +138,8 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
       if (size > kSteepest && record.axis(i).freedom != Freedom::Locked)
         rows.arm_b.col(i) *= kSteepest / size;
     }
-    rows.arm_a.rightCols<4>() = rows.arm_b.rightCols<4>();
+    if ((record.used >> kDrive) != 0) rows.arm_b.rightCols<3>() = axes;
+    rows.arm_a.rightCols<kCoordinates - 3>() = rows.arm_b.rightCols<kCoordinates - 3>();
   }
 }
 
@@ -163,6 +164,8 @@ void begin(const JointPart& part) {
     node.lambda_start.fill(0.0);
     rows.stops = 0;
     double c[kCoordinates];
+    if ((record.used >> kDrive) != 0 && part.progress.channel == JointChannel::Real)
+      record.begin_drive(a, b, ctx.h);
     coordinates(record, a, b, record.twist, c);
     if ((record.used >> record.turn(0) & 1u) != 0 && part.progress.channel == JointChannel::Real)
       record.twist = c[record.turn(0)];

@@ -114,6 +114,8 @@ void fields(auto& io, pbd::JointSpring& spring) {
   io("stiffness", spring.stiffness);
   io("rest", spring.rest);
   io("damping", spring.damping);
+  io("frequency", spring.frequency);
+  io("dampingRatio", spring.damping_ratio);
 }
 
 void fields(auto& io, pbd::JointMotor& motor) {
@@ -131,6 +133,29 @@ void fields(auto& io, pbd::JointAxis& axis) {
   io("damping", axis.damping);
   io("spring", axis.spring);
   io("motor", axis.motor);
+  io("friction", axis.friction);
+}
+
+void fields(auto& io, pbd::BallDrive::Spring& spring) {
+  io("stiffness", spring.stiffness);
+  io("damping", spring.damping);
+  io("frequency", spring.frequency);
+  io("dampingRatio", spring.damping_ratio);
+  io("rest", spring.rest);
+}
+
+void fields(auto& io, pbd::BallDrive::Motor& motor) {
+  io("mode", motor.mode);
+  io("velocity", motor.velocity);
+  io("target", motor.target);
+  io("maxTorque", motor.max_torque);
+  io("maxSpeed", motor.max_speed);
+}
+
+void fields(auto& io, pbd::BallDrive& drive) {
+  io("spring", drive.spring);
+  io("motor", drive.motor);
+  io("friction", drive.friction);
 }
 
 /// What all joints have; bodies are named, and so read and written by themselves.
@@ -150,6 +175,7 @@ void fields(auto& io, pbd::SixDofJointDef& def) {
   io("cone", def.cone);
   io("coneCompliance", def.cone_compliance);
   io("coneDamping", def.cone_damping);
+  io("drive", def.drive);
   io("start", def.start);
   io("enabled", def.enabled);
 }
@@ -172,6 +198,7 @@ void fields(auto& io, pbd::BallJointDef& def) {
   io("limitTwist", def.limit_twist);
   io("lowerTwist", def.lower_twist);
   io("upperTwist", def.upper_twist);
+  io("drive", def.drive);
 }
 
 void fields(auto& io, pbd::HingeJointDef& def) {

@@ -67,6 +67,29 @@ struct TANDEM_API JointAxis {
   double friction = 0.0;
 };
 
+/// Turns frame b within frame a, about all three axes at once, where none of them is locked.
+/// Torques are about each axis of frame a; what twist and swing are does not matter, at any angle.
+struct TANDEM_API BallDrive {
+  struct TANDEM_API Spring {
+    double stiffness = 0.0;  ///< N m/rad, >= 0
+    double damping = 0.0;    ///< N m s/rad, >= 0; works without stiffness as well
+    /// As of JointSpring: exact about axes of frame a that are principal ones of the bodies.
+    double frequency = 0.0;  ///< Hz, >= 0
+    double damping_ratio = 0.0;
+    Quat rest = Quat::Identity();  ///< frame b to frame a: where it pulls to, the shorter way
+  };
+  struct TANDEM_API Motor {
+    MotorMode mode = MotorMode::Off;
+    Vec3 velocity = Vec3::Zero();    ///< rad/s, of b against a, axes of frame a (Velocity)
+    Quat target = Quat::Identity();  ///< frame b to frame a, the shorter way (Position)
+    double max_torque = kUnlimited;  ///< N m, > 0
+    double max_speed = kUnlimited;   ///< rad/s, > 0: on the way to a target
+  };
+  Spring spring;
+  Motor motor;
+  double friction = 0.0;  ///< N m, >= 0; a motor that is on takes its place
+};
+
 /// The general joint; the others are short forms of it. Body b moves in the frame of body a.
 struct TANDEM_API SixDofJointDef {
   BodyId a;  ///< the invalid id stands for the world
@@ -78,6 +101,7 @@ struct TANDEM_API SixDofJointDef {
   double cone = kUnlimited;
   double cone_compliance = 0.0;  ///< rad/(N m), >= 0
   double cone_damping = 0.0;     ///< N m s/rad, >= 0; without effect where the cone is rigid
+  BallDrive drive;               ///< in place of springs, motors and friction of angular axes
   double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
   double break_torque = 0.0;     ///< N m, likewise
   /// rad: a joint is added on the turn that lies within its limits, and of several on the one
@@ -120,6 +144,7 @@ struct TANDEM_API BallJointDef {
   bool limit_twist = false;         ///< by the next two
   double lower_twist = 0.0;         ///< rad
   double upper_twist = 0.0;         ///< rad
+  BallDrive drive;                  ///< motor, spring and friction of the ball
   bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
