@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "joint_impl.h"
+#include "joint_motor.h"
 #include "joint_spring.h"
 
 namespace tandem::pbd {
@@ -51,37 +52,6 @@ SolverBody standing(const World& world, BodyId id) {
   body.x = world.pose(id).position;
   body.q = world.pose(id).orientation;
   return body;
-}
-
-/// Whether the motor of a coordinate moves the joint on.
-bool motor_runs(const JointRecord& record, int c) {
-  constexpr double kArrived = 1e-6;  // m or rad
-  constexpr double kMax = 1.0 - 1e-6;
-  const JointAxis axis = record.axis(c);
-  const JointMotor& motor = axis.motor;
-  const bool limited = axis.freedom == Freedom::Limited;
-  const double lower = limited ? axis.lower : -kUnlimited;
-  const double upper = limited ? axis.upper : kUnlimited;
-  const double at = record.state.position[static_cast<std::size_t>(c)];
-  if (motor.mode == MotorMode::Off) return false;
-  if (motor.mode == MotorMode::Velocity) {
-    if (motor.target == 0.0) return false;
-    if (motor.target > 0.0 ? at >= upper - kArrived : at <= lower + kArrived) return false;
-  } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
-    return false;
-  }
-  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMax * motor.max_force);
-}
-
-/// Whether the motor of a ball moves the joint on.
-bool drive_runs(const JointRecord& record) {
-  constexpr double kArrived = 1e-6;  // rad
-  constexpr double kMax = 1.0 - 1e-6;
-  const BallDrive::Motor& motor = record.def.drive.motor;
-  if (motor.mode == MotorMode::Off) return false;
-  const bool runs = motor.mode == MotorMode::Velocity ? !motor.velocity.isZero(0.0)
-                                                      : record.drive_left.norm() > kArrived;
-  return runs && !(record.state.torque.norm() >= kMax * motor.max_torque);
 }
 
 }  // namespace
@@ -318,11 +288,8 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   for (const JointRecord& record : impl_->records) {
     if (!record.active()) continue;
     const bool force_driven = !record.passive;
-    bool actuated = false;
-    for (int c = 0; force_driven && c < kCone; ++c) actuated = actuated || motor_runs(record, c);
-    actuated = actuated || drive_runs(record);
     // What comes back to where its joint wants it does not rest on its way.
-    actuated = actuated || record.gap.closes();
+    const bool actuated = (force_driven && motors_run(record)) || record.gap.closes();
     edges.push_back({.body_a = record.def.a.index,
                      .body_b = record.def.b.index,
                      .actuated = actuated,

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "joint_motor.h"
+
+namespace tandem::pbd {
+namespace {
+
+constexpr double kArrived = 1e-6;     // m or rad
+constexpr double kMost = 1.0 - 1e-6;  // of its force: from here on it does not manage its load
+
+/// Whether the motor of a coordinate moves the joint on.
+bool motor_runs(const JointRecord& record, int c) {
+  const JointAxis axis = record.axis(c);
+  const JointMotor& motor = axis.motor;
+  const bool limited = axis.freedom == Freedom::Limited;
+  const double lower = limited ? axis.lower : -kUnlimited;
+  const double upper = limited ? axis.upper : kUnlimited;
+  const double at = record.state.position[static_cast<std::size_t>(c)];
+  if (motor.mode == MotorMode::Off) return false;
+  if (motor.mode == MotorMode::Velocity) {
+    if (motor.target == 0.0) return false;
+    if (motor.target > 0.0 ? at >= upper - kArrived : at <= lower + kArrived) return false;
+  } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
+    return false;
+  }
+  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMost * motor.max_force);
+}
+
+/// Whether the motor of a ball moves the joint on.
+bool drive_runs(const JointRecord& record) {
+  const BallDrive::Motor& motor = record.def.drive.motor;
+  if (motor.mode == MotorMode::Off) return false;
+  const bool runs = motor.mode == MotorMode::Velocity ? !motor.velocity.isZero(0.0)
+                                                      : record.drive_left.norm() > kArrived;
+  return runs && !(record.state.torque.norm() >= kMost * motor.max_torque);
+}
+
+}  // namespace
+
+bool motors_run(const JointRecord& record) {
+  for (int c = 0; c < kCone; ++c) {
+    if (motor_runs(record, c)) return true;
+  }
+  return drive_runs(record);
+}
+
+}  // namespace tandem::pbd
