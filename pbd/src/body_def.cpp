@@ -38,6 +38,8 @@ void check_def(const BodyDef& def) {
                   "finite");
   check_damping(def.linear_damping, def.angular_damping, kKind);
   detail::require_finite(def.origin, kKind, "origin");
+  detail::require_in(0.0, 1e6, kKind, "sleep_speed", def.sleep_speed.value_or(0.0), "m/s");
+  detail::require_in(0.0, 1e6, kKind, "sleep_spin", def.sleep_spin.value_or(0.0), "rad/s");
   if (def.type != BodyType::Dynamic) return;
   detail::require(def.mass > 0.0 && std::isfinite(def.mass), kKind, "mass", def.mass,
                   "finite and > 0");
@@ -74,6 +76,8 @@ BodyProps make_props(const BodyDef& def) {
     props.locks = def.locks;
     props.bullet = def.bullet;
     props.can_sleep = def.can_sleep;
+    props.sleep_speed = def.sleep_speed;
+    props.sleep_spin = def.sleep_spin;
   }
   return props;
 }

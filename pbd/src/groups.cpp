@@ -205,20 +205,26 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   if (rule.sleep_after > 0.0) judge_rest(edges, bodies);
   const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
+  const auto speed_of = [&](std::uint32_t i) {
+    return props[i].sleep_speed.value_or(rule.sleep_speed);
+  };
+  const auto spin_of = [&](std::uint32_t i) {
+    return props[i].sleep_spin.value_or(rule.sleep_spin);
+  };
   const auto is_steady = [&](std::uint32_t i) {
     const Vec3 dv = bodies[i].v - before[i].twist.linear;
     const Vec3 dw = bodies[i].w - before[i].twist.angular;
-    return dv.norm() < share * rule.sleep_speed && dw.norm() < share * rule.sleep_spin;
+    return dv.norm() < share * speed_of(i) && dw.norm() < share * spin_of(i);
   };
-  // Of its places, as what trembles moves nothing: pushed out of an overlap and falling back within
+  // By its places, as what trembles moves nothing: pushed out of an overlap and falling back within
   // each step it would have a speed.
-  const double way = rule.sleep_speed * rule.sleep_after;
-  const double turn = rule.sleep_spin * rule.sleep_after;
   for (std::uint32_t i = 0; i < count; ++i) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     BodyActivity& own = activity[i];
+    const double way = speed_of(i) * rule.sleep_after;
+    const double turn = spin_of(i) * rule.sleep_after;
     const bool rests = rule.sleep_after > 0.0 &&
                        keeps_near(bodies[i], before[i].pose, way, turn, own) &&
                        (sprung_[i] == 0 || is_steady(i));

@@ -26,7 +26,7 @@ constexpr std::size_t kCheckBytes = 8;
 
 /// Bytes of one slot: head, properties, activity, state.
 constexpr std::size_t kBytesPerSlot =
-    (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8 + 3 * 8) + (1 + 1 + 4 + 8) + 13 * 8;
+    (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8 + 5 * 8) + (1 + 1 + 4 + 8) + 13 * 8;
 
 // To save or to load.
 void props_fields(auto& io, auto& props) {
@@ -45,6 +45,7 @@ void save_body(FieldWriter io, const BodyProps& props, const BodyActivity& activ
                const BodyState& state) {
   props_fields(io, props);
   io(props.stable_id.has_value(), props.stable_id.value_or(0), props.origin);
+  io(props.sleep_speed.value_or(-1.0), props.sleep_spin.value_or(-1.0));
   io(activity.awake, activity.level, std::uint32_t{activity.steps_at_lower_level},
      activity.low_speed_time, activity.moved, activity.turned);
   state_fields(io, state);
@@ -56,6 +57,11 @@ void load_body(FieldReader io, BodyProps& props, BodyActivity& activity, BodySta
   std::uint64_t id = 0;
   io(named, id, props.origin);
   props.stable_id = named ? std::optional(id) : std::nullopt;
+  double speed = 0.0;
+  double spin = 0.0;
+  io(speed, spin);
+  props.sleep_speed = speed == -1.0 ? std::nullopt : std::optional(speed);
+  props.sleep_spin = spin == -1.0 ? std::nullopt : std::optional(spin);
   std::uint32_t steps = 0;
   io(activity.awake, activity.level, steps, activity.low_speed_time, activity.moved,
      activity.turned);
@@ -82,6 +88,8 @@ bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const B
                .gravity_scale = props.gravity_scale,
                .linear_damping = props.linear_damping,
                .angular_damping = props.angular_damping,
+               .sleep_speed = props.sleep_speed,
+               .sleep_spin = props.sleep_spin,
                .origin = props.origin});
   } catch (const std::invalid_argument&) {
     return false;

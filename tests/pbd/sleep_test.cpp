@@ -103,6 +103,43 @@ TEST_CASE("sleep: a motor that a limit or its load stops lets its body sleep", "
   }
 }
 
+TEST_CASE("sleep: a body may have a speed and a spin of its own below which it rests",
+          "[pbd][sleep]") {
+  // Without friction a slider goes on for ever, at five times what counts as rest, or a fifth.
+  const SolverOptions options;
+  for (const double factor : {1.0, 10.0}) {
+    for (const bool own : {false, true}) {
+      INFO("factor " << factor << ", own " << own);
+      Mounted m(weightless(), options);
+      BodyDef def = box_def(2.0, kHalf, Vec3::Zero());
+      if (own) def.sleep_speed = factor * options.sleep_speed;
+      m.body = m.world.add_body(def);
+      m.add_joint(slider_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitX()));
+      m.world.set_twist(m.body, {Vec3(5.0 * options.sleep_speed, 0.0, 0.0), Vec3::Zero()});
+      m.run(0.2);
+      m.world.restore(m.world.snapshot());
+      m.run(2.0);
+      CHECK(m.world.awake(m.body) == !(own && factor == 10.0));
+    }
+  }
+  Mounted hinge(weightless(), options);
+  BodyDef def = box_def(2.0, kHalf, Vec3::Zero());
+  def.sleep_spin = 0.0002;
+  hinge.body = hinge.world.add_body(def);
+  hinge.add_joint(hinge_joint_at(hinge.world, {}, hinge.body, Vec3::Zero(), Vec3::UnitZ()));
+  hinge.world.set_twist(hinge.body, {Vec3::Zero(), Vec3(0.0, 0.0, 0.2 * options.sleep_spin)});
+  hinge.run(3.0);
+  CHECK(hinge.world.awake(hinge.body));
+
+  def.sleep_speed = -1.0;
+  CHECK(names(refusal([&] { hinge.world.add_body(def); }), "BodyDef: sleep_speed", "-1",
+              "from 0 to"));
+  def.sleep_speed = 0.0;
+  def.sleep_spin = NAN;
+  CHECK(names(refusal([&] { hinge.world.add_body(def); }), "BodyDef: sleep_spin", "nan",
+              "from 0 to"));
+}
+
 TEST_CASE("sleep: the anchor of a tether that moves slowly coasts on", "[pbd][sleep][analytic]") {
   World world(weightless());
   auto& tethers = world.add_block<Tethers>();

@@ -75,6 +75,8 @@ Scene heap() {
     if (i % 9 == 0) def.filter = {.category = 2, .mask = ~4u, .group = -3};
     if (i % 11 == 0) def.locks.angular[1] = true;
     def.bullet = i % 13 == 0;
+    if (i % 7 == 0) def.sleep_speed = 0.02;
+    if (i % 8 == 0) def.sleep_spin = 0.05;
     bodies.push_back(scene.add(shapes[static_cast<std::size_t>(i) % shapes.size()], def));
   }
   const std::vector<collision::CompoundPart> parts{
@@ -83,7 +85,20 @@ Scene heap() {
   scene.add(parts, {.pose = {{0.3, 0.2, 2.9}, any_turn(random)}});
   const pbd::World& world = scene.world();
   const auto at = [&](int i) { return world.pose(bodies[static_cast<std::size_t>(i)]).position; };
-  scene.add_joint(pbd::ball_joint_at(world, bodies[0], bodies[7], at(0), Vec3::UnitY()));
+  auto ball = pbd::ball_joint_at(world, bodies[0], bodies[7], at(0), Vec3::UnitY());
+  ball.drive = {.spring = {.frequency = 1.5, .damping_ratio = 0.3, .rest = any_turn(random)},
+                .motor = {.mode = pbd::MotorMode::Velocity,
+                          .velocity = Vec3(0.3, 0.2, 0.1),
+                          .target = any_turn(random),
+                          .max_torque = 2.0},
+                .friction = 0.1};
+  scene.add_joint(ball);
+  auto swing = pbd::hinge_joint_at(world, bodies[4], bodies[18], at(4), Vec3::UnitY());
+  swing.axis.spring = {.rest = 0.2, .frequency = 2.0, .damping_ratio = 0.1};
+  swing.axis.friction = 0.05;
+  swing.collide_connected = false;
+  scene.add_joint(swing);
+  scene.set_apart(bodies[5], bodies[19]);
   auto hinge = pbd::hinge_joint_at(world, {}, bodies[8], at(8), Vec3(1.0, 2.0, 0.5));
   hinge.axis.motor = {.mode = pbd::MotorMode::Velocity, .target = 2.0, .max_force = 3.0};
   scene.add_joint(hinge);

@@ -69,6 +69,8 @@ SolidDef solid_of(const py::kwargs& given) {
                  "lock_angular",
                  "bullet",
                  "can_sleep",
+                 "sleep_speed",
+                 "sleep_spin",
                  "stable_id"});
   SolidDef def;
   if (given.contains("type")) def.type = body_type(py::str(given["type"]));
@@ -91,6 +93,8 @@ SolidDef solid_of(const py::kwargs& given) {
   take(given, "lock_angular", def.locks.angular);
   take(given, "bullet", def.bullet);
   take(given, "can_sleep", def.can_sleep);
+  take(given, "sleep_speed", def.sleep_speed);
+  take(given, "sleep_spin", def.sleep_spin);
   take(given, "stable_id", def.stable_id);
   return def;
 }
@@ -179,7 +183,7 @@ ValueError: mass_properties: density must be finite and > 0, is -1
 Keywords, all optional: type ('dynamic', 'static', 'kinematic'), density (kg/m^3) or mass (kg),
 position, orientation (x, y, z, w), velocity, angular_velocity, friction, restitution, category, mask,
 group, sensor, gravity_scale, linear_damping, angular_damping (1/s), lock_linear, lock_angular (three
-bools), bullet, can_sleep, stable_id.
+bools), bullet, can_sleep, sleep_speed (m/s), sleep_spin (rad/s), stable_id.
 
 >>> import tandem
 >>> scene = tandem.Scene()
@@ -193,6 +197,14 @@ bools), bullet, can_sleep, stable_id.
       },
       py::arg("body"),
       "Remove a body with its shapes and joints. Its row is that of a later body.");
+  c.def(
+      "set_apart",
+      [](Core& core, const Body& a, const Body& b, bool apart) {
+        Access(core)->set_apart(id_in(core, a, "Scene.set_apart: a"),
+                                id_in(core, b, "Scene.set_apart: b"), apart);
+      },
+      py::arg("a"), py::arg("b"), py::arg("apart") = true,
+      "Two bodies pass through each other, or touch again.");
   c.def_property_readonly("bodies", &bodies, "all bodies, by row");
   c.def_property_readonly("state", &Core::state,
                           R"(n x 13 array that is the storage: writing to it moves bodies.

@@ -22,6 +22,8 @@ pbd::BodyDef body_of(const SolidDef& def, const collision::MassProperties& solid
                     .locks = def.locks,
                     .bullet = def.bullet,
                     .can_sleep = def.can_sleep,
+                    .sleep_speed = def.sleep_speed,
+                    .sleep_spin = def.sleep_spin,
                     .stable_id = def.stable_id,
                     .user_data = def.user_data};
   if (!solid.com.isZero(0.0)) {  // -0 would not be the same bits

@@ -74,6 +74,8 @@ void body_fields(Io& io, Def& def) {
   io("locks", def.locks);
   io("bullet", def.bullet);
   io("canSleep", def.can_sleep);
+  io("sleepSpeed", def.sleep_speed);
+  io("sleepSpin", def.sleep_spin);
   io("stableId", def.stable_id);
   io("userData", def.user_data);
 }

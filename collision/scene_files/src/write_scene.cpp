@@ -95,6 +95,8 @@ json write_body(const pbd::World& world, BodyId id) {
                    .locks = props.locks,
                    .bullet = props.bullet,
                    .can_sleep = props.can_sleep,
+                   .sleep_speed = props.sleep_speed,
+                   .sleep_spin = props.sleep_spin,
                    .stable_id = props.stable_id,
                    .user_data = world.user_data(id),
                    .origin = props.origin};

@@ -37,6 +37,8 @@ pbd::BodyDef def_of(const pbd::World& world, std::uint32_t slot) {
   def.locks = props.locks;
   def.bullet = props.bullet;
   def.can_sleep = props.can_sleep;
+  def.sleep_speed = props.sleep_speed;
+  def.sleep_spin = props.sleep_spin;
   def.stable_id = props.stable_id;
   def.origin = props.origin;
   def.user_data = world.user_data(world.body_at(slot));
@@ -202,6 +204,8 @@ void Part::write(std::uint32_t slot, Bytes& bytes) const {
   out.put(def.angular_damping);
   out.put(def.locks);
   out.put<std::uint8_t>(static_cast<std::uint8_t>((def.bullet ? 1 : 0) | (def.can_sleep ? 2 : 0)));
+  out.put(def.sleep_speed.value_or(-1.0));
+  out.put(def.sleep_spin.value_or(-1.0));
   out.put(def.user_data);
   out.doubles({def.origin.data(), 3});
   write_state(world_.states()[slot], out);
@@ -224,6 +228,12 @@ std::uint32_t Part::read(MessageReader& in, bool copy) {
   const auto flags = in.get<std::uint8_t>();
   def.bullet = (flags & 1) != 0;
   def.can_sleep = (flags & 2) != 0;
+  const auto threshold = [&]() -> std::optional<double> {
+    const auto value = in.get<double>();
+    return value == -1.0 ? std::nullopt : std::optional(value);
+  };
+  def.sleep_speed = threshold();
+  def.sleep_spin = threshold();
   def.user_data = in.get<std::uint64_t>();
   def.origin = in.vec3();
   const pbd::BodyState state = read_state(in);

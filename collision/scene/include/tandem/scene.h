@@ -55,6 +55,8 @@ struct TANDEM_API SolidDef {
   pbd::AxisLocks locks;
   bool bullet = false;  ///< small and fast
   bool can_sleep = true;
+  std::optional<double> sleep_speed;       ///< m/s, see pbd::BodyDef
+  std::optional<double> sleep_spin;        ///< rad/s, likewise
   std::optional<std::uint64_t> stable_id;  ///< see pbd::BodyOrder
   std::uint64_t user_data = 0;             ///< the application's own, of body and colliders
 };

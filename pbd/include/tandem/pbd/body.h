@@ -55,6 +55,10 @@ struct TANDEM_API BodyDef {
   AxisLocks locks;                        ///< dynamic bodies only
   bool bullet = false;    ///< contacts look for the time of impact along its path: small and fast
   bool can_sleep = true;  ///< may be put to rest with its island
+  /// m/s and rad/s, 0 to 1e6: slower ones may rest, in place of SolverOptions::sleep_speed and
+  /// sleep_spin. An island sleeps when all of its bodies may.
+  std::optional<double> sleep_speed = {};
+  std::optional<double> sleep_spin = {};
   /// A name for the body, the same in every world that holds it; unique in its world. See
   /// BodyOrder.
   std::optional<std::uint64_t> stable_id = {};
@@ -91,6 +95,8 @@ struct TANDEM_API BodyProps {
   AxisLocks locks;
   bool bullet = false;
   bool can_sleep = true;
+  std::optional<double> sleep_speed;  ///< m/s; none: as the solver has it
+  std::optional<double> sleep_spin;   ///< rad/s, likewise
   std::optional<std::uint64_t> stable_id;
   Vec3 origin = Vec3::Zero();  ///< m, body frame: the application's
 };
