@@ -6,7 +6,7 @@ namespace tandem::pbd {
 namespace {
 
 constexpr double kArrived = 1e-6;     // m or rad
-constexpr double kMost = 1.0 - 1e-6;  // of its force: from here on it does not manage its load
+constexpr double kFull = 1.0 - 1e-6;  // of its force: from here on its load is too much
 
 /// Whether the motor of a coordinate moves the joint on.
 bool motor_runs(const JointRecord& record, int c) {
@@ -23,7 +23,7 @@ bool motor_runs(const JointRecord& record, int c) {
   } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
     return false;
   }
-  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kMost * motor.max_force);
+  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kFull * motor.max_force);
 }
 
 /// Whether the motor of a ball moves the joint on.
@@ -32,7 +32,7 @@ bool drive_runs(const JointRecord& record) {
   if (motor.mode == MotorMode::Off) return false;
   const bool runs = motor.mode == MotorMode::Velocity ? !motor.velocity.isZero(0.0)
                                                       : record.drive_left.norm() > kArrived;
-  return runs && !(record.state.torque.norm() >= kMost * motor.max_torque);
+  return runs && !(record.state.torque.norm() >= kFull * motor.max_torque);
 }
 
 }  // namespace
