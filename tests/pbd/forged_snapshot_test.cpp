@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t kHead = 4 + 4 + 4 + 8 + 1;
 constexpr std::size_t kFirstSlot = kHead + 3 * 8 + 8 + 4;
 constexpr std::size_t kProps = 1 + 5 * 8 + 6 + 2 + 18 * 8;
-constexpr std::size_t kName = kProps + 6;  ///< within a slot: flag and stable id
-constexpr std::size_t kLevel = kName + 1 + 8 + 3 * 8 + 1;
+constexpr std::size_t kName = kProps + 6;                  ///< within a slot: flag and stable id
+constexpr std::size_t kLevel = kName + 1 + 8 + 5 * 8 + 1;  // origin, thresholds of rest
 constexpr std::size_t kPose = kLevel + 1 + 4 + 8 + 6 * 8;
 constexpr std::size_t kSlot = kPose + 13 * 8;
 
