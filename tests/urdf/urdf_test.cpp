@@ -124,7 +124,7 @@ TEST_CASE("urdf: a robot has no more than it may", "[urdf][errors]") {
   const std::string shape = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
   const std::string text = "<robot name='r'><link name='a'>" + shape + "</link><link name='b'>" +
                            shape + shape +
-                           "</link><joint name='j' type='fixed'><parent link='a'/>"
+                           "</link><joint name='j' type='continuous'><parent link='a'/>"
                            "<child link='b'/></joint></robot>";
   const auto told = [&](std::size_t SceneLimits::*what, std::size_t most) {
     UrdfOptions options;

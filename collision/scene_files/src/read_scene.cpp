@@ -288,6 +288,18 @@ pbd::JointId SceneFile::find_joint(std::string_view name) const {
   return found == joints.end() ? pbd::JointId{} : found->joint;
 }
 
+Pose SceneFile::pose(std::string_view name) const {
+  const auto found = std::find_if(bodies.begin(), bodies.end(),
+                                  [name](const Body& body) { return body.name == name; });
+  if (found == bodies.end()) {
+    pbd::detail::refuse("SceneFile::pose: name", "that of a body of the file",
+                        '"' + std::string(name) + '"');
+  }
+  const Pose body = scene.pose(found->body);
+  return {body.to_world(found->frame.position),
+          (body.orientation * found->frame.orientation).normalized()};
+}
+
 SceneFile parse_scene(std::string_view text, const SceneOptions& options, std::string_view name,
                       const SceneLimits& limits) {
   const json document = scene_files::parse_document(text, name);

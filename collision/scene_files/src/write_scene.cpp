@@ -174,9 +174,9 @@ std::string write_scene(const Scene& scene, std::span<const SceneFile::Body> bod
     list.push_back(scene_files::write_body(world, id));
   }
   for (const SceneFile::Body& body : bodies) {
-    if (!body.name.empty() && world.contains(body.body)) {
-      list[places.at(body.body.index)]["name"] = body.name;
-    }
+    if (body.name.empty() || !world.contains(body.body)) continue;
+    // One name each: links that are parts of a body come behind it.
+    list[places.at(body.body.index)].emplace("name", body.name);
   }
   const collision::CollisionScene& shapes = scene.shapes();
   for (std::uint32_t slot = 0; slot < shapes.slot_count(); ++slot) {

@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <unordered_set>
 
+#include "grouped_warnings.h"
 #include "limit_count.h"
 #include "read_bytes.h"
+#include "rigid_parts.h"
 #include "xml_check.h"
 
 namespace tandem {
@@ -35,33 +38,42 @@ class UrdfReader {
 
   /// The root and all that hangs on it, each link behind the one that it hangs on.
   void tree(const urdf::Link& root) {
-    struct Place {
-      const urdf::Link* link;
-      Pose frame;
-      BodyId parent;
-    };
-    std::vector<Place> open{{&root, options_.base, {}}};
-    std::unordered_set<const urdf::Link*> seen;
-    while (!open.empty()) {
-      const Place at = open.back();
-      open.pop_back();
-      if (!seen.insert(at.link).second) {
-        throw SceneFileError(pbd::detail::must_be("link " + at.link->name + ": joints to parents",
-                                                  "one", "several"));
+    collect(root);
+    for (Solid& solid : solids_) add_body(solid);
+    for (const Link& link : links_) {
+      const Solid& solid = solids_[link.solid];
+      const Pose& own = solid.frame;
+      const Pose in_body = link.link == solid.lead ? Pose{} : inverse(own) * link.frame;
+      out_.bodies.push_back({link.link->name, solid.body, in_body});
+      for (const auto& shape : link.link->collision_array) {
+        add(link.link->name, *shape, solid.body, in_body, solid.origin);
       }
-      const BodyId id = body(*at.link, at.frame);
-      out_.bodies.push_back({at.link->name, id});
-      if (at.link->parent_joint) joint(*at.link->parent_joint, at.frame, at.parent, id);
-      for (auto child = at.link->child_links.rbegin(); child != at.link->child_links.rend();
-           ++child) {
-        const urdf::Pose& origin = (*child)->parent_joint->parent_to_joint_origin_transform;
-        open.push_back({child->get(), at.frame * pose_of(origin), id});
+      if (link.link == solid.lead && link.link->parent_joint) {
+        joint(*link.link->parent_joint, link.frame, solids_[solid.parent].body, solid.body);
       }
     }
     scene_files::require_within("robot", limits_.pairs(out_.scene));
+    warnings_.append_to(out_.warnings);
   }
 
  private:
+  /// Links that are fixed to each other: one body.
+  struct Solid {
+    const urdf::Link* lead = nullptr;  ///< the first one, whose frame is the body's
+    Pose frame;                        ///< world
+    std::size_t parent = 0;            ///< in solids_
+    bool fixed = false;                ///< to the world
+    scene_files::RigidParts parts;     ///< in the lead's frame
+    std::size_t shapes = 0;
+    Vec3 origin = Vec3::Zero();  ///< m, the lead's frame from the centre of mass
+    BodyId body;
+  };
+  struct Link {
+    const urdf::Link* link;
+    Pose frame;         ///< world
+    std::size_t solid;  ///< in solids_
+  };
+
   auto guard(const std::string& where, auto&& call) {
     try {
       return call();
@@ -70,45 +82,130 @@ class UrdfReader {
     }
   }
 
-  void warn(const std::string& where, std::string_view what) {
-    out_.warnings.push_back(where + ": " + std::string(what));
+  static Pose inverse(const Pose& pose) {
+    const Quat back = pose.orientation.conjugate();
+    return {-(back * pose.position), back};
   }
 
-  BodyId body(const urdf::Link& link, const Pose& frame) {
-    const std::string where = "link " + link.name;
-    scene_files::require_within(where, limits_.add(&SceneLimits::bodies));
-    scene_files::require_within(where, limits_.parts(link.collision_array.size()));
-    const bool root = link.parent_joint == nullptr;
-    pbd::BodyDef def{.pose = frame};
-    if (root && options_.fixed_base) {
-      def.type = BodyType::Static;
-    } else if (link.inertial) {
-      const urdf::Inertial& in = *link.inertial;
-      const Pose at = pose_of(in.origin);
-      const pbd::Mat3 turn = at.orientation.toRotationMatrix();
-      pbd::Mat3 inertia;
-      inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-      def.mass = in.mass;
-      def.inertia = turn * inertia * turn.transpose();
-      def.origin = -at.position;
-      def.pose.position = frame.to_world(at.position);
-    } else {
-      warn(where, "no <inertial>: its mass is UrdfOptions::tip_mass");
-      def.mass = options_.tip_mass;
-      def.inertia = pbd::Mat3::Identity() * 0.4 * options_.tip_mass * options_.tip_radius *
-                    options_.tip_radius;
+  /// Fills links_ and solids_.
+  void collect(const urdf::Link& root) {
+    struct Open {
+      const urdf::Link* link;
+      Pose frame;
+      std::size_t parent;  // in solids_
+    };
+    std::vector<Open> open{{&root, options_.base, 0}};
+    std::unordered_set<const urdf::Link*> seen;
+    while (!open.empty()) {
+      const Open at = open.back();
+      open.pop_back();
+      if (!seen.insert(at.link).second) {
+        throw SceneFileError(pbd::detail::must_be("link " + at.link->name + ": joints to parents",
+                                                  "one", "several"));
+      }
+      const urdf::JointSharedPtr& joint = at.link->parent_joint;
+      const bool held = joint && joint->type == urdf::Joint::FIXED;
+      const bool fixed = joint ? held && solids_[at.parent].fixed : options_.fixed_base;
+      const bool part = held && !fixed;
+      const std::size_t solid = part ? at.parent : solids_.size();
+      if (!part) {
+        solids_.push_back(
+            {.lead = at.link, .frame = at.frame, .parent = at.parent, .fixed = fixed});
+      }
+      links_.push_back({at.link, at.frame, solid});
+      solids_[solid].shapes += at.link->collision_array.size();
+      if (!fixed) weigh(*at.link, at.frame, solids_[solid]);
+      for (auto child = at.link->child_links.rbegin(); child != at.link->child_links.rend();
+           ++child) {
+        const urdf::Pose& origin = (*child)->parent_joint->parent_to_joint_origin_transform;
+        open.push_back({child->get(), at.frame * pose_of(origin), solid});
+      }
     }
-    const BodyId id = guard(where, [&] { return out_.scene.world().add_body(def); });
-    for (const auto& collision : link.collision_array) add(where, *collision, id, def.origin);
-    return id;
   }
 
-  void add(const std::string& where, const urdf::Collision& collision, BodyId body,
-           const Vec3& origin) {
+  void weigh(const urdf::Link& link, const Pose& frame, Solid& solid) {
+    if (!link.inertial) return;
+    const std::string where = "link " + link.name;
+    const urdf::Inertial& in = *link.inertial;
+    const Pose at = &link == solid.lead ? pose_of(in.origin)
+                                        : inverse(solid.frame) * frame * pose_of(in.origin);
+    const pbd::Mat3 turn = at.orientation.toRotationMatrix();
+    pbd::Mat3 inertia;
+    inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
+    inertia = turn * inertia * turn.transpose();
+    if (options_.strict) {
+      guard(where, [&] { scratch_.add_body({.mass = in.mass, .inertia = inertia}); });
+    }
+    if (!(in.mass >= 0.0) || !std::isfinite(in.mass)) {
+      guard(where, [&] { pbd::detail::refuse("mass", "finite and >= 0", in.mass); });
+    }
+    if (!inertia.allFinite() || !at.position.allFinite()) {
+      guard(where, [&] { pbd::detail::refuse("inertia and its origin", "finite"); });
+    }
+    if (in.mass > 0.0) {
+      solid.parts.add(in.mass, at.position, inertia);
+    } else if (&link != solid.lead) {
+      warnings_.add("link", link.name, "mass 0: a frame of what it is fixed to");
+    }
+  }
+
+  void add_body(Solid& solid) {
+    const std::string& name = solid.lead->name;
+    const std::string where = "link " + name;
+    scene_files::require_within(where, limits_.add(&SceneLimits::bodies));
+    scene_files::require_within(where, limits_.parts(solid.shapes));
+    pbd::BodyDef def{.pose = solid.frame};
+    if (solid.fixed) {
+      def.type = BodyType::Static;
+    } else if (solid.parts.mass() > 0.0) {
+      const Vec3 com = solid.parts.com();
+      def.mass = solid.parts.mass();
+      def.inertia = solid.parts.inertia();
+      def.origin = solid.origin = -com;
+      def.pose.position = solid.frame.to_world(com);
+      mend(name, def);
+    } else {
+      warnings_.add("link", name,
+                    solid.lead->inertial
+                        ? "mass 0 of what moves by itself: it has UrdfOptions::tip_mass"
+                        : "no <inertial>: its mass is UrdfOptions::tip_mass");
+      def.mass = options_.tip_mass;
+      def.inertia = pbd::Mat3::Identity() * ball(options_.tip_mass);
+    }
+    solid.body = guard(where, [&] { return out_.scene.world().add_body(def); });
+  }
+
+  double ball(double mass) const { return 0.4 * mass * options_.tip_radius * options_.tip_radius; }
+
+  static std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g %%", 100.0 * share);
+    return text;
+  }
+
+  void mend(const std::string& name, pbd::BodyDef& def) {
+    try {
+      scratch_.add_body({.mass = def.mass, .inertia = def.inertia});
+    } catch (const std::invalid_argument&) {
+      const auto mended = scene_files::mend_inertia(def.inertia, ball(def.mass));
+      if (!mended) return;  // World says why
+      def.inertia = mended->inertia;
+      warnings_.add("link", name + " (by " + percent(mended->change) + ")",
+                    "no body has its inertia, with what is fixed to it: it has the nearest one "
+                    "(off by a share of the largest moment)");
+    }
+  }
+
+  /// @param frame  the link's in the body's. @param origin  that from the centre of mass, m
+  void add(const std::string& name, const urdf::Collision& collision, BodyId body,
+           const Pose& frame, const Vec3& origin) {
     collision::ColliderDef def{
-        .body = body, .local = pose_of(collision.origin), .filter = {.group = group_}};
+        .body = body, .local = frame * pose_of(collision.origin), .filter = {.group = group_}};
     def.local.position += origin;
-    if (!collision.geometry) return warn(where, "a <collision> without geometry is passed over");
+    const std::string where = "link " + name;
+    if (!collision.geometry) {
+      return warnings_.add("link", name, "a <collision> without geometry is passed over");
+    }
     switch (collision.geometry->type) {
       case urdf::Geometry::SPHERE:
         def.shape = Sphere{static_cast<const urdf::Sphere&>(*collision.geometry).radius};
@@ -122,9 +219,10 @@ class UrdfReader {
         break;
       }
       case urdf::Geometry::MESH:
-        return warn(where, "the mesh " +
-                               static_cast<const urdf::Mesh&>(*collision.geometry).filename +
-                               " is not read");
+        return warnings_.add(
+            "link",
+            name + " (" + static_cast<const urdf::Mesh&>(*collision.geometry).filename + ")",
+            "its mesh is not read");
     }
     scene_files::require_within(where, limits_.add(&SceneLimits::colliders));
     guard(where, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
@@ -132,13 +230,14 @@ class UrdfReader {
 
   void joint(const urdf::Joint& joint, const Pose& frame, BodyId parent, BodyId child) {
     const std::string where = "joint " + joint.name;
-    if (joint.mimic) warn(where, "mimic is not kept: it moves freely");
-    if (joint.safety || joint.calibration) warn(where, "safety and calibration are not read");
+    const auto warn = [&](const char* text) { warnings_.add("joint", joint.name, text); };
+    if (joint.mimic) warn("mimic is not kept: it moves freely");
+    if (joint.safety || joint.calibration) warn("safety and calibration are not read");
     if (joint.type == urdf::Joint::FLOATING) return;
     pbd::JointAxis axis;
     if (joint.dynamics) {
       axis.spring.damping = joint.dynamics->damping;
-      if (joint.dynamics->friction != 0.0) warn(where, "friction is not read");
+      if (joint.dynamics->friction != 0.0) warn("friction is not read");
     }
     if (joint.limits && joint.type != urdf::Joint::CONTINUOUS) {
       axis.freedom = pbd::Freedom::Limited;
@@ -148,11 +247,9 @@ class UrdfReader {
     // What a motor may do, once it is turned on; none holds it until then.
     if (joint.limits && joint.limits->effort > 0.0) axis.motor.max_force = joint.limits->effort;
     if (joint.limits && joint.limits->velocity > 0.0) axis.motor.max_speed = joint.limits->velocity;
+    if (joint.type == urdf::Joint::FIXED) return;  // both are of the world
     scene_files::require_within(where, limits_.add(&SceneLimits::joints));
-    // Fixed ones say none.
-    const Vec3 direction = joint.type == urdf::Joint::FIXED
-                               ? Vec3::UnitX()
-                               : Vec3(frame.orientation * vec(joint.axis));
+    const Vec3 direction = frame.orientation * vec(joint.axis);
     const pbd::JointId id = guard(where, [&] {
       const auto& world = out_.scene.world();
       return out_.scene.add_joint(
@@ -179,6 +276,10 @@ class UrdfReader {
   SceneFile& out_;
   const UrdfOptions& options_;
   std::int32_t group_;
+  std::vector<Link> links_;
+  std::vector<Solid> solids_;
+  pbd::World scratch_;  ///< says whether a mass is one
+  scene_files::GroupedWarnings warnings_;
   scene_files::LimitCount limits_{options_.limits};
 };
 

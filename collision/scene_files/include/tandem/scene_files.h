@@ -26,6 +26,9 @@ struct TANDEM_API SceneFile {
   struct TANDEM_API Body {
     std::string name;  ///< may be empty
     BodyId body;
+    /// In the body's, that which Scene::pose() tells of. Robots' links that are fixed to another
+    /// one are parts of its body; their frames stay known here.
+    Pose frame = {};
   };
   struct TANDEM_API Joint {
     std::string name;  ///< may be empty
@@ -40,6 +43,9 @@ struct TANDEM_API SceneFile {
   /// Of the first one with that name; the invalid id where there is none.
   BodyId find(std::string_view name) const;
   pbd::JointId find_joint(std::string_view name) const;
+  /// World, of the first frame with that name, where its body is now.
+  /// @throws std::invalid_argument  where there is none, or its body has been removed
+  Pose pose(std::string_view name) const;
 };
 
 /// Files are read up to this size, and JSON up to this depth.
@@ -79,7 +85,8 @@ TANDEM_API SceneFile::Body add_body(Scene& scene, std::string_view text,
 /// the same options it moves by the same bits as a scene that was made so. Not in it: options,
 /// what the solver carries from step to step (World::snapshot() has that), targets, kinds of rows
 /// other than joints; where there are rows of those, it is an error.
-/// @param bodies, joints  names; those of what is no longer there are passed over
+/// @param bodies, joints  names; those of what is no longer there are passed over, and of several
+///   of one body the first counts
 TANDEM_API std::string write_scene(const Scene& scene, std::span<const SceneFile::Body> bodies = {},
                                    std::span<const SceneFile::Joint> joints = {});
 /// With the file's names.

@@ -14,15 +14,18 @@ struct TANDEM_API UrdfOptions {
   SceneOptions scene;
   Pose base;                 ///< of the root link's frame
   bool fixed_base = true;    ///< the root link is static
-  double tip_mass = 1e-3;    ///< kg, > 0, of links that say none
+  double tip_mass = 1e-3;    ///< kg, > 0, of links that move by themselves and have none
   double tip_radius = 0.01;  ///< m, > 0, of the ball whose inertia those have
+  /// Masses of 0 and inertias that no body can have are errors. Else they are mended, and told.
+  bool strict = false;
   SceneLimits limits;
 };
 
 /// A robot by URDF, read with Debian's urdfdom: links as bodies, at all joints' zero, joints with
-/// limits, damping and effort. Scene::pose() is that of a link's frame. Links of one robot do not
-/// meet each other. Told as warnings: meshes, friction of joints, mimic joints, velocity limits,
-/// transmissions and what else urdfdom does not know.
+/// limits, damping and effort. Links on fixed joints are parts of the body that they are fixed to,
+/// with their inertia; SceneFile::pose() is that of any link's frame. Links of one robot do not
+/// meet each other. Told as warnings: meshes, friction of joints, mimic joints, transmissions and
+/// what else urdfdom does not know, masses of 0 and inertias that no body can have.
 /// @throws SceneFileError
 TANDEM_API SceneFile load_urdf(const std::filesystem::path& path, const UrdfOptions& options = {});
 TANDEM_API SceneFile parse_urdf(std::string_view text, const UrdfOptions& options = {},
