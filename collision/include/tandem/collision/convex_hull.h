@@ -38,7 +38,7 @@ class TANDEM_API ConvexHull {
   };
 
   /// Points inside the hull, and points outside by less than the tolerance, are left out; and so
-  /// are those that lie outside by less than 1e-7 of the extent.
+  /// are those that lie outside by less than 1e-6 of the extent, the noise of single precision.
   /// @param points  m, in the shape's frame
   /// @param tolerance  0 to 0.1: share of the thickness, which is the height of the large
   ///   tetrahedron among the points that the hull starts with
@@ -47,6 +47,16 @@ class TANDEM_API ConvexHull {
   ///   or in one place, or a hull of more than kMaxVertices corners
   static std::shared_ptr<const ConvexHull> make(std::span<const pbd::Vec3> points,
                                                 double tolerance = kTolerance);
+
+  struct Simplified {
+    std::shared_ptr<const ConvexHull> hull;
+    double error =
+        0.0;  ///< m: as far a point lies above a face at most, or a face above the points
+  };
+  /// The same of what make() refuses for its shape: with kMaxVertices corners, the farthest first,
+  /// and where the points are in a plane as a plate of 1e-3 of their extent.
+  /// @throws std::invalid_argument  as make() does for other reasons; three points are enough
+  static Simplified simplify(std::span<const pbd::Vec3> points, double tolerance = kTolerance);
 
   /// m, centre of mass, in the shape's frame.
   const pbd::Vec3& centre() const { return centre_; }
@@ -80,7 +90,8 @@ class TANDEM_API ConvexHull {
 
  private:
   ConvexHull() = default;
-  void build(std::span<const pbd::Vec3> points);
+  static Simplified settled(std::vector<pbd::Vec3> corners, double tolerance, bool cut);
+  double build(std::span<const pbd::Vec3> points, bool cut);
   void merge_faces(const std::vector<std::array<std::uint32_t, 3>>& triangles, double tolerance);
   void find_edges();
   void weigh();
