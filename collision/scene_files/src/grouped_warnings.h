@@ -3,12 +3,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace tandem::scene_files {
+
+/// Two digits: as much as anyone wants to know of an error.
+inline std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
 
 /// Warnings of a file with many elements: what is true of several of a kind is told once, with all
 /// their names.

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <unordered_set>
 
 #include "grouped_warnings.h"
@@ -177,12 +176,6 @@ class UrdfReader {
 
   double ball(double mass) const { return 0.4 * mass * options_.tip_radius * options_.tip_radius; }
 
-  static std::string percent(double share) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g %%", 100.0 * share);
-    return text;
-  }
-
   void mend(const std::string& name, pbd::BodyDef& def) {
     try {
       scratch_.add_body({.mass = def.mass, .inertia = def.inertia});
@@ -190,7 +183,8 @@ class UrdfReader {
       const auto mended = scene_files::mend_inertia(def.inertia, ball(def.mass));
       if (!mended) return;  // World says why
       def.inertia = mended->inertia;
-      warnings_.add("link", name + " (by " + percent(mended->change) + ")",
+      warnings_.add("link",
+                    name + " (by " + scene_files::short_number(100.0 * mended->change) + " %)",
                     "no body has its inertia, with what is fixed to it: it has the nearest one "
                     "(off by a share of the largest moment)");
     }

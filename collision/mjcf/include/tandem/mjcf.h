@@ -10,18 +10,24 @@
 
 namespace tandem {
 
+struct TANDEM_API MjcfOptions {
+  SceneOptions scene;  ///< gravity is the model's
+  SceneLimits limits;
+  bool strict = false;  ///< meshes with hulls of more than 128 corners, or flat ones, are errors
+};
+
 /// A model by MJCF, compiled by Debian's MuJoCo: bodies at qpos0 with the masses that MuJoCo finds,
-/// geoms, joints with ranges, springs and damping, gravity. Scene::pose() is that of a body's
-/// frame. Bodies of one tree do not meet each other. A body may have one joint, or slides at right
-/// angles to each other and a hinge; others are refused. Told as warnings: ellipsoids, height
-/// fields, actuators, tendons, equalities, sensors, frictionloss, armature and filters that are
-/// not symmetric. MuJoCo reads what the model includes, wherever that is: of models of strangers,
-/// parse text, which has no files beside it.
+/// geoms, joints with ranges, springs and damping, gravity. Bodies without joints are parts of
+/// those that they are fixed to; SceneFile::pose() is that of any body's frame. Mocap bodies are
+/// kinematic. Geoms meet by their contype and conaffinity as in MuJoCo, but bodies of one tree do
+/// not meet each other. A body may have one joint, or slides at right angles to each other and a
+/// hinge or ball, in the file's order; others are refused. What is not read is told as warnings, by
+/// docs/scene_files.md. MuJoCo reads what the model includes, wherever that is: of models of
+/// strangers, parse text, which has no files beside it.
 /// @throws SceneFileError
 /// @par Thread safety  One call at a time in a process, as MuJoCo has it.
-TANDEM_API SceneFile load_mjcf(const std::filesystem::path& path, const SceneOptions& options = {},
-                               const SceneLimits& limits = {});
-TANDEM_API SceneFile parse_mjcf(std::string_view text, const SceneOptions& options = {},
-                                std::string_view name = "mjcf", const SceneLimits& limits = {});
+TANDEM_API SceneFile load_mjcf(const std::filesystem::path& path, const MjcfOptions& options = {});
+TANDEM_API SceneFile parse_mjcf(std::string_view text, const MjcfOptions& options = {},
+                                std::string_view name = "mjcf");
 
 }  // namespace tandem

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "mjcf_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mjcf_joints.h"
+
+namespace tandem::mjcf {
+
+void Reader::run() {
+  bodies_.resize(static_cast<std::size_t>(m_.nbody));
+  // Parents come first.
+  for (int b = 0; b < m_.nbody; ++b) place(b);
+  for (int b = 0; b < m_.nbody; ++b) add_body(b);
+  const Filters filters(model_);
+  for (int g = 0; g < m_.ngeom; ++g) add_geom(g, filters);
+  for (int b = 1; b < m_.nbody; ++b) add_joints(b);
+  tell_rest();
+  scene_files::require_within("model", limits_.pairs(out_.scene));
+  model_.warnings.append_to(out_.warnings);
+}
+
+void Reader::place(int b) {
+  Body& body = at(b);
+  const Pose local = pose_of(m_.body_pos + 3 * b, m_.body_quat + 4 * b);
+  const int parent = m_.body_parentid[b];
+  body.frame = b == 0 ? local : at(parent).frame * local;
+  body.lead = b;
+  // What stands in the world stays a body of its own: it costs nothing, and has a place in it.
+  const bool part = b > 0 && m_.body_jntnum[b] == 0 && !is_mocap(b) &&
+                    (m_.body_weldid[b] != 0 || is_mocap(at(parent).lead));
+  if (part) body.lead = at(parent).lead;
+  Body& lead = at(body.lead);
+  if (part) body.in_lead = inverse(lead.frame) * body.frame;
+  lead.geoms += static_cast<std::size_t>(m_.body_geomnum[b]);
+  if (m_.body_weldid[b] == 0) return;
+  if (!part) {
+    const bool root = m_.body_weldid[parent] == 0;
+    body.group = root ? out_.scene.new_group() : at(parent).group;
+  } else {
+    body.group = lead.group;
+  }
+  if (!(m_.body_mass[b] > 0.0)) return;  // a frame
+  const Pose mass = body.in_lead * pose_of(m_.body_ipos + 3 * b, m_.body_iquat + 4 * b);
+  const pbd::Mat3 turn = mass.orientation.toRotationMatrix();
+  lead.parts.add(m_.body_mass[b], mass.position,
+                 turn * vec(m_.body_inertia + 3 * b).asDiagonal() * turn.transpose());
+}
+
+void Reader::add_body(int b) {
+  Body& body = at(b);
+  const Body& lead = at(body.lead);
+  if (body.lead == b) {
+    const std::string where = model_.where(mjOBJ_BODY, b);
+    pbd::BodyDef def{.pose = body.frame};
+    if (is_mocap(b)) {
+      def.type = BodyType::Kinematic;
+    } else if (m_.body_weldid[b] == 0) {
+      def.type = BodyType::Static;
+    } else {
+      scene_files::require_within(where, limits_.parts(body.geoms));
+      def.mass = body.parts.mass();
+      if (def.mass > 0.0) {
+        def.origin = -body.parts.com();
+        def.inertia = body.parts.inertia();
+      }
+      def.pose.position = body.frame.to_world(-def.origin);
+      damp(b, def);
+    }
+    scene_files::require_within(where, limits_.add(&SceneLimits::bodies));
+    body.id = model_.guard(mjOBJ_BODY, b, [&] { return out_.scene.world().add_body(def); });
+  }
+  out_.bodies.push_back({model_.name(mjOBJ_BODY, b), lead.id, body.in_lead});
+}
+
+/// By the damping of a free joint: a force and a torque in proportion to the speeds.
+void Reader::damp(int b, pbd::BodyDef& def) {
+  const int j = m_.body_jntadr[b];
+  if (m_.body_jntnum[b] == 0 || m_.jnt_type[j] != mjJNT_FREE || model_.off(mjDSBL_PASSIVE)) return;
+  const mjtNum damping = m_.dof_damping[m_.jnt_dofadr[j]];
+  if (damping == 0.0) return;
+  def.linear_damping = damping / def.mass;
+  const double moment = def.inertia.trace() / 3.0;
+  def.angular_damping = damping / moment;
+  if ((def.inertia - moment * pbd::Mat3::Identity()).cwiseAbs().maxCoeff() > 1e-3 * moment) {
+    model_.warn(mjOBJ_JOINT, j, "its damping slows turns about all axes alike, by the mean moment");
+  }
+}
+
+void Reader::add_geom(int g, const Filters& filters) {
+  if (m_.geom_contype[g] == 0 && m_.geom_conaffinity[g] == 0) return;  // for the eye alone
+  const Body& body = at(m_.geom_bodyid[g]);
+  const BodyId id = at(body.lead).id;
+  collision::ColliderDef def{
+      .body = id,
+      .local = body.in_lead * pose_of(m_.geom_pos + 3 * g, m_.geom_quat + 4 * g),
+      .material = {.friction = friction(g), .friction_rule = collision::Combine::Maximum},
+      .filter = filters[g]};
+  def.filter.group = body.group;
+  def.local.position += out_.scene.world().props(id).origin;
+  const mjtNum* size = m_.geom_size + 3 * g;
+  switch (m_.geom_type[g]) {
+    case mjGEOM_PLANE:
+      def.shape = HalfSpace{};
+      break;
+    case mjGEOM_SPHERE:
+      def.shape = Sphere{size[0]};
+      break;
+    case mjGEOM_CAPSULE:
+      def.shape = Capsule{.radius = size[0], .half_height = size[1]};
+      break;
+    case mjGEOM_CYLINDER:
+      def.shape = Cylinder{.radius = size[0], .half_height = size[1]};
+      break;
+    case mjGEOM_BOX:
+      def.shape = Box(vec(size));
+      break;
+    case mjGEOM_MESH:
+      def.shape = hull(g);
+      break;
+    default:
+      return model_.warn(mjOBJ_GEOM, g, "ellipsoids and height fields are not read");
+  }
+  scene_files::require_within(model_.where(mjOBJ_GEOM, g), limits_.add(&SceneLimits::colliders));
+  model_.guard(mjOBJ_GEOM, g, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
+}
+
+double Reader::friction(int g) {
+  const double sliding = m_.geom_friction[3 * g];
+  if (m_.geom_priority[g] != 0) {
+    model_.warn(mjOBJ_GEOM, g, "priority is not read: the larger friction of the two counts");
+  }
+  // MuJoCo's contacts have the larger condim of the two, and the larger friction.
+  if (m_.geom_condim[g] == 1) {
+    const bool met = std::any_of(m_.geom_condim, m_.geom_condim + m_.ngeom,
+                                 [](int other) { return other != 1; });
+    if (met && sliding != 0.0) {
+      model_.warn(mjOBJ_GEOM, g, "condim 1: it has no friction of its own, with any geom");
+    }
+    return 0.0;
+  }
+  if (m_.geom_condim[g] > 3) {
+    model_.warn(mjOBJ_GEOM, g, "condim 4 and 6: contacts do not resist turning and rolling");
+  }
+  return sliding;
+}
+
+/// MuJoCo's contacts are those of hulls, too.
+collision::Hull Reader::hull(int g) {
+  const int mesh = m_.geom_dataid[g];
+  collision::Hull& known = hulls_[mesh];
+  if (known != nullptr) return known;
+  scene_files::require_within(
+      model_.where(mjOBJ_MESH, mesh),
+      limits_.add(&SceneLimits::hull_points, static_cast<std::size_t>(m_.mesh_vertnum[mesh])));
+  std::vector<Vec3> points;
+  for (int v = 0; v < m_.mesh_vertnum[mesh]; ++v) {
+    const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + v);
+    points.emplace_back(p[0], p[1], p[2]);
+  }
+  return known = model_.guard(mjOBJ_GEOM, g, [&] { return hull_of(mesh, points); });
+}
+
+collision::Hull Reader::hull_of(int mesh, const std::vector<Vec3>& points) {
+  try {
+    return collision::ConvexHull::make(points);
+  } catch (const std::invalid_argument&) {
+    if (options_.strict) throw;
+    const auto [hull, error] = collision::ConvexHull::simplify(points);
+    model_.warnings.add(
+        "mesh",
+        model_.title(mjOBJ_MESH, mesh) + " (by " + scene_files::short_number(1e3 * error) + " mm)",
+        "its hull has more than 128 corners, or is flat: it has the nearest one");
+    return hull;
+  }
+}
+
+void Reader::add_joints(int b) {
+  Body& body = at(b);
+  const int first = m_.body_jntadr[b];
+  const int count = m_.body_jntnum[b];
+  if (count == 0 || m_.jnt_type[first] == mjJNT_FREE) return;
+  scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
+  const BodyId parent = at(at(m_.body_parentid[b]).lead).id;
+  const pbd::JointId id = model_.guard(mjOBJ_BODY, b, [&] {
+    return out_.scene.add_joint(
+        joint_def(model_, b, out_.scene.world(), parent, body.id, body.frame));
+  });
+  for (int j = first; j < first + count; ++j) {
+    out_.joints.push_back({model_.name(mjOBJ_JOINT, j), id});
+  }
+}
+
+/// What is counted alone.
+void Reader::tell_rest() {
+  const auto all = [&](mjtObj kind, int count) {
+    for (int i = 0; i < count; ++i) model_.warn(kind, i, "not read");
+  };
+  all(mjOBJ_ACTUATOR, m_.nu);
+  all(mjOBJ_TENDON, m_.ntendon);
+  all(mjOBJ_EQUALITY, m_.neq);
+  all(mjOBJ_SENSOR, m_.nsensor);
+  all(mjOBJ_EXCLUDE, m_.nexclude);
+  all(mjOBJ_KEY, m_.nkey);
+  if (m_.npair > 0) out_.warnings.push_back("contact pairs are not read");
+  if (m_.opt.viscosity != 0.0 || m_.opt.density != 0.0) {
+    out_.warnings.push_back("option: the medium's density and viscosity are not read");
+  }
+  const auto soft = [](const mjtNum* ref, const mjtNum* imp) {
+    // MuJoCo's defaults.
+    return ref[0] != 0.02 || ref[1] != 1.0 || imp[0] != 0.9 || imp[1] != 0.95 || imp[2] != 0.001;
+  };
+  for (int g = 0; g < m_.ngeom; ++g) {
+    if (soft(m_.geom_solref + mjNREF * g, m_.geom_solimp + mjNIMP * g)) {
+      model_.warn(mjOBJ_GEOM, g, "solref and solimp are not read: contacts are rigid");
+    }
+    if (m_.geom_margin[g] != 0.0) model_.warn(mjOBJ_GEOM, g, "margin is not read");
+  }
+  for (int j = 0; j < m_.njnt; ++j) {
+    if (m_.jnt_limited[j] && soft(m_.jnt_solref + mjNREF * j, m_.jnt_solimp + mjNIMP * j)) {
+      model_.warn(mjOBJ_JOINT, j, "solreflimit and solimplimit are not read: limits are rigid");
+    }
+  }
+}
+
+}  // namespace tandem::mjcf

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "limit_count.h"
+#include "mjcf_filters.h"
+#include "mjcf_model.h"
+#include "rigid_parts.h"
+#include "tandem/mjcf.h"
+
+namespace tandem::mjcf {
+
+/// Turns a compiled model into a scene.
+class Reader {
+ public:
+  Reader(const mjModel& model, SceneFile& out, const MjcfOptions& options)
+      : model_{model}, m_(model), out_(out), options_(options), limits_(options.limits) {}
+
+  void run();
+
+ private:
+  /// By number in the model.
+  struct Body {
+    Pose frame;              ///< world
+    int lead = 0;            ///< whose body in the scene it is a part of: itself, or one before it
+    Pose in_lead;            ///< its frame in that one's
+    std::int32_t group = 0;  ///< of its tree; 0: of the world
+    BodyId id;               ///< of those that lead
+    // What those have that lead, of all their parts:
+    scene_files::RigidParts parts;
+    std::size_t geoms = 0;
+  };
+  Body& at(int body) { return bodies_[static_cast<std::size_t>(body)]; }
+  bool is_mocap(int body) const { return m_.body_mocapid[body] >= 0; }
+
+  void place(int body);
+  void add_body(int body);
+  void damp(int body, pbd::BodyDef& def);
+  void add_geom(int geom, const Filters& filters);
+  double friction(int geom);
+  collision::Hull hull(int geom);
+  collision::Hull hull_of(int mesh, const std::vector<Vec3>& points);
+  void add_joints(int body);
+  void tell_rest();
+
+  Model model_;
+  const mjModel& m_;
+  SceneFile& out_;
+  const MjcfOptions& options_;
+  std::vector<Body> bodies_;
+  std::map<int, collision::Hull> hulls_;
+  scene_files::LimitCount limits_;
+};
+
+}  // namespace tandem::mjcf

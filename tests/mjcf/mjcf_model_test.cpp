@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What models of others have and how MuJoCo takes it: bodies without joints, meshes of many
+// corners, who meets whom, joints in their order, and what a flag turns off.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/catch.h"
+#include "tandem/mjcf.h"
+#include "tandem/pbd/random.h"
+
+namespace mjcf_test {
+namespace {
+
+using namespace tandem;
+using tandem::testing::refusal;
+
+SceneFile model(const std::string& inside) {
+  return parse_mjcf(std::string("<mujoco>") + inside + "</mujoco>");
+}
+SceneFile world(const std::string& inside) {
+  return model(std::string("<worldbody>") + inside + "</worldbody>");
+}
+void run(SceneFile& file, double seconds) {
+  for (int i = 0; i < static_cast<int>(seconds * 240.0); ++i) file.scene.step(1.0 / 240.0);
+}
+bool is_told(const SceneFile& file, const std::string& what) {
+  return std::any_of(file.warnings.begin(), file.warnings.end(), [&](const std::string& warning) {
+    return warning.find(what) != std::string::npos;
+  });
+}
+
+TEST_CASE("mjcf: bodies without joints are parts of the one that moves", "[mjcf]") {
+  SceneFile file = world(
+      "<body name='arm'><joint axis='0 1 0'/><geom type='box' size='.1 .1 .1' mass='2'/>"
+      "<body name='hand' pos='1 0 0' euler='0 90 0'><geom type='box' size='.1 .2 .3' mass='2'/>"
+      "<body name='tip' pos='0 0 1'/></body></body>"
+      "<body name='shelf' pos='0 0 -3'><geom type='box' size='1 1 .1'/></body>");
+  const BodyId arm = file.find("arm");
+  CHECK(file.find("hand") == arm);
+  CHECK(file.find("tip") == arm);
+  CHECK(file.joints.size() == 1);
+  const pbd::BodyProps& props = file.scene.world().props(arm);
+  CHECK(props.mass == Approx(4.0));
+  CHECK(file.scene.world().pose(arm).position.isApprox(Vec3(0.5, 0.0, 0.0)));
+  // The hand's x is the arm's -z, its z the arm's x.
+  const double m3 = 2.0 / 3.0;
+  const Vec3 moments(m3 * (0.02 + 0.01 + 0.04), m3 * (0.02 + 0.01 + 0.09) + 4.0 * 0.25,
+                     m3 * (0.02 + 0.04 + 0.09) + 4.0 * 0.25);
+  CHECK(props.inertia.isApprox(pbd::Mat3(moments.asDiagonal()), 1e-9));
+  CHECK(file.pose("tip").position.isApprox(Vec3(2.0, 0.0, 0.0), 1e-9));
+  CHECK(file.scene.world().props(file.find("shelf")).type == BodyType::Static);
+  CHECK(file.scene.pose(file.find("shelf")).position == Vec3(0.0, 0.0, -3.0));
+  CHECK(file.warnings.empty());
+}
+
+TEST_CASE("mjcf: of meshes with many corners, or flat ones, the nearest hull is taken", "[mjcf]") {
+  std::string ball;
+  for (int i = 0; i < 300; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / 300.0;
+    const double turn = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
+    const double r = std::sqrt(1.0 - z * z);
+    for (const double x : {r * std::cos(turn), r * std::sin(turn), z}) {
+      ball += std::to_string(0.1 * x) + ' ';
+    }
+  }
+  for (const auto& [vertices, told] :
+       {std::pair{ball, "mesh b (by "},
+        std::pair{std::string("0 0 0 1 0 0 1 1 0 0 1 0 0 0 .0001 1 0 .0001 1 1 .0001 0 1 .0001"),
+                  "mesh b (by 0.5 mm)"}}) {
+    const std::string text = std::string("<mujoco><asset><mesh name='b' vertex='") + vertices +
+                             "'/></asset><worldbody><geom type='plane' size='5 5 1'/>"
+                             "<body name='thing' pos='0 0 .5'><freejoint/>"
+                             "<geom type='mesh' mesh='b'/></body></worldbody></mujoco>";
+    SceneFile file = parse_mjcf(text);
+    CHECK(is_told(file, told));
+    run(file, 2.0);
+    CHECK(std::abs(file.scene.world().pose(file.find("thing")).position.z()) < 0.11);
+    CHECK(refusal([&] { parse_mjcf(text, {.strict = true}); }).find("ConvexHull") !=
+          std::string::npos);
+  }
+}
+
+TEST_CASE("mjcf: geoms meet where either one's contype meets the other's conaffinity", "[mjcf]") {
+  pbd::SplitMix64 random(46);
+  for (int draw = 0; draw < 20; ++draw) {
+    struct Bits {
+      std::uint32_t type, affinity;
+    };
+    std::vector<Bits> bits;
+    std::string text;
+    for (int i = 0; i < 12; ++i) {
+      // Without 0 and 0, which no collider is made of.
+      const Bits one{static_cast<std::uint32_t>(random.below(8)),
+                     static_cast<std::uint32_t>(1 + random.below(7))};
+      bits.push_back(one);
+      text += std::string("<body pos='") + std::to_string(i) +
+              " 0 0'><freejoint/><geom size='.1' contype='" + std::to_string(one.type) +
+              "' conaffinity='" + std::to_string(one.affinity) + "'/></body>";
+    }
+    const SceneFile file = world(text);
+    const collision::CollisionScene& shapes = file.scene.shapes();
+    REQUIRE(shapes.slot_count() == bits.size());
+    for (std::uint32_t i = 0; i < bits.size(); ++i) {
+      for (std::uint32_t j = 0; j < i; ++j) {
+        CAPTURE(draw, bits[i].type, bits[i].affinity, bits[j].type, bits[j].affinity);
+        const bool meet =
+            (bits[i].type & bits[j].affinity) != 0 || (bits[j].type & bits[i].affinity) != 0;
+        CHECK(may_meet(shapes.collider(shapes.collider_at(i)).filter,
+                       shapes.collider(shapes.collider_at(j)).filter) == meet);
+      }
+    }
+    CHECK(file.warnings.empty());
+  }
+  SceneFile falls = world(
+      "<geom type='plane' size='5 5 1' contype='1' conaffinity='0'/>"
+      "<body name='ball' pos='0 0 1'><freejoint/><geom size='.1' contype='0' conaffinity='1'/>"
+      "</body><body name='ghost' pos='1 0 1'><freejoint/>"
+      "<geom size='.1' contype='2' conaffinity='2'/></body>");
+  run(falls, 2.0);
+  CHECK(falls.scene.pose(falls.find("ball")).position.z() == Approx(0.1).margin(1e-3));
+  CHECK(falls.scene.pose(falls.find("ghost")).position.z() < -10.0);
+  // The default is the first category, as that of what an application adds.
+  CHECK(world("<geom size='1' contype='2' conaffinity='3'/><geom size='1'/>")
+            .scene.shapes()
+            .collider({1, 0})
+            .filter.category == 1);
+  std::string many;
+  for (int i = 1; i <= 32; ++i) {
+    many += std::string("<geom size='1' contype='") + std::to_string(2 * i) + "'/>";
+  }
+  CHECK(refusal([&] { world(many); }).find("at most 32 pairs") != std::string::npos);
+}
+
+TEST_CASE("mjcf: slides and a hinge in any order of axes and to either hand", "[mjcf]") {
+  for (const char* up : {"0 0 1", "0 0 -1"}) {
+    for (const char* turn : {"0 1 0", "0 -1 0"}) {
+      CAPTURE(up, turn);
+      const double sign = std::string(up) == "0 0 1" ? 1.0 : -1.0;
+      SceneFile file = world(
+          std::string("<body name='root' pos='0 0 1'>"
+                      "<joint name='x' type='slide' axis='1 0 0' range='-1 .1' limited='true'/>"
+                      "<joint name='z' type='slide' limited='true' axis='") +
+          up + "' range='" + (sign > 0.0 ? "-.25 1" : "-1 .25") +
+          "'/><joint name='y' type='hinge' limited='true' range='-10 60' axis='" + turn +
+          "'/><geom size='.1'/></body>");
+      const BodyId root = file.find("root");
+      const double spin = std::string(turn) == "0 1 0" ? 1.0 : -1.0;
+      file.scene.world().set_twist(root, {{1.0, 0.0, 0.0}, {0.0, 2.0 * spin, 0.0}});
+      run(file, 2.0);
+      const Pose pose = file.scene.pose(root);
+      CHECK((pose.position - Vec3(0.1, 0.0, 0.75)).norm() < 1e-3);
+      // It has turned to its stop, 60 degrees about the hinge's axis.
+      CHECK(pose.orientation.angularDistance(
+                Quat(Eigen::AngleAxisd(spin * std::numbers::pi / 3.0, Vec3::UnitY()))) < 1e-2);
+    }
+  }
+}
+
+TEST_CASE("mjcf: slides behind a hinge turn with it", "[mjcf]") {
+  const std::string slide = "<joint name='s' type='slide' axis='1 0 0'/>";
+  const std::string hinge = "<joint name='h' axis='0 0 1'/>";
+  const auto end = [](const std::string& joints) {
+    SceneFile file = model(std::string("<option gravity='0 0 0'/><worldbody><body name='b'>") +
+                           joints + "<geom size='.01' pos='1 0 0'/></body></worldbody>");
+    file.scene.world().set_twist(file.find("b"), {{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}});
+    run(file, 1.0);
+    return file.scene.world().pose(file.find("b")).position;
+  };
+  // A bead on a rod that turns freely and weighs nothing goes straight on.
+  CHECK((end(hinge + slide) - Vec3(1.0, 1.0, 0.0)).norm() < 3e-3);
+  // On a carriage that weighs nothing it keeps its speed along the carriage's way, which is 0.
+  CHECK(end(slide + hinge).x() == Approx(1.0).margin(3e-3));
+  CHECK(refusal([&] {
+          end("<joint type='slide' axis='0 1 0'/>" + hinge + slide);
+        }).find("before all slides or behind them") != std::string::npos);
+  // Along the hinge's axis it may stand anywhere.
+  CHECK_NOTHROW(end(slide + hinge + "<joint type='slide' axis='0 0 1'/>"));
+}
+
+TEST_CASE("mjcf: what a flag turns off is off", "[mjcf]") {
+  const auto with = [](const std::string& flag, const std::string& inside) {
+    return model(std::string("<option><flag ") + flag + "='disable'/></option><worldbody>" +
+                 inside + "</worldbody>");
+  };
+  CHECK(with("gravity", "").scene.world().gravity() == Vec3::Zero());
+  for (const char* flag : {"contact", "constraint"}) {
+    SceneFile file = with(flag,
+                          "<geom type='plane' size='5 5 1'/><body name='b' pos='0 0 1'>"
+                          "<freejoint/><geom size='.1'/></body>");
+    run(file, 1.0);
+    CHECK(file.scene.pose(file.find("b")).position.z() < -3.0);
+  }
+  const std::string arm =
+      "<body><joint name='j' axis='0 1 0' range='-10 10' limited='true' stiffness='9' "
+      "damping='3'/><geom size='.1' pos='1 0 0'/></body>";
+  const auto axis = [&](const std::string& flag) {
+    SceneFile file = with(flag, arm);
+    return file.scene.joints().def(file.find_joint("j")).angular[0];
+  };
+  CHECK(axis("limit").freedom == pbd::Freedom::Free);
+  CHECK(axis("constraint").freedom == pbd::Freedom::Free);
+  CHECK(axis("passive").freedom == pbd::Freedom::Limited);
+  CHECK(axis("passive").spring.stiffness == 0.0);
+  CHECK(axis("passive").spring.damping == 0.0);
+  CHECK(axis("limit").spring.damping == 3.0);
+}
+
+TEST_CASE("mjcf: condim 1 has no friction, a free joint's damping slows, mocap goes as told",
+          "[mjcf]") {
+  SceneFile puck = model(
+      "<option gravity='3 0 -9.81'/><worldbody><geom type='plane' size='5 5 1' condim='1'/>"
+      "<body name='puck' pos='0 0 .1'><freejoint/><geom type='box' size='.1 .1 .1' condim='1'/>"
+      "</body></worldbody>");
+  run(puck, 0.5);
+  CHECK(puck.scene.pose(puck.find("puck")).position.x() == Approx(0.5 * 3.0 * 0.25).epsilon(1e-2));
+  CHECK(puck.warnings.empty());
+
+  SceneFile fly = world(
+      "<body name='fly' pos='0 0 1'><joint type='free' damping='5'/><geom size='.1' mass='.4'/>"
+      "</body><body name='hand' mocap='true' pos='0 1 1'><geom size='.1'/>"
+      "<body name='ring' pos='.5 0 0'/></body>");
+  fly.scene.world().set_twist(fly.find("fly"), {{}, {0.0, 0.0, 3.0}});
+  const BodyId hand = fly.find("hand");
+  CHECK(fly.scene.world().props(hand).type == BodyType::Kinematic);
+  fly.scene.world().set_twist(hand, {{0.0, 2.0, 0.0}, {}});
+  run(fly, 0.5);
+  const double tau = 0.4 / 5.0;
+  const double fall = 9.81 * tau * (0.5 - tau * (1.0 - std::exp(-0.5 / tau)));
+  CHECK(fly.scene.pose(fly.find("fly")).position.z() == Approx(1.0 - fall).margin(2e-2 * fall));
+  CHECK(fly.scene.world().twist(fly.find("fly")).angular.norm() < 1e-3);
+  CHECK(fly.pose("ring").position.isApprox(Vec3(0.5, 2.0, 1.0), 1e-9));
+
+  CHECK(is_told(world("<geom name='g' size='1' priority='1'/>"), "geom g: priority"));
+  CHECK(is_told(world("<geom name='g' size='1' condim='1'/><geom size='1'/>"), "geom g: condim 1"));
+  CHECK(is_told(world("<geom name='g' size='1' margin='.1'/>"), "geom g: margin"));
+  CHECK(is_told(world("<geom name='g' size='1' solref='.1 1'/>"), "geom g: solref"));
+}
+
+}  // namespace
+}  // namespace mjcf_test
