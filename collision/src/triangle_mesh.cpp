@@ -34,6 +34,14 @@ struct HalfEdge {
 
 }  // namespace
 
+bool TriangleMesh::has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a;
+  const Vec3 ac = c - a;
+  const double area2 = ab.cross(ac).norm();
+  const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+  return area2 > kMinArea * longest2 && std::isfinite(area2);
+}
+
 std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vec3> vertices,
                                                        std::span<const Triangle> triangles) {
   if (triangles.empty()) pbd::detail::refuse("TriangleMesh: triangles", "at least one", "none");
@@ -91,12 +99,11 @@ void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Triangle
     const Triangle& in = triangles[t];
     const Triangle corners{index[in[0]], index[in[1]], index[in[2]]};
     const Vec3& a = vertices_[corners[0]];
-    const Vec3 ab = vertices_[corners[1]] - a;
-    const Vec3 ac = vertices_[corners[2]] - a;
-    const Vec3 cross = ab.cross(ac);
+    const Vec3& b = vertices_[corners[1]];
+    const Vec3& c = vertices_[corners[2]];
+    const Vec3 cross = (b - a).cross(c - a);
     const double area2 = cross.norm();
-    const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
-    if (!(area2 > kMinArea * longest2) || !std::isfinite(area2)) {
+    if (!has_area(a, b, c)) {
       pbd::detail::refuse("TriangleMesh: area of triangles[" + std::to_string(t) + "]", "above 0",
                           0.5 * area2);
     }

@@ -57,7 +57,7 @@ double area(const TriangleMesh& mesh) {
 
 std::string refused(const std::string& text) {
   try {
-    parse(text);
+    obj::parse_obj(text, "test.obj", {.strict = true});
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -139,6 +139,45 @@ TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {
                     Contains("no/such/file.obj: file") && Contains("can be read"));
   CHECK_THROWS_WITH(obj::parse_obj(v + "f 1 2 3", "test.obj", {.scale = 0.0}),
                     Contains("scale must be") && Contains("is 0"));
+}
+
+TEST_CASE("load_obj: faces with faults are left out and told with their lines", "[obj]") {
+  const auto left_out = [](const std::string& text, std::size_t triangles) {
+    std::vector<std::string> told;
+    const Mesh mesh = obj::parse_obj(text, "test.obj", {.warnings = &told});
+    CHECK(mesh->triangles().size() == triangles);
+    REQUIRE(told.size() == 1);
+    CHECK_FALSE(refused(text).empty());
+    return told[0];
+  };
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  // Two corners in one place, and a bow tie.
+  CHECK_THAT(left_out(v + "v 0 0 0\nf 1 2 3\nf 1 4 2\n", 1), Contains("test.obj: line 6: faces"));
+  CHECK_THAT(left_out("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 2 1 0\nv 1 5 0\nf 1 2 3 4\nf 1 2 5\n", 1),
+             Contains("line 6: faces") && Contains("cross themselves"));
+  // Three triangles at one edge, by numbers and by positions.
+  CHECK_THAT(left_out(v + "v 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n", 2),
+             Contains("line 8: triangles with another one"));
+  CHECK_THAT(left_out(v + "v 0 0 1\nv 0 0 0\nv 1 0 0\nf 1 2 3\nf 5 6 4\n", 1),
+             Contains("line 8: triangles with another one"));
+  // Nothing is left.
+  CHECK_THROWS(parse(v + "v 0 0 0\nf 1 4 2\n"));
+}
+
+TEST_CASE("load_obj: two quads with three corners in common are cut along two diagonals", "[obj]") {
+  // Both are a little shorter from the first corner to the third.
+  const std::string text =
+      "v 0 0 0\nv 0.5 -1.2 0.3\nv 1 0 0\nv 0.5 0 -0.3\nv 0.5 1.2 0.3\nf 1 2 3 4\nf 1 4 3 5\n";
+  std::vector<std::string> told;
+  const Mesh mesh = obj::parse_obj(text, "test.obj", {.strict = true, .warnings = &told});
+  CHECK(mesh->triangles().size() == 4);
+  CHECK(told.empty());
+  std::size_t joined = 0;
+  for (std::uint32_t t = 0; t < 4; ++t) {
+    for (int k = 0; k < 3; ++k) joined += mesh->neighbour(t, k) != TriangleMesh::kNone;
+  }
+  // Two diagonals and the two edges in common, from both sides.
+  CHECK(joined == 8);
 }
 
 TEST_CASE("load_obj: a file has no more points and triangles than it may", "[obj][fault]") {

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/obj/load_obj.h"
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -10,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "face_cutter.h"
 #include "obj_parser.h"
 #include "tandem/pbd/validate.h"
-#include "triangulate.h"
 
 namespace tandem::obj {
 namespace {
@@ -25,6 +26,23 @@ std::ptrdiff_t number_after(const std::string& message, const std::string& marke
   const std::size_t at = message.find(marker);
   if (at == std::string::npos) return -1;
   return std::strtol(message.c_str() + at + marker.size(), nullptr, 10);
+}
+
+/// Lines of faces, by their faults.
+using FaultyLines = std::array<std::vector<std::size_t>, 4>;
+
+void tell(std::string_view name, const FaultyLines& lines, std::vector<std::string>& out) {
+  const std::array<const char*, 4> kWords{
+      nullptr, "faces without area, or that cross themselves, are left out",
+      "triangles without area are left out",
+      "triangles with another one on the same side of an edge are left out"};
+  for (std::size_t fault = 1; fault < lines.size(); ++fault) {
+    if (lines[fault].empty()) continue;
+    std::string list;
+    for (const std::size_t line : lines[fault])
+      list += (list.empty() ? "" : ", ") + std::to_string(line);
+    out.push_back(std::string(name) + ": line " + list + ": " + kWords[fault]);
+  }
 }
 
 Mesh build(const std::string& text, std::string_view name, const ObjOptions& options) {
@@ -41,6 +59,8 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
   for (pbd::Vec3& vertex : obj.vertices) vertex *= options.scale;
   std::vector<TriangleMesh::Triangle> triangles;
   std::vector<std::size_t> lines;  // of each triangle
+  FaceCutter cutter(obj.vertices, obj.faces);
+  FaultyLines left_out;
   for (const Face& face : obj.faces) {
     // Cutting them into triangles takes the third power of the time.
     constexpr std::size_t kMaxCorners = 256;
@@ -48,12 +68,15 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
       refuse(name, face.line, "corners of a face", "at most " + std::to_string(kMaxCorners),
              std::to_string(face.corners.size()));
     }
-    if (!triangulate(obj.vertices, face.corners, triangles)) {
+    const FaceCutter::Fault fault = cutter.cut(face, options.strict, triangles);
+    if (fault == FaceCutter::Fault::Shape && options.strict) {
       refuse(name, face.line, "face", "one that has an area and does not cross itself");
     }
+    left_out[static_cast<std::size_t>(fault)].push_back(face.line);
     check("triangles", triangles.size(), options.triangles);
     lines.resize(triangles.size(), face.line);
   }
+  if (!options.strict && options.warnings != nullptr) tell(name, left_out, *options.warnings);
   try {
     return TriangleMesh::make(obj.vertices, triangles);
   } catch (const std::invalid_argument& error) {

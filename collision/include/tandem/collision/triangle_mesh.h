@@ -52,6 +52,9 @@ class TANDEM_API TriangleMesh {
   using Triangle = std::array<std::uint32_t, 3>;
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
+  /// Whether make() takes a triangle for one: 1e-9 of its longest edge high, and finite.
+  static bool has_area(const pbd::Vec3& a, const pbd::Vec3& b, const pbd::Vec3& c);
+
   /// Checks and prepares: welds equal corners, finds the neighbours, builds the search tree.
   /// @param vertices  m, in the mesh frame     @param triangles  indices into `vertices`
   /// @throws std::invalid_argument  naming the vertex or triangle: a coordinate that is not
