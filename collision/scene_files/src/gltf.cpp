@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "gltf_colliders.h"
+#include "gltf_extensions.h"
 #include "gltf_joints.h"
 #include "read_bytes.h"
 #include "reader.h"
@@ -96,8 +97,12 @@ class GltfReader {
     if (node.has("scale")) read(node.at("scale"), local.scale);
     const Quat& turn = local.pose.orientation;
     if (!(std::abs(turn.norm() - 1.0) < 1e-3)) node.at("rotation").refuse("a unit quaternion");
-    const bool even = (parent.scale - Vec3::Constant(parent.scale.x())).isZero(1e-9);
-    if (!even && !turn.vec().isZero(1e-9)) node.refuse("not turned below a scale that is uneven");
+    const double size = parent.scale.cwiseAbs().maxCoeff();
+    const bool even =
+        (parent.scale - Vec3::Constant(parent.scale.x())).isZero(kGltfRoundOff * size);
+    if (!even && !turn.vec().isZero(kGltfRoundOff)) {
+      node.at("rotation").refuse("none below a scale that is uneven");
+    }
     return {{parent.pose.to_world(parent.scale.cwiseProduct(local.pose.position)),
              (parent.pose.orientation * turn).normalized()},
             parent.scale.cwiseProduct(local.scale)};
@@ -250,19 +255,22 @@ class GltfReader {
 }  // namespace scene_files
 
 SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options,
-                    const SceneLimits& limits) {
+                    const SceneLimits& limits, bool strict) {
   return parse_gltf(scene_files::read_bytes(path), path.parent_path(), options, path.string(),
-                    limits);
+                    limits, strict);
 }
 
 SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
-                     const SceneOptions& options, std::string_view name,
-                     const SceneLimits& limits) {
-  const scene_files::json document = scene_files::parse_document(text, name);
-  scene_files::Reading reading{.file = name, .limits = scene_files::LimitCount(limits)};
+                     const SceneOptions& options, std::string_view name, const SceneLimits& limits,
+                     bool strict) {
+  scene_files::json document = scene_files::parse_document(text, name);
+  scene_files::rewrite_omi_physics(document);
+  scene_files::Reading reading{
+      .file = name, .limits = scene_files::LimitCount(limits), .strict = strict};
   const scene_files::Place at(document, reading);
   const scene_files::Place asset = at.at("asset");
   if (asset.at("version").text().rfind("2.", 0) != 0) asset.at("version").refuse("2.x");
+  scene_files::check_gltf_extensions(at);
   std::optional<SceneFile> out;
   at.guard([&] { out.emplace(SceneFile{.scene = Scene(options)}); });
   scene_files::GltfReader(at, *out, folder).run();

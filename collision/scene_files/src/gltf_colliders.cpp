@@ -55,8 +55,8 @@ bool GltfColliders::implicit(const Place& index, const Vec3& signed_scale,
   const auto number = [&](const char* key, double other) {
     return values.has(key) ? values.at(key).number() : other;
   };
-  const bool round = std::abs(scale.x() - scale.z()) <= 1e-9 * scale.x();
-  const bool even = round && std::abs(scale.x() - scale.y()) <= 1e-9 * scale.x();
+  const bool round = std::abs(scale.x() - scale.z()) <= kGltfRoundOff * scale.x();
+  const bool even = round && std::abs(scale.x() - scale.y()) <= kGltfRoundOff * scale.x();
   if (type == "box") {
     Vec3 size = Vec3::Ones();
     if (values.has("size")) read(values.at("size"), size);

@@ -14,6 +14,9 @@ namespace tandem::scene_files {
 inline constexpr const char* kGltfPhysics = "KHR_physics_rigid_bodies";
 
 /// Where a node is, as far as it is no shear.
+/// What single precision makes of 0, and of equal numbers as a share of them.
+inline constexpr double kGltfRoundOff = 1e-6;
+
 struct GltfFrame {
   Pose pose;
   Vec3 scale = Vec3::Ones();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "grouped_warnings.h"
+
 namespace tandem::scene_files {
 
 void GltfMeshes::add(const Place& primitive, Mesh& out) {
@@ -71,16 +73,30 @@ collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool h
   std::vector<Vec3> points = read.points;
   for (Vec3& point : points) point = point.cwiseProduct(scale);
   collision::Shape& out = shapes_[key];
-  if (hull) {
-    out = collision::ConvexHull::make(points);
-  } else if (scale.prod() > 0.0) {
-    out = collision::TriangleMesh::make(points, read.triangles);
-  } else {
-    std::vector<collision::TriangleMesh::Triangle> mirrored = read.triangles;
-    for (auto& triangle : mirrored) std::swap(triangle[1], triangle[2]);
-    out = collision::TriangleMesh::make(points, mirrored);
+  if (hull) return out = GltfMeshes::hull(index, points);
+  std::vector<collision::TriangleMesh::Triangle> triangles = read.triangles;
+  if (scale.prod() < 0.0) {  // mirrored
+    for (auto& triangle : triangles) std::swap(triangle[1], triangle[2]);
   }
-  return out;
+  if (!index.strict()) {
+    const std::size_t flat = std::erase_if(triangles, [&](const auto& t) {
+      return !collision::TriangleMesh::has_area(points[t[0]], points[t[1]], points[t[2]]);
+    });
+    if (flat > 0) index.warn(std::to_string(flat) + " triangles without area are left out");
+  }
+  return out = collision::TriangleMesh::make(points, triangles);
+}
+
+collision::Shape GltfMeshes::hull(const Place& index, const std::vector<Vec3>& points) {
+  try {
+    return collision::ConvexHull::make(points);
+  } catch (const std::invalid_argument&) {
+    if (index.strict()) throw;
+    const auto [hull, error] = collision::ConvexHull::simplify(points);
+    index.warn("its hull has more than 128 corners, or is flat: it has the nearest one (by " +
+               short_number(1e3 * error) + " mm)");
+    return hull;
+  }
 }
 
 }  // namespace tandem::scene_files

@@ -20,6 +20,7 @@ struct Reading {
   std::string_view file;
   std::vector<std::string> warnings{};
   LimitCount limits{};
+  bool strict = false;  ///< faults of shapes are errors
 };
 
 /// A value of a document and where it is. It lives no longer than the place that it is in.
@@ -43,6 +44,8 @@ class Place {
 
   [[noreturn]] void refuse(std::string_view rule) const;
   void warn(std::string_view what) const;
+  /// Whether a fault that could be mended is an error.
+  bool strict() const { return reading_->strict; }
   /// One more of what is bounded, or several: refuses where that is too many.
   void count(std::size_t SceneLimits::*what, std::size_t count = 1) const;
   /// Its own values are the colliders of one body.

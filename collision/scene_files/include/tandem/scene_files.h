@@ -92,12 +92,15 @@ TANDEM_API std::string write_scene(const Scene& scene, std::span<const SceneFile
 /// With the file's names.
 TANDEM_API std::string write_scene(const SceneFile& file);
 
-/// glTF 2.0 with KHR_physics_rigid_bodies and KHR_implicit_shapes, drafts of 2025. Its y is up: the
-/// scene is turned so that z is. Buffers are embedded or files in `folder` or below.
+/// glTF 2.0 with KHR_physics_rigid_bodies and KHR_implicit_shapes, drafts of 2025, or with
+/// OMI_physics_body and OMI_physics_shape. Its y is up: the scene is turned so that z is. Buffers
+/// are embedded or files in `folder` or below.
+/// @param strict  hulls of more than 128 corners or flat ones, and triangles without area, are
+///   errors; else they are mended, and told
 TANDEM_API SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options = {},
-                               const SceneLimits& limits = {});
+                               const SceneLimits& limits = {}, bool strict = false);
 TANDEM_API SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
                                 const SceneOptions& options = {}, std::string_view name = "gltf",
-                                const SceneLimits& limits = {});
+                                const SceneLimits& limits = {}, bool strict = false);
 
 }  // namespace tandem

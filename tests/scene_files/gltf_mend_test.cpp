@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// glTF as it is found: single precision, triangles without area, hulls of many corners, and
+// physics by another extension.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/catch.h"
+#include "tandem/scene_files.h"
+
+namespace gltf_test {
+
+using namespace tandem;
+using tandem::testing::refusal;
+
+std::string base64(const std::string& bytes);  // gltf_test.cpp
+
+namespace {
+
+SceneFile parse(const std::string& inside, bool strict = false) {
+  return parse_gltf(std::string(R"({"asset": {"version": "2.0"}, )") + inside + "}", {}, {}, "g",
+                    {}, strict);
+}
+bool tells(const SceneFile& file, const std::string& what) {
+  return std::any_of(file.warnings.begin(), file.warnings.end(), [&](const std::string& warning) {
+    return warning.find(what) != std::string::npos;
+  });
+}
+
+/// Triangles of points as one body, a hull or a mesh.
+std::string solid(const std::vector<float>& points, bool hull) {
+  std::string bytes(points.size() * 4, '\0');
+  std::memcpy(bytes.data(), points.data(), bytes.size());
+  const std::string size = std::to_string(bytes.size());
+  return std::string(R"("buffers": [{"uri": "data:;base64,)") + base64(bytes) +
+         R"(", "byteLength": )" + size + R"(}], "bufferViews": [{"buffer": 0, "byteLength": )" +
+         size + R"(}], "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3",
+         "count": )" +
+         std::to_string(points.size() / 3) +
+         R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+         "nodes": [{"name": "b", "mesh": 0, "extensions": {"KHR_physics_rigid_bodies": {)" +
+         (hull ? R"("motion": {}, )" : "") +
+         R"("collider": {"geometry": {"node": 0, "convexHull": )" + (hull ? "true" : "false") +
+         "}}}}}]";
+}
+
+TEST_CASE("gltf: physics by OMI's extensions loads", "[gltf]") {
+  SceneFile file = parse(R"("extensionsUsed": ["OMI_physics_body", "OMI_physics_shape"],
+    "extensionsRequired": ["OMI_physics_body", "OMI_physics_shape"],
+    "extensions": {"OMI_physics_shape": {"shapes": [{"type": "box", "box": {"size": [1, 2, 3]}},
+       {"type": "capsule"}, {"type": "cylinder"}, {"type": "sphere"}]},
+      "OMI_physics_body": {"physicsMaterials": [{"dynamicFriction": 0.25, "restitution": 1}]}},
+    "nodes": [
+     {"name": "crate", "translation": [0, 5, 0], "extensions": {"OMI_physics_body": {
+       "motion": {"type": "dynamic", "mass": 5, "linearVelocity": [0, 1, 0]},
+       "collider": {"shape": 0, "physicsMaterial": 0}}}},
+     {"name": "pill", "translation": [9, 5, 0], "extensions": {"OMI_physics_body": {
+       "motion": {"type": "dynamic"}, "collider": {"shape": 1}}}},
+     {"name": "lift", "translation": [20, 0, 0], "extensions": {"OMI_physics_body": {
+       "motion": {"type": "kinematic"}, "collider": {"shape": 2}}}},
+     {"name": "floor", "translation": [0, -9, 0], "extensions": {"OMI_physics_body": {
+       "motion": {"type": "static"}, "collider": {"shape": 0}}}},
+     {"name": "zone", "translation": [0, 30, 0], "extensions": {"OMI_physics_body": {
+       "trigger": {"shape": 3}}}}])");
+  CHECK(file.warnings.empty());
+  REQUIRE(file.bodies.size() == 5);
+  const auto& world = file.scene.world();
+  const auto& props = [&](const char* name) { return world.props(file.find(name)); };
+  CHECK(props("crate").mass == 5.0);
+  CHECK(props("crate").inertia(2, 2) == Approx(5.0 * (1.0 + 4.0) / 12.0));
+  CHECK(world.twist(file.find("crate")).linear.isApprox(Vec3(0.0, 0.0, 1.0)));
+  CHECK(props("pill").mass == 1.0);
+  CHECK(props("lift").type == BodyType::Kinematic);
+  CHECK(props("floor").type == BodyType::Static);
+  const auto collider = [&](std::uint32_t i) {
+    return file.scene.shapes().collider(file.scene.shapes().collider_at(i));
+  };
+  CHECK(collider(0).material.friction == 0.25);
+  // Default sizes: of the capsule half a metre around one, of the cylinder two high.
+  CHECK(std::get<collision::Capsule>(collider(1).shape).radius == 0.5);
+  CHECK(std::get<collision::Capsule>(collider(1).shape).half_height == 0.5);
+  CHECK(std::get<collision::Cylinder>(collider(2).shape).half_height == 1.0);
+  CHECK(collider(4).sensor);
+  for (int i = 0; i < 60; ++i) file.scene.step(1.0 / 60.0);
+  CHECK(file.scene.pose(file.find("crate")).position.z() ==
+        Approx(5.0 + 1.0 - 0.5 * 9.81).margin(0.05));
+  CHECK(refusal([] {
+          parse(
+              R"("nodes": [{"extensions": {"OMI_physics_body": {"motion": {"type": "jumps"}}}}])");
+        }).empty());  // a type that OMI has not is told
+  CHECK(tells(parse(R"("nodes": [{"extensions": {"OMI_physics_body": {"motion":
+        {"type": "jumps"}}}}])"),
+              "/motion/type"));
+}
+
+TEST_CASE("gltf: what a file requires is read, or the file is refused", "[gltf][errors]") {
+  const std::string told =
+      refusal([] { parse(R"("extensionsRequired": ["KHR_draco_mesh_compression"])"); });
+  CHECK(told.find("/extensionsRequired/0") != std::string::npos);
+  CHECK(told.find("KHR_draco_mesh_compression") != std::string::npos);
+  CHECK(parse(R"("extensionsRequired": ["KHR_materials_unlit"])").warnings.empty());
+  CHECK(tells(parse(R"("extensionsUsed": ["OMI_physics_joint", "KHR_lights_punctual"])"),
+              "/extensionsUsed/0: OMI_physics_joint is not read"));
+}
+
+TEST_CASE("gltf: round-off of single precision below an uneven scale is none", "[gltf]") {
+  const auto text = [](const char* turn) {
+    return std::string(R"("nodes": [{"scale": [1, 0.5, 1], "children": [1]},
+      {"name": "empty", "translation": [1, 0, 0], "rotation": [0, )") +
+           turn + ", 0, 1]}]";
+  };
+  CHECK_NOTHROW(parse(text("1.1920929e-7")));
+  const std::string told = refusal([&] { parse(text("1e-5")); });
+  CHECK(told.find("/nodes/1/rotation must be none below a scale") != std::string::npos);
+  CHECK(told.find("1e-05") != std::string::npos);
+}
+
+TEST_CASE("gltf: triangles without area are left out, hulls of many corners simplified", "[gltf]") {
+  const std::string sliver =
+      solid({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.5f, 0, 0}, false);
+  const SceneFile file = parse(sliver);
+  CHECK(tells(file, "1 triangles without area"));
+  CHECK(std::get<collision::Mesh>(file.scene.shapes().collider({0, 0}).shape)->triangles().size() ==
+        1);
+  CHECK(refusal([&] { parse(sliver, true); }).find("area of triangles[1]") != std::string::npos);
+
+  std::vector<float> ball;
+  for (int i = 0; i < 300; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / 300.0;
+    const double turn = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
+    const double r = std::sqrt(1.0 - z * z);
+    for (const double x : {r * std::cos(turn), r * std::sin(turn), z}) {
+      ball.push_back(static_cast<float>(x));
+    }
+  }
+  const SceneFile round = parse(solid(ball, true));
+  CHECK(tells(round, "more than 128 corners"));
+  CHECK(round.scene.world().props(round.find("b")).mass ==
+        Approx(1000.0 * 4.0 / 3.0 * std::numbers::pi).epsilon(0.06));
+  CHECK(refusal([&] { parse(solid(ball, true), true); }).find("at most 128") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace gltf_test
