@@ -9,6 +9,7 @@
 
 #include "mjcf_reader.h"
 #include "read_bytes.h"
+#include "schema_trim.h"
 #include "xml_check.h"
 
 namespace tandem {
@@ -33,32 +34,81 @@ class ErrorsThrow {
   void (*warning_)(const char*) = mju_user_warning;
 };
 
-SceneFile build(const std::string& path, const mjVFS* files, const MjcfOptions& options,
-                std::string_view name) {
-  char error[1000] = "";
+/// Texts in memory, as MuJoCo takes them.
+class Files {
+ public:
+  explicit Files(const std::vector<mjcf::Document>& documents) {
+    mj_defaultVFS(files_.get());
+    for (const mjcf::Document& document : documents) {
+      if (!document.changed) continue;
+      const std::string& text = document.text;
+      mj_makeEmptyFileVFS(files_.get(), document.file.c_str(), static_cast<int>(text.size()));
+      const int at = mj_findFileVFS(files_.get(), document.file.c_str());
+      if (at >= 0) std::memcpy(files_->filedata[at], text.data(), text.size());
+    }
+  }
+  Files(const Files&) = delete;
+  Files& operator=(const Files&) = delete;
+  ~Files() { mj_deleteVFS(files_.get()); }
+  const mjVFS* get() const { return files_->nfile > 0 ? files_.get() : nullptr; }
+
+ private:
+  std::unique_ptr<mjVFS> files_ = std::make_unique<mjVFS>();  // too large for a stack
+};
+
+using ModelPointer = std::unique_ptr<mjModel, void (*)(mjModel*)>;
+
+/// By as many readings as it has of what the schema does not know, which goes.
+ModelPointer compile(const std::string& path, std::vector<mjcf::Document>& documents, bool strict,
+                     std::string_view name, std::vector<std::string>& warnings) {
+  constexpr int kReadings = 64;
+  for (int i = 0;; ++i) {
+    char error[1000] = "";
+    const Files files(documents);
+    ModelPointer model(mj_loadXML(path.c_str(), files.get(), error, sizeof error), mj_deleteModel);
+    if (model) {
+      if (error[0] != '\0') warnings.push_back(std::string("MuJoCo: ") + error);
+      return model;
+    }
+    const auto unknown = mjcf::schema_violation(error);
+    const std::size_t count =
+        !strict && unknown && i < kReadings ? mjcf::blank_out(*unknown, documents) : 0;
+    if (count == 0) {
+      throw SceneFileError(pbd::detail::must_be(std::string(name) + ": text", "MJCF", error));
+    }
+    warnings.push_back("<" + unknown->element +
+                       ">: " + (unknown->attribute.empty() ? "the element" : unknown->attribute) +
+                       " is not known to MuJoCo " + mj_versionString() + ", and left out (" +
+                       std::to_string(count) + " times)");
+  }
+}
+
+SceneFile build(const std::string& path, std::vector<mjcf::Document> documents,
+                const MjcfOptions& options, std::string_view name) {
   const ErrorsThrow errors_throw;
-  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
-      mj_loadXML(path.c_str(), files, error, sizeof error), mj_deleteModel);
-  const std::string file(name);
-  if (!model) throw SceneFileError(pbd::detail::must_be(file + ": text", "MJCF", error));
+  std::vector<std::string> warnings;
+  const ModelPointer model = compile(path, documents, options.strict, name, warnings);
   SceneOptions with = options.scene;
   const bool falls = (model->opt.disableflags & mjDSBL_GRAVITY) == 0;
   with.gravity = falls ? mjcf::vec(model->opt.gravity) : Vec3::Zero();
   try {
     SceneFile out{.scene = Scene(with)};
-    if (error[0] != '\0') out.warnings.push_back(std::string("MuJoCo: ") + error);
+    out.warnings = std::move(warnings);
     mjcf::Reader(*model, out, options).run();
     return out;
   } catch (const std::invalid_argument& refused) {
-    throw SceneFileError(file + ": " + refused.what());
+    throw SceneFileError(std::string(name) + ": " + refused.what());
   }
 }
 
 }  // namespace
 
 SceneFile load_mjcf(const std::filesystem::path& path, const MjcfOptions& options) {
-  scene_files::check_xml(scene_files::read_bytes(path), path.string());
-  return build(path.string(), nullptr, options, path.string());
+  std::vector<mjcf::Document> documents{
+      {.file = path.filename().string(), .text = scene_files::read_bytes(path)}};
+  scene_files::check_xml(documents[0].text, path.string());
+  if (!options.strict) mjcf::append_includes(path.parent_path(), documents);
+  return build(path.string(), std::move(documents), options, path.string());
 }
 
 SceneFile parse_mjcf(std::string_view text, const MjcfOptions& options, std::string_view name) {
@@ -67,12 +117,8 @@ SceneFile parse_mjcf(std::string_view text, const MjcfOptions& options, std::str
   if (text.empty()) {
     throw SceneFileError(pbd::detail::must_be(std::string(name) + ": text", "not empty"));
   }
-  const auto files = std::make_unique<mjVFS>();  // too large for a stack
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(text.size()));
-  const std::unique_ptr<mjVFS, void (*)(mjVFS*)> closing(files.get(), mj_deleteVFS);
-  std::memcpy(files->filedata[0], text.data(), text.size());
-  return build("model.xml", files.get(), options, name);
+  return build("model.xml", {{.file = "model.xml", .text = std::string(text), .changed = true}},
+               options, name);
 }
 
 }  // namespace tandem
