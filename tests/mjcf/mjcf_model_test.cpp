@@ -11,6 +11,7 @@
 
 #include "support/bodies.h"
 #include "support/catch.h"
+#include "support/folder.h"
 #include "tandem/mjcf.h"
 #include "tandem/pbd/random.h"
 
@@ -240,6 +241,67 @@ TEST_CASE("mjcf: condim 1 has no friction, a free joint's damping slows, mocap g
   CHECK(is_told(world("<geom name='g' size='1' condim='1'/><geom size='1'/>"), "geom g: condim 1"));
   CHECK(is_told(world("<geom name='g' size='1' margin='.1'/>"), "geom g: margin"));
   CHECK(is_told(world("<geom name='g' size='1' solref='.1 1'/>"), "geom g: solref"));
+}
+
+TEST_CASE("mjcf: joints start at qpos0, at a keyframe, or as near as they may", "[mjcf]") {
+  const std::string text =
+      "<mujoco><option gravity='0 0 0'/><worldbody><body name='a' pos='0 0 1'>"
+      "<joint name='s' type='slide' axis='1 0 0'/>"
+      "<joint name='h' axis='0 1 0' range='30 90' limited='true'/><geom size='.1' pos='0 0 -1'/>"
+      "<body name='b' pos='0 0 -1'><joint name='k' axis='0 1 0' ref='10' range='20 60' "
+      "limited='true'/><geom size='.1'/></body></body></worldbody>"
+      "<keyframe><key name='home' qpos='.5 .75 .6'/></keyframe></mujoco>";
+  const auto check = [](SceneFile& file, double slide, double hinge, double knee) {
+    const Vec3 b(slide - std::sin(hinge), 0.0, 1.0 - std::cos(hinge));
+    const auto stand = [&] {
+      CHECK((file.pose("b").position - b).norm() < 1e-9);
+      CHECK(file.scene.joints().at(file.find_joint("h")).position[3] == Approx(hinge).margin(1e-9));
+      CHECK(file.scene.joints().hinge_angle(file.find_joint("k")) == Approx(knee).margin(1e-9));
+    };
+    stand();
+    for (int i = 0; i < 60; ++i) file.scene.step(1.0 / 60.0);
+    stand();
+  };
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  SceneFile near = parse_mjcf(text);
+  check(near, 0.0, 30.0 * kDegree, 10.0 * kDegree);  // from its ref of 10
+  CHECK(is_told(near, "joint h (by 0.52 rad), k (by 0.17 rad)"));
+  SceneFile home = parse_mjcf(text, {.keyframe = "home"});
+  check(home, 0.5, 0.75, 0.6 - 10.0 * kDegree);
+  CHECK(home.warnings.empty());
+  CHECK(refusal([&] { parse_mjcf(text, {.keyframe = "away"}); }).find("\"away\"") !=
+        std::string::npos);
+}
+
+TEST_CASE("mjcf: what MuJoCo's schema does not know is left out, and told", "[mjcf]") {
+  const std::string text = R"(<mujoco><option><flag nativeccd="enable" gravity="disable"/></option>
+    <worldbody><body name="a"><joint name="j" axis="0 1 0" actuatorfrcrange = '-1 1'
+        range="-10 10" limited="true"/><geom name="actuatorfrcrange" size=".1"/>
+      <body name="b"><joint actuatorfrcrange="-2 2" name="k" axis="1 0 0"/><geom size=".1"/></body>
+    </body></worldbody>
+    <sensor>
+      <novelty name="n"><part name="x"/></novelty>
+      <jointpos joint="j"/>
+    </sensor></mujoco>)";
+  SceneFile file = parse_mjcf(text);
+  CHECK(is_told(file, "<joint>: actuatorfrcrange is not known to MuJoCo"));
+  CHECK(is_told(file, "(2 times)"));
+  CHECK(is_told(file, "<flag>: nativeccd is not known"));
+  CHECK(is_told(file, "<novelty>: the element is not known"));
+  CHECK(is_told(file, "sensor 0: not read"));
+  CHECK(file.scene.world().gravity() == Vec3::Zero());
+  CHECK(file.scene.joints().def(file.find_joint("j")).angular[0].upper ==
+        Approx(std::numbers::pi / 18.0));
+  CHECK(file.find_joint("k") != pbd::JointId{});
+  CHECK(refusal([&] { parse_mjcf(text, {.strict = true}); }).find("unrecognized attribute") !=
+        std::string::npos);
+  // In what a model includes as well.
+  const tandem::testing::Folder folder;
+  folder.write("part.xml",
+               "<mujoco><worldbody><body name='b'><joint actuatorfrcrange='-1 1'/>"
+               "<geom size='.1'/></body></worldbody></mujoco>");
+  const std::string path = folder.write("model.xml", "<mujoco><include file='part.xml'/></mujoco>");
+  CHECK(is_told(load_mjcf(path), "<joint>: actuatorfrcrange"));
 }
 
 }  // namespace

@@ -142,9 +142,10 @@ TEST_CASE("urdf: what moves by itself and has no mass has a tip's", "[urdf]") {
 TEST_CASE("urdf: what is true of many links is told once", "[urdf]") {
   std::string text = std::string("<robot name='r'>") + link("l0");
   for (int i = 1; i < 20; ++i) {
-    const std::string name = std::string("l") + std::to_string(i);
+    const std::string number = std::to_string(i);
+    const std::string name = "l" + number;
     text += link(name, inertial(1.0, "ixx='0' iyy='0' izz='0'"));
-    text += joint(std::string("j") + std::to_string(i), "revolute", "l0", name,
+    text += joint("j" + number, "revolute", "l0", name,
                   "<limit lower='-1' upper='1' effort='1' velocity='1'/><dynamics friction='1'/>");
   }
   const SceneFile file = parse_urdf(text + "</robot>");
@@ -152,6 +153,52 @@ TEST_CASE("urdf: what is true of many links is told once", "[urdf]") {
   CHECK(file.warnings[0].find("l19 (by ") != std::string::npos);
   CHECK(file.warnings[1].find("joint j1, ") == 0);
   CHECK(file.warnings[1].find("j19") != std::string::npos);
+}
+
+/// A knee as all quadrupeds have it, with a shin on it, and a lift that cannot be down.
+std::string leg() {
+  const std::string heavy = inertial(1.0, "ixx='0.01' iyy='0.01' izz='0.01'");
+  return std::string("<robot name='r'>") + link("base") + link("calf", heavy) +
+         link("foot", heavy) + link("lift", heavy) +
+         joint("knee", "revolute", "base", "calf",
+               "<origin xyz='0 0 1'/><axis xyz='0 1 0'/>"
+               "<limit lower='-2.7' upper='-0.9' effort='9' velocity='9'/>") +
+         joint("ankle", "revolute", "calf", "foot",
+               "<origin xyz='0 0 -0.5'/><axis xyz='0 1 0'/>"
+               "<limit lower='0.4' upper='1' effort='9' velocity='9'/>") +
+         joint("up", "prismatic", "base", "lift",
+               "<origin xyz='3 0 0'/><axis xyz='0 0 1'/>"
+               "<limit lower='0.25' upper='1' effort='9' velocity='9'/>") +
+         "</robot>";
+}
+
+TEST_CASE("urdf: what is outside its limits at zero starts within, at rest", "[urdf]") {
+  SceneFile file = parse_urdf(leg());
+  const auto angle = [&](SceneFile& of, const char* name) {
+    return of.scene.joints().hinge_angle(of.find_joint(name));
+  };
+  CHECK(angle(file, "knee") == Approx(-0.9).margin(1e-12));
+  CHECK(angle(file, "ankle") == Approx(0.4).margin(1e-12));
+  // The calf points down at the joints' zero, and has turned by -0.9 about y.
+  const Vec3 foot(0.5 * std::sin(0.9), 0.0, 1.0 - 0.5 * std::cos(0.9));
+  CHECK(file.pose("foot").position.isApprox(foot, 1e-12));
+  CHECK(file.pose("lift").position.isApprox(Vec3(3.0, 0.0, 0.25), 1e-12));
+  CHECK(count_told(file, "joint knee (by 0.9 rad), ") == 1);
+  CHECK(count_told(file, "up (by 0.25 m)") == 1);
+  // Nothing pushes it in: the lift lies on its stop, and without gravity all stay.
+  file.scene.world().set_gravity(Vec3::Zero());
+  for (int i = 0; i < 60; ++i) file.scene.step(1.0 / 60.0);
+  CHECK(file.pose("foot").position.isApprox(foot, 1e-9));
+  CHECK(file.pose("lift").position.z() == Approx(0.25).margin(1e-9));
+
+  SceneFile told = parse_urdf(leg(), {.start = {{"knee", -2.0}, {"up", 0.5}, {"ankle", 9.0}}});
+  CHECK(angle(told, "knee") == Approx(-2.0).margin(1e-12));
+  CHECK(angle(told, "ankle") == Approx(1.0).margin(1e-12));
+  CHECK(told.pose("lift").position.z() == Approx(0.5));
+  CHECK(count_told(told, "knee") == 0);
+  CHECK(refusal([] {
+          parse_urdf(leg(), {.start = {{"nobody", 1.0}}});
+        }).find("start") != std::string::npos);
 }
 
 }  // namespace

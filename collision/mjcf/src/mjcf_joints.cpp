@@ -86,8 +86,7 @@ class JointReader {
 
   [[noreturn]] void refuse() const {
     throw SceneFileError(
-        model_.where(mjOBJ_BODY, body_) +
-        ": joints must be one, or slides at right angles and a hinge or ball, before all slides or "
+        "joints must be one, or slides at right angles and a hinge or ball, before all slides or "
         "behind them, with the hinge's axis along one of them or at right angles to all");
   }
 

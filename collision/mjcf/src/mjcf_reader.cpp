@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "mjcf_joints.h"
+#include "start_in_range.h"
 
 namespace tandem::mjcf {
 
@@ -17,6 +19,7 @@ void Reader::run() {
   const Filters filters(model_);
   for (int g = 0; g < m_.ngeom; ++g) add_geom(g, filters);
   for (int b = 1; b < m_.nbody; ++b) add_joints(b);
+  start();
   tell_rest();
   scene_files::require_within("model", limits_.pairs(out_.scene));
   model_.warnings.append_to(out_.warnings);
@@ -184,12 +187,67 @@ void Reader::add_joints(int b) {
   if (count == 0 || m_.jnt_type[first] == mjJNT_FREE) return;
   scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
   const BodyId parent = at(at(m_.body_parentid[b]).lead).id;
-  const pbd::JointId id = model_.guard(mjOBJ_BODY, b, [&] {
-    return out_.scene.add_joint(
-        joint_def(model_, b, out_.scene.world(), parent, body.id, body.frame));
-  });
-  for (int j = first; j < first + count; ++j) {
-    out_.joints.push_back({model_.name(mjOBJ_JOINT, j), id});
+  joints_.push_back({b, model_.guard(mjOBJ_BODY, b, [&] {
+                       return joint_def(model_, b, out_.scene.world(), parent, body.id, body.frame);
+                     })});
+}
+
+/// Moves all to where they start, and holds them there. Until now they stand at qpos0, which is the
+/// zero of Tandem's coordinates.
+void Reader::start() {
+  std::vector<mjtNum> wanted(m_.qpos0, m_.qpos0 + m_.nq);
+  if (!options_.keyframe.empty()) {
+    const int key = mj_name2id(&m_, mjOBJ_KEY, options_.keyframe.c_str());
+    if (key < 0) {
+      pbd::detail::refuse("MjcfOptions::keyframe", "the name of one of the model's",
+                          '"' + options_.keyframe + '"');
+    }
+    wanted.assign(m_.key_qpos + key * m_.nq, m_.key_qpos + (key + 1) * m_.nq);
+  }
+  bool moved = !options_.keyframe.empty();
+  for (int j = 0; j < m_.njnt; ++j) {
+    const bool turns = m_.jnt_type[j] == mjJNT_HINGE;
+    if (!m_.jnt_limited[j] || model_.off(mjDSBL_LIMIT)) continue;
+    if (!turns && m_.jnt_type[j] != mjJNT_SLIDE) continue;
+    mjtNum& place = wanted[static_cast<std::size_t>(m_.jnt_qposadr[j])];
+    const auto within =
+        scene_files::start_in_range(place, m_.jnt_range[2 * j], m_.jnt_range[2 * j + 1], turns);
+    if (within.moved == 0.0) continue;
+    moved = true;
+    place = within.at;
+    model_.warnings.add("joint",
+                        model_.title(mjOBJ_JOINT, j) + " (by " +
+                            scene_files::short_number(within.moved) + (turns ? " rad)" : " m)"),
+                        "where it was to start is outside its range: it starts at the nearest "
+                        "place");
+  }
+  if (moved) set_poses(wanted);
+  for (Joint& joint : joints_) {
+    const int first = m_.body_jntadr[joint.body];
+    const int count = m_.body_jntnum[joint.body];
+    for (int j = first; moved && j < first + count; ++j) {
+      if (m_.jnt_type[j] != mjJNT_HINGE) continue;
+      const int q = m_.jnt_qposadr[j];
+      const bool turned = joint.def.b != at(joint.body).id;  // the parent in the child's frame
+      joint.def.start = (turned ? -1.0 : 1.0) * (wanted[static_cast<std::size_t>(q)] - m_.qpos0[q]);
+    }
+    const pbd::JointId id =
+        model_.guard(mjOBJ_BODY, joint.body, [&] { return out_.scene.add_joint(joint.def); });
+    for (int j = first; j < first + count; ++j) {
+      out_.joints.push_back({model_.name(mjOBJ_JOINT, j), id});
+    }
+  }
+}
+
+/// By MuJoCo's own kinematics.
+void Reader::set_poses(const std::vector<mjtNum>& coordinates) {
+  const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&m_), mj_deleteData);
+  if (data == nullptr) throw SceneFileError("MuJoCo: no memory for the model's state");
+  std::copy(coordinates.begin(), coordinates.end(), data->qpos);
+  mj_kinematics(&m_, data.get());
+  for (int b = 0; b < m_.nbody; ++b) {
+    if (at(b).lead != b || m_.body_weldid[b] == 0) continue;
+    out_.scene.set_pose(at(b).id, pose_of(data->xpos + 3 * b, data->xquat + 4 * b));
   }
 }
 
@@ -203,7 +261,6 @@ void Reader::tell_rest() {
   all(mjOBJ_EQUALITY, m_.neq);
   all(mjOBJ_SENSOR, m_.nsensor);
   all(mjOBJ_EXCLUDE, m_.nexclude);
-  all(mjOBJ_KEY, m_.nkey);
   if (m_.npair > 0) out_.warnings.push_back("contact pairs are not read");
   if (m_.opt.viscosity != 0.0 || m_.opt.density != 0.0) {
     out_.warnings.push_back("option: the medium's density and viscosity are not read");

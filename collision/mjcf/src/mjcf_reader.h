@@ -44,6 +44,8 @@ class Reader {
   collision::Hull hull(int geom);
   collision::Hull hull_of(int mesh, const std::vector<Vec3>& points);
   void add_joints(int body);
+  void start();
+  void set_poses(const std::vector<mjtNum>& coordinates);
   void tell_rest();
 
   Model model_;
@@ -52,6 +54,11 @@ class Reader {
   const MjcfOptions& options_;
   std::vector<Body> bodies_;
   std::map<int, collision::Hull> hulls_;
+  struct Joint {
+    int body;
+    pbd::SixDofJointDef def;
+  };
+  std::vector<Joint> joints_;
   scene_files::LimitCount limits_;
 };
 

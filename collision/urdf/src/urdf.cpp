@@ -15,6 +15,7 @@
 #include "limit_count.h"
 #include "read_bytes.h"
 #include "rigid_parts.h"
+#include "start_in_range.h"
 #include "xml_check.h"
 
 namespace tandem {
@@ -48,8 +49,11 @@ class UrdfReader {
         add(link.link->name, *shape, solid.body, in_body, solid.origin);
       }
       if (link.link == solid.lead && link.link->parent_joint) {
-        joint(*link.link->parent_joint, link.frame, solids_[solid.parent].body, solid.body);
+        joint(*link.link->parent_joint, link.frame, solid);
       }
+    }
+    if (starts_found_ < options_.start.size()) {
+      throw SceneFileError("UrdfOptions::start: names must be those of joints of the robot");
     }
     scene_files::require_within("robot", limits_.pairs(out_.scene));
     warnings_.append_to(out_.warnings);
@@ -64,6 +68,7 @@ class UrdfReader {
     bool fixed = false;                ///< to the world
     scene_files::RigidParts parts;     ///< in the lead's frame
     std::size_t shapes = 0;
+    double start = 0.0;          ///< m or rad, of the joint that it hangs on
     Vec3 origin = Vec3::Zero();  ///< m, the lead's frame from the centre of mass
     BodyId body;
   };
@@ -90,13 +95,13 @@ class UrdfReader {
   void collect(const urdf::Link& root) {
     struct Open {
       const urdf::Link* link;
-      Pose frame;
+      Pose frame;          // at its joint's zero
       std::size_t parent;  // in solids_
     };
     std::vector<Open> open{{&root, options_.base, 0}};
     std::unordered_set<const urdf::Link*> seen;
     while (!open.empty()) {
-      const Open at = open.back();
+      Open at = open.back();
       open.pop_back();
       if (!seen.insert(at.link).second) {
         throw SceneFileError(pbd::detail::must_be("link " + at.link->name + ": joints to parents",
@@ -106,10 +111,15 @@ class UrdfReader {
       const bool held = joint && joint->type == urdf::Joint::FIXED;
       const bool fixed = joint ? held && solids_[at.parent].fixed : options_.fixed_base;
       const bool part = held && !fixed;
+      const double start = joint ? start_of(*joint) : 0.0;
+      if (start != 0.0) at.frame = at.frame * motion(*joint, start);
       const std::size_t solid = part ? at.parent : solids_.size();
       if (!part) {
-        solids_.push_back(
-            {.lead = at.link, .frame = at.frame, .parent = at.parent, .fixed = fixed});
+        solids_.push_back({.lead = at.link,
+                           .frame = at.frame,
+                           .parent = at.parent,
+                           .fixed = fixed,
+                           .start = start});
       }
       links_.push_back({at.link, at.frame, solid});
       solids_[solid].shapes += at.link->collision_array.size();
@@ -120,6 +130,36 @@ class UrdfReader {
         open.push_back({child->get(), at.frame * pose_of(origin), solid});
       }
     }
+  }
+
+  /// Where the joint is to start: at the caller's place or 0, or as near as its limits let it.
+  double start_of(const urdf::Joint& joint) {
+    const auto named = options_.start.find(joint.name);
+    const double wanted = named == options_.start.end() ? 0.0 : named->second;
+    starts_found_ += named == options_.start.end() ? 0 : 1;
+    const bool slides = joint.type == urdf::Joint::PRISMATIC;
+    const bool turns = joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+    if (!slides && !turns) {
+      if (named == options_.start.end()) return 0.0;
+      guard("joint " + joint.name,
+            [] { pbd::detail::refuse("UrdfOptions::start", "of joints that turn or slide"); });
+    }
+    const bool limited = joint.limits && joint.type != urdf::Joint::CONTINUOUS;
+    if (!limited || !(joint.limits->lower <= joint.limits->upper)) return wanted;
+    const scene_files::JointStart start =
+        scene_files::start_in_range(wanted, joint.limits->lower, joint.limits->upper, turns);
+    if (start.moved == 0.0) return wanted;
+    warnings_.add(
+        "joint",
+        joint.name + " (by " + scene_files::short_number(start.moved) + (turns ? " rad)" : " m)"),
+        "where it was to start is outside its limits: it starts at the nearest place");
+    return start.at;
+  }
+
+  static Pose motion(const urdf::Joint& joint, double at) {
+    const Vec3 axis = vec(joint.axis).normalized();
+    if (joint.type == urdf::Joint::PRISMATIC) return {at * axis, Quat::Identity()};
+    return {Vec3::Zero(), Quat(Eigen::AngleAxisd(at, axis))};
   }
 
   void weigh(const urdf::Link& link, const Pose& frame, Solid& solid) {
@@ -222,7 +262,7 @@ class UrdfReader {
     guard(where, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
   }
 
-  void joint(const urdf::Joint& joint, const Pose& frame, BodyId parent, BodyId child) {
+  void joint(const urdf::Joint& joint, const Pose& frame, const Solid& solid) {
     const std::string where = "joint " + joint.name;
     const auto warn = [&](const char* text) { warnings_.add("joint", joint.name, text); };
     if (joint.mimic) warn("mimic is not kept: it moves freely");
@@ -246,9 +286,22 @@ class UrdfReader {
     const Vec3 direction = frame.orientation * vec(joint.axis);
     const pbd::JointId id = guard(where, [&] {
       const auto& world = out_.scene.world();
-      return out_.scene.add_joint(
+      const BodyId parent = solids_[solid.parent].body;
+      pbd::SixDofJointDef def =
           shaped(joint.type, axis,
-                 pbd::six_dof_joint_at(world, parent, child, frame.position, direction)));
+                 pbd::six_dof_joint_at(world, parent, solid.body, frame.position, direction));
+      if (solid.start != 0.0) {
+        // Its zero is where the file has it, not where it starts.
+        pbd::JointFrame& zero = def.frame_a;
+        if (joint.type == urdf::Joint::PRISMATIC) {
+          zero.anchor -= zero.basis * (solid.start * Vec3::UnitX());
+        } else {
+          zero.basis =
+              (zero.basis * Quat(Eigen::AngleAxisd(-solid.start, Vec3::UnitX()))).normalized();
+        }
+        def.start = solid.start;
+      }
+      return out_.scene.add_joint(def);
     });
     out_.joints.push_back({joint.name, id});
   }
@@ -272,6 +325,7 @@ class UrdfReader {
   std::int32_t group_;
   std::vector<Link> links_;
   std::vector<Solid> solids_;
+  std::size_t starts_found_ = 0;
   pbd::World scratch_;  ///< says whether a mass is one
   scene_files::GroupedWarnings warnings_;
   scene_files::LimitCount limits_{options_.limits};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "tandem/pbd/export.h"
@@ -13,10 +14,15 @@ namespace tandem {
 struct TANDEM_API MjcfOptions {
   SceneOptions scene;  ///< gravity is the model's
   SceneLimits limits;
-  bool strict = false;  ///< meshes with hulls of more than 128 corners, or flat ones, are errors
+  std::string keyframe;  ///< of the model, where joints start; empty: at qpos0
+  /// Meshes with hulls of more than 128 corners or flat ones, and what MuJoCo's schema does not
+  /// know, are errors. Else the nearest hull is taken, what is not known is left out, and both are
+  /// told.
+  bool strict = false;
 };
 
-/// A model by MJCF, compiled by Debian's MuJoCo: bodies at qpos0 with the masses that MuJoCo finds,
+/// A model by MJCF, compiled by Debian's MuJoCo: bodies at qpos0, a keyframe, or as near to it as
+/// ranges let them, with the masses that MuJoCo finds,
 /// geoms, joints with ranges, springs and damping, gravity. Bodies without joints are parts of
 /// those that they are fixed to; SceneFile::pose() is that of any body's frame. Mocap bodies are
 /// kinematic. Geoms meet by their contype and conaffinity as in MuJoCo, but bodies of one tree do

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
 #include <string_view>
 
 #include "tandem/pbd/export.h"
@@ -18,14 +21,18 @@ struct TANDEM_API UrdfOptions {
   double tip_radius = 0.01;  ///< m, > 0, of the ball whose inertia those have
   /// Masses of 0 and inertias that no body can have are errors. Else they are mended, and told.
   bool strict = false;
+  /// m or rad, by joint; all others start at 0. What is outside a joint's limits starts at the
+  /// nearest place within, and is told.
+  std::map<std::string, double, std::less<>> start = {};
   SceneLimits limits;
 };
 
-/// A robot by URDF, read with Debian's urdfdom: links as bodies, at all joints' zero, joints with
-/// limits, damping and effort. Links on fixed joints are parts of the body that they are fixed to,
-/// with their inertia; SceneFile::pose() is that of any link's frame. Links of one robot do not
-/// meet each other. Told as warnings: meshes, friction of joints, mimic joints, transmissions and
-/// what else urdfdom does not know, masses of 0 and inertias that no body can have.
+/// A robot by URDF, read with Debian's urdfdom: links as bodies, at all joints' zero or as
+/// near to it as limits let them, joints with limits, damping and effort. Links on fixed joints are
+/// parts of the body that they are fixed to, with their inertia; SceneFile::pose() is that of any
+/// link's frame. Links of one robot do not meet each other. Told as warnings: meshes, friction of
+/// joints, mimic joints, transmissions and what else urdfdom does not know, masses of 0 and
+/// inertias that no body can have.
 /// @throws SceneFileError
 TANDEM_API SceneFile load_urdf(const std::filesystem::path& path, const UrdfOptions& options = {});
 TANDEM_API SceneFile parse_urdf(std::string_view text, const UrdfOptions& options = {},
